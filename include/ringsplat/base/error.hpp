@@ -1,0 +1,32 @@
+#pragma once
+#include <stdexcept>
+#include <string>
+
+namespace ringsplat {
+
+/// What the process exits with (docs/design.md, "Command line").
+enum class ExitCode : int { done = 0, comparison_failed = 1, bad_input = 2, run_failed = 3 };
+
+/// An error for people: `what()` is one line "WHAT IS WRONG, WHERE; hint: WHAT TO DO".
+class Error : public std::runtime_error {
+ public:
+  Error(ExitCode code, const std::string& problem, const std::string& hint);
+  ExitCode exit_code() const { return code_; }
+
+ private:
+  ExitCode code_;
+};
+
+/// Wrong usage or bad input: found before any frame, exit code 2.
+struct InputError : Error {
+  InputError(const std::string& problem, const std::string& hint = {})
+      : Error(ExitCode::bad_input, problem, hint) {}
+};
+
+/// A failure while running (a rank, MPI, the disk, a broken protocol), exit code 3.
+struct RunError : Error {
+  RunError(const std::string& problem, const std::string& hint = {})
+      : Error(ExitCode::run_failed, problem, hint) {}
+};
+
+}  // namespace ringsplat

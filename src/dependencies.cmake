@@ -1,0 +1,27 @@
+# Every library the project uses, found once; README.md says what each is for.
+find_package(Threads REQUIRED)
+find_package(MPI REQUIRED COMPONENTS CXX)
+find_package(glm CONFIG REQUIRED)
+find_package(fmt CONFIG REQUIRED)
+find_package(spdlog CONFIG REQUIRED)
+find_package(CLI11 CONFIG REQUIRED)
+find_package(nlohmann_json CONFIG REQUIRED)
+find_package(hwy CONFIG REQUIRED)
+find_package(ZLIB REQUIRED)
+# Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
+set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
+find_package(ITK REQUIRED COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIOMeta ITKMetaIO ITKIONIFTI ITKNIFTI
+             ITKIOGDCM ITKIOTIFF ITKIOVTK)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
+
+# Debian's OpenImageIO CMake package names an include folder of another package
+# (OpenEXR's Imath); pkg-config describes the same library without it.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
+
+# ITK 5.2 describes itself by variables; this target carries only what the readers need.
+if(NOT TARGET ringsplat_itk)
+  add_library(ringsplat_itk INTERFACE)
+  target_include_directories(ringsplat_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
+  target_link_libraries(ringsplat_itk INTERFACE ${ITK_LIBRARIES})
+endif()
