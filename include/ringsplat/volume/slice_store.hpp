@@ -1,0 +1,73 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat {
+
+/// One slice as a GP sees it: row-major, u fastest (in_plane(axis)), native scalars.
+struct SliceView {
+  Axis axis = Axis::z;
+  int index = 0;
+  int width = 0, height = 0;
+  ScalarType type = ScalarType::uint8;
+  const std::byte* values = nullptr;       ///< width * height scalars
+  const std::uint16_t* normals = nullptr;  ///< width * height quantised normals, or null when unshaded
+};
+
+/// GP `g` of `G` owns slices s ≡ g (mod G) of every kept axis (Neumann 1992, section 3: a static,
+/// interleaved slab distribution). Owns its memory; slices start out zero.
+class SliceStore {
+ public:
+  SliceStore() = default;
+  SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals);
+
+  const Grid& grid() const { return grid_; }
+  bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
+  bool owns(int slice) const { return slice % gps_ == gp_; }
+  /// The slices this GP owns of an axis with `slices` of them.
+  static int owned_count(int slices, int gp, int gps) {
+    return gp < slices ? (slices - gp - 1) / gps + 1 : 0;
+  }
+
+  SliceView slice(Axis axis, int index) const;
+  std::span<std::byte> values(Axis axis, int index);
+  std::span<std::uint16_t> normals(Axis axis, int index);  ///< empty when unshaded
+
+  /// Bytes a GP needs for its slices: what `info` predicts and the store allocates.
+  static std::uint64_t bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
+                                    bool with_normals);
+  std::uint64_t allocated_bytes() const;
+
+ private:
+  struct Set {
+    std::vector<std::byte> values;
+    std::vector<std::uint16_t> normals;
+  };
+  std::size_t local(int index) const { return std::size_t(index / gps_); }
+
+  Grid grid_;
+  int gp_ = 0, gps_ = 1;
+  std::array<bool, 3> kept_{};
+  bool with_normals_ = false;
+  std::array<Set, 3> sets_;
+};
+
+/// A z slice's share for one GP of the slices perpendicular to x or y, and back: the
+/// exchange by which GPs that read z slices come by their slices of the other axes.
+///
+/// `pack_columns` appends, for each slice s ≡ gp (mod gps) of `axis` (x or y, else std::invalid_argument),
+/// the one line of the z slice that lies in it: its values, then its normals when `normals` is not empty.
+/// `values` and `normals` are the whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns`
+/// puts such bytes into the store of GP `gp` of `gps` as row z of its slices; returns false when they
+/// are not of the right size.
+void pack_columns(const Grid& grid, Axis axis, int gp, int gps, std::span<const std::byte> values,
+                  std::span<const std::uint16_t> normals, std::vector<std::byte>& out);
+[[nodiscard]] bool unpack_columns(SliceStore& store, Axis axis, int gp, int gps, int z, bool with_normals,
+                                  std::span<const std::byte> in);
+
+}  // namespace ringsplat

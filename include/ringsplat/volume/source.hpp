@@ -1,0 +1,58 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat {
+
+/// Where voxels come from, read by whole z slices.
+class VolumeSource {
+ public:
+  virtual ~VolumeSource() = default;
+  virtual const Grid& grid() const = 0;
+
+  /// True when every process may read its own slices at once (raw encoding, analytic, in memory
+  /// everywhere); false when one process has to decode the file in order.
+  virtual bool concurrent() const = 0;
+
+  /// Reads z slices [first, first + count) into `out` (count * grid().slice_bytes(Axis::z) bytes) in
+  /// native byte order. A source that is not concurrent is cheapest when read in ascending order,
+  /// each slice once. Throws InputError naming the file (truncated, unreadable).
+  virtual void read_slices(int first, int count, std::span<std::byte> out) = 0;
+};
+
+/// What the command line says of a raw file; fields left out come from its name
+/// (`name_256x256x128_uint8.raw`).
+struct RawDescription {
+  std::optional<glm::ivec3> dims;
+  std::optional<ScalarType> type;
+  std::optional<bool> big_endian;
+  std::optional<std::uint64_t> offset;  ///< bytes before the first voxel
+  std::optional<glm::dvec3> spacing;
+  bool empty() const { return !dims && !type && !big_endian && !offset && !spacing; }
+};
+
+/// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .img/.hdr), a DICOM folder
+/// (or one .dcm file of a series), TIFF (one multi-page file or a folder of pages), VTK (.vtk) or a raw file.
+/// For files that describe themselves only `raw.spacing` may be given; it replaces theirs.
+///
+/// World coordinates are ITK's: patient left-posterior-superior where the file says how it lies in the
+/// patient (DICOM, NIfTI, whose right-anterior-superior is converted, NRRD with a `space`, MetaImage);
+/// else (plain spacings, TIFF, raw) the lattice's own axes.
+///
+/// Whole slices are decoded one after another, without holding the volume, except where ITK alone can
+/// decode: text encodings, volumes in several NRRD or MetaImage files, multi-frame DICOM.
+///
+/// Checks that the file is as long as its header says before anything is allocated.
+/// Throws InputError: what is wrong, in which file and field, what to do.
+std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw = {});
+
+/// A volume that lies in memory; `voxels` (grid.bytes() bytes, native order) must outlive the source.
+std::unique_ptr<VolumeSource> memory_source(const Grid& grid, std::span<const std::byte> voxels);
+
+}  // namespace ringsplat

@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+
+#include "ringsplat/volume/source.hpp"
+
+/// One function a format; each throws InputError naming the file. `path` exists.
+namespace ringsplat::detail {
+
+std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path);
+std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path);
+std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path);
+std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path);
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path);  ///< one file or a folder
+/// A folder with one series, or one file of a series: then that series.
+std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path);
+std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
+
+bool is_tiff(const std::filesystem::path& path);
+
+}  // namespace ringsplat::detail

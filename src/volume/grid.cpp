@@ -1,0 +1,98 @@
+#include "ringsplat/volume/grid.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "ringsplat/base/error.hpp"
+#include "volume/text.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr std::array<std::string_view, 8> type_names{"int8",  "uint8",  "int16",   "uint16",
+                                                     "int32", "uint32", "float32", "float64"};
+
+constexpr std::array<std::pair<std::string_view, ScalarType>, 27> type_aliases{{
+    {"i8", ScalarType::int8},
+    {"schar", ScalarType::int8},
+    {"signed char", ScalarType::int8},
+    {"int8_t", ScalarType::int8},
+    {"u8", ScalarType::uint8},
+    {"uchar", ScalarType::uint8},
+    {"byte", ScalarType::uint8},
+    {"unsigned char", ScalarType::uint8},
+    {"uint8_t", ScalarType::uint8},
+    {"i16", ScalarType::int16},
+    {"short", ScalarType::int16},
+    {"int16_t", ScalarType::int16},
+    {"u16", ScalarType::uint16},
+    {"ushort", ScalarType::uint16},
+    {"uint16_t", ScalarType::uint16},
+    {"unsigned short", ScalarType::uint16},
+    {"i32", ScalarType::int32},
+    {"int", ScalarType::int32},
+    {"int32_t", ScalarType::int32},
+    {"u32", ScalarType::uint32},
+    {"uint", ScalarType::uint32},
+    {"uint32_t", ScalarType::uint32},
+    {"unsigned int", ScalarType::uint32},
+    {"f32", ScalarType::float32},
+    {"float", ScalarType::float32},
+    {"f64", ScalarType::float64},
+    {"double", ScalarType::float64},
+}};
+
+bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+}  // namespace
+
+std::size_t size_of(ScalarType type) {
+  return visit_type(type, [](auto value) { return sizeof(value); });
+}
+
+std::string to_string(ScalarType type) { return std::string(type_names[std::size_t(type)]); }
+
+ScalarType scalar_type_from(const std::string& name) {
+  const std::string lower = detail::lower_case(name);
+  for (std::size_t i = 0; i < type_names.size(); ++i)
+    if (type_names[i] == lower) return ScalarType(i);
+  for (const auto& [alias, type] : type_aliases)
+    if (alias == lower) return type;
+  throw InputError(fmt::format("'{}' is not a scalar type", name),
+                   "use one of " + detail::comma_list(type_names));
+}
+
+void check(const Grid& grid, const std::string& where) {
+  const auto& d = grid.dims;
+  if (d.x < 1 || d.y < 1 || d.z < 1)
+    throw InputError(fmt::format("{}: dimensions {} x {} x {}", where, d.x, d.y, d.z),
+                     "every dimension must be at least 1");
+  const auto most = std::numeric_limits<std::int64_t>::max() / std::int64_t(size_of(grid.type));
+  if (std::int64_t(d.x) * d.y > most / d.z)
+    throw InputError(fmt::format("{}: {} x {} x {} voxels of {} overflow 64 bits", where, d.x, d.y, d.z,
+                                 to_string(grid.type)),
+                     "correct the sizes in the header");
+  const auto& s = grid.spacing;
+  if (!finite(s) || s.x <= 0 || s.y <= 0 || s.z <= 0)
+    throw InputError(fmt::format("{}: spacing {} {} {}", where, s.x, s.y, s.z),
+                     "give a positive spacing, for example with --spacing 1 1 1");
+  if (!finite(grid.origin))
+    throw InputError(fmt::format("{}: the origin is not finite", where), "correct the origin in the header");
+  double lengths = 1;
+  for (int i = 0; i < 3; ++i) lengths *= glm::length(grid.direction[i]);
+  // A shear this flat has no usable normals; scanners tilt by 30 degrees at most.
+  constexpr double flattest = 1e-3;
+  const double volume = std::abs(glm::determinant(grid.direction));
+  if (!std::isfinite(lengths) || !(volume > flattest * lengths))
+    throw InputError(fmt::format("{}: the direction matrix is singular", where),
+                     "correct the orientation in the header");
+}
+
+}  // namespace ringsplat

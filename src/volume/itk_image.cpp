@@ -1,0 +1,132 @@
+#include "volume/itk_image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace ringsplat::detail {
+namespace {
+
+/// A 2D image's axes have two components; its third axis stays z.
+glm::dvec3 vec3(const std::vector<double>& values) {
+  glm::dvec3 v(0);
+  for (std::size_t i = 0; i < 3 && i < values.size(); ++i) v[int(i)] = values[i];
+  return v;
+}
+
+class ItkSource final : public VolumeSource {
+ public:
+  ItkSource(itk::ImageIOBase::Pointer io, const Grid& grid, std::filesystem::path path)
+      : io_(std::move(io)), grid_(grid), path_(std::move(path)) {}
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return false; }
+
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    if (voxels_.empty()) load();
+    const auto bytes = grid_.slice_bytes(Axis::z);
+    std::memcpy(out.data(), voxels_.data() + std::size_t(first) * bytes, std::size_t(count) * bytes);
+  }
+
+ private:
+  void load() {
+    std::vector<std::byte> voxels(grid_.bytes());
+    with_itk(path_, [&] {
+      itk::ImageIORegion whole(io_->GetNumberOfDimensions());
+      for (unsigned i = 0; i < io_->GetNumberOfDimensions(); ++i) whole.SetSize(i, io_->GetDimensions(i));
+      io_->SetIORegion(whole);
+      io_->Read(voxels.data());
+    });
+    voxels_ = std::move(voxels);
+  }
+
+  itk::ImageIOBase::Pointer io_;
+  Grid grid_;
+  std::filesystem::path path_;
+  std::vector<std::byte> voxels_;
+};
+
+}  // namespace
+
+QuietItk::QuietItk()
+    : out_(std::cout.rdbuf(sink_.rdbuf())),
+      err_(std::cerr.rdbuf(sink_.rdbuf())),
+      warnings_(itk::Object::GetGlobalWarningDisplay()) {
+  itk::Object::SetGlobalWarningDisplay(false);
+}
+
+QuietItk::~QuietItk() {
+  itk::Object::SetGlobalWarningDisplay(warnings_);
+  std::cout.rdbuf(out_);
+  std::cerr.rdbuf(err_);
+}
+
+std::string description_of(const itk::ExceptionObject& error) {
+  const std::string text = one_line(error.GetDescription());
+  const auto address = text.rfind("(0x", text.find("): "));
+  return address == std::string::npos ? text : text.substr(text.find("): ") + 3);
+}
+
+ScalarType scalar_type_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
+  using Component = itk::IOComponentEnum;
+  switch (io.GetComponentType()) {
+    case Component::CHAR:
+      return ScalarType::int8;
+    case Component::UCHAR:
+      return ScalarType::uint8;
+    case Component::SHORT:
+      return ScalarType::int16;
+    case Component::USHORT:
+      return ScalarType::uint16;
+    case Component::INT:
+      return ScalarType::int32;
+    case Component::UINT:
+      return ScalarType::uint32;
+    case Component::FLOAT:
+      return ScalarType::float32;
+    case Component::DOUBLE:
+      return ScalarType::float64;
+    default:
+      break;
+  }
+  throw InputError(fmt::format("{}: voxels of type {} cannot be rendered", path.string(),
+                               itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType())),
+                   "convert them to int32, uint32 or float32 first");
+}
+
+Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
+  if (io.GetNumberOfComponents() != 1)
+    throw InputError(fmt::format("{}: {} values per voxel", path.string(), io.GetNumberOfComponents()),
+                     "only scalar volumes can be rendered: extract one channel");
+  Grid grid;
+  grid.type = scalar_type_of(io, path);
+  const unsigned dimensions = io.GetNumberOfDimensions();
+  for (unsigned i = 0; i < dimensions; ++i) {
+    const auto size = io.GetDimensions(i);
+    if (i >= 3 && size > 1)
+      throw InputError(fmt::format("{}: {} dimensions", path.string(), dimensions),
+                       "extract one volume of the series");
+    if (size > std::size_t(std::numeric_limits<int>::max()))
+      throw InputError(fmt::format("{}: {} voxels along axis {}", path.string(), size, i),
+                       "correct the sizes in the header");
+  }
+  grid.dims = glm::ivec3(1);
+  for (unsigned i = 0; i < std::min(dimensions, 3U); ++i) {
+    grid.dims[int(i)] = int(io.GetDimensions(i));
+    grid.spacing[int(i)] = io.GetSpacing(i);
+    grid.origin[int(i)] = io.GetOrigin(i);
+    grid.direction[int(i)] = vec3(io.GetDirection(i));
+  }
+  check(grid, path.string());
+  return grid;
+}
+
+std::unique_ptr<VolumeSource> itk_source(itk::ImageIOBase::Pointer io, const Grid& grid,
+                                         const std::filesystem::path& path) {
+  return std::make_unique<ItkSource>(std::move(io), grid, path);
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,62 @@
+#pragma once
+#include <itkImageIOBase.h>
+
+#include <filesystem>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/volume/source.hpp"
+#include "volume/text.hpp"
+
+namespace ringsplat::detail {
+
+/// While it lives, what ITK and the libraries in it print goes nowhere: their errors come as
+/// exceptions, and stdout is for results. Not for several threads at once.
+class QuietItk {
+ public:
+  QuietItk();
+  ~QuietItk();
+  QuietItk(const QuietItk&) = delete;
+  QuietItk& operator=(const QuietItk&) = delete;
+
+ private:
+  std::ostringstream sink_;
+  std::streambuf *out_, *err_;
+  bool warnings_;
+};
+
+/// One line, without the class and the address that ITK puts in front.
+std::string description_of(const itk::ExceptionObject& error);
+
+/// Runs `f` with ITK kept quiet and its exceptions turned into an InputError that names the file.
+template <class F>
+decltype(auto) with_itk(const std::filesystem::path& path, F&& f) {
+  std::string problem;
+  try {
+    const QuietItk quiet;
+    return f();
+  } catch (const Error&) {
+    throw;
+  } catch (const itk::ExceptionObject& error) {
+    problem = description_of(error);
+  } catch (const std::exception& error) {
+    problem = one_line(error.what());
+  }
+  throw InputError("cannot read " + path.string() + ": " + problem, "check the file with another viewer");
+}
+
+/// The C++ type of ITK's component; throws InputError for types no volume may have (64-bit integers).
+ScalarType scalar_type_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
+
+/// The grid an ImageIO found by ReadImageInformation. Throws InputError for vectors, colours, 64-bit
+/// integers, more than three dimensions, and what check() refuses. A 2D image is one slice.
+Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
+
+/// A source for the encodings ITK alone can decode, and only as a whole: the first read holds the
+/// whole volume. Not concurrent.
+std::unique_ptr<VolumeSource> itk_source(itk::ImageIOBase::Pointer io, const Grid& grid,
+                                         const std::filesystem::path& path);
+
+}  // namespace ringsplat::detail

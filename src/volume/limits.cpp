@@ -1,0 +1,50 @@
+#include "volume/limits.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <vector>
+
+#include "ringsplat/base/error.hpp"
+#include "volume/input_file.hpp"
+
+namespace ringsplat::detail {
+
+void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::uint64_t offset,
+                   std::uint64_t bytes) {
+  if (size >= offset && size - offset >= bytes) return;
+  throw InputError(fmt::format("{}: the header promises {} bytes of voxels, the file holds {}", file.string(),
+                               bytes, size > offset ? size - offset : 0),
+                   "the file was cut short or its sizes are wrong");
+}
+
+void require_compressed_bytes(const std::filesystem::path& file, std::uint64_t available, std::uint64_t bytes,
+                              std::uint64_t best_ratio) {
+  if (bytes / best_ratio <= available) return;
+  throw InputError(fmt::format("{}: the header promises {} bytes of voxels, the file's {} compressed bytes "
+                               "cannot hold that many",
+                               file.string(), bytes, available),
+                   "the file was cut short or its sizes are wrong");
+}
+
+void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count) {
+  const InputFile input(file);
+  std::vector<std::byte> window(64 * 1024);
+  std::uint64_t found = 0;
+  bool in_word = false;
+  while (found < count) {
+    const auto got = input.read_some(offset, window);
+    if (got == 0)
+      throw InputError(
+          fmt::format("{}: the header promises {} numbers, the file holds {}", file.string(), count, found),
+          "the file was cut short or its sizes are wrong");
+    for (std::size_t i = 0; i < got; ++i) {
+      const bool blank = std::isspace(std::to_integer<int>(window[i])) != 0;
+      found += !blank && !in_word;
+      in_word = !blank;
+    }
+    offset += got;
+  }
+}
+
+}  // namespace ringsplat::detail

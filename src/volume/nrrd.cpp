@@ -1,0 +1,121 @@
+#include <NrrdIO.h>
+#include <fmt/format.h>
+#include <itkNrrdImageIO.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <string>
+
+#include "volume/formats.hpp"
+#include "volume/input_file.hpp"
+#include "volume/itk_image.hpp"
+#include "volume/limits.hpp"
+#include "volume/stored_source.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+/// NrrdIO, the format's own library, reads the header and stops at the first byte of the voxels.
+class NrrdHeader {
+ public:
+  explicit NrrdHeader(const std::filesystem::path& path)
+      : path_(path), nrrd_(nrrdNew()), io_(nrrdIoStateNew()) {
+    nrrdIoStateSet(io_, nrrdIoStateSkipData, 1);
+    nrrdIoStateSet(io_, nrrdIoStateKeepNrrdDataFileOpen, 1);
+    if (nrrdLoad(nrrd_, path.c_str(), io_) != 0) {
+      const std::string problem = take_error();
+      release();
+      throw InputError(fmt::format("{} is not a readable NRRD file: {}", path.string(), problem),
+                       "see teem.sourceforge.net/nrrd for the format");
+    }
+  }
+  ~NrrdHeader() { release(); }
+  NrrdHeader(const NrrdHeader&) = delete;
+  NrrdHeader& operator=(const NrrdHeader&) = delete;
+
+  const NrrdIoState& io() const { return *io_; }
+  /// ITK keeps the low 32 bits of a larger size.
+  void require_sizes_of_int() const {
+    for (unsigned i = 0; i < nrrd_->dim; ++i)
+      if (nrrd_->axis[i].size > std::size_t(std::numeric_limits<int>::max()))
+        throw InputError(fmt::format("{}: {} voxels along axis {}", path_.string(), nrrd_->axis[i].size, i),
+                         "correct the sizes in the header");
+  }
+  bool is_nrrd() const { return io_->format == nrrdFormatNRRD; }
+  bool several_files() const { return io_->dataFNFormat != nullptr || io_->dataFNArr->len > 1; }
+  /// The first byte of the voxels or of the compressed stream, after the skipped lines and bytes.
+  std::uint64_t offset() const {
+    return io_->dataFile != nullptr ? std::uint64_t(std::ftell(io_->dataFile)) : 0;
+  }
+
+  std::filesystem::path data_file() const {
+    if (io_->dataFNArr->len == 0) return path_;
+    return path_.parent_path() / io_->dataFN[0];
+  }
+
+ private:
+  /// The innermost message of NrrdIO's stack, which is the last line.
+  static std::string take_error() {
+    char* text = biffGetDone("nrrd");
+    if (text == nullptr) return "damaged header";
+    std::string message(text);
+    std::free(text);
+    while (!message.empty() && message.back() == '\n') message.pop_back();
+    message = message.substr(message.rfind('\n') + 1);
+    const auto prefix = message.find(": ");
+    return one_line(prefix == std::string::npos ? message : message.substr(prefix + 2));
+  }
+
+  void release() {
+    if (io_->dataFile != nullptr) std::fclose(io_->dataFile);
+    io_->dataFile = nullptr;
+    nrrdIoStateNix(io_);
+    nrrdNix(nrrd_);
+  }
+
+  std::filesystem::path path_;
+  Nrrd* nrrd_;
+  NrrdIoState* io_;
+};
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path) {
+  return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
+    const NrrdHeader header(path);
+    if (!header.is_nrrd())
+      throw InputError(fmt::format("{} does not begin with the letters NRRD", path.string()),
+                       "rename it to its own format's ending");
+    header.require_sizes_of_int();
+    auto io = itk::NrrdImageIO::New();
+    io->SetFileName(path.string());
+    io->ReadImageInformation();
+    const Grid grid = grid_of(*io, path);
+    if (header.several_files()) return itk_source(io.GetPointer(), grid, path);
+
+    const auto* encoding = header.io().encoding;
+    const bool gzip = encoding == nrrdEncodingGzip;
+    if (gzip || encoding == nrrdEncodingRaw) {
+      if (gzip && header.io().byteSkip < 0)
+        throw InputError(fmt::format("{}: 'byte skip: -1' in compressed data", path.string()),
+                         "give the number of bytes");
+      StoredVoxels stored{.file = header.data_file(), .offset = header.offset(), .compressed = gzip};
+      stored.skip = gzip ? std::uint64_t(header.io().byteSkip) : 0;
+      stored.big_endian = header.io().endian == airEndianBig;
+      stored.type = grid.type;
+      return stored_source(grid, stored);
+    }
+    if (encoding == nrrdEncodingAscii)
+      require_numbers(header.data_file(), header.offset(), std::uint64_t(grid.voxels()));
+    else if (encoding == nrrdEncodingHex)
+      require_bytes(header.data_file(), InputFile(header.data_file()).size(), header.offset(),
+                    2 * grid.bytes());
+    else
+      throw InputError(fmt::format("{}: encoding '{}' cannot be read", path.string(), encoding->name),
+                       "write it anew with encoding gzip or raw");
+    return itk_source(io.GetPointer(), grid, path);
+  });
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,127 @@
+#include "ringsplat/volume/slice_store.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+namespace ringsplat {
+namespace {
+
+/// Copies column s of `values` (rows x width) for each s ≡ gp (mod gps). The column of s starts
+/// `stride` bytes behind that of the owned slice before it.
+template <class T>
+void gather_columns(const T* values, int width, int rows, int gp, int gps, std::byte* out,
+                    std::size_t stride) {
+  // One cache line serves many columns: a block of rows stays in the first-level cache meanwhile.
+  constexpr int block = 64;
+  for (int first = 0; first < rows; first += block) {
+    const int last = std::min(rows, first + block);
+    std::byte* column = out;
+    for (int s = gp; s < width; s += gps, column += stride)
+      for (int row = first; row < last; ++row)
+        std::memcpy(column + std::size_t(row) * sizeof(T), values + std::size_t(row) * std::size_t(width) + s,
+                    sizeof(T));
+  }
+}
+
+template <class T>
+void gather(const T* values, const Grid& grid, Axis axis, int gp, int gps, std::byte* out,
+            std::size_t stride) {
+  if (axis == Axis::x) return gather_columns(values, grid.dims.x, grid.dims.y, gp, gps, out, stride);
+  const auto width = std::size_t(grid.dims.x);
+  for (int s = gp; s < grid.dims.y; s += gps, out += stride)
+    std::memcpy(out, values + std::size_t(s) * width, width * sizeof(T));
+}
+
+void require_crossing(Axis axis) {
+  if (axis == Axis::z) throw std::invalid_argument("z slices are read whole, they have no columns");
+}
+
+}  // namespace
+
+SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals)
+    : grid_(grid), gp_(gp), gps_(gps), kept_(kept_axes), with_normals_(with_normals) {
+  if (gps < 1 || gp < 0 || gp >= gps) throw std::invalid_argument("a slice store needs 0 <= gp < gps");
+  for (const Axis axis : all_axes) {
+    if (!keeps(axis)) continue;
+    const auto voxels = std::size_t(owned_count(grid.slices(axis), gp, gps)) * grid.slice_voxels(axis);
+    auto& set = sets_[std::size_t(axis)];
+    set.values.resize(voxels * size_of(grid.type));
+    if (with_normals) set.normals.resize(voxels);
+  }
+}
+
+SliceView SliceStore::slice(Axis axis, int index) const {
+  const auto& set = sets_[std::size_t(axis)];
+  return {axis,
+          index,
+          grid_.slice_width(axis),
+          grid_.slice_height(axis),
+          grid_.type,
+          set.values.data() + local(index) * grid_.slice_bytes(axis),
+          with_normals_ ? set.normals.data() + local(index) * grid_.slice_voxels(axis) : nullptr};
+}
+
+std::span<std::byte> SliceStore::values(Axis axis, int index) {
+  const auto bytes = grid_.slice_bytes(axis);
+  return std::span(sets_[std::size_t(axis)].values).subspan(local(index) * bytes, bytes);
+}
+
+std::span<std::uint16_t> SliceStore::normals(Axis axis, int index) {
+  if (!with_normals_) return {};
+  const auto voxels = grid_.slice_voxels(axis);
+  return std::span(sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
+}
+
+std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
+                                       bool with_normals) {
+  const std::uint64_t per_voxel = size_of(grid.type) + (with_normals ? sizeof(std::uint16_t) : 0);
+  std::uint64_t bytes = 0;
+  for (const Axis axis : all_axes)
+    if (kept_axes[std::size_t(axis)])
+      bytes += std::uint64_t(owned_count(grid.slices(axis), gp, gps)) * grid.slice_voxels(axis) * per_voxel;
+  return bytes;
+}
+
+std::uint64_t SliceStore::allocated_bytes() const {
+  std::uint64_t bytes = 0;
+  for (const auto& set : sets_)
+    bytes += set.values.capacity() + set.normals.capacity() * sizeof(std::uint16_t);
+  return bytes;
+}
+
+void pack_columns(const Grid& grid, Axis axis, int gp, int gps, std::span<const std::byte> values,
+                  std::span<const std::uint16_t> normals, std::vector<std::byte>& out) {
+  require_crossing(axis);
+  const auto line = std::size_t(grid.slice_width(axis));
+  const auto value_bytes = line * size_of(grid.type);
+  const auto stride = value_bytes + (normals.empty() ? 0 : line * sizeof(std::uint16_t));
+  const auto at = out.size();
+  out.resize(at + std::size_t(SliceStore::owned_count(grid.slices(axis), gp, gps)) * stride);
+  visit_type(grid.type, [&](auto type) {
+    gather(reinterpret_cast<const decltype(type)*>(values.data()), grid, axis, gp, gps, out.data() + at,
+           stride);
+  });
+  if (!normals.empty()) gather(normals.data(), grid, axis, gp, gps, out.data() + at + value_bytes, stride);
+}
+
+bool unpack_columns(SliceStore& store, Axis axis, int gp, int gps, int z, bool with_normals,
+                    std::span<const std::byte> in) {
+  require_crossing(axis);
+  const Grid& grid = store.grid();
+  const auto line = std::size_t(grid.slice_width(axis));
+  const auto value_bytes = line * size_of(grid.type);
+  const auto normal_bytes = with_normals ? line * sizeof(std::uint16_t) : 0;
+  const auto slices = std::size_t(SliceStore::owned_count(grid.slices(axis), gp, gps));
+  if (z < 0 || z >= grid.dims.z || in.size() != slices * (value_bytes + normal_bytes)) return false;
+  const std::byte* from = in.data();
+  for (int s = gp; s < grid.slices(axis); s += gps) {
+    std::memcpy(store.values(axis, s).data() + std::size_t(z) * value_bytes, from, value_bytes);
+    from += value_bytes;
+    if (with_normals) std::memcpy(store.normals(axis, s).data() + std::size_t(z) * line, from, normal_bytes);
+    from += normal_bytes;
+  }
+  return true;
+}
+
+}  // namespace ringsplat

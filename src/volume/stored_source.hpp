@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "ringsplat/volume/source.hpp"
+
+namespace ringsplat::detail {
+
+/// value = slope * stored + intercept.
+struct Rescale {
+  double slope = 1, intercept = 0;
+};
+
+/// Where and how a file holds its voxels, x fastest, without gaps.
+struct StoredVoxels {
+  std::filesystem::path file;
+  std::uint64_t offset = 0;  ///< bytes of the file before the voxels, or before the compressed stream
+  bool compressed = false;   ///< gzip or zlib
+  std::uint64_t skip = 0;    ///< decoded bytes before the voxels, when compressed
+  bool big_endian = false;
+  ScalarType type = ScalarType::uint8;
+  /// When set, grid.type is float32, or float64 for stored float64.
+  std::optional<Rescale> rescale = std::nullopt;
+};
+
+/// Reads slices by position when not compressed (concurrent), else decodes in order and keeps no more
+/// than a window and the slices asked for. Throws InputError when the file cannot be long enough for
+/// the grid: a compressed one is refused when not even deflate's best ratio would do.
+std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored);
+
+}  // namespace ringsplat::detail

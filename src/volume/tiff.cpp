@@ -1,0 +1,200 @@
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "ringsplat/base/error.hpp"
+#include "volume/formats.hpp"
+#include "volume/input_file.hpp"
+#include "volume/limits.hpp"
+#include "volume/text.hpp"
+#include "volume/tiff_pages.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+/// One slice: a page of a file.
+struct Page {
+  std::filesystem::path file;
+  int index = 0;
+};
+
+struct PageShape {
+  int width, height;
+  ScalarType type;
+  bool operator==(const PageShape&) const = default;
+};
+
+std::unique_ptr<OIIO::ImageInput> open_image(const std::filesystem::path& path) {
+  const InputFile readable(path);
+  auto image = OIIO::ImageInput::open(path.string());
+  if (!image)
+    throw InputError(
+        fmt::format("{} is not a readable TIFF file: {}", path.string(), one_line(OIIO::geterror())),
+        "check the file with another viewer");
+  return image;
+}
+
+ScalarType scalar_type_of(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
+  switch (spec.format.basetype) {
+    case OIIO::TypeDesc::INT8:
+      return ScalarType::int8;
+    case OIIO::TypeDesc::UINT8:
+      return ScalarType::uint8;
+    case OIIO::TypeDesc::INT16:
+      return ScalarType::int16;
+    case OIIO::TypeDesc::UINT16:
+      return ScalarType::uint16;
+    case OIIO::TypeDesc::INT32:
+      return ScalarType::int32;
+    case OIIO::TypeDesc::UINT32:
+      return ScalarType::uint32;
+    case OIIO::TypeDesc::HALF:
+    case OIIO::TypeDesc::FLOAT:
+      return ScalarType::float32;
+    case OIIO::TypeDesc::DOUBLE:
+      return ScalarType::float64;
+    default:
+      break;
+  }
+  throw InputError(
+      fmt::format("{}: pixels of type {} cannot be rendered", path.string(), spec.format.c_str()),
+      "convert them to at most 32 bits or float first");
+}
+
+OIIO::TypeDesc type_desc(ScalarType type) {
+  constexpr OIIO::TypeDesc::BASETYPE types[] = {
+      OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT16, OIIO::TypeDesc::UINT16,
+      OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT32, OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::DOUBLE};
+  return types[std::size_t(type)];
+}
+
+PageShape shape_of(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
+  if (spec.nchannels != 1)
+    throw InputError(fmt::format("{}: {} channels per pixel", path.string(), spec.nchannels),
+                     "only scalar volumes can be rendered: convert the pages to grey");
+  if (spec.depth > 1)
+    throw InputError(fmt::format("{}: {} planes in one page", path.string(), spec.depth),
+                     "write one slice a page");
+  return {spec.width, spec.height, scalar_type_of(spec, path)};
+}
+
+/// Adds the pages of one file, which must have the shape of those before it.
+void add_pages(const std::filesystem::path& path, std::vector<Page>& pages, std::vector<PageShape>& shape) {
+  const auto chained = count_tiff_pages(path);
+  const auto image = open_image(path);
+  std::uint64_t bytes = 0;
+  bool compressed = false;
+  int index = 0;
+  for (; image->seek_subimage(index, 0); ++index) {
+    const auto& spec = image->spec();
+    const auto found = shape_of(spec, path);
+    if (!shape.empty() && found != shape.front())
+      throw InputError(fmt::format("{}: page {} is {} x {} {}, the pages before it are {} x {} {}",
+                                   path.string(), index, found.width, found.height, to_string(found.type),
+                                   shape.front().width, shape.front().height, to_string(shape.front().type)),
+                       "all slices must have one size and type");
+    if (shape.empty()) shape.push_back(found);
+    pages.push_back({path, index});
+    bytes += spec.image_bytes(true);
+    compressed |= spec.get_string_attribute("compression", "none") != "none";
+  }
+  if (std::uint64_t(index) != chained)
+    throw InputError(fmt::format("{}: page {} cannot be read", path.string(), index),
+                     "the file was cut short or damaged");
+  const auto size = InputFile(path).size();
+  if (compressed)
+    require_compressed_bytes(path, size, bytes, any_best_ratio);
+  else
+    require_bytes(path, size, 0, bytes);
+}
+
+/// Pages are found by number, so every process reads its own.
+class TiffSource final : public VolumeSource {
+ public:
+  TiffSource(const Grid& grid, std::vector<Page> pages) : grid_(grid), pages_(std::move(pages)) {}
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return true; }
+
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const auto bytes = grid_.slice_bytes(Axis::z);
+    for (int i = 0; i < count; ++i)
+      read_page(pages_[std::size_t(first + i)], out.subspan(std::size_t(i) * bytes, bytes));
+  }
+
+ private:
+  void read_page(const Page& page, std::span<std::byte> out) {
+    if (!image_ || opened_ != page.file) {
+      image_ = open_image(page.file);
+      opened_ = page.file;
+    }
+    if (!image_->read_image(page.index, 0, 0, 1, type_desc(grid_.type), out.data()))
+      throw InputError(fmt::format("cannot read page {} of {}: {}", page.index, page.file.string(),
+                                   one_line(image_->geterror())),
+                       "the file was cut short or damaged");
+  }
+
+  Grid grid_;
+  std::vector<Page> pages_;
+  std::unique_ptr<OIIO::ImageInput> image_;
+  std::filesystem::path opened_;
+};
+
+/// slice2 comes before slice10: runs of digits compare as numbers.
+bool natural_less(const std::string& a, const std::string& b) {
+  const auto digits = [](const std::string& s, std::size_t& i) {
+    while (i + 1 < s.size() && s[i] == '0' && std::isdigit(static_cast<unsigned char>(s[i + 1]))) ++i;
+    const auto start = i;
+    while (i < s.size() && std::isdigit(static_cast<unsigned char>(s[i]))) ++i;
+    return s.substr(start, i - start);
+  };
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (std::isdigit(static_cast<unsigned char>(a[i])) && std::isdigit(static_cast<unsigned char>(b[j]))) {
+      const auto left = digits(a, i), right = digits(b, j);
+      if (left.size() != right.size()) return left.size() < right.size();
+      if (left != right) return left < right;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i, ++j;
+    }
+  }
+  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
+}
+
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (is_tiff(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    return natural_less(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+}  // namespace
+
+bool is_tiff(const std::filesystem::path& path) {
+  const auto ending = lower_case(path.extension().string());
+  return ending == ".tif" || ending == ".tiff";
+}
+
+/// TIFF has no third spacing and its resolution is for printers: the spacing is 1.
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path) {
+  std::vector<Page> pages;
+  std::vector<PageShape> shape;
+  for (const auto& file : files_of(path)) add_pages(file, pages, shape);
+  if (pages.empty()) throw InputError(fmt::format("{} has no pages", path.string()), "give a TIFF stack");
+  Grid grid;
+  grid.dims = {shape.front().width, shape.front().height, int(pages.size())};
+  grid.type = shape.front().type;
+  check(grid, path.string());
+  return std::make_unique<TiffSource>(grid, std::move(pages));
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,62 @@
+#include <limits>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/volume/grid.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+
+TEST_CASE("scalar types have names, sizes and aliases", "[grid]") {
+  const std::pair<ScalarType, std::size_t> sizes[] = {
+      {ScalarType::int8, 1},  {ScalarType::uint8, 1},  {ScalarType::int16, 2},   {ScalarType::uint16, 2},
+      {ScalarType::int32, 4}, {ScalarType::uint32, 4}, {ScalarType::float32, 4}, {ScalarType::float64, 8}};
+  for (const auto& [type, size] : sizes) {
+    CHECK(size_of(type) == size);
+    CHECK(scalar_type_from(to_string(type)) == type);
+  }
+  CHECK(scalar_type_from("unsigned char") == ScalarType::uint8);
+  CHECK(scalar_type_from("Float") == ScalarType::float32);
+  CHECK(scalar_type_from("u16") == ScalarType::uint16);
+  CHECK_THROWS_WITH(scalar_type_from("int64"), Catch::Contains("int64") && Catch::Contains("float64"));
+}
+
+TEST_CASE("slices of each axis have the other two axes' size", "[grid]") {
+  Grid grid;
+  grid.dims = {7, 5, 3};
+  grid.type = ScalarType::int16;
+  CHECK(grid.slice_width(Axis::x) == 5);
+  CHECK(grid.slice_height(Axis::x) == 3);
+  CHECK(grid.slice_width(Axis::y) == 7);
+  CHECK(grid.slice_height(Axis::y) == 3);
+  CHECK(grid.slice_bytes(Axis::z) == 70);
+  CHECK(grid.bytes() == 210);
+}
+
+TEST_CASE("a grid that cannot be rendered is refused with the place named", "[grid]") {
+  Grid good;
+  good.dims = {2, 3, 4};
+  CHECK_NOTHROW(check(good, "here"));
+  const auto refused = [&](auto change) {
+    Grid grid = good;
+    change(grid);
+    CHECK_THROWS_AS(check(grid, "here"), InputError);
+    CHECK_THROWS_WITH(check(grid, "here"), Catch::Contains("here"));
+  };
+  refused([](Grid& g) { g.dims.y = 0; });
+  refused([](Grid& g) { g.dims.z = -4; });
+  refused([](Grid& g) { g.dims = glm::ivec3(std::numeric_limits<int>::max()); });
+  refused([](Grid& g) { g.spacing.x = 0; });
+  refused([](Grid& g) { g.spacing.x = -1; });
+  refused([](Grid& g) { g.spacing.z = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](Grid& g) { g.origin.z = std::numeric_limits<double>::infinity(); });
+  refused([](Grid& g) { g.direction[1] = g.direction[0]; });
+  refused([](Grid& g) { g.direction[1] = glm::dvec3(std::numeric_limits<double>::quiet_NaN()); });
+}
+
+TEST_CASE("volumes beyond 2^31 voxels are counted in 64 bits", "[grid]") {
+  Grid grid;
+  grid.dims = {4096, 4096, 4096};
+  grid.type = ScalarType::float32;
+  CHECK_NOTHROW(check(grid, "large"));
+  CHECK(grid.bytes() == std::uint64_t{1} << 38);
+}
