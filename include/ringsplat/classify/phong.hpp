@@ -1,0 +1,35 @@
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "ringsplat/classify/normals.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+
+namespace ringsplat {
+
+/// Phong's reflection (Phong 1975), white light, two-sided.
+struct PhongMaterial {
+  double ambient = 0.25, diffuse = 0.75, specular = 0.25, exponent = 24.0;
+  bool operator==(const PhongMaterial&) const = default;
+};
+
+/// Shading by lookup: one entry for each quantised normal, rebuilt when the light or the view changes
+/// (Neumann 1992, section 3). Directions are in world space, towards the light and towards the viewer.
+class PhongTable {
+ public:
+  PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
+
+  /// Shades samples[k] by the normal at normals[where[k]]; colours are clamped to 1. no_normal leaves a
+  /// sample as it is (unlit, not black).
+  void shade_row(const NormalCode* normals, const std::uint32_t* where, ClassifiedSample* samples,
+                 int count) const;
+
+ private:
+  struct Entry {
+    float scale, add;  ///< colour * scale + add
+  };
+  std::vector<Entry> entries_;
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,63 @@
+#include "classify/opacity_curve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ringsplat {
+namespace {
+
+constexpr double nearly_linear = 0.01, nearly_step = 0.99;  // VTK's thresholds
+constexpr int pieces_each_side = 256;
+
+CurveShape limited(CurveShape shape) {
+  shape.midpoint = std::clamp(shape.midpoint, 1e-5, 1.0 - 1e-5);
+  return shape;
+}
+
+}  // namespace
+
+double shaped_opacity(double y0, double y1, const CurveShape& given, double t) {
+  const CurveShape shape = limited(given);
+  // The midpoint bends the way so that 0.5 falls on it.
+  double s = t < shape.midpoint ? 0.5 * t / shape.midpoint
+                                : 0.5 + 0.5 * (t - shape.midpoint) / (1.0 - shape.midpoint);
+  if (shape.sharpness > nearly_step) return s < 0.5 ? y0 : y1;
+  if (shape.sharpness < nearly_linear) return (1.0 - s) * y0 + s * y1;
+  // VTK's curve (class vtkPiecewiseFunction): the way is pressed together about its middle by a power, then
+  // runs along a cubic Hermite curve with the same slope at both ends.
+  const double power = 1.0 + 10.0 * shape.sharpness;
+  s = s < 0.5 ? 0.5 * std::pow(2.0 * s, power) : 1.0 - 0.5 * std::pow(2.0 * (1.0 - s), power);
+  const double slope = (1.0 - shape.sharpness) * (y1 - y0);
+  const double smooth = s * s * (3.0 - 2.0 * s);
+  const double y = y0 + (y1 - y0) * smooth + slope * s * (1.0 - s) * (1.0 - 2.0 * s);
+  return std::clamp(y, std::min(y0, y1), std::max(y0, y1));
+}
+
+std::vector<TransferFunction::OpacityPoint> sample_shapes(
+    const std::vector<TransferFunction::OpacityPoint>& points, const std::vector<CurveShape>& shapes) {
+  std::vector<TransferFunction::OpacityPoint> out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    out.push_back(points[i]);
+    if (i + 1 == points.size() || !(points[i].value < points[i + 1].value)) continue;
+    const CurveShape shape = limited(shapes[i]);
+    const double y0 = points[i].opacity, y1 = points[i + 1].opacity;
+    const auto value_at = [&](double t) { return std::lerp(points[i].value, points[i + 1].value, t); };
+    const double middle = value_at(shape.midpoint);
+    if (shape.sharpness > nearly_step) {
+      out.push_back({middle, y0});
+      out.push_back({middle, y1});
+    } else if (shape.sharpness < nearly_linear) {
+      if (shapes[i].midpoint != 0.5) out.push_back({middle, 0.5 * (y0 + y1)});
+    } else {
+      for (int k = 1; k < 2 * pieces_each_side; ++k) {
+        const double half = double(k) / pieces_each_side;
+        const double t =
+            half <= 1.0 ? half * shape.midpoint : shape.midpoint + (half - 1.0) * (1.0 - shape.midpoint);
+        out.push_back({value_at(t), shaped_opacity(y0, y1, shape, t)});
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,158 @@
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+#include <type_traits>
+
+#include "classify/normal_lattice.hpp"
+
+namespace ringsplat {
+namespace {
+
+template <class T>
+inline constexpr bool is_exact_in_int = std::is_integral_v<T> && sizeof(T) <= 2;
+
+/// Takes differences along the lattice axes to a world direction against the gradient: −D⁻ᵀ S⁻¹, scaled so
+/// that its largest number is one. Only the direction counts.
+glm::dmat3 against_gradient(const Grid& grid) {
+  const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  glm::dmat3 m = glm::transpose(glm::inverse(grid.direction));
+  double largest = 0;
+  for (int k = 0; k < 3; ++k) {
+    m[k] *= -smallest / grid.spacing[k];
+    for (int r = 0; r < 3; ++r) largest = std::max(largest, std::abs(m[k][r]));
+  }
+  return m / largest;
+}
+
+/// Twice the derivative along one axis: the whole difference between two neighbours, or twice the
+/// one-sided one where a neighbour is missing.
+template <class T>
+auto doubled_difference(T before, T centre, T after, bool has_before, bool has_after) {
+  using Wide = std::conditional_t<is_exact_in_int<T>, int, double>;
+  const Wide b = has_before ? before : centre, a = has_after ? after : centre;
+  return has_before && has_after ? a - b : 2 * (a - b);
+}
+
+template <class T>
+bool is_value(T v) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::isfinite(v);
+  else
+    return true;
+}
+
+/// One row of a slice with the four rows around it; a row that does not exist is null.
+template <class T>
+struct Neighbourhood {
+  const T *here, *before_y, *after_y, *before_z, *after_z;
+  int count;
+};
+
+/// Any voxel of a row, by the rules in full: borders, missing neighbours, values near the end of double's
+/// range.
+template <class T>
+NormalCode careful_normal(const Neighbourhood<T>& rows, int x, const glm::dmat3& m) {
+  const T centre = rows.here[x];
+  if (!is_value(centre)) return no_normal;
+  const auto along = [&](const T* before, const T* after) -> double {
+    const bool has_before = before && is_value(*before), has_after = after && is_value(*after);
+    if constexpr (std::is_same_v<T, double>)  // an eighth of the values, so that no difference overflows
+      return doubled_difference(has_before ? *before / 8 : 0, centre / 8, has_after ? *after / 8 : 0,
+                                has_before, has_after);
+    else
+      return doubled_difference(has_before ? *before : T{}, centre, has_after ? *after : T{}, has_before,
+                                has_after);
+  };
+  const auto at = [x](const T* row) { return row ? row + x : nullptr; };
+  glm::dvec3 d{along(x > 0 ? rows.here + x - 1 : nullptr, x + 1 < rows.count ? rows.here + x + 1 : nullptr),
+               along(at(rows.before_y), at(rows.after_y)), along(at(rows.before_z), at(rows.after_z))};
+  const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+  if (!(largest > 0)) return no_normal;
+  if constexpr (std::is_same_v<T, double>) {  // and no product vanishes
+    const int exponent = std::ilogb(largest);
+    for (int k = 0; k < 3; ++k) d[k] = std::scalbn(d[k], -exponent);
+  }
+  return encode_normal(m * d);
+}
+
+/// Inner voxels of a row whose neighbours all exist. Equal neighbours, the usual case outside the object,
+/// cost three subtractions.
+template <class T>
+void inner_integer_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
+  using Wide = std::conditional_t<is_exact_in_int<T>, int, std::int64_t>;
+  for (int x = 1; x + 1 < rows.count; ++x) {
+    const Wide dx = Wide(rows.here[x + 1]) - Wide(rows.here[x - 1]);
+    const Wide dy = Wide(rows.after_y[x]) - Wide(rows.before_y[x]);
+    const Wide dz = Wide(rows.after_z[x]) - Wide(rows.before_z[x]);
+    if ((dx | dy | dz) == 0) {
+      out[x] = no_normal;
+      continue;
+    }
+    const glm::dvec3 n = m * glm::dvec3(dx, dy, dz);
+    out[x] = encode_moderate(n.x, n.y, n.z);
+  }
+}
+
+/// The same for floats: sums of squares of differences say at once whether anything is missing, infinite or
+/// too small for the short way.
+template <class T>
+void inner_float_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
+  for (int x = 1; x + 1 < rows.count; ++x) {
+    const glm::dvec3 d{double(rows.here[x + 1]) - double(rows.here[x - 1]),
+                       double(rows.after_y[x]) - double(rows.before_y[x]),
+                       double(rows.after_z[x]) - double(rows.before_z[x])};
+    if (d == glm::dvec3(0.0)) {
+      out[x] = no_normal;
+      continue;
+    }
+    const glm::dvec3 n = m * d;
+    const double square = n.x * n.x + n.y * n.y + n.z * n.z + 0.0 * double(rows.here[x]);
+    if (square > 1e-180 && square < 1e180)
+      out[x] = encode_moderate(n.x, n.y, n.z);
+    else
+      out[x] = careful_normal(rows, x, m);
+  }
+}
+
+template <class T>
+void row_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
+  const bool complete = rows.before_y && rows.after_y && rows.before_z && rows.after_z;
+  if (!complete || rows.count < 3) {
+    for (int x = 0; x < rows.count; ++x) out[x] = careful_normal(rows, x, m);
+    return;
+  }
+  out[0] = careful_normal(rows, 0, m);
+  if constexpr (std::is_integral_v<T>)
+    inner_integer_normals(rows, m, out);
+  else
+    inner_float_normals(rows, m, out);
+  out[rows.count - 1] = careful_normal(rows, rows.count - 1, m);
+}
+
+}  // namespace
+
+void slice_normals(const Grid& grid, const std::byte* below, const std::byte* here, const std::byte* above,
+                   std::span<NormalCode> out) {
+  const glm::dmat3 m = against_gradient(grid);
+  const int width = grid.dims.x, height = grid.dims.y;
+  visit_type(grid.type, [&](auto zero) {
+    using T = decltype(zero);
+    const auto row = [width](const std::byte* slice, int y) {
+      return slice ? reinterpret_cast<const T*>(slice) + std::size_t(y) * std::size_t(width) : nullptr;
+    };
+    for (int y = 0; y < height; ++y) {
+      const Neighbourhood<T> rows{row(here, y),
+                                  y > 0 ? row(here, y - 1) : nullptr,
+                                  y + 1 < height ? row(here, y + 1) : nullptr,
+                                  row(below, y),
+                                  row(above, y),
+                                  width};
+      row_normals(rows, m, out.data() + std::size_t(y) * std::size_t(width));
+    }
+  });
+}
+
+}  // namespace ringsplat

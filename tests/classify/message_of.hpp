@@ -1,0 +1,23 @@
+#pragma once
+#include <string>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+/// What an InputError thrown by `f` says; empty when it throws none. Any other exception passes through.
+template <class F>
+std::string message_of(F&& f) {
+  try {
+    f();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+inline bool says(const std::string& message, const std::string& words) {
+  return message.find(words) != std::string::npos;
+}
+
+}  // namespace ringsplat

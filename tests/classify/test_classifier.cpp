@@ -1,0 +1,210 @@
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "classify/message_of.hpp"
+#include "ringsplat/classify/classifier.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
+
+TransferFunction two_points(double low, double opacity_low, double high, double opacity_high) {
+  TransferFunction tf;
+  tf.colours = {{low, {0.2, 0.4, 0.6}}, {high, {1, 0.5, 0}}};
+  tf.opacities = {{low, opacity_low}, {high, opacity_high}};
+  return tf;
+}
+
+/// A function with clear stretches at both ends and in the middle, a ramp, a jump and full opacity.
+TransferFunction bumpy(double low, double high) {
+  TransferFunction tf = two_points(low, 0, high, 0);
+  const auto at = [=](double share) { return low + (high - low) * share; };
+  tf.opacities = {{at(0.1), 0},    {at(0.3), 0.6}, {at(0.4), 0}, {at(0.6), 0},
+                  {at(0.6), 1e-7}, {at(0.8), 1},   {at(0.9), 0}};
+  return tf;
+}
+
+struct Row {
+  std::vector<std::uint32_t> where;
+  std::vector<ClassifiedSample> samples;
+};
+
+template <class T>
+Row classify(const Classifier& classifier, const std::vector<T>& values) {
+  Row row{std::vector<std::uint32_t>(values.size()), std::vector<ClassifiedSample>(values.size())};
+  const int n = classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), int(values.size()),
+                                        row.where.data(), row.samples.data());
+  REQUIRE(n >= 0);
+  REQUIRE(std::size_t(n) <= values.size());
+  row.where.resize(std::size_t(n));
+  row.samples.resize(std::size_t(n));
+  return row;
+}
+
+template <class T>
+ScalarType type_of() {
+  for (const auto type : {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16,
+                          ScalarType::int32, ScalarType::uint32, ScalarType::float32})
+    if (visit_type(type, [](auto v) { return std::is_same_v<decltype(v), T>; })) return type;
+  return ScalarType::float64;
+}
+
+/// Every value by the transfer function itself and the correction in long double.
+template <class T>
+void require_row(const TransferFunction& tf, double length, const std::vector<T>& values) {
+  const Row row = classify(Classifier(tf, type_of<T>(), length), values);
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const auto expected = tf.evaluate(double(values[i]));
+    const long double alpha = expected.opacity;
+    const double opacity = double(-std::expm1(static_cast<long double>(length) * std::log1p(-alpha)));
+    if (!(float(opacity) > 0)) continue;
+    INFO("value " << +values[i] << " at " << i);
+    REQUIRE(k < row.where.size());
+    REQUIRE(row.where[k] == i);
+    REQUIRE(row.samples[k].opacity == Approx(opacity).epsilon(1e-6).margin(0));
+    REQUIRE(row.samples[k].r == float(expected.colour.x));
+    REQUIRE(row.samples[k].g == float(expected.colour.y));
+    REQUIRE(row.samples[k].b == float(expected.colour.z));
+    ++k;
+  }
+  REQUIRE(k == row.where.size());
+}
+
+template <class T>
+std::vector<T> spread(int count) {
+  std::mt19937_64 random(9);
+  std::vector<T> values{std::numeric_limits<T>::lowest(), std::numeric_limits<T>::max(), T{0}, T{1}};
+  if constexpr (std::is_floating_point_v<T>) {
+    std::uniform_real_distribution<T> number(T(-1000), T(1000));
+    for (const double v : {nan_value, -nan_value, infinity, -infinity, 1e-320, -1e-320})
+      values.push_back(T(v));
+    while (int(values.size()) < count) values.push_back(number(random));
+  } else {
+    std::uniform_int_distribution<std::int64_t> number(std::numeric_limits<T>::min(),
+                                                       std::numeric_limits<T>::max());
+    while (int(values.size()) < count) values.push_back(T(number(random)));
+  }
+  return values;
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE("rows of every type are classified as the transfer function says", "", std::int8_t,
+                   std::uint8_t, std::int16_t, std::uint16_t, std::int32_t, std::uint32_t, float, double) {
+  using T = TestType;
+  const double low = std::is_floating_point_v<T> ? -1000.0 : double(std::numeric_limits<T>::min());
+  const double high = std::is_floating_point_v<T> ? 1000.0 : double(std::numeric_limits<T>::max());
+  for (const double length : {1.0, 1.7320508, 0.25})
+    for (const int count : {4, 11, 4097}) require_row(bumpy(low, high), length, spread<T>(count));
+  require_row(two_points(low, 0.3, high, 0.9), 1.3, spread<T>(500));  // visible everywhere
+}
+
+TEST_CASE("all values of the 8- and 16-bit types") {
+  std::vector<std::int8_t> i8;
+  std::vector<std::uint8_t> u8;
+  for (int v = 0; v < 256; ++v) {
+    i8.push_back(std::int8_t(v - 128));
+    u8.push_back(std::uint8_t(v));
+  }
+  require_row(bumpy(-100, 127), 1.2, i8);
+  require_row(bumpy(0, 255), 1.2, u8);
+  std::vector<std::int16_t> i16;
+  std::vector<std::uint16_t> u16;
+  for (int v = 0; v < 65536; ++v) {
+    i16.push_back(std::int16_t(v - 32768));
+    u16.push_back(std::uint16_t(v));
+  }
+  require_row(bumpy(-32768, 20000), 1.2, i16);
+  require_row(bumpy(500, 65535), 1.2, u16);
+}
+
+TEST_CASE("the extreme values of a type are met exactly") {
+  REQUIRE(classify<std::int16_t>({two_points(-32768, 0.5, -32767, 0), ScalarType::int16, 1},
+                                 {-32767, -32768, 32767})
+              .where == std::vector<std::uint32_t>{1});
+  REQUIRE(classify<std::uint32_t>({two_points(4294967294.0, 0, 4294967295.0, 0.5), ScalarType::uint32, 1},
+                                  {4294967294U, 4294967295U, 0})
+              .where == std::vector<std::uint32_t>{1});
+  REQUIRE(classify<std::int32_t>({two_points(-2147483648.0, 0.5, -2147483647.0, 0), ScalarType::int32, 1},
+                                 {-2147483647, std::numeric_limits<std::int32_t>::min()})
+              .where == std::vector<std::uint32_t>{1});
+  // Neighbouring doubles.
+  const double one = 1.0, next = std::nextafter(1.0, 2.0);
+  REQUIRE(classify<double>({two_points(one, 0, next, 1), ScalarType::float64, 1}, {one, next}).where ==
+          std::vector<std::uint32_t>{1});
+}
+
+TEST_CASE("not-a-number is transparent, infinities take the end points' opacity") {
+  for (const double length : {1.0, 2.0}) {
+    const Classifier both({two_points(0, 0.25, 1, 0.5)}, ScalarType::float32, length);
+    const auto row = classify<float>(both, {float(nan_value), float(infinity), -float(infinity)});
+    REQUIRE(row.where == std::vector<std::uint32_t>{1, 2});
+    REQUIRE(row.samples[0].opacity == Approx(length == 1.0 ? 0.5 : 0.75));
+    REQUIRE(row.samples[1].opacity == Approx(length == 1.0 ? 0.25 : 0.4375));
+    REQUIRE(row.samples[0].r == 1.0F);
+  }
+  const Classifier clear_ends(bumpy(0, 1), ScalarType::float64, 1);
+  REQUIRE(classify<double>(clear_ends, {infinity, -infinity, nan_value}).where.empty());
+}
+
+TEST_CASE("the opacity correction is exact for 1, and keeps the digits of tiny opacities") {
+  const auto corrected = [](double opacity, double length) {
+    const auto row =
+        classify<float>({two_points(0, opacity, 1, opacity), ScalarType::float32, length}, {0.5F});
+    return row.samples.empty() ? 0.0F : row.samples[0].opacity;
+  };
+  for (const double length : {1e-9, 0.5, 1.0, 1.7, 1e9, infinity}) REQUIRE(corrected(1.0, length) == 1.0F);
+  for (const double opacity : {1e-7, 1e-12, 1e-30})
+    for (const double length : {0.5, 1.25, 1.7320508})
+      REQUIRE(corrected(opacity, length) == Approx(opacity * length).epsilon(1.5e-7).margin(0));
+  REQUIRE(corrected(0.3, 1.0) == 0.3F);
+  REQUIRE(corrected(0.5, 2.0) == 0.75F);
+  REQUIRE(corrected(0.5, 1e300) == 1.0F);
+  REQUIRE(corrected(0.5, infinity) == 1.0F);
+  REQUIRE(corrected(1.0 - 1e-16, 0.5) == 1.0F);
+  REQUIRE(corrected(0.9999, 1.5) == Approx(1 - std::pow(1e-4, 1.5)).epsilon(1e-6));
+  REQUIRE(corrected(1e-60, 1.0) == 0.0F);  // beyond float32: clear, not a sample of opacity zero
+}
+
+TEST_CASE("rows may be empty, of one voxel, and at any address") {
+  const Classifier classifier(two_points(0, 0, 1000, 1), ScalarType::int16, 1.1);
+  std::uint32_t where[4];
+  ClassifiedSample samples[4];
+  REQUIRE(classifier.classify_row(nullptr, 0, where, samples) == 0);
+  REQUIRE(classify<std::int16_t>(classifier, {7}).where.size() == 1);
+  std::byte bytes[9]{};
+  const std::int16_t values[4] = {100, -5, 300, 2000};
+  std::memcpy(bytes + 1, values, sizeof(values));
+  REQUIRE(classifier.classify_row(bytes + 1, 4, where, samples) == 3);
+  REQUIRE(where[0] == 0);
+  REQUIRE(where[1] == 2);
+  REQUIRE(where[2] == 3);
+  REQUIRE(samples[2].opacity == 1.0F);
+}
+
+TEST_CASE("a function that is clear everywhere classifies nothing") {
+  for (const auto type : {ScalarType::uint8, ScalarType::float64}) {
+    const Classifier classifier(two_points(0, 0, 1, 0), type, 1);
+    std::vector<double> values{-infinity, 0, 0.5, 1, infinity, nan_value};
+    std::vector<std::uint32_t> where(64);
+    std::vector<ClassifiedSample> samples(64);
+    REQUIRE(classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 6, where.data(),
+                                    samples.data()) == 0);
+  }
+}
+
+TEST_CASE("bad lengths and transfer functions are refused") {
+  const auto tf = two_points(0, 0, 1, 1);
+  for (const double length : {0.0, -1.0, nan_value})
+    REQUIRE(says(message_of([&] { Classifier(tf, ScalarType::uint8, length); }),
+                 "between slices is not positive"));
+  REQUIRE(says(message_of([&] { Classifier(two_points(1, 0, 0, 1), ScalarType::uint8, 1); }), "RGBPoints"));
+}
