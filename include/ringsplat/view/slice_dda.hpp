@@ -1,0 +1,31 @@
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "ringsplat/view/view.hpp"
+
+namespace ringsplat {
+
+/// Screen positions of a slice set's voxels by digital differential analysis: three additions a
+/// voxel after set-up (Neumann 1992, section 3).
+///
+/// The steps along a row are the same for all rows, so they are summed once a frame, each as a
+/// product rounded once. Unlike a running sum a position does not drift with the row's length and may
+/// be asked for in any order: it is within 2⁻⁵³ · (|n · step| + |position|) of row start + n · step.
+class SliceDda {
+ public:
+  /// `width`: voxels in a row of the set's slices.
+  SliceDda(const ViewTransform& view, Axis axis, int width);
+  /// Goes to lattice (u, v, axis) = (0, row, slice), with u and v as in in_plane(axis).
+  void begin_row(int slice, int row);
+  glm::dvec3 position(std::uint32_t column) const { return row_start_ + columns_[column]; }
+
+ private:
+  ViewTransform view_;
+  Axis axis_;
+  std::vector<glm::dvec3> columns_;
+  glm::dvec3 row_start_{0.0};
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,62 @@
+#pragma once
+#include <array>
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+
+#include "ringsplat/base/axis.hpp"
+
+namespace ringsplat {
+
+/// What the camera must know of the volume: its lattice in the world (volume/grid.hpp says how).
+struct LatticeFrame {
+  glm::ivec3 dims{1};
+  glm::dvec3 spacing{1.0}, origin{0.0};
+  glm::dmat3 direction{1.0};
+};
+
+/// Orthographic camera. Angles in degrees. At azimuth = elevation = roll = 0 the viewer looks
+/// along world +y, world x to the right and world z up: in patient coordinates (LPS) at the face from in
+/// front, with the patient's left at the right of the picture. Azimuth turns the viewer about world z (at 90
+/// it stands at +x and looks along -x, world y to the right), elevation lifts it (at 90 it looks straight
+/// down, world y up in the picture), roll turns the picture clockwise. Multiples of 90 degrees are exact.
+/// Zoom 1 fits the bounding sphere of the volume's box (half a voxel beyond the outer voxel centres) to the
+/// shorter side of the image; the box's centre is at the image's centre, at depth 0.
+struct Camera {
+  double azimuth = 0, elevation = 0, roll = 0, zoom = 1;
+  /// World to screen instead of the angles and the zoom, row by row: pixels right, pixels down, pixels of
+  /// depth away from the viewer. A mirroring one is allowed.
+  std::optional<std::array<double, 12>> matrix = std::nullopt;
+  bool operator==(const Camera&) const = default;
+};
+
+/// Lattice to screen: (pixel x right, pixel y down, depth away from the viewer in pixels); pixel
+/// centres lie at integers + ½.
+struct ViewTransform {
+  glm::dmat3 linear{1.0};
+  glm::dvec3 offset{0.0};
+  double pixels_per_unit = 1;              ///< pixels a world unit (of a matrix: the cube root of |det|)
+  glm::dvec3 to_viewer{0, 0, 1};           ///< world direction, unit length
+  glm::dvec3 right{1, 0, 0}, up{0, 0, 1};  ///< world directions of the picture's axes, unit length
+  glm::dvec3 project(const glm::dvec3& lattice) const { return linear * lattice + offset; }
+};
+
+/// Image of width × height pixels. Throws InputError: zoom not positive and finite, an angle not finite, a
+/// singular matrix, an image without pixels, a lattice that is not one.
+ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height);
+
+/// The slice set most parallel to the view plane and the order of its slices, front to back.
+struct Traversal {
+  Axis axis = Axis::z;
+  bool ascending = true;
+  double cos_angle = 1;       ///< |cos| of the angle between the view direction and the slices' normal
+  double slice_distance = 1;  ///< along the ray from slice to slice, in unit lengths (the smallest spacing)
+  int slice_at(int step, int slices) const { return ascending ? step : slices - 1 - step; }
+};
+
+/// A pure function of the view. Ties (|cos| equal to 1e-9, relative) go to z before y before x. A
+/// view along the slices' plane cannot happen: the largest |cos| is at least 1/√3 when the lattice's axes are
+/// orthogonal, and above zero when they are oblique.
+Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice);
+
+}  // namespace ringsplat

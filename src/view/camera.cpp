@@ -1,0 +1,155 @@
+#include <fmt/format.h>
+
+#include <glm/geometric.hpp>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/view/view.hpp"
+#include "view/angles.hpp"
+#include "view/matrices.hpp"
+
+namespace ringsplat {
+namespace {
+
+void check(const LatticeFrame& lattice) {
+  if (lattice.dims.x < 1 || lattice.dims.y < 1 || lattice.dims.z < 1)
+    throw InputError(fmt::format("a volume of {} x {} x {} voxels cannot be viewed", lattice.dims.x,
+                                 lattice.dims.y, lattice.dims.z),
+                     "every dimension must be at least 1");
+  if (!is_finite(lattice.spacing) ||
+      !(lattice.spacing.x > 0 && lattice.spacing.y > 0 && lattice.spacing.z > 0))
+    throw InputError(fmt::format("voxel spacing {} {} {} is not positive and finite", lattice.spacing.x,
+                                 lattice.spacing.y, lattice.spacing.z),
+                     "give the distances between voxels in world units");
+  if (!is_finite(lattice.origin))
+    throw InputError("the volume's origin is not finite", "correct the file's origin");
+  if (!is_finite(lattice.direction) || spanned_volume(lattice.direction) < least_volume)
+    throw InputError("the volume's direction matrix is singular or not finite",
+                     "its columns must be three independent directions");
+}
+
+void check(const Camera& camera) {
+  const struct {
+    const char* name;
+    double degrees;
+  } angles[] = {{"azimuth", camera.azimuth}, {"elevation", camera.elevation}, {"roll", camera.roll}};
+  for (const auto& angle : angles)
+    if (!std::isfinite(angle.degrees))
+      throw InputError(fmt::format("camera {} {} is not a finite angle", angle.name, angle.degrees),
+                       "give degrees, for example 30");
+  if (!std::isfinite(camera.zoom) || !(camera.zoom > 0))
+    throw InputError(fmt::format("camera zoom {} is not positive and finite", camera.zoom),
+                     "1 fits the volume to the image, 2 shows it twice as large");
+}
+
+/// Columns: the world vector from voxel to voxel along each lattice axis.
+glm::dmat3 lattice_to_world(const LatticeFrame& lattice) {
+  return {lattice.direction[0] * lattice.spacing.x, lattice.direction[1] * lattice.spacing.y,
+          lattice.direction[2] * lattice.spacing.z};
+}
+
+/// Radius of the sphere about the volume's box, which ends half a voxel beyond the outer voxel centres.
+double bounding_radius(const LatticeFrame& lattice) {
+  const glm::dmat3 axes = lattice_to_world(lattice);
+  const glm::dvec3 half = 0.5 * glm::dvec3(lattice.dims);
+  double radius = 0;
+  for (int corner = 0; corner < 4; ++corner)
+    radius = std::max(
+        radius, safe_length(axes * (half * glm::dvec3((corner & 1) ? -1 : 1, (corner & 2) ? -1 : 1, 1))));
+  return radius;
+}
+
+/// The world axes the picture is spanned by: sets right, up and to_viewer.
+void turn(ViewTransform& view, const Camera& camera) {
+  const auto azimuth = sin_cos_degrees(camera.azimuth);
+  const auto elevation = sin_cos_degrees(camera.elevation);
+  const auto roll = sin_cos_degrees(camera.roll);
+  view.to_viewer = {elevation.cosine * azimuth.sine, -elevation.cosine * azimuth.cosine, elevation.sine};
+  const glm::dvec3 right{azimuth.cosine, azimuth.sine, 0.0};
+  const glm::dvec3 up{-elevation.sine * azimuth.sine, elevation.sine * azimuth.cosine, elevation.cosine};
+  view.right = roll.cosine * right + roll.sine * up;
+  view.up = roll.cosine * up - roll.sine * right;
+}
+
+ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
+  ViewTransform view;
+  turn(view, camera);
+  view.pixels_per_unit = camera.zoom * (0.5 * std::min(width, height) / bounding_radius(lattice));
+  const glm::dmat3 axes = lattice_to_world(lattice);
+  for (int k = 0; k < 3; ++k)
+    view.linear[k] =
+        view.pixels_per_unit * glm::dvec3(glm::dot(view.right, axes[k]), -glm::dot(view.up, axes[k]),
+                                          -glm::dot(view.to_viewer, axes[k]));
+  // The centre is subtracted in lattice coordinates: the world origin, however large, never takes part.
+  const glm::dvec3 centre = 0.5 * glm::dvec3(lattice.dims - 1);
+  view.offset = glm::dvec3(0.5 * width, 0.5 * height, 0.0) - view.linear * centre;
+  return view;
+}
+
+/// a · b + t as if computed with twice the precision (Ogita, Rump and Oishi 2005, Dot2): a translation
+/// usually takes back what a large origin brings in.
+double accurate_dot(const glm::dvec3& a, const glm::dvec3& b, double t) {
+  double sum = t, rest = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double product = a[k] * b[k];
+    const double before = sum;
+    sum += product;
+    const double back = sum - before;
+    rest += ((before - (sum - back)) + (product - back)) + std::fma(a[k], b[k], -product);
+  }
+  return sum + rest;
+}
+
+ViewTransform view_from_matrix(const std::array<double, 12>& m, const LatticeFrame& lattice) {
+  const glm::dvec3 rows[3] = {{m[0], m[1], m[2]}, {m[4], m[5], m[6]}, {m[8], m[9], m[10]}};
+  const glm::dvec3 translation{m[3], m[7], m[11]};
+  const glm::dmat3 by_rows(rows[0], rows[1], rows[2]);
+  if (!is_finite(by_rows) || !is_finite(translation))
+    throw InputError("the camera matrix has a number that is not finite",
+                     "give twelve finite numbers, row by row");
+  if (spanned_volume(by_rows) < least_volume)
+    throw InputError(
+        "the camera matrix is singular",
+        "its three rows (right, down, depth) must be independent; the depth row may not be zero");
+
+  ViewTransform view;
+  const glm::dmat3 axes = lattice_to_world(lattice);
+  for (int r = 0; r < 3; ++r) {
+    for (int k = 0; k < 3; ++k) view.linear[k][r] = glm::dot(rows[r], axes[k]);
+    view.offset[r] = accurate_dot(rows[r], lattice.origin, translation[r]);
+  }
+  // Each column of the inverse leaves two of the rows unchanged: it is parallel to their cross product.
+  const glm::dvec3 unit_rows[3] = {unit(rows[0]), unit(rows[1]), unit(rows[2])};
+  const double sign = glm::determinant(glm::dmat3(unit_rows[0], unit_rows[1], unit_rows[2])) < 0 ? -1.0 : 1.0;
+  view.right = unit(sign * glm::cross(unit_rows[1], unit_rows[2]));
+  view.up = unit(-sign * glm::cross(unit_rows[2], unit_rows[0]));
+  view.to_viewer = unit(-sign * glm::cross(unit_rows[0], unit_rows[1]));
+  view.pixels_per_unit = std::cbrt(spanned_volume(by_rows)) * std::cbrt(safe_length(rows[0])) *
+                         std::cbrt(safe_length(rows[1])) * std::cbrt(safe_length(rows[2]));
+  return view;
+}
+
+/// Extreme but formally valid numbers can still overflow or vanish when they are multiplied.
+void check_representable(const ViewTransform& view) {
+  const bool scale_ok = std::isfinite(view.pixels_per_unit) && view.pixels_per_unit > 0;
+  bool columns_ok = true;
+  for (int k = 0; k < 3; ++k) columns_ok = columns_ok && std::isnormal(largest_magnitude(view.linear[k]));
+  if (!scale_ok || !columns_ok || !is_finite(view.linear) || !is_finite(view.offset))
+    throw InputError("the view maps voxels to pixels by numbers beyond double precision",
+                     "use a zoom or a camera matrix nearer to the volume's size");
+}
+
+}  // namespace
+
+ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
+  check(lattice);
+  if (width < 1 || height < 1)
+    throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),
+                     "give a width and a height of at least 1");
+  if (!camera.matrix) check(camera);
+  const ViewTransform view = camera.matrix ? view_from_matrix(*camera.matrix, lattice)
+                                           : view_from_angles(camera, lattice, width, height);
+  check_representable(view);
+  return view;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,59 @@
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "ringsplat/view/view.hpp"
+#include "view/matrices.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// What the inverse of the view says of the three slice sets.
+struct SliceGeometry {
+  glm::dvec3 ray;         ///< lattice steps for one pixel of depth: which slices a ray crosses, and how fast
+  glm::dvec3 cos_angles;  ///< between the ray and each axis' slice normal, both on the screen; signed
+};
+
+SliceGeometry slice_geometry(const glm::dmat3& linear) {
+  const glm::dvec3 lengths{largest_magnitude(linear[0]), largest_magnitude(linear[1]),
+                           largest_magnitude(linear[2])};
+  // Columns of like size keep the determinant in range for spacings of 1e-12 or 1e12.
+  const glm::dmat3 inverse =
+      glm::inverse(glm::dmat3(linear[0] / lengths.x, linear[1] / lengths.y, linear[2] / lengths.z));
+  SliceGeometry geometry{};
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 normal{inverse[0][k], inverse[1][k], inverse[2][k]};
+    geometry.cos_angles[k] = normal.z / glm::length(normal);
+    geometry.ray[k] = normal.z / lengths[k];
+  }
+  return geometry;
+}
+
+Axis most_parallel(const glm::dvec3& cos_angles) {
+  const double enough = largest_magnitude(cos_angles) * (1.0 - 1e-9);
+  for (const Axis axis : {Axis::z, Axis::y})
+    if (std::abs(cos_angles[int(axis)]) >= enough) return axis;
+  return Axis::x;
+}
+
+/// World length of the ray between two neighbouring slices of the axis.
+double world_distance(const LatticeFrame& lattice, const glm::dvec3& ray, int axis) {
+  const glm::dvec3 steps = ray / std::abs(ray[axis]);
+  return safe_length(lattice.direction * (lattice.spacing * steps));
+}
+
+}  // namespace
+
+Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice) {
+  const SliceGeometry geometry = slice_geometry(view.linear);
+  Traversal traversal;
+  traversal.axis = most_parallel(geometry.cos_angles);
+  const int k = int(traversal.axis);
+  traversal.ascending = geometry.ray[k] > 0;
+  traversal.cos_angle = std::abs(geometry.cos_angles[k]);
+  const double unit_length = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
+  traversal.slice_distance = world_distance(lattice, geometry.ray, k) / unit_length;
+  return traversal;
+}
+
+}  // namespace ringsplat
