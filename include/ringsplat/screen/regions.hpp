@@ -1,0 +1,40 @@
+#pragma once
+#include <vector>
+
+namespace ringsplat {
+
+/// Half-open rectangle of pixels.
+struct PixelRect {
+  int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
+  int width() const { return x1 - x0; }
+  int height() const { return y1 - y0; }
+  bool empty() const { return x1 <= x0 || y1 <= y0; }
+  bool operator==(const PixelRect&) const = default;
+};
+
+/// The screen cut into square regions, numbered row by row; those at the right and lower edge may be smaller.
+class Regions {
+ public:
+  Regions() = default;
+  /// Throws InputError when a size is below 1 or the picture has more than 2^31 - 1 regions or pixels a side
+  /// over 2^20.
+  Regions(int width, int height, int region_size);
+  int count() const { return columns_ * rows_; }
+  int columns() const { return columns_; }
+  int rows() const { return rows_; }
+  int region_size() const { return size_; }
+  PixelRect rect(int region) const;
+
+  /// Which Renderer owns a region: the one map from regions to Renderers, used by all.
+  static int owner(int region, int renderers) { return region % renderers; }
+  std::vector<int> owned(int renderer, int renderers) const;
+
+  /// The block of regions that pixels [x0, x1] × [y0, y1] (inclusive) touch, clipped to the screen, in
+  /// columns and rows of regions; empty when off the screen.
+  PixelRect touched(long long x0, long long y0, long long x1, long long y1) const;
+
+ private:
+  int width_ = 0, height_ = 0, size_ = 1, columns_ = 0, rows_ = 0;
+};
+
+}  // namespace ringsplat

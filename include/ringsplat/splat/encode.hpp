@@ -1,0 +1,52 @@
+#pragma once
+#include <algorithm>
+#include <cstdint>
+
+#include "ringsplat/splat/splat.hpp"
+
+namespace ringsplat {
+
+/// How far kernels reach from their anchor pixel, the same for all of a frame: the anchor is the pixel at or
+/// before the centre, so pixels anchor − before … anchor + before + 1 may have Q > 0 and no others.
+struct KernelReach {
+  std::int64_t x, y;  ///< whole pixels before the anchor; one more after it
+};
+inline KernelReach kernel_reach(const Footprint& footprint) {
+  return {static_cast<std::int64_t>(footprint.half.x), static_cast<std::int64_t>(footprint.half.y)};
+}
+
+/// Inclusive block of screen pixels.
+struct PixelWindow {
+  std::int64_t x0, y0, x1, y1;
+};
+inline PixelWindow pixel_window(const Anchored& at, KernelReach reach) {
+  return {at.anchor_x - reach.x, at.anchor_y - reach.y, at.anchor_x + reach.x + 1, at.anchor_y + reach.y + 1};
+}
+
+/// [0, 1] to [0, 65535], rounded to nearest; values outside, and NaN, go to the nearer end or 0.
+inline std::uint16_t quantise_colour(float value) {
+  // Adding a half and truncating takes one instruction where lround is a call; the value is not negative
+  // here.
+  const float inside = std::min(std::max(0.0F, value), 1.0F);
+  return static_cast<std::uint16_t>(
+      static_cast<std::int32_t>(inside * 65535.0F + 0.5F));  // NOLINT(bugprone-incorrect-roundings)
+}
+
+/// One voxel's six words. (dx, dy) is Anchored's offset; the colour is straight and linear; `opacity` is
+/// corrected for the slice distance and not yet weighted. anchor_x and anchor_y count from the base of the
+/// group the splat goes to. Coefficients are computed in double precision and rounded once.
+inline Splat make_splat(const Footprint& footprint, double dx, double dy, float red, float green, float blue,
+                        float opacity, std::uint8_t anchor_x = 0, std::uint8_t anchor_y = 0) {
+  const auto q = coefficients(footprint, dx, dy);
+  return {static_cast<float>(q.a),
+          static_cast<float>(q.b),
+          static_cast<float>(q.c),
+          static_cast<float>(static_cast<double>(opacity) * footprint.weight),
+          quantise_colour(red),
+          quantise_colour(green),
+          quantise_colour(blue),
+          anchor_x,
+          anchor_y};
+}
+
+}  // namespace ringsplat

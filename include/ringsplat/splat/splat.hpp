@@ -1,0 +1,52 @@
+#pragma once
+#include <cstdint>
+
+#include "ringsplat/splat/footprint.hpp"
+
+namespace ringsplat {
+
+/// One voxel's kernel in six 32-bit words.
+///
+/// The evaluator's origin is offset to the splat's own anchor, the pixel at or below its centre, rather
+/// than to the region's corner as in Neumann 1992 (section 2.2): float32 coefficients then lose nothing
+/// however large the region or the image, and a splat has the same bits in every region it reaches.
+struct Splat {
+  float a, b,
+      c;  ///< Q = a dx + b dy + c + D dx² + E dx dy + F dy², (dx, dy) in pixels from the anchor's centre
+  float opacity;                    ///< corrected opacity × Footprint::weight
+  std::uint16_t red, green, blue;   ///< straight linear colour, 65535 = 1; premultiplied when drawn
+  std::uint8_t anchor_x, anchor_y;  ///< anchor pixel − the group's base
+};
+static_assert(sizeof(Splat) == 24);
+
+/// Heads a run of splats of one region whose anchors lie within 256 × 256 pixels from its base.
+struct SplatGroup {
+  std::int32_t region;
+  std::int32_t base_x, base_y;  ///< screen pixel; may be off the screen
+  std::uint32_t count;          ///< splats that follow
+};
+static_assert(sizeof(SplatGroup) == 16);
+
+/// Where a voxel at screen position (x, y) lands: anchor pixel and the centre's offset from the anchor's
+/// centre, in [0, 1]. (1 itself only when the subtraction rounds up to it.)
+struct Anchored {
+  std::int64_t anchor_x, anchor_y;
+  double dx, dy;
+};
+
+/// The pixel whose centre (integer + ½) is the last at or before `position`; positions beyond ±2^40 pixels,
+/// and NaN, stay on that edge.
+inline std::int64_t anchor_pixel(double position) {
+  constexpr double edge = 1099511627776.0;
+  // A comparison with NaN is false, so that the conversion below is defined for every argument.
+  const double shifted = position > -edge ? (position < edge ? position - 0.5 : edge) : -edge;
+  const auto truncated = static_cast<std::int64_t>(shifted);
+  return truncated - static_cast<std::int64_t>(static_cast<double>(truncated) > shifted);
+}
+
+inline Anchored anchor(double x, double y) {
+  const auto ax = anchor_pixel(x), ay = anchor_pixel(y);
+  return {ax, ay, x - 0.5 - static_cast<double>(ax), y - 0.5 - static_cast<double>(ay)};
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,67 @@
+#include "ringsplat/screen/regions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+namespace {
+
+constexpr int largest_side = 1 << 20;
+
+int pieces(int length, int size) { return (length - 1) / size + 1; }
+
+}  // namespace
+
+Regions::Regions(int width, int height, int region_size)
+    : width_(width), height_(height), size_(region_size) {
+  if (width < 1 || height < 1 || width > largest_side || height > largest_side) {
+    throw InputError(
+        fmt::format("image size {}x{} is not within 1 to {} pixels a side", width, height, largest_side),
+        "give a size such as --size 512x512");
+  }
+  if (region_size < 1) {
+    throw InputError(fmt::format("region size {} is not positive", region_size),
+                     "give the pixels of a region's side, such as --region 128");
+  }
+  columns_ = pieces(width, region_size);
+  rows_ = pieces(height, region_size);
+  if (std::int64_t{columns_} * rows_ > std::numeric_limits<std::int32_t>::max()) {
+    throw InputError(
+        fmt::format("an image of {}x{} pixels has too many regions of {} pixels a side ({} x {})", width,
+                    height, region_size, columns_, rows_),
+        "choose larger regions, such as --region 128");
+  }
+}
+
+PixelRect Regions::rect(int region) const {
+  const int x0 = region % columns_ * size_, y0 = region / columns_ * size_;
+  // A region size near 2^31 is allowed, so the far corner is found by what is left, not by a sum that may
+  // overflow.
+  return {x0, y0, x0 + std::min(size_, width_ - x0), y0 + std::min(size_, height_ - y0)};
+}
+
+std::vector<int> Regions::owned(int renderer, int renderers) const {
+  std::vector<int> mine;
+  for (int region = 0; region < count(); ++region) {
+    if (owner(region, renderers) == renderer) mine.push_back(region);
+  }
+  return mine;
+}
+
+PixelRect Regions::touched(long long x0, long long y0, long long x1, long long y1) const {
+  x0 = std::max(x0, 0LL);
+  y0 = std::max(y0, 0LL);
+  x1 = std::min(x1, static_cast<long long>(width_) - 1);
+  y1 = std::min(y1, static_cast<long long>(height_) - 1);
+  if (x0 > x1 || y0 > y1) return {};
+  return {static_cast<int>(x0 / size_), static_cast<int>(y0 / size_), static_cast<int>(x1 / size_) + 1,
+          static_cast<int>(y1 / size_) + 1};
+}
+
+}  // namespace ringsplat

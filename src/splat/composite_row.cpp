@@ -1,0 +1,86 @@
+#include "splat/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/composite_row.cpp"
+#include <hwy/foreach_target.h>
+
+#include <algorithm>
+
+#include "splat/painter_kernels.hpp"
+#include "splat/pixel_vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+#if HWY_TARGET == HWY_SCALAR
+
+void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats) {
+  for (std::size_t i = 0; i < floats; i += 4) {
+    float* pixel = slice + i;
+    float* behind = image + i;
+    const float opacity = std::min(std::max(pixel[3], 0.0F), 1.0F), transmittance = behind[3];
+    for (int k = 0; k < 3; ++k) {
+      behind[k] = behind[k] + transmittance * std::min(std::max(pixel[k], 0.0F), opacity);
+    }
+    behind[3] = transmittance * (1.0F - opacity);
+    std::fill_n(pixel, 4, 0.0F);
+  }
+}
+
+#else
+
+void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats) {
+  const Floats d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  HWY_ALIGN constexpr float fourth[4] = {0, 0, 0, 1};
+  const auto is_opacity = hn::Gt(hn::LoadDup128(d, fourth), zero);
+  for (std::size_t i = 0; i < floats; i += lanes) {
+    const auto pixel = hn::Load(d, slice + i);
+    hn::Store(zero, d, slice + i);
+    const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(pixel), zero), one);
+    const auto colour = hn::Min(hn::Max(pixel, zero), opacity);
+    const auto behind = hn::Load(d, image + i);
+    const auto transmittance = hn::Broadcast<3>(behind);
+    // C + T c in the colour lanes, 0 + T (1 − a) in the fourth.
+    const auto factor = hn::IfThenElse(is_opacity, hn::Sub(one, opacity), colour);
+    const auto kept = hn::IfThenZeroElse(is_opacity, behind);
+    hn::Store(hn::Add(kept, hn::Mul(transmittance, factor)), d, image + i);
+  }
+}
+
+#endif
+
+std::int64_t ThisTarget() { return HWY_TARGET; }
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+
+HWY_EXPORT(CompositeRow);
+HWY_EXPORT(ThisTarget);
+
+void composite_row(float* slice, float* image, std::size_t floats) {
+  HWY_DYNAMIC_DISPATCH(CompositeRow)(slice, image, floats);
+}
+
+const char* vector_target() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(ThisTarget)()); }
+
+std::vector<std::string> vector_targets() {
+  std::vector<std::string> names;
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets())
+    names.emplace_back(hwy::TargetName(target));
+  return names;
+}
+
+void use_vector_target(const std::string& name) {
+  hwy::SetSupportedTargetsForTest(0);
+  for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+    if (name == hwy::TargetName(target)) hwy::SetSupportedTargetsForTest(target);
+  }
+  hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+}
+
+}  // namespace ringsplat
+#endif

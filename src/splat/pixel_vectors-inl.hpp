@@ -1,0 +1,120 @@
+// Per-target include guard: Highway compiles this once for each instruction set.
+#if defined(RINGSPLAT_PIXEL_VECTORS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_PIXEL_VECTORS_INL
+#undef RINGSPLAT_PIXEL_VECTORS_INL
+#else
+#define RINGSPLAT_PIXEL_VECTORS_INL
+#endif
+
+#include <hwy/highway.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "ringsplat/splat/splat.hpp"
+#include "splat/slice_buffer.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+HWY_INLINE Splat load_splat(const std::byte* bytes) {
+  Splat splat;
+  std::memcpy(&splat, bytes, sizeof splat);
+  return splat;
+}
+
+#if HWY_TARGET == HWY_SCALAR
+
+/// Whether a, b, c and the opacity are all numbers that a footprint can give.
+HWY_INLINE bool is_plausible(const Splat& splat) {
+  for (const float value : {splat.a, splat.b, splat.c, splat.opacity}) {
+    if (!(std::abs(value) < largest_coefficient)) return false;
+  }
+  return true;
+}
+
+/// Premultiplied (red, green, blue, opacity).
+struct Colour {
+  float rgba[4];
+};
+HWY_INLINE Colour load_colour(const Splat& splat) {
+  const float scale = splat.opacity * (1.0F / 65535.0F);
+  return {{static_cast<float>(splat.red) * scale, static_cast<float>(splat.green) * scale,
+           static_cast<float>(splat.blue) * scale, splat.opacity}};
+}
+
+HWY_INLINE void add_to(float* pixel, float weight, const Colour& colour) {
+  for (int i = 0; i < 4; ++i) pixel[i] = pixel[i] + weight * colour.rgba[i];
+}
+
+#else
+
+/// As many floats as the processor adds at once, four pixels at most.
+using Floats = hn::CappedTag<float, 16>;
+using FloatVector = hn::Vec<Floats>;
+using FourFloats = hn::Full128<float>;
+using Colour = FloatVector;
+inline constexpr std::size_t lanes = HWY_LANES(float) < 16 ? HWY_LANES(float) : 16;
+inline constexpr std::size_t pixels_a_vector = lanes / 4;
+
+/// Spreads one value a pixel over RGBA pixels: of `lanes` values, the `part`-th quarter, each four times.
+class Spread {
+ public:
+#if HWY_MAX_BYTES == 16
+  template <int part>
+  HWY_INLINE FloatVector get(FloatVector values) const {
+    return hn::Broadcast<part>(values);
+  }
+#else
+  HWY_INLINE Spread() {
+    HWY_ALIGN std::int32_t pick[4][lanes];
+    for (std::size_t part = 0; part < 4; ++part) {
+      for (std::size_t i = 0; i < lanes; ++i) {
+        pick[part][i] = static_cast<std::int32_t>(part * pixels_a_vector + i / 4);
+      }
+      indices_[part] = hn::SetTableIndices(Floats(), pick[part]);
+    }
+  }
+  template <int part>
+  HWY_INLINE FloatVector get(FloatVector values) const {
+    return hn::TableLookupLanes(values, indices_[part]);
+  }
+
+ private:
+  decltype(hn::SetTableIndices(Floats(), static_cast<const std::int32_t*>(nullptr))) indices_[4];
+#endif
+};
+
+/// Whether a, b, c and the opacity are all numbers that a footprint can give.
+HWY_INLINE bool is_plausible(const Splat& splat) {
+  const FourFloats d;
+  const auto words = hn::LoadU(d, &splat.a);
+  return hn::AllTrue(d, hn::Lt(hn::Abs(words), hn::Set(d, largest_coefficient)));
+}
+
+/// Premultiplied (red, green, blue, opacity), once for each pixel of a vector.
+HWY_INLINE Colour load_colour(const Splat& splat) {
+  const FourFloats d;
+  const hn::Rebind<std::int32_t, FourFloats> d32;
+  const hn::Rebind<std::uint16_t, FourFloats> d16;
+  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, &splat.red)));
+  const auto premultiplied = hn::Mul(straight, hn::Set(d, splat.opacity * (1.0F / 65535.0F)));
+  const auto is_opacity = hn::Not(hn::FirstN(d, 3));
+  HWY_ALIGN float colour[4];
+  hn::Store(hn::IfThenElse(is_opacity, hn::Set(d, splat.opacity), premultiplied), d, colour);
+  return hn::LoadDup128(Floats(), colour);
+}
+
+HWY_INLINE void add_to(float* pixels, FloatVector weights, FloatVector colour) {
+  const Floats d;
+  hn::StoreU(hn::Add(hn::LoadU(d, pixels), hn::Mul(weights, colour)), d, pixels);
+}
+
+#endif
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

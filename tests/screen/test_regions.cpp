@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <tuple>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/screen/regions.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+
+namespace {
+
+/// Which region holds a pixel, by looking at all of them.
+int region_at(const Regions& regions, int x, int y) {
+  int found = -1;
+  for (int r = 0; r < regions.count(); ++r) {
+    const auto rect = regions.rect(r);
+    if (x < rect.x0 || x >= rect.x1 || y < rect.y0 || y >= rect.y1) continue;
+    REQUIRE(found == -1);
+    found = r;
+  }
+  return found;
+}
+
+}  // namespace
+
+TEST_CASE("regions cover every pixel of the screen exactly once", "[regions]") {
+  const auto [width, height, size] =
+      GENERATE(std::tuple{1, 1, 1}, std::tuple{7, 5, 2}, std::tuple{16, 8, 4}, std::tuple{13, 29, 64},
+               std::tuple{10, 3, 10}, std::tuple{11, 21, 10});
+  const Regions regions(width, height, size);
+  long long area = 0;
+  for (int r = 0; r < regions.count(); ++r) {
+    const auto rect = regions.rect(r);
+    CHECK_FALSE(rect.empty());
+    CHECK(rect.width() <= size);
+    CHECK(rect.height() <= size);
+    area += static_cast<long long>(rect.width()) * rect.height();
+  }
+  CHECK(area == static_cast<long long>(width) * height);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const int region = region_at(regions, x, y);
+      REQUIRE(region >= 0);
+      const auto block = regions.touched(x, y, x, y);
+      REQUIRE(block == PixelRect{region % regions.columns(), region / regions.columns(),
+                                 region % regions.columns() + 1, region / regions.columns() + 1});
+    }
+  }
+}
+
+TEST_CASE("regions are numbered row by row and the last ones are smaller", "[regions]") {
+  const Regions regions(300, 200, 128);
+  CHECK(regions.columns() == 3);
+  CHECK(regions.rows() == 2);
+  CHECK(regions.rect(0) == PixelRect{0, 0, 128, 128});
+  CHECK(regions.rect(2) == PixelRect{256, 0, 300, 128});
+  CHECK(regions.rect(5) == PixelRect{256, 128, 300, 200});
+}
+
+TEST_CASE("a region larger than the screen is the screen", "[regions]") {
+  const Regions regions(300, 200, std::numeric_limits<int>::max());
+  REQUIRE(regions.count() == 1);
+  CHECK(regions.rect(0) == PixelRect{0, 0, 300, 200});
+}
+
+TEST_CASE("every region has one owner and owned() lists them in order", "[regions]") {
+  const Regions regions(1000, 700, 128);
+  const int renderers = GENERATE(1, 2, 3, 7, 100);
+  std::set<int> seen;
+  for (int renderer = 0; renderer < renderers; ++renderer) {
+    const auto mine = regions.owned(renderer, renderers);
+    CHECK(std::is_sorted(mine.begin(), mine.end()));
+    for (const int region : mine) {
+      CHECK(Regions::owner(region, renderers) == renderer);
+      CHECK(seen.insert(region).second);
+    }
+  }
+  CHECK(static_cast<int>(seen.size()) == regions.count());
+}
+
+TEST_CASE("touched() is the block of regions that a window of pixels meets", "[regions]") {
+  const Regions regions(300, 200, 128);
+  CHECK(regions.touched(127, 127, 127, 127) == PixelRect{0, 0, 1, 1});
+  CHECK(regions.touched(127, 127, 128, 127) == PixelRect{0, 0, 2, 1});
+  CHECK(regions.touched(126, 126, 129, 129) == PixelRect{0, 0, 2, 2});
+  CHECK(regions.touched(-5, 10, 3, 11) == PixelRect{0, 0, 1, 1});
+  CHECK(regions.touched(-100, -100, 1000, 1000) == PixelRect{0, 0, 3, 2});
+  constexpr auto far = std::numeric_limits<long long>::max();
+  CHECK(regions.touched(-far, -far, far, far) == PixelRect{0, 0, 3, 2});
+}
+
+TEST_CASE("touched() is empty off the screen", "[regions]") {
+  const Regions regions(300, 200, 128);
+  CHECK(regions.touched(-4, 0, -1, 3).empty());
+  CHECK(regions.touched(300, 0, 303, 3).empty());
+  CHECK(regions.touched(0, -9, 3, -1).empty());
+  CHECK(regions.touched(0, 200, 3, 201).empty());
+  CHECK(Regions().touched(0, 0, 0, 0).empty());
+}
+
+TEST_CASE("bad screen and region sizes are refused", "[regions]") {
+  CHECK_THROWS_AS(Regions(0, 10, 8), InputError);
+  CHECK_THROWS_AS(Regions(10, -1, 8), InputError);
+  CHECK_THROWS_AS(Regions(10, 10, 0), InputError);
+  CHECK_THROWS_AS(Regions(10, 10, -128), InputError);
+  CHECK_THROWS_AS(Regions((1 << 20) + 1, 10, 128), InputError);
+  CHECK_THROWS_AS(Regions(1 << 20, 1 << 20, 1), InputError);
+  CHECK_NOTHROW(Regions(1 << 20, 1 << 20, 128));
+}
