@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <span>
 
 #include "ringsplat/base/error.hpp"
 #include "volume/input_file.hpp"
@@ -10,52 +12,104 @@
 namespace ringsplat::detail {
 namespace {
 
-class Numbers {
- public:
-  Numbers(const InputFile& file, bool big_endian) : file_(file), big_endian_(big_endian) {}
+enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
+enum FieldTag : std::uint64_t {
+  strip_offsets = 273,
+  strip_bytes = 279,
+  tile_offsets = 324,
+  tile_bytes = 325
+};
+enum FieldType : std::uint64_t { short_numbers = 3, long_numbers = 4, long8_numbers = 16 };
 
-  std::uint64_t at(std::uint64_t offset, std::size_t bytes) const {
+/// An array of numbers, in its directory entry when it fits there.
+struct Field {
+  std::uint64_t begin = 0, count = 0;
+  std::size_t number_bytes = 0;
+};
+
+class TiffChain {
+ public:
+  explicit TiffChain(const InputFile& file) : file_(file) {
+    std::array<std::byte, 2> order{};
+    if (file.read_some(0, order) != order.size() || order[0] != order[1]) return;
+    if (order[0] != std::byte{'I'} && order[0] != std::byte{'M'}) return;
+    big_endian_ = order[0] == std::byte{'M'};
+    const auto version = number(2, 2);
+    wide_ = version == big_tiff;
+    is_tiff_ = version == classic || wide_;
+  }
+
+  std::uint64_t pages() const {
+    if (!is_tiff_) return 0;
+    const auto most = file_.size() / (count_bytes() + offset_bytes());
+    std::uint64_t pages = 0;
+    for (auto at = number(wide_ ? 8 : 4, offset_bytes()); at != 0; ++pages) {
+      if (pages > most)
+        throw InputError(fmt::format("{}: its pages form a loop", file_.path().string()),
+                         "write the file again");
+      at = check_page(at);
+    }
+    return pages;
+  }
+
+ private:
+  std::size_t offset_bytes() const { return wide_ ? 8 : 4; }
+  std::size_t count_bytes() const { return wide_ ? 8 : 2; }
+  std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
+
+  [[noreturn]] void fail() const {
+    throw InputError(fmt::format("{} is cut short: a page lies behind its end", file_.path().string()),
+                     "copy the file again");
+  }
+
+  std::uint64_t number(std::uint64_t offset, std::size_t bytes) const {
     std::array<std::byte, 8> raw{};
-    if (offset > file_.size() || file_.read_some(offset, std::span(raw).first(bytes)) != bytes)
-      throw InputError(fmt::format("{} is cut short: a page lies behind its end", file_.path().string()),
-                       "copy the file again");
+    if (offset > file_.size() || file_.read_some(offset, std::span(raw).first(bytes)) != bytes) fail();
     std::uint64_t value = 0;
     for (std::size_t i = 0; i < bytes; ++i)
       value = value << 8 | std::to_integer<std::uint64_t>(raw[big_endian_ ? i : bytes - 1 - i]);
     return value;
   }
 
- private:
+  /// Returns where the next page's directory is, 0 after the last.
+  std::uint64_t check_page(std::uint64_t at) const {
+    const auto entries = number(at, count_bytes());
+    if (entries > file_.size() / entry_bytes()) fail();
+    Field offsets, lengths;
+    for (std::uint64_t i = 0; i < entries; ++i) {
+      const auto entry = at + count_bytes() + i * entry_bytes();
+      const auto tag = number(entry, 2);
+      if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
+      if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
+    }
+    for (std::uint64_t i = 0; i < std::min(offsets.count, lengths.count); ++i) {
+      const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
+      const auto length = number(lengths.begin + i * lengths.number_bytes, lengths.number_bytes);
+      if (begin > file_.size() || length > file_.size() - begin) fail();
+    }
+    return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
+  }
+
+  Field field(std::uint64_t entry) const {
+    const auto type = number(entry + 2, 2);
+    const std::size_t bytes = type == short_numbers   ? 2
+                              : type == long_numbers  ? 4
+                              : type == long8_numbers ? 8
+                                                      : 0;
+    const auto count = number(entry + 4, offset_bytes()), value = entry + 4 + offset_bytes();
+    if (bytes == 0 || count > file_.size() / bytes) fail();
+    return {count * bytes <= offset_bytes() ? value : number(value, offset_bytes()), count, bytes};
+  }
+
   const InputFile& file_;
-  bool big_endian_;
+  bool is_tiff_ = false, big_endian_ = false, wide_ = false;
 };
 
 }  // namespace
 
 std::uint64_t count_tiff_pages(const std::filesystem::path& path) {
   const InputFile file(path);
-  std::array<std::byte, 2> order{};
-  if (file.read_some(0, order) != order.size() || order[0] != order[1]) return 0;
-  if (order[0] != std::byte{'I'} && order[0] != std::byte{'M'}) return 0;
-  const Numbers numbers(file, order[0] == std::byte{'M'});
-  constexpr std::uint64_t classic = 42, big_tiff = 43;
-  const auto version = numbers.at(2, 2);
-  if (version != classic && version != big_tiff) return 0;
-  const bool wide = version == big_tiff;
-  const std::size_t offset_bytes = wide ? 8 : 4, count_bytes = wide ? 8 : 2, entry_bytes = wide ? 20 : 12;
-
-  const auto most = file.size() / (count_bytes + offset_bytes);
-  std::uint64_t pages = 0;
-  for (auto at = numbers.at(wide ? 8 : 4, offset_bytes); at != 0; ++pages) {
-    if (pages > most)
-      throw InputError(fmt::format("{}: its pages form a loop", path.string()), "write the file again");
-    const auto entries = numbers.at(at, count_bytes);
-    if (entries > file.size() / entry_bytes)
-      throw InputError(fmt::format("{} is cut short or damaged at byte {}", path.string(), at),
-                       "copy the file again");
-    at = numbers.at(at + count_bytes + entries * entry_bytes, offset_bytes);
-  }
-  return pages;
+  return TiffChain(file).pages();
 }
 
 }  // namespace ringsplat::detail

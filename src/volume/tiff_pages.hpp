@@ -4,8 +4,9 @@
 
 namespace ringsplat::detail {
 
-/// Counts the directories (pages) a TIFF or BigTIFF file chains (TIFF 6.0, section 2). The library takes
-/// a chain that leads beyond the end of a cut file for the end of the pages; here that throws InputError.
+/// Counts the directories (pages) a TIFF or BigTIFF file chains (TIFF 6.0, section 2) and checks that
+/// they and their strips or tiles lie in the file. The library takes a chain that leads beyond the end
+/// of a cut file for the end of the pages, and a missing strip for zeros; here both throw InputError.
 /// Returns 0 for a file that is not TIFF.
 std::uint64_t count_tiff_pages(const std::filesystem::path& path);
 

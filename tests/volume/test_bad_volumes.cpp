@@ -5,8 +5,8 @@
 #include <functional>
 #include <limits>
 
-#include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
+#include "volume/complaint.hpp"
 #include "volume/files.hpp"
 
 using namespace files;
@@ -49,7 +49,7 @@ std::string scalar_field(const char* type) {
 std::vector<Bad> bad_nrrds() {
   const auto packed = gzip(samples<std::uint8_t>());
   return {
-      file("empty file", "cannot read|not a readable", "a.nrrd", ""),
+      file("empty file", "not a readable NRRD", "a.nrrd", ""),
       file("not an NRRD", "NRRD", "a.nrrd", "this is prose, not a volume\n"),
       file("random bytes", "NRRD", "a.nrrd", std::string("\x80\x81\x00\x01\xff", 5)),
       file("only the magic", "NRRD", "a.nrrd", "NRRD0004\n"),
@@ -61,13 +61,15 @@ std::vector<Bad> bad_nrrds() {
            nrrd("type: uint8\ndimension: 3\nencoding: gzip\nsizes: 2048 1024 1024\n", packed)),
       file("sizes that overflow 64 bits", "too large", "a.nrrd",
            nrrd(scalar_field("float") + "sizes: 2000000000 2000000000 2000000000\n")),
-      file("sizes that overflow one number", "a.nrrd", "a.nrrd",
+      file("sizes that overflow one number", "voxels along axis 0", "a.nrrd",
            nrrd(scalar_field("uint8") + "sizes: 99999999999999999999999 2 2\n")),
       file("an axis beyond int", "voxels along axis 0", "a.nrrd",
            nrrd(scalar_field("uint8") + "sizes: 5000000000 1 1\n")),
-      file("zero dimension", "a.nrrd", "a.nrrd", nrrd(scalar_field("uint8") + "sizes: 5 0 3\n")),
-      file("negative dimension", "a.nrrd", "a.nrrd", nrrd(scalar_field("uint8") + "sizes: 5 -4 3\n")),
-      file("fewer sizes than dimensions", "a.nrrd", "a.nrrd", nrrd(scalar_field("uint8") + "sizes: 5 4\n")),
+      file("zero dimension", "axis 1 size is zero", "a.nrrd", nrrd(scalar_field("uint8") + "sizes: 5 0 3\n")),
+      file("negative dimension", "not a readable NRRD", "a.nrrd",
+           nrrd(scalar_field("uint8") + "sizes: 5 -4 3\n")),
+      file("fewer sizes than dimensions", "dimension is 3", "a.nrrd",
+           nrrd(scalar_field("uint8") + "sizes: 5 4\n")),
       file("unknown type", "quaternion", "a.nrrd", nrrd(scalar_field("quaternion") + "sizes: 5 4 3\n")),
       file("64-bit integers", "int32, uint32 or float32", "a.nrrd",
            nrrd(scalar_field("int64") + "sizes: 5 4 3\n", std::string(480, 'v'))),
@@ -86,10 +88,10 @@ std::vector<Bad> bad_nrrds() {
            nrrd("type: uint8\ndimension: 3\nencoding: ascii\nsizes: 5 4 3\n", "1 2 3\n")),
       file("missing data file", "nowhere.raw", "a.nhdr",
            nrrd(scalar_field("uint8") + "sizes: 5 4 3\ndata file: nowhere.raw\n", "")),
-      file("zero spacing", "a.nrrd", "a.nrrd",
+      file("zero spacing", "spacing (0) invalid", "a.nrrd",
            nrrd(scalar_field("uint8") + "sizes: 5 4 3\nspacings: 1 0 1\n")),
       file(
-          "singular directions", "a.nrrd", "a.nrrd",
+          "singular directions", "direction matrix is singular", "a.nrrd",
           nrrd(scalar_field("uint8") + "sizes: 5 4 3\nspace: left-posterior-superior\n"
                                        "space directions: (1,0,0) (1,0,0) (0,0,1)\nspace origin: (0,0,0)\n")),
       file("truncated gzip", "cut short or damaged", "a.nrrd",
@@ -107,10 +109,10 @@ std::vector<Bad> bad_nrrds() {
 std::vector<Bad> bad_metas_and_vtks() {
   return {
       file("meta, empty", "MetaImage", "a.mha", ""),
-      file("meta, prose", "a.mha", "a.mha", "hello\n"),
+      file("meta, prose", "no readable MetaImage header", "a.mha", "hello\n"),
       file("meta, truncated", "promises 60 bytes", "a.mha",
            meta("DimSize = 5 4 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "short")),
-      file("meta, zero dimension", "a.mha", "a.mha",
+      file("meta, zero dimension", "DimSize is 0 along axis 1", "a.mha",
            meta("DimSize = 5 0 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "short")),
       file("meta, negative dimension", "DimSize is -4", "a.mha",
            meta("DimSize = 5 -4 3\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n", "short")),
@@ -119,7 +121,7 @@ std::vector<Bad> bad_metas_and_vtks() {
       file("meta, too many dimensions", "NDims is '99'", "a.mha",
            "ObjectType = Image\nNDims = 99\nDimSize = 1 1 1\nElementType = MET_UCHAR\nElementDataFile = "
            "LOCAL\n"),
-      file("meta, huge", "a.mha", "a.mha",
+      file("meta, huge", "overflow 64 bits", "a.mha",
            meta("DimSize = 2000000000 2000000000 2000000000\nElementType = MET_UCHAR\nElementDataFile = "
                 "LOCAL\n",
                 "short")),
@@ -144,7 +146,7 @@ std::vector<Bad> bad_metas_and_vtks() {
            "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 500 400 "
            "300\nSPACING 1 1 1\n"
            "ORIGIN 0 0 0\nPOINT_DATA 60000000\nSCALARS v short 1\nLOOKUP_TABLE default\nxx"),
-      file("vtk, zero dimension", "a.vtk", "a.vtk",
+      file("vtk, zero dimension", "dimensions 5 x 0 x 3", "a.vtk",
            "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 5 0 3\nSPACING 1 1 "
            "1\n"
            "ORIGIN 0 0 0\nPOINT_DATA 0\nSCALARS v short 1\nLOOKUP_TABLE default\n"),
@@ -168,13 +170,13 @@ std::vector<Bad> bad_niftis() {
       file("nifti, prose", "NIfTI", "a.nii", "hello"),
       file("nifti, header cut short", "NIfTI", "a.nii", Nifti().header().substr(0, 200)),
       file("nifti, truncated", "promises 120 bytes", "a.nii", Nifti().header() + "short"),
-      file("nifti, zero dimension", "a.nii", "a.nii", zero.header() + voxels),
+      file("nifti, zero dimension", "dim[2] is 0", "a.nii", zero.header() + voxels),
       file("nifti, infinite orientation", "is not a number", "a.nii", infinite.header() + voxels),
       file("nifti, unknown type", "unknown datatype 77", "a.nii", unknown.header() + voxels),
       file("nifti, no dimensions", "dim[0] is 0", "a.nii", none.header() + voxels),
       file("nifti, 4D", "extract one volume", "a.nii", four.header() + voxels),
       file("nifti, colours", "3 values per voxel", "a.nii", rgb.header() + voxels),
-      file("nifti, 64-bit", "a.nii", "a.nii", wide.header() + voxels),
+      file("nifti, 64-bit", "int32, uint32 or float32", "a.nii", wide.header() + voxels),
       file("nifti, huge", "promises", "a.nii", huge.header() + voxels),
       file("nifti, truncated gzip", "cut short or damaged", "a.nii.gz", whole.substr(0, whole.size() - 40)),
       file("nifti, no gzip", "NIfTI", "a.nii.gz", "hello"),
@@ -311,30 +313,22 @@ std::vector<Bad> bad_raws() {
   };
 }
 
-/// What the user reads when the volume is opened and read, or nothing when all went well.
-std::string complaint(const Bad& bad, const Folder& folder) {
-  try {
+std::string complaint_about(const Bad& bad, const Folder& folder) {
+  return complaint_of([&] {
     const auto source = open_volume(bad.make(folder), bad.raw);
     std::vector<std::byte> slice(source->grid().slice_bytes(Axis::z));
     for (int z = 0; z < source->grid().dims.z; ++z) source->read_slices(z, 1, slice);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return {};
+  });
 }
 
 void check_all(const std::vector<Bad>& list) {
   for (const auto& bad : list) {
     const Folder folder;
-    const auto text = complaint(bad, folder);
+    const auto text = complaint_about(bad, folder);
     CAPTURE(bad.what, text);
-    const std::string fragment = bad.message;
-    const auto bar = fragment.find('|');
-    const bool found = text.find(fragment.substr(0, bar)) != std::string::npos ||
-                       (bar != std::string::npos && text.find(fragment.substr(bar + 1)) != std::string::npos);
-    CHECK(found);
+    CHECK(says(text, bad.message));
     CHECK(text.find('\n') == std::string::npos);
-    CHECK(text.find("hint: ") != std::string::npos);
+    CHECK(says(text, "hint: "));
   }
 }
 
@@ -351,5 +345,5 @@ TEST_CASE("a file that may not be read is a clear error", "[bad]") {
   const Folder folder;
   const auto path = write(folder / "a_5x4x3_uint8.raw", samples<std::uint8_t>());
   ::chmod(path.c_str(), 0);
-  CHECK_THROWS_WITH(open_volume(path), Catch::Contains("Permission denied"));
+  CHECK(says(complaint_of([&] { open_volume(path); }), "Permission denied"));
 }

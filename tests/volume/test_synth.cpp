@@ -8,6 +8,7 @@
 #include "ringsplat/volume/statistics.hpp"
 #include "ringsplat/volume/synth.hpp"
 #include "support/catch.hpp"
+#include "volume/complaint.hpp"
 
 using namespace ringsplat;
 
@@ -105,8 +106,10 @@ TEST_CASE("slices read one by one equal the whole, and slabs start where they sa
 }
 
 TEST_CASE("unknown names list the known ones", "[synth]") {
-  CHECK_THROWS_WITH(synth_source("blob", grid_of({2, 2, 2}, ScalarType::uint8)),
-                    Catch::Contains("marschner-lobb"));
+  CHECK(says(complaint_of([] {
+               synth_source("blob", grid_of({2, 2, 2}, ScalarType::uint8));
+             }),
+             "marschner-lobb"));
   CHECK_THROWS_AS(synth_field("point"), InputError);
   CHECK_THROWS_AS(synth_source("ball", grid_of({2, 0, 2}, ScalarType::uint8)), InputError);
 }
