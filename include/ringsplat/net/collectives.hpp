@@ -1,0 +1,37 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace ringsplat {
+
+using Block = std::vector<std::byte>;
+
+/// What all processes do together outside frames: reading a volume, agreeing on errors.
+/// Every process must make the same calls in the same order.
+class Collectives {
+ public:
+  virtual ~Collectives() = default;
+  virtual int process() const = 0;
+  virtual int processes() const = 0;
+  /// `out[p]` goes to process p; the result's [p] came from process p. Blocks may be larger than 2 GiB.
+  virtual std::vector<Block> all_to_all(std::vector<Block> out) = 0;
+  virtual std::vector<Block> all_gather(const Block& mine) = 0;
+  virtual Block broadcast(Block block, int root) = 0;
+};
+
+/// One process alone.
+class SoloCollectives final : public Collectives {
+ public:
+  int process() const override { return 0; }
+  int processes() const override { return 1; }
+  std::vector<Block> all_to_all(std::vector<Block> out) override { return out; }
+  std::vector<Block> all_gather(const Block& mine) override { return {mine}; }
+  Block broadcast(Block block, int) override { return block; }
+};
+
+/// Every process hands in its error's text, or an empty one; when any is not empty, all throw the
+/// same InputError: the text of the lowest process, with how many others failed.
+void agree(Collectives& collectives, const std::string& my_error);
+
+}  // namespace ringsplat

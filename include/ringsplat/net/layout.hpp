@@ -1,0 +1,49 @@
+#pragma once
+#include <vector>
+
+#include "ringsplat/net/message.hpp"
+
+namespace ringsplat {
+
+enum class Topology { ring, mesh };
+enum class Placement { dedicated, colocated };
+/// How messages cross a mesh: from neighbour to neighbour, or each straight to its rank.
+enum class Routing { manhattan, direct };
+
+/// Which rank hosts which node: pure functions of a few numbers, the same on every rank.
+///
+/// Dedicated: GPs are ranks 0 … G−1, Renderers G … G+R−1. Colocated: rank p hosts GP p and Renderer p, as
+/// far as there are such. The frame buffer is on rank 0.
+///
+/// A mesh (Neumann 1992, section 3.1) has its GPs in rows, numbered row by row from the upper left, so that
+/// slices are dealt row by row. Renderer r stands at the left end of row r; from the number of rows on, at
+/// the right end of row r − rows, and then the mesh wraps vertically.
+struct Layout {
+  int gps = 1, renderers = 1;  ///< a mesh has columns × rows GPs
+  Placement placement = Placement::dedicated;
+  Topology topology = Topology::ring;
+  int mesh_columns = 0, mesh_rows = 0;
+  Routing routing = Routing::manhattan;
+
+  int ranks() const;
+  int rank_of(NodeId node) const;
+  std::vector<NodeId> nodes_on(int rank) const;
+  int gp_of_slice(int slice) const { return slice % gps; }
+  /// True when messages travel from neighbour to neighbour over the mesh's links.
+  bool routed() const { return topology == Topology::mesh && routing == Routing::manhattan; }
+  bool operator==(const Layout&) const = default;
+};
+
+/// A mesh of columns × rows GPs; its Renderers are on ranks of their own.
+Layout mesh_layout(int columns, int rows, int renderers, Routing routing = Routing::manhattan);
+
+/// Throws InputError, naming the option, when a count is below 1, or a mesh has no shape, a shape that its
+/// GPs do not fill, more Renderers than the ends of its rows, or Renderers on the GPs' ranks.
+void check(const Layout& layout);
+/// Throws RunError, naming the sender, when a header names nodes that the layout does not have.
+void check(const Header& header, const Layout& layout);
+
+/// The ranks to which `rank` passes an announcement that starts at rank 0 (binomial tree).
+std::vector<int> announcement_children(int rank, int ranks);
+
+}  // namespace ringsplat

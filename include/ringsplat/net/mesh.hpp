@@ -1,0 +1,94 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ringsplat/net/layout.hpp"
+
+/// The mesh of Neumann 1992, section 3.1, as pure functions of the layout, the same on every rank.
+///
+/// A message travels along its column to its destination's row and then along that row (manhattan routing).
+/// Where the mesh wraps, messages to Renderers on the right go up and messages to Renderers on the left go
+/// down; messages to GPs take the shorter way, down when both are as long.
+///
+/// Why payloads never contend while tokens move in step. Let the token of Renderer k be at traversal step t
+/// − k at time t, so that the tokens occupy consecutive GPs, and let the mesh have at least as many columns
+/// C as rows N. (When slices are traversed in descending order, GPs and tokens both run backwards, and the
+/// same holds.)
+///  - Up to N Renderers: the tokens are in different columns, so no two payloads share a vertical link;
+///    every Renderer has its own row, so no two share a horizontal one.
+///  - Up to 2N: tokens k and k − C may share a column. Then k ≥ C ≥ N stands on the right and k − C < N on
+///    the left: one payload goes up, the other down. In a row, one payload goes right and one left.
+/// This is the rule "of a column's two active GPs the upper one sends up, the lower one down": token k − C
+/// is one row ahead.
+///
+/// Hops, the last one into the Renderer included: |rows| + |columns| + 1 without wrap; with it the rows are
+/// counted in the direction of travel, modulo N.
+namespace ringsplat {
+
+enum class Direction : std::uint8_t { west, east, north, south };  // left, right, up, down on the page
+inline constexpr std::array all_directions{Direction::west, Direction::east, Direction::north,
+                                           Direction::south};
+char letter(Direction direction);
+
+/// Where a rank stands. GPs: 0 ≤ x < columns; Renderers: x = −1 or x = columns.
+struct MeshPlace {
+  int x = 0, y = 0;
+  bool operator==(const MeshPlace&) const = default;
+};
+MeshPlace place_of(const Layout& mesh, int rank);
+
+/// True when the top row and the bottom row are neighbours: Renderers stand on both sides.
+bool wraps(const Layout& mesh);
+
+/// The rank at the other end of a link, if `rank` has one there. In a wrapped mesh of two rows, north and
+/// south lead to the same rank over links of their own; one row has no vertical links.
+std::optional<int> neighbour(const Layout& mesh, int rank, Direction direction);
+
+/// A directed link, named by the rank it leaves.
+struct Link {
+  int from = 0;
+  Direction direction = Direction::west;
+  auto operator<=>(const Link&) const = default;
+};
+/// "x1y2N" leaves the GP in column 1, row 2 upwards; "R5W" leaves Renderer 5 to the left.
+std::string name(const Layout& mesh, const Link& link);
+/// All directed links, by rank.
+std::vector<Link> links(const Layout& mesh);
+/// Those that leave one rank.
+std::vector<Link> links_from(const Layout& mesh, int rank);
+
+/// The direction in which a message for `destination` leaves `rank`, nothing when it is there.
+std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination);
+
+/// Number of buffer classes of a link; see `Hop::buffer_class`.
+inline constexpr int buffer_classes = 2;
+
+/// One link of a route.
+struct Hop {
+  Link link;
+  int to = 0;  ///< rank
+  /// 0, and 1 from the hop on by which a message passes the seam between the bottom and the top row: the
+  /// "dateline" (Dally and Seitz 1987) without which messages that follow each other round a wrapped column
+  /// could all wait for the next.
+  int buffer_class = 0;
+  bool operator==(const Hop&) const = default;
+};
+
+/// The way of a message from node to node; empty when they share a rank.
+class Route {
+ public:
+  Route(const Layout& mesh, NodeId source, NodeId destination);
+  /// The next hop, or nothing at the end.
+  std::optional<Hop> next();
+
+ private:
+  const Layout& mesh_;
+  NodeId destination_;
+  int at_, first_row_;
+};
+std::vector<Hop> route(const Layout& mesh, NodeId source, NodeId destination);
+
+}  // namespace ringsplat

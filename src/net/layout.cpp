@@ -1,0 +1,114 @@
+#include "ringsplat/net/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+int Layout::ranks() const {
+  return placement == Placement::dedicated ? gps + renderers : std::max(gps, renderers);
+}
+
+int Layout::rank_of(NodeId node) const {
+  switch (node.role) {
+    case Role::gp:
+      return node.index;
+    case Role::renderer:
+      return placement == Placement::dedicated ? gps + node.index : node.index;
+    case Role::frame_buffer:
+      return 0;
+    case Role::host:
+      break;
+  }
+  return node.index;
+}
+
+std::vector<NodeId> Layout::nodes_on(int rank) const {
+  std::vector<NodeId> nodes;
+  if (rank < gps) nodes.push_back({Role::gp, rank});
+  const int renderer = placement == Placement::dedicated ? rank - gps : rank;
+  if (renderer >= 0 && renderer < renderers) nodes.push_back({Role::renderer, renderer});
+  if (rank == 0) nodes.push_back(frame_buffer_id);
+  return nodes;
+}
+
+Layout mesh_layout(int columns, int rows, int renderers, Routing routing) {
+  return {.gps = columns * rows,
+          .renderers = renderers,
+          .topology = Topology::mesh,
+          .mesh_columns = columns,
+          .mesh_rows = rows,
+          .routing = routing};
+}
+
+namespace {
+
+void check_mesh(const Layout& mesh) {
+  const int columns = mesh.mesh_columns, rows = mesh.mesh_rows;
+  constexpr int most = 4096;  // keeps columns × rows far inside an int
+  if (columns < 1 || rows < 1 || columns > most || rows > most)
+    throw InputError(fmt::format("--topology mesh needs a shape of 1 to {} columns and rows", most),
+                     "for instance --mesh 4x4");
+  if (mesh.gps != columns * rows)
+    throw InputError(
+        fmt::format("--mesh {}x{} has {} GPs, but --gps is {}", columns, rows, columns * rows, mesh.gps),
+        "leave --gps out: the mesh says how many there are");
+  if (mesh.renderers > 2 * rows)
+    throw InputError(
+        fmt::format("--renderers is {}, but a mesh of {} row(s) has only {} row ends for Renderers",
+                    mesh.renderers, rows, 2 * rows),
+        fmt::format("use --renderers {} or fewer, or a mesh with more rows", 2 * rows));
+  if (mesh.placement != Placement::dedicated)
+    throw InputError("a mesh has its Renderers at the ends of its rows, on ranks of their own",
+                     "leave out --roles colocated, or use --topology ring");
+}
+
+}  // namespace
+
+void check(const Layout& layout) {
+  if (layout.gps < 1)
+    throw InputError(fmt::format("--gps is {}, but a frame needs at least one GP", layout.gps),
+                     "use --gps 1 or more");
+  if (layout.renderers < 1)
+    throw InputError(
+        fmt::format("--renderers is {}, but a frame needs at least one Renderer", layout.renderers),
+        "use --renderers 1 or more");
+  if (layout.topology == Topology::mesh) check_mesh(layout);
+}
+
+void check(const Header& header, const Layout& layout) {
+  const auto exists = [&](NodeId node) {
+    switch (node.role) {
+      case Role::gp:
+        return node.index >= 0 && node.index < layout.gps;
+      case Role::renderer:
+        return node.index >= 0 && node.index < layout.renderers;
+      case Role::frame_buffer:
+        return node.index == 0;
+      case Role::host:
+        break;
+    }
+    return node.index >= 0 && node.index < layout.ranks();
+  };
+  if (!exists(header.from()) || !exists(header.to()))
+    throw RunError(fmt::format("a {} from {} to {} names a node this run does not have", name(header.kind),
+                               to_string(header.from()), to_string(header.to())));
+  const bool about_renderer =
+      header.kind == Kind::token || header.kind == Kind::payload || header.kind == Kind::accept;
+  if (header.frame < 0 || (about_renderer && (header.step < 0 || !exists({Role::renderer, header.renderer}))))
+    throw RunError(fmt::format("a {} from {} has frame {}, step {}, Renderer {}", name(header.kind),
+                               to_string(header.from()), header.frame, header.step, header.renderer));
+}
+
+std::vector<int> announcement_children(int rank, int ranks) {
+  std::vector<int> children;
+  // Rank r's children are r + 2^k for every 2^k above r's own highest bit.
+  for (long long bit = 1; rank + bit < ranks; bit *= 2)
+    if (bit > rank) children.push_back(static_cast<int>(rank + bit));
+  return children;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,101 @@
+#include "ringsplat/net/mesh.hpp"
+
+#include <fmt/format.h>
+
+namespace ringsplat {
+namespace {
+
+int wrapped(int row, int rows) { return (row % rows + rows) % rows; }
+
+Direction vertical_direction(const Layout& mesh, int row, NodeId destination, int destination_row) {
+  const bool below = destination_row > row;
+  if (!wraps(mesh)) return below ? Direction::south : Direction::north;
+  if (destination.role == Role::renderer)
+    return destination.index < mesh.mesh_rows ? Direction::south : Direction::north;
+  const int down = wrapped(destination_row - row, mesh.mesh_rows);
+  return 2 * down <= mesh.mesh_rows ? Direction::south : Direction::north;
+}
+
+}  // namespace
+
+char letter(Direction direction) { return "WENS"[static_cast<int>(direction)]; }
+
+MeshPlace place_of(const Layout& mesh, int rank) {
+  if (rank < mesh.gps) return {rank % mesh.mesh_columns, rank / mesh.mesh_columns};
+  const int renderer = rank - mesh.gps;
+  return renderer < mesh.mesh_rows ? MeshPlace{-1, renderer}
+                                   : MeshPlace{mesh.mesh_columns, renderer - mesh.mesh_rows};
+}
+
+bool wraps(const Layout& mesh) { return mesh.renderers > mesh.mesh_rows; }
+
+std::optional<int> neighbour(const Layout& mesh, int rank, Direction direction) {
+  auto [x, y] = place_of(mesh, rank);
+  const int columns = mesh.mesh_columns, rows = mesh.mesh_rows;
+  const bool vertical = direction == Direction::north || direction == Direction::south;
+  if (vertical) {
+    if (rank >= mesh.gps || rows == 1) return std::nullopt;
+    y += direction == Direction::south ? 1 : -1;
+    if (wraps(mesh)) y = wrapped(y, rows);
+    if (y < 0 || y >= rows) return std::nullopt;
+    return y * columns + x;
+  }
+  x += direction == Direction::east ? 1 : -1;
+  if (x >= 0 && x < columns) return y * columns + x;
+  const int renderer = x == -1 ? y : x == columns ? rows + y : mesh.renderers;
+  if (renderer >= mesh.renderers) return std::nullopt;
+  return mesh.rank_of({Role::renderer, renderer});
+}
+
+std::string name(const Layout& mesh, const Link& link) {
+  if (link.from >= mesh.gps) return fmt::format("R{}{}", link.from - mesh.gps, letter(link.direction));
+  const MeshPlace place = place_of(mesh, link.from);
+  return fmt::format("x{}y{}{}", place.x, place.y, letter(link.direction));
+}
+
+std::vector<Link> links_from(const Layout& mesh, int rank) {
+  std::vector<Link> found;
+  for (const Direction direction : all_directions)
+    if (neighbour(mesh, rank, direction)) found.push_back({rank, direction});
+  return found;
+}
+
+std::vector<Link> links(const Layout& mesh) {
+  std::vector<Link> all;
+  for (int rank = 0; rank < mesh.ranks(); ++rank)
+    for (const Link& link : links_from(mesh, rank)) all.push_back(link);
+  return all;
+}
+
+std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination) {
+  const int to = mesh.rank_of(destination);
+  if (to == rank) return std::nullopt;
+  const MeshPlace here = place_of(mesh, rank), there = place_of(mesh, to);
+  const bool on_renderer = rank >= mesh.gps;
+  if (!on_renderer && here.y != there.y) return vertical_direction(mesh, here.y, destination, there.y);
+  return there.x < here.x || (on_renderer && here.x == mesh.mesh_columns) ? Direction::west : Direction::east;
+}
+
+Route::Route(const Layout& mesh, NodeId source, NodeId destination)
+    : mesh_(mesh), destination_(destination), at_(mesh.rank_of(source)), first_row_(place_of(mesh, at_).y) {}
+
+std::optional<Hop> Route::next() {
+  const auto direction = next_direction(mesh_, at_, destination_);
+  if (!direction) return std::nullopt;
+  Hop hop{{at_, *direction}, neighbour(mesh_, at_, *direction).value(), 0};
+  const int row = place_of(mesh_, hop.to).y;
+  // A message on its way down stands above its first row only after it has passed the seam.
+  if (*direction == Direction::south) hop.buffer_class = row < first_row_ ? 1 : 0;
+  if (*direction == Direction::north) hop.buffer_class = row > first_row_ ? 1 : 0;
+  at_ = hop.to;
+  return hop;
+}
+
+std::vector<Hop> route(const Layout& mesh, NodeId source, NodeId destination) {
+  std::vector<Hop> hops;
+  Route way(mesh, source, destination);
+  while (const auto hop = way.next()) hops.push_back(*hop);
+  return hops;
+}
+
+}  // namespace ringsplat

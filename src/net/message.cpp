@@ -1,0 +1,66 @@
+#include "ringsplat/net/message.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+std::string to_string(NodeId id) {
+  switch (id.role) {
+    case Role::gp:
+      return fmt::format("GP {}", id.index);
+    case Role::renderer:
+      return fmt::format("Renderer {}", id.index);
+    case Role::frame_buffer:
+      return "frame buffer";
+    case Role::host:
+      break;
+  }
+  return fmt::format("rank {}", id.index);
+}
+
+const char* name(Kind kind) {
+  static constexpr const char* names[kinds] = {"frame spec", "token",  "payload",    "accept",
+                                               "frame end",  "tile",   "report",     "shutdown",
+                                               "stall",      "credit", "link query", "link report"};
+  const auto index = static_cast<std::uint8_t>(kind);
+  return index < kinds ? names[index] : "unknown";
+}
+
+Message::Message(const Header& h, Bytes wire) : header(h), wire_(std::move(wire)) {
+  header.bytes = body_size(wire_);
+}
+
+Message Message::from_wire(Bytes block, int from_rank) {
+  Message message;
+  if (block.size() < sizeof(Header))
+    throw RunError(
+        fmt::format("rank {} sent a message of {} bytes, shorter than a header", from_rank, block.size()));
+  std::memcpy(&message.header, block.data(), sizeof(Header));
+  const Header& h = message.header;
+  if (h.magic != Header{}.magic || static_cast<std::uint8_t>(h.kind) >= kinds || h.source_role > Role::host ||
+      h.destination_role > Role::host)
+    throw RunError(fmt::format("rank {} sent bytes that are no Ringsplat message", from_rank),
+                   "all ranks must run the same build");
+  if (h.bytes != block.size() - sizeof(Header))
+    throw RunError(fmt::format("rank {} sent a {} of {} bytes that says it has {}", from_rank, name(h.kind),
+                               block.size() - sizeof(Header), h.bytes));
+  message.wire_ = std::move(block);
+  return message;
+}
+
+std::span<const std::byte> Message::body() const {
+  if (wire_.size() <= sizeof(Header)) return {};
+  return std::span<const std::byte>(wire_).subspan(sizeof(Header));
+}
+
+std::span<const std::byte> Message::seal() {
+  if (wire_.empty()) wire_.resize(sizeof(Header));
+  std::memcpy(wire_.data(), &header, sizeof(Header));
+  return wire_;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,71 @@
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/layout.hpp"
+#include "ringsplat/net/message.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+
+namespace {
+
+Bytes wire_of(Message message) {
+  const auto block = message.seal();
+  return Bytes(block.begin(), block.end());
+}
+
+Message with_body(std::size_t bytes) {
+  Bytes body = Message::body_buffer();
+  body.resize(body.size() + bytes, std::byte{7});
+  return Message({.kind = Kind::payload, .source = 3, .destination = 1, .frame = 5, .sequence = 9},
+                 std::move(body));
+}
+
+}  // namespace
+
+TEST_CASE("a message survives the wire") {
+  const Message back = Message::from_wire(wire_of(with_body(100)), 0);
+  CHECK(back.header.kind == Kind::payload);
+  CHECK(back.header.source == 3);
+  CHECK(back.header.sequence == 9);
+  REQUIRE(back.body().size() == 100);
+  CHECK(back.body()[99] == std::byte{7});
+  CHECK(Message::from_wire(wire_of(Message(Header{.kind = Kind::token})), 0).body().empty());
+}
+
+TEST_CASE("bytes that are no message are refused and the sender is named") {
+  const auto refused = [](Bytes bytes) {
+    try {
+      Message::from_wire(std::move(bytes), 42);
+    } catch (const RunError& e) {
+      return std::string(e.what()).find("rank 42") != std::string::npos;
+    }
+    return false;
+  };
+  CHECK(refused(Bytes(10)));
+  Bytes wrong_magic = wire_of(with_body(4));
+  wrong_magic[0] = std::byte{0};
+  CHECK(refused(wrong_magic));
+  Bytes wrong_kind = wire_of(with_body(4));
+  wrong_kind[4] = std::byte{200};
+  CHECK(refused(wrong_kind));
+  Bytes truncated = wire_of(with_body(4));
+  truncated.pop_back();
+  CHECK(refused(truncated));
+}
+
+TEST_CASE("headers that name nodes the run does not have are refused") {
+  const Layout layout{.gps = 2, .renderers = 1};
+  const Header good{.kind = Kind::token,
+                    .source_role = Role::gp,
+                    .destination_role = Role::gp,
+                    .source = 0,
+                    .destination = 1};
+  CHECK_NOTHROW(check(good, layout));
+  for (auto change :
+       std::vector<void (*)(Header&)>{[](Header& h) { h.destination = 2; }, [](Header& h) { h.source = -1; },
+                                      [](Header& h) { h.renderer = 1; }, [](Header& h) { h.step = -1; },
+                                      [](Header& h) { h.frame = -1; }}) {
+    Header bad = good;
+    change(bad);
+    CHECK_THROWS_AS(check(bad, layout), RunError);
+  }
+}
