@@ -1,0 +1,58 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/volume/slice_store.hpp"
+
+namespace ringsplat {
+
+/// The seam between the frame loop and the way slices become payloads and payloads become pixels: an Encoder on
+/// each GP, a Painter on each Renderer. The frame loop knows neither a voxel nor a colour.
+struct EncodedSlice {
+  std::vector<Bytes> payloads;        ///< one for each Renderer, made in Message::body_buffer(); empty: nothing to draw
+  std::vector<std::uint32_t> splats;  ///< in each payload
+  std::uint64_t passes = 0;           ///< non-empty (region, pass) pairs of the slice (Neumann 1992, Fig. 3)
+  std::uint64_t visible_voxels = 0;
+};
+
+class Encoder {
+ public:
+  virtual ~Encoder() = default;
+  virtual void begin(const SliceView& slice) = 0;
+  /// A bounded piece of the slice (well under a millisecond); true once the slice is complete.
+  virtual bool work() = 0;
+  virtual EncodedSlice finish() = 0;
+};
+
+struct PaintCounts {
+  std::uint64_t drawn = 0, clipped = 0;
+};
+
+class Painter {
+ public:
+  virtual ~Painter() = default;
+  virtual void begin_frame(const FrameGeometry& geometry) = 0;
+  /// Takes one slice's payload; `body` stays valid until work() has returned true.
+  /// Throws RunError when the bytes are no payload for this Renderer.
+  virtual void begin(std::span<const std::byte> body) = 0;
+  /// A bounded piece of the slice; true once it is drawn and composited.
+  virtual bool work() = 0;
+  virtual PaintCounts counts() const = 0;   ///< of this frame so far
+  virtual double composite_seconds() const = 0;  ///< of this frame so far
+
+  /// Calls `deliver(region, rgba)` for each region that is not empty: region pixels, row by row, premultiplied RGBA, in
+  /// a Message::body_buffer().
+  virtual void finish(const std::function<void(int region, Bytes rgba)>& deliver) = 0;
+};
+
+std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers);
+
+/// A Renderer's painter; begin_frame() forgets the last image and keeps its buffers.
+std::unique_ptr<Painter> make_painter(int renderer, int renderers);
+
+}  // namespace ringsplat

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/classify/phong.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/screen/regions.hpp"
+#include "ringsplat/splat/footprint.hpp"
+#include "ringsplat/view/view.hpp"
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat {
+
+enum class Shading { none, phong };
+
+/// Everything that decides a frame's pixels, announced by rank 0 to all ranks.
+struct FrameSpec {
+  std::int64_t frame = 0;
+  Camera camera;
+  int width = 512, height = 512, region_size = 128;  ///< pixels
+  TransferFunction transfer_function;
+  Shading shading = Shading::phong;
+  PhongMaterial material;
+  glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
+  double kernel_radius = 1.6;        ///< in lattice distances
+  bool opacity_correction = true;
+};
+
+/// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero.
+void check(const FrameSpec& spec);
+
+/// Exact, self-describing bytes (CBOR) and back; throws RunError when they are no FrameSpec.
+Bytes encode(const FrameSpec& spec);
+FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
+/// The same as JSON text, for --stats and image metadata.
+std::string to_json_text(const FrameSpec& spec);
+
+/// What follows from a FrameSpec and a volume's grid; the same on every rank.
+struct FrameGeometry {
+  ViewTransform view;
+  Traversal traversal;
+  Footprint footprint;
+  Regions regions;
+  int slices = 0;  ///< in the traversed set
+};
+LatticeFrame lattice_frame(const Grid& grid);
+FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
+
+}  // namespace ringsplat

@@ -1,0 +1,61 @@
+#pragma once
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ringsplat/node/engine.hpp"
+#include "ringsplat/node/node.hpp"
+#include "ringsplat/node/stats.hpp"
+
+namespace ringsplat {
+
+/// Graphics Processor (Neumann 1992, section 3): prepares its slices of a traversal in order, sends a slice's
+/// payload to a Renderer when that Renderer's token for the slice is here, and passes the token on once the
+/// payload is accepted.
+///
+/// At most `look_ahead` slices are prepared at once, and one payload a Renderer is on its way, so its memory
+/// is bounded.
+class Gp final : public Node {
+ public:
+  Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceStore slices, Post post);
+  ~Gp() override;
+
+  NodeId id() const override { return {Role::gp, index_}; }
+  void begin_frame(const FrameSpec& spec) override;
+  void receive(Message message) override;
+  bool advance() override;
+  std::string waiting_for() const override;
+
+ private:
+  struct Frame;
+  struct PreparedSlice;
+  struct HeldToken {
+    int renderer;
+    std::uint32_t sequence;
+  };
+
+  Frame* find_frame(std::int64_t frame);
+  bool encode_some();
+  void use_waiting_tokens(Frame& frame, PreparedSlice& slice);
+  void use_token(Frame& frame, PreparedSlice& slice, HeldToken token);
+  void pass_token(Frame& frame, int step, HeldToken token);
+  void take_token(Frame& frame, const Header& header);
+  void take_accept(Frame& frame, const Header& header);
+  void finish_completed_frames();
+  void account_time(bool computed);
+  std::size_t prepared_slices() const;
+
+  int index_;
+  Layout layout_;
+  ProtocolOptions options_;
+  SliceStore slices_;
+  Post post_;
+  std::deque<std::unique_ptr<Frame>> frames_;
+  std::int64_t next_frame_ = 0;
+  std::vector<Message> early_;  ///< of frames not yet announced here
+  double last_time_;
+};
+
+}  // namespace ringsplat

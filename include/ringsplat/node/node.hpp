@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "ringsplat/net/layout.hpp"
+#include "ringsplat/node/frame_spec.hpp"
+
+namespace ringsplat {
+
+/// A state machine that is given messages and time and never blocks. Several live on one rank.
+class Node {
+ public:
+  virtual ~Node() = default;
+  virtual NodeId id() const = 0;
+  /// A frame was announced; frames come in ascending order.
+  virtual void begin_frame(const FrameSpec& spec) = 0;
+  /// Takes a message for this node. Early messages wait inside; stale ones throw RunError.
+  virtual void receive(Message message) = 0;
+  /// Does a bounded piece of work; false when there is none to do now.
+  virtual bool advance() = 0;
+  /// What this node waits for, in words; empty when for nothing.
+  virtual std::string waiting_for() const = 0;
+};
+
+/// How nodes send: the host finds the way.
+using Post = std::function<void(Message)>;
+
+struct ProtocolOptions {
+  int frames_in_flight = 2;   ///< frames announced and not yet complete
+  int slots = 4;              ///< payloads of one frame a Renderer accepts before it has drawn them
+  int link_slots = 4;         ///< messages of one buffer class that may be behind a mesh's link; 1 is enough
+  int look_ahead = 1;         ///< slices a GP prepares before their tokens have passed; 1 is the paper
+  double stall_timeout = 60;  ///< seconds without any progress before a run is given up
+};
+
+/// Throws InputError naming the option when a number is below 1 (or the timeout not positive).
+void check(const ProtocolOptions& options);
+
+}  // namespace ringsplat

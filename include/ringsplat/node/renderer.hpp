@@ -1,0 +1,63 @@
+#pragma once
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "ringsplat/node/engine.hpp"
+#include "ringsplat/node/node.hpp"
+#include "ringsplat/node/stats.hpp"
+
+namespace ringsplat {
+
+/// Renderer (Neumann 1992, sections 2.3 and 3): draws payloads in the order of their sequence number, whoever
+/// sent them and whenever they came, and delivers its tiles when the frame's last payload is drawn.
+///
+/// A payload is accepted when one of the frame's `slots` is free; the token holder waits for that, so at most
+/// slots + 1 payloads of each announced frame are ever here.
+class Renderer final : public Node {
+ public:
+  Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post);
+
+  NodeId id() const override { return {Role::renderer, index_}; }
+  void begin_frame(const FrameSpec& spec) override;
+  void receive(Message message) override;
+  bool advance() override;
+  std::string waiting_for() const override;
+
+ private:
+  struct Frame {
+    FrameSpec spec;
+    std::map<std::uint32_t, Message> payloads;  ///< by sequence, accepted or not, not yet drawn
+    std::deque<Header> not_accepted;            ///< payloads that wait for a slot
+    int slots_in_use = 0;
+    std::uint32_t next = 0;                     ///< sequence of the payload to draw now
+    std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
+    bool painting = false;                      ///< payload `next` is being drawn
+    bool begun = false;
+    NodeStats stats;
+
+    bool drawn() const { return payloads_expected && next == *payloads_expected; }
+  };
+
+  Frame& frame_of(const Header& header);
+  void take_payload(Frame& frame, Message message);
+  void accept_what_fits(Frame& frame);
+  bool draw_some(Frame& frame);
+  void deliver(Frame& frame);
+  void account_time(double NodeStats::*part);
+
+  int index_;
+  Layout layout_;
+  ProtocolOptions options_;
+  Grid grid_;
+  Post post_;
+  std::unique_ptr<Painter> painter_;
+  std::deque<Frame> frames_;  ///< announced and not yet delivered; the first is being drawn
+  std::int64_t next_frame_ = 0;
+  std::vector<Message> early_;
+  double last_time_;
+};
+
+}  // namespace ringsplat

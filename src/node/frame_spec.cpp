@@ -1,0 +1,132 @@
+#include "ringsplat/node/frame_spec.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+namespace {
+
+using nlohmann::json;
+
+json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
+glm::dvec3 vec_from(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+
+json to_json(const Camera& c) {
+  json j{{"azimuth", c.azimuth}, {"elevation", c.elevation}, {"roll", c.roll}, {"zoom", c.zoom}};
+  if (c.matrix) j["matrix"] = *c.matrix;
+  return j;
+}
+
+Camera camera_from(const json& j) {
+  Camera c{j.at("azimuth"), j.at("elevation"), j.at("roll"), j.at("zoom"), {}};
+  if (j.contains("matrix")) c.matrix = j.at("matrix").get<std::array<double, 12>>();
+  return c;
+}
+
+json to_json(const TransferFunction& tf) {
+  json colours = json::array(), opacities = json::array();
+  for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
+  for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
+  return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}, {"nan", to_json(tf.nan_srgb)}};
+}
+
+TransferFunction transfer_function_from(const json& j) {
+  TransferFunction tf;
+  tf.name = j.at("name");
+  for (const auto& p : j.at("colours")) tf.colours.push_back({p.at(0), {p.at(1), p.at(2), p.at(3)}});
+  for (const auto& p : j.at("opacities")) tf.opacities.push_back({p.at(0), p.at(1)});
+  tf.nan_srgb = vec_from(j.at("nan"));
+  return tf;
+}
+
+json to_json(const PhongMaterial& m) {
+  return {{"ambient", m.ambient}, {"diffuse", m.diffuse}, {"specular", m.specular}, {"exponent", m.exponent}};
+}
+
+json to_json(const FrameSpec& s) {
+  return {{"frame", s.frame},
+          {"camera", to_json(s.camera)},
+          {"size", {s.width, s.height}},
+          {"region", s.region_size},
+          {"transfer_function", to_json(s.transfer_function)},
+          {"shading", s.shading == Shading::phong ? "phong" : "none"},
+          {"material", to_json(s.material)},
+          {"light", to_json(s.light)},
+          {"radius", s.kernel_radius},
+          {"opacity_correction", s.opacity_correction}};
+}
+
+FrameSpec frame_spec_from(const json& j) {
+  FrameSpec s;
+  s.frame = j.at("frame");
+  s.camera = camera_from(j.at("camera"));
+  s.width = j.at("size").at(0);
+  s.height = j.at("size").at(1);
+  s.region_size = j.at("region");
+  s.transfer_function = transfer_function_from(j.at("transfer_function"));
+  s.shading = j.at("shading") == "phong" ? Shading::phong : Shading::none;
+  const auto& m = j.at("material");
+  s.material = {m.at("ambient"), m.at("diffuse"), m.at("specular"), m.at("exponent")};
+  s.light = vec_from(j.at("light"));
+  s.kernel_radius = j.at("radius");
+  s.opacity_correction = j.at("opacity_correction");
+  return s;
+}
+
+}  // namespace
+
+void check(const FrameSpec& spec) {
+  static_cast<void>(Regions(spec.width, spec.height, spec.region_size));
+  check(spec.transfer_function, "the transfer function");
+  const double light = glm::length(spec.light);
+  if (!(std::isfinite(light) && light > 0))
+    throw InputError("--light needs a direction of finite length above zero", "for instance --light -0.4 0.6 0.7");
+  const auto& m = spec.material;
+  for (const double v : {m.ambient, m.diffuse, m.specular, m.exponent})
+    if (!(std::isfinite(v) && v >= 0))
+      throw InputError("a Phong coefficient is negative or not a number", "ambient, diffuse, specular and exponent are at least 0");
+}
+
+Bytes encode(const FrameSpec& spec) {
+  std::vector<std::uint8_t> cbor;
+  json::to_cbor(to_json(spec), cbor);
+  Bytes wire(cbor.size());
+  std::memcpy(wire.data(), cbor.data(), cbor.size());
+  return wire;
+}
+
+FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
+  try {
+    const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data());
+    return frame_spec_from(json::from_cbor(first, first + bytes.size()));
+  } catch (const json::exception& e) {
+    throw RunError(fmt::format("a frame announcement cannot be read: {}", e.what()), "all ranks must run the same build");
+  }
+}
+
+std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }
+
+LatticeFrame lattice_frame(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
+
+FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
+  const LatticeFrame lattice = lattice_frame(grid);
+  FrameGeometry g;
+  g.view = make_view(spec.camera, lattice, spec.width, spec.height);
+  g.traversal = choose_traversal(g.view, lattice);
+  g.footprint = make_footprint(g.view, g.traversal.axis, spec.kernel_radius);
+  constexpr double widest = 1 << 20;
+  if (!(std::max(g.footprint.half.x, g.footprint.half.y) < widest))
+    throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * std::max(g.footprint.half.x, g.footprint.half.y)),
+                     "use a smaller --zoom or --size");
+  g.regions = Regions(spec.width, spec.height, spec.region_size);
+  g.slices = grid.slices(g.traversal.axis);
+  return g;
+}
+
+}  // namespace ringsplat

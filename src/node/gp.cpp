@@ -1,0 +1,287 @@
+#include "ringsplat/node/gp.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat {
+
+/// A slice whose payloads are made, until all its tokens have passed.
+struct Gp::PreparedSlice {
+  int step;
+  EncodedSlice encoded;
+  int tokens_left;                               ///< that have not yet passed
+  std::map<int, std::uint32_t> awaiting_accept;  ///< Renderer → sequence of the payload sent to it
+};
+
+struct Gp::Frame {
+  FrameSpec spec;
+  FrameGeometry geometry;
+  std::unique_ptr<Encoder> encoder;
+  std::vector<int> steps;     ///< this GP's traversal steps, ascending
+  std::size_t next_step = 0;  ///< into `steps`: the next to encode
+  bool encoding = false;
+  std::deque<PreparedSlice> prepared;
+  std::map<int, std::vector<HeldToken>>
+      waiting_tokens;  ///< step → tokens that came before the slice was ready
+  std::size_t steps_done = 0;
+  NodeStats stats;
+
+  bool done() const { return steps_done == steps.size(); }
+};
+
+Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceStore slices, Post post)
+    : index_(index),
+      layout_(layout),
+      options_(options),
+      slices_(std::move(slices)),
+      post_(std::move(post)),
+      last_time_(now_seconds()) {}
+
+Gp::~Gp() = default;
+
+void Gp::begin_frame(const FrameSpec& spec) {
+  auto frame = std::make_unique<Frame>();
+  frame->spec = spec;
+  frame->geometry = make_geometry(spec, slices_.grid());
+  const Traversal& traversal = frame->geometry.traversal;
+  const int slices = frame->geometry.slices;
+  if (!slices_.keeps(traversal.axis))
+    throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded", spec.frame,
+                               name(traversal.axis)),
+                   "load it with --axes all");
+  for (int step = 0; step < slices; ++step)
+    if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
+  if (!frame->steps.empty()) {
+    frame->encoder = make_encoder(spec, frame->geometry, slices_.grid(), layout_.renderers);
+    if (frame->steps.front() == 0) {
+      // All tokens start at the owner of the front slice.
+      auto& front = frame->waiting_tokens[0];
+      // Their order follows the traversal's, which is what keeps a mesh free of contention (net/mesh.hpp).
+      for (int r = 0; r < layout_.renderers; ++r)
+        front.push_back({traversal.ascending ? r : layout_.renderers - 1 - r, 0});
+      frame->stats.tokens_issued = std::uint64_t(layout_.renderers);
+    }
+  }
+  frames_.push_back(std::move(frame));
+  next_frame_ = spec.frame + 1;
+
+  auto waiting = std::exchange(early_, {});
+  for (auto& message : waiting) receive(std::move(message));
+  finish_completed_frames();
+}
+
+Gp::Frame* Gp::find_frame(std::int64_t frame) {
+  for (const auto& f : frames_)
+    if (f->spec.frame == frame) return f.get();
+  return nullptr;
+}
+
+void Gp::receive(Message message) {
+  const Header& h = message.header;
+  if (h.frame >= next_frame_) {
+    early_.push_back(std::move(message));
+    return;
+  }
+  Frame* frame = find_frame(h.frame);
+  if (frame == nullptr)
+    throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was over", to_string(id()),
+                               name(h.kind), h.frame, to_string(h.from())));
+  switch (h.kind) {
+    case Kind::token:
+      take_token(*frame, h);
+      break;
+    case Kind::accept:
+      take_accept(*frame, h);
+      break;
+    default:
+      throw RunError(
+          fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
+  }
+  finish_completed_frames();
+}
+
+void Gp::take_token(Frame& frame, const Header& h) {
+  if (!std::binary_search(frame.steps.begin(), frame.steps.end(), h.step))
+    throw RunError(
+        fmt::format("{} got Renderer {}'s token for step {} of frame {}, whose slice is not its own",
+                    to_string(id()), h.renderer, h.step, h.frame));
+  const HeldToken token{h.renderer, h.sequence};
+  for (auto& slice : frame.prepared) {
+    if (slice.step != h.step) continue;
+    use_token(frame, slice, token);
+    return;
+  }
+  frame.waiting_tokens[h.step].push_back(token);
+}
+
+void Gp::use_waiting_tokens(Frame& frame, PreparedSlice& slice) {
+  const auto found = frame.waiting_tokens.find(slice.step);
+  if (found == frame.waiting_tokens.end()) return;
+  const auto tokens = std::move(found->second);
+  frame.waiting_tokens.erase(found);
+  for (const auto& token : tokens) use_token(frame, slice, token);
+}
+
+void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
+  Bytes& payload = slice.encoded.payloads[std::size_t(token.renderer)];
+  if (payload.empty()) {
+    pass_token(frame, slice.step, token);
+    --slice.tokens_left;
+    return;
+  }
+  Header h{.kind = Kind::payload,
+           .source_role = Role::gp,
+           .destination_role = Role::renderer,
+           .source = index_,
+           .destination = token.renderer,
+           .frame = frame.spec.frame,
+           .step = slice.step,
+           .renderer = token.renderer,
+           .sequence = token.sequence};
+  frame.stats.splats_sent += slice.encoded.splats[std::size_t(token.renderer)];
+  frame.stats.payload_bytes_sent += Message::body_size(payload);
+  ++frame.stats.payloads_sent;
+  slice.awaiting_accept[token.renderer] = token.sequence;
+  post_(Message(h, std::move(payload)));
+  payload = {};
+}
+
+void Gp::take_accept(Frame& frame, const Header& h) {
+  for (auto& slice : frame.prepared) {
+    if (slice.step != h.step) continue;
+    const auto sent = slice.awaiting_accept.find(h.renderer);
+    if (sent == slice.awaiting_accept.end() || sent->second != h.sequence) break;
+    slice.awaiting_accept.erase(sent);
+    pass_token(frame, slice.step, {h.renderer, h.sequence + 1});
+    --slice.tokens_left;
+    return;
+  }
+  throw RunError(
+      fmt::format("{} got an accept from {} for payload {} of step {}, frame {}, which it did not send",
+                  to_string(id()), to_string(h.from()), h.sequence, h.step, h.frame));
+}
+
+void Gp::pass_token(Frame& frame, int step, HeldToken token) {
+  Header h{.source_role = Role::gp,
+           .source = index_,
+           .frame = frame.spec.frame,
+           .renderer = token.renderer,
+           .sequence = token.sequence};
+  if (step + 1 == frame.geometry.slices) {
+    ++frame.stats.tokens_retired;
+    h.kind = Kind::frame_end;
+    h.destination_role = Role::renderer;
+    h.destination = token.renderer;
+  } else {
+    ++frame.stats.tokens_passed;
+    h.kind = Kind::token;
+    h.destination_role = Role::gp;
+    h.destination = layout_.gp_of_slice(frame.geometry.traversal.slice_at(step + 1, frame.geometry.slices));
+    h.step = step + 1;
+  }
+  post_(Message(h));
+}
+
+bool Gp::advance() {
+  finish_completed_frames();
+  account_time(false);
+  const bool worked = encode_some();
+  account_time(worked);
+  return worked;
+}
+
+std::size_t Gp::prepared_slices() const {
+  std::size_t count = 0;
+  for (const auto& frame : frames_) count += frame->prepared.size();
+  return count;
+}
+
+bool Gp::encode_some() {
+  // The earliest frame with slices left: a later frame's slices never take the room an earlier one needs.
+  const auto found = std::find_if(frames_.begin(), frames_.end(),
+                                  [](const auto& f) { return f->next_step < f->steps.size(); });
+  if (found == frames_.end()) return false;
+  Frame& frame = **found;
+  if (!frame.encoding) {
+    if (prepared_slices() >= std::size_t(options_.look_ahead)) return false;
+    const int slice = frame.geometry.traversal.slice_at(frame.steps[frame.next_step], frame.geometry.slices);
+    frame.encoder->begin(slices_.slice(frame.geometry.traversal.axis, slice));
+    frame.encoding = true;
+  }
+  if (!frame.encoder->work()) return true;
+
+  frame.encoding = false;
+  const int step = frame.steps[frame.next_step++];
+  frame.prepared.push_back({step, frame.encoder->finish(), layout_.renderers, {}});
+  PreparedSlice& slice = frame.prepared.back();
+  ++frame.stats.slices;
+  frame.stats.passes += slice.encoded.passes;
+  frame.stats.visible_voxels += slice.encoded.visible_voxels;
+  use_waiting_tokens(frame, slice);
+  return true;
+}
+
+void Gp::finish_completed_frames() {
+  for (const auto& frame : frames_) {
+    while (!frame->prepared.empty() && frame->prepared.front().tokens_left == 0) {
+      frame->prepared.pop_front();
+      ++frame->steps_done;
+    }
+  }
+  while (!frames_.empty() && frames_.front()->done()) {
+    account_time(false);
+    Frame& frame = *frames_.front();
+    frame.stats.peak_memory = peak_memory_bytes();
+    frame.stats.slice_memory = slices_.allocated_bytes();
+    Bytes body = Message::body_buffer();
+    append(body, frame.stats);
+    post_(Message({.kind = Kind::report,
+                   .source_role = Role::gp,
+                   .destination_role = Role::frame_buffer,
+                   .source = index_,
+                   .frame = frame.spec.frame},
+                  std::move(body)));
+    frames_.pop_front();
+  }
+}
+
+/// Books the time since the last call on the oldest frame, by what this node was doing meanwhile.
+void Gp::account_time(bool computed) {
+  const double now = now_seconds();
+  const double passed = now - std::exchange(last_time_, now);
+  if (frames_.empty()) return;
+  Frame& frame = *frames_.front();
+  const auto sending = [](const PreparedSlice& s) { return !s.awaiting_accept.empty(); };
+  if (computed)
+    frame.stats.computing += passed;
+  else if (std::any_of(frame.prepared.begin(), frame.prepared.end(), sending))
+    frame.stats.sending += passed;
+  else if (!frame.prepared.empty())
+    frame.stats.waiting_for_token += passed;
+  else
+    frame.stats.idle += passed;
+}
+
+std::string Gp::waiting_for() const {
+  for (const auto& frame : frames_) {
+    for (const auto& slice : frame->prepared) {
+      if (!slice.awaiting_accept.empty())
+        return fmt::format("{} waits for Renderer {} to accept step {} of frame {}", to_string(id()),
+                           slice.awaiting_accept.begin()->first, slice.step, frame->spec.frame);
+      return fmt::format("{} waits for {} token(s) of step {} of frame {} from GP {}", to_string(id()),
+                         slice.tokens_left, slice.step, frame->spec.frame,
+                         layout_.gp_of_slice(frame->geometry.traversal.slice_at(std::max(0, slice.step - 1),
+                                                                                frame->geometry.slices)));
+    }
+    if (!frame->done())
+      return fmt::format("{} has slices of frame {} left to encode", to_string(id()), frame->spec.frame);
+  }
+  return {};
+}
+
+}  // namespace ringsplat

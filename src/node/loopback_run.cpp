@@ -1,0 +1,59 @@
+#include "ringsplat/node/loopback_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+namespace {
+
+std::string who_waits(const std::vector<std::unique_ptr<Host>>& hosts, int stopped_rank) {
+  std::string who;
+  for (const auto& host : hosts)
+    who += fmt::format("\n  rank {}{}: {}", host->rank(), host->rank() == stopped_rank ? " (stopped)" : "",
+                       host->waiting_for());
+  return who;
+}
+
+}  // namespace
+
+void run_loopback(const Layout& layout, const ProtocolOptions& options, const Grid& grid,
+                  std::map<int, SliceStore> stores, Director director, const LoopbackOptions& loopback) {
+  ProtocolOptions protocol = options;
+  if (loopback.in_step) protocol.frames_in_flight = 1;
+  LockStep clock(loopback.on_link_use);
+  LoopbackNetwork network(layout.ranks(), loopback);
+  std::vector<std::unique_ptr<Host>> hosts;
+  for (int rank = 0; rank < layout.ranks(); ++rank) {
+    auto slices = rank < layout.gps ? std::move(stores.at(rank)) : SliceStore();
+    hosts.push_back(std::make_unique<Host>(layout, protocol, grid, network.transport(rank), std::move(slices),
+                                           rank == 0 ? std::move(director) : Director{},
+                                           loopback.in_step ? &clock : nullptr));
+  }
+  std::vector<std::size_t> order(hosts.size());
+  std::iota(order.begin(), order.end(), 0);
+  int quiet_turns = 0;
+  for (std::int64_t turn = 0;
+       !std::all_of(hosts.begin(), hosts.end(), [](const auto& h) { return h->finished(); }); ++turn) {
+    if (loopback.reorder)
+      for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[network.random_below(k)]);
+    const int stopped_rank = turn >= loopback.stops_at_turn ? loopback.stopping_rank : -1;
+    bool moved = false;
+    for (const auto rank : order)
+      if (int(rank) != stopped_rank) moved = hosts[rank]->step() || moved;
+    network.turn();
+    quiet_turns = moved ? 0 : quiet_turns + 1;
+    // A message that is late arrives within so many turns.
+    if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
+    if (clock.kept == 0)
+      throw RunError("no rank can move and no message on its way can change that:" +
+                     who_waits(hosts, stopped_rank));
+    clock.advance();
+    quiet_turns = 0;
+  }
+}
+
+}  // namespace ringsplat

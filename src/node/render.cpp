@@ -1,0 +1,87 @@
+#include "ringsplat/node/render.hpp"
+
+#include <fmt/format.h>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr int histogram_bins = 1024;
+
+std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
+  std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
+  for (int gp = 0; gp < layout.gps; ++gp) {
+    const int rank = wiring.transport != nullptr ? layout.rank_of({Role::gp, gp}) : 0;
+    gps[std::size_t(rank)].push_back(gp);
+  }
+  return gps;
+}
+
+void check_wiring(const Layout& layout, const Wiring& wiring) {
+  check(layout);
+  if (wiring.transport == nullptr || wiring.transport->ranks() == layout.ranks()) return;
+  throw InputError(fmt::format("{} GP(s) and {} Renderer(s) need {} ranks, but the job has {}", layout.gps, layout.renderers,
+                               layout.ranks(), wiring.transport->ranks()),
+                   fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
+}
+
+}  // namespace
+
+std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height) {
+  std::array<bool, 3> needed{};
+  const LatticeFrame lattice = lattice_frame(grid);
+  for (const Camera& camera : cameras)
+    needed[std::size_t(choose_traversal(make_view(camera, lattice, width, height), lattice).axis)] = true;
+  return needed;
+}
+
+Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring) {
+  check_wiring(layout, wiring);
+  Scene scene;
+  scene.grid = volume.grid;
+  scene.stores = deal_slices(volume, options, layout.gps, gps_by_process(layout, wiring), wiring.collectives);
+  scene.range = value_range(scene.stores, wiring.collectives);
+  scene.histogram = histogram(scene.stores, scene.range, histogram_bins, wiring.collectives);
+  return scene;
+}
+
+void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director, const Wiring& wiring) {
+  check_wiring(layout, wiring);
+  check(protocol);
+  flush_denormals();
+  if (wiring.transport == nullptr) {
+    run_loopback(layout, protocol, scene.grid, std::move(scene.stores), std::move(director), wiring.loopback);
+    return;
+  }
+  SliceStore slices = scene.stores.empty() ? SliceStore() : std::move(scene.stores.begin()->second);
+  Host(layout, protocol, scene.grid, *wiring.transport, std::move(slices), std::move(director)).run();
+}
+
+Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec, const Layout& layout, const Wiring& wiring,
+                   const ProtocolOptions& protocol) {
+  // Not open_everywhere: only process 0 has the voxels, so it deals them as if it decoded a file.
+  OpenedVolume volume{grid, false, nullptr};
+  std::string error;
+  try {
+    check(grid, "the volume");
+    check(spec);
+    if (wiring.collectives.process() == 0) volume.source = memory_source(grid, voxels);
+  } catch (const InputError& e) {
+    error = e.what();
+  }
+  agree(wiring.collectives, error);
+  LoadOptions load;
+  load.kept_axes = needed_axes({spec.camera}, grid, spec.width, spec.height);
+  load.with_normals = spec.shading == Shading::phong;
+  Scene scene = load_scene(volume, load, layout, wiring);
+  Image image;
+  bool asked = false;
+  Director director{[&]() -> std::optional<FrameSpec> { return std::exchange(asked, true) ? std::nullopt : std::optional(spec); },
+                    [&](FrameResult&& result) { image = std::move(result.image); }};
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  return image;
+}
+
+}  // namespace ringsplat

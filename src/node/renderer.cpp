@@ -1,0 +1,147 @@
+#include "ringsplat/node/renderer.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat {
+
+Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
+    : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
+      painter_(make_painter(index, layout.renderers)), last_time_(now_seconds()) {}
+
+void Renderer::begin_frame(const FrameSpec& spec) {
+  frames_.emplace_back().spec = spec;
+  next_frame_ = spec.frame + 1;
+  auto waiting = std::exchange(early_, {});
+  for (auto& message : waiting) receive(std::move(message));
+}
+
+Renderer::Frame& Renderer::frame_of(const Header& h) {
+  for (auto& frame : frames_)
+    if (frame.spec.frame == h.frame) return frame;
+  throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered", to_string(id()), name(h.kind), h.frame,
+                             to_string(h.from())));
+}
+
+void Renderer::receive(Message message) {
+  const Header& h = message.header;
+  if (h.frame >= next_frame_) {
+    early_.push_back(std::move(message));
+    return;
+  }
+  Frame& frame = frame_of(h);
+  switch (h.kind) {
+    case Kind::payload: take_payload(frame, std::move(message)); return;
+    case Kind::frame_end:
+      if (frame.payloads_expected)
+        throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
+      frame.payloads_expected = h.sequence;
+      return;
+    default:
+      throw RunError(fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
+  }
+}
+
+void Renderer::take_payload(Frame& frame, Message message) {
+  const Header h = message.header;
+  frame.stats.payload_bytes_received += h.bytes;
+  if (h.sequence < frame.next || !frame.payloads.emplace(h.sequence, std::move(message)).second)
+    throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}", to_string(id()), h.sequence, h.frame,
+                               to_string(h.from())));
+  frame.not_accepted.push_back(h);
+  accept_what_fits(frame);
+}
+
+void Renderer::accept_what_fits(Frame& frame) {
+  while (!frame.not_accepted.empty() && frame.slots_in_use < options_.slots) {
+    Header h = frame.not_accepted.front();
+    frame.not_accepted.pop_front();
+    ++frame.slots_in_use;
+    std::swap(h.source, h.destination);
+    std::swap(h.source_role, h.destination_role);
+    h.kind = Kind::accept;
+    post_(Message(h));
+  }
+}
+
+bool Renderer::advance() {
+  account_time(&NodeStats::idle);
+  if (frames_.empty()) return false;
+  Frame& frame = frames_.front();
+  if (!frame.begun) {
+    painter_->begin_frame(make_geometry(frame.spec, grid_));
+    frame.begun = true;
+  }
+  if (frame.drawn()) {
+    deliver(frame);
+    return true;
+  }
+  return draw_some(frame);
+}
+
+bool Renderer::draw_some(Frame& frame) {
+  const auto found = frame.payloads.find(frame.next);
+  if (found == frame.payloads.end()) return false;
+  if (!frame.painting) {
+    painter_->begin(found->second.body());
+    frame.painting = true;
+  }
+  const bool complete = painter_->work();
+  account_time(&NodeStats::drawing);
+  if (!complete) return true;
+
+  frame.painting = false;
+  frame.payloads.erase(found);
+  ++frame.next;
+  ++frame.stats.payloads_drawn;
+  --frame.slots_in_use;
+  accept_what_fits(frame);
+  return true;
+}
+
+void Renderer::deliver(Frame& frame) {
+  NodeStats& stats = frame.stats;
+  painter_->finish([&](int region, Bytes rgba) {
+    ++stats.tiles;
+    stats.tile_bytes += Message::body_size(rgba);
+    Header h{.kind = Kind::tile, .source_role = Role::renderer, .destination_role = Role::frame_buffer, .source = index_, .frame = frame.spec.frame};
+    h.region = static_cast<std::uint32_t>(region);
+    post_(Message(h, std::move(rgba)));
+  });
+  account_time(&NodeStats::delivering);
+
+  const PaintCounts counts = painter_->counts();
+  stats.splats_drawn = counts.drawn;
+  stats.splats_clipped = counts.clipped;
+  stats.compositing = painter_->composite_seconds();
+  stats.drawing -= stats.compositing;
+  stats.peak_memory = peak_memory_bytes();
+  Bytes body = Message::body_buffer();
+  append(body, stats);
+  post_(Message({.kind = Kind::report, .source_role = Role::renderer, .destination_role = Role::frame_buffer, .source = index_, .frame = frame.spec.frame},
+                std::move(body)));
+  frames_.pop_front();
+}
+
+/// Books the time since the last call on the frame being drawn.
+void Renderer::account_time(double NodeStats::*part) {
+  const double now = now_seconds();
+  const double passed = now - std::exchange(last_time_, now);
+  if (!frames_.empty()) frames_.front().stats.*part += passed;
+}
+
+std::string Renderer::waiting_for() const {
+  if (frames_.empty()) return {};
+  const Frame& frame = frames_.front();
+  if (frame.payloads.contains(frame.next)) return fmt::format("{} has payload {} of frame {} to draw", to_string(id()), frame.next, frame.spec.frame);
+  if (!frame.payloads_expected)
+    return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next, frame.spec.frame);
+  return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next, *frame.payloads_expected, frame.spec.frame);
+}
+
+}  // namespace ringsplat

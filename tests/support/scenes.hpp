@@ -1,0 +1,89 @@
+#pragma once
+// Small scenes and one-line rendering for tests.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "ringsplat/node/render.hpp"
+#include "ringsplat/volume/synth.hpp"
+
+namespace ringsplat::test {
+
+inline Grid make_grid(glm::ivec3 dims, ScalarType type = ScalarType::uint8,
+                      glm::dvec3 spacing = glm::dvec3(1.0)) {
+  Grid grid;
+  grid.dims = dims;
+  grid.type = type;
+  grid.spacing = spacing;
+  return grid;
+}
+
+/// White, with the same opacity for every value from `from` up, none below.
+inline TransferFunction constant_opacity(double opacity, double from = -1e300) {
+  TransferFunction tf;
+  tf.colours = {{0.0, {1, 1, 1}}, {1.0, {1, 1, 1}}};
+  if (from > -1e300)
+    tf.opacities = {{from, 0.0}, {from, opacity}};
+  else
+    tf.opacities = {{0.0, opacity}, {1.0, opacity}};
+  return tf;
+}
+
+/// A warm ramp over [low, high], transparent below `low`.
+inline TransferFunction ramp(double low, double high, double opacity) {
+  TransferFunction tf;
+  tf.colours = {{low, {0.9, 0.4, 0.2}}, {high, {0.6, 0.8, 1.0}}};
+  tf.opacities = {{low, 0.0}, {high, opacity}};
+  return tf;
+}
+
+/// Renders one frame with all ranks in this process.
+inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, const Layout& layout,
+                                   const LoopbackOptions& loopback = {},
+                                   const ProtocolOptions& protocol = {}) {
+  SoloCollectives solo;
+  const Wiring wiring{solo, nullptr, loopback};
+  // Refers to the caller's source without owning it.
+  class Borrowed final : public VolumeSource {
+   public:
+    explicit Borrowed(VolumeSource& s) : s_(s) {}
+    const Grid& grid() const override { return s_.grid(); }
+    bool concurrent() const override { return s_.concurrent(); }
+    void read_slices(int first, int count, std::span<std::byte> out) override {
+      s_.read_slices(first, count, out);
+    }
+
+   private:
+    VolumeSource& s_;
+  };
+  OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<Borrowed>(source)};
+  LoadOptions load;
+  load.kept_axes = needed_axes({spec.camera}, volume.grid, spec.width, spec.height);
+  load.with_normals = spec.shading == Shading::phong;
+  Scene scene = load_scene(volume, load, layout, wiring);
+  FrameResult result;
+  bool asked = false;
+  Director director{[&]() -> std::optional<FrameSpec> {
+                      return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
+                    },
+                    [&](FrameResult&& r) { result = std::move(r); }};
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  return result;
+}
+
+inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, int gps, int renderers,
+                                   const LoopbackOptions& loopback = {},
+                                   Placement placement = Placement::dedicated,
+                                   const ProtocolOptions& protocol = {}) {
+  return render_loopback(source, spec, Layout{gps, renderers, placement}, loopback, protocol);
+}
+
+inline double largest_difference(const Image& a, const Image& b) {
+  if (a.width != b.width || a.height != b.height) return 1e300;
+  double largest = 0;
+  for (std::size_t k = 0; k < a.rgba.size(); ++k)
+    largest = std::max(largest, double(std::abs(a.rgba[k] - b.rgba[k])));
+  return largest;
+}
+
+}  // namespace ringsplat::test
