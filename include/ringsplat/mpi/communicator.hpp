@@ -1,0 +1,19 @@
+#pragma once
+#include <mpi.h>
+
+#include <memory>
+
+#include "ringsplat/net/collectives.hpp"
+#include "ringsplat/net/transport.hpp"
+
+namespace ringsplat {
+
+/// Largest number of bytes in one MPI message; longer ones go in parts, since counts are `int`.
+inline constexpr std::size_t largest_mpi_part = std::size_t{1} << 30;
+
+/// Both duplicate `comm` (a collective call) and return errors as exceptions (RunError). All ranks
+/// must give the same `largest_part` (at least a header's size); tests use small ones.
+std::unique_ptr<Transport> make_mpi_transport(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
+std::unique_ptr<Collectives> make_mpi_collectives(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
+
+}  // namespace ringsplat

@@ -1,0 +1,35 @@
+#pragma once
+#include <memory>
+#include <string>
+
+#include "ringsplat/net/collectives.hpp"
+#include "ringsplat/net/transport.hpp"
+
+namespace ringsplat {
+
+/// MPI from start to end, without showing mpi.h to its users. The constructor initialises MPI (one thread calls it), the destructor
+/// finalises it.
+class MpiSession {
+ public:
+  MpiSession(int& argc, char**& argv);
+  ~MpiSession();
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+
+  int rank() const;
+  int ranks() const;
+  /// All ranks call both, in the same order.
+  std::unique_ptr<Transport> make_transport();
+  std::unique_ptr<Collectives> make_collectives();
+  /// Ends the job on all ranks.
+  [[noreturn]] void abort(int exit_code);
+
+  /// True when a launcher (mpirun, srun, smpirun …) started this process.
+  static bool launched();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ringsplat

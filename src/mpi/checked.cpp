@@ -1,0 +1,33 @@
+#include "mpi/checked.hpp"
+
+#include <fmt/format.h>
+
+#include <string>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+void checked(int code, const char* call) {
+  if (code == MPI_SUCCESS) return;
+  char words[MPI_MAX_ERROR_STRING] = {};
+  int length = 0, rank = -1;
+  MPI_Error_string(code, words, &length);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  throw RunError(fmt::format("{} failed on rank {}: {}", call, rank, std::string(words, std::size_t(length))));
+}
+
+OwnedComm::OwnedComm(MPI_Comm original) {
+  checked(MPI_Comm_dup(original, &comm_), "MPI_Comm_dup");
+  checked(MPI_Comm_set_errhandler(comm_, MPI_ERRORS_RETURN), "MPI_Comm_set_errhandler");
+  checked(MPI_Comm_rank(comm_, &rank_), "MPI_Comm_rank");
+  checked(MPI_Comm_size(comm_, &ranks_), "MPI_Comm_size");
+}
+
+OwnedComm::~OwnedComm() {
+  int finalised = 0;
+  MPI_Finalized(&finalised);
+  if (finalised == 0 && comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+}
+
+}  // namespace ringsplat

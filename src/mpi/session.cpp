@@ -1,0 +1,44 @@
+#include "ringsplat/mpi/session.hpp"
+
+#include <mpi.h>
+
+#include <array>
+#include <cstdlib>
+
+#include "mpi/checked.hpp"
+#include "ringsplat/mpi/communicator.hpp"
+
+namespace ringsplat {
+
+struct MpiSession::State {
+  int rank = 0, ranks = 1;
+};
+
+MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>()) {
+  int provided = 0;
+  checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
+  MPI_Comm_rank(MPI_COMM_WORLD, &state_->rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &state_->ranks);
+}
+
+MpiSession::~MpiSession() { MPI_Finalize(); }
+
+int MpiSession::rank() const { return state_->rank; }
+int MpiSession::ranks() const { return state_->ranks; }
+std::unique_ptr<Transport> MpiSession::make_transport() { return make_mpi_transport(MPI_COMM_WORLD); }
+std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
+
+void MpiSession::abort(int exit_code) {
+  MPI_Abort(MPI_COMM_WORLD, exit_code);
+  std::abort();
+}
+
+bool MpiSession::launched() {
+  // What Open MPI, MPICH's hydra, PMIx and Slurm tell the processes they start.
+  constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK", "MPI_LOCALNRANKS"};
+  for (const char* variable : variables)
+    if (std::getenv(variable) != nullptr) return true;
+  return false;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,67 @@
+#include <fmt/format.h>
+#include <mpi.h>
+
+#include "ringsplat/mpi/communicator.hpp"
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+FrameSpec oblique_view(double azimuth) {
+  FrameSpec spec;
+  spec.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.width = 96;
+  spec.height = 80;
+  spec.region_size = 24;
+  spec.transfer_function = ramp(20, 255, 0.3);
+  return spec;
+}
+
+/// Renders on the first layout.ranks() ranks of the job; the image is on rank 0.
+Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource& source) {
+  int rank = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm part = MPI_COMM_NULL;
+  MPI_Comm_split(MPI_COMM_WORLD, rank < layout.ranks() ? 0 : MPI_UNDEFINED, rank, &part);
+  Image image;
+  if (part == MPI_COMM_NULL) return image;
+  {
+    const auto transport = make_mpi_transport(part);
+    const auto collectives = make_mpi_collectives(part);
+    const Grid grid = source.grid();
+    std::vector<std::byte> voxels(rank == 0 ? grid.bytes() : 0);
+    if (rank == 0) source.read_slices(0, grid.dims.z, voxels);
+    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()});
+  }
+  MPI_Comm_free(&part);
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("the image has the same bits on any number of ranks as in one process") {
+  int rank = 0, ranks = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const auto source = synth_source("jack", make_grid({25, 22, 24}));
+  int compared = 0;
+  for (const double azimuth : {33.0, 123.0}) {
+    const FrameSpec spec = oblique_view(azimuth);
+    Image alone;
+    if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
+    for (const auto placement : {Placement::dedicated, Placement::colocated})
+      for (const int gps : {1, 2, 3, 5, 8})
+        for (const int renderers : {1, 2, 3, 4}) {
+          const Layout layout{gps, renderers, placement};
+          if (layout.ranks() > ranks) continue;
+          const Image image = render_on_ranks(layout, spec, *source);
+          INFO(fmt::format("azimuth {}, {} GPs, {} Renderers, {} ranks", azimuth, gps, renderers, layout.ranks()));
+          REQUIRE((rank != 0 || image == alone));
+          ++compared;
+        }
+  }
+  REQUIRE(compared >= 2);
+}
