@@ -1,0 +1,25 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "ringsplat/truth/scene.hpp"
+
+namespace ringsplat::truth {
+
+/// The emission-absorption integral (Max 1995) of the trilinearly interpolated volume, classified after
+/// interpolation.
+///
+/// Extinction per unit length (the smallest spacing) is −ln(1 − α). The volume ends at its voxels' faces,
+/// half a voxel beyond the outer centres, and has the nearest voxels' values there: so n slices are n
+/// voxels thick, and a volume of one slice is not invisible. A shaded point's normal is the trilinearly
+/// interpolated central difference of the voxels around it (one-sided at the border), normalised. Where a
+/// voxel that is interpolated from is not a number, space is transparent. Opacity 1 over any length ends the
+/// ray with the colour at that length's front.
+///
+/// A ray is cut where it crosses from cell to cell, where the value crosses a point of the transfer function,
+/// and where the surface turns away from the light or the viewer: between those the integrand is smooth.
+/// Pieces are halved until the Lobatto rule of order eight changes by less than its share of `tolerance`, the
+/// error allowed in the final colour. All cores.
+std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance = 1e-6);
+
+}  // namespace ringsplat::truth

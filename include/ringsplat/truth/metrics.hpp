@@ -1,0 +1,71 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "ringsplat/base/image.hpp"
+#include "ringsplat/truth/scene.hpp"
+
+namespace ringsplat::truth {
+
+/// Differences image − truth of premultiplied linear values, in units of 1/255.
+struct ErrorFigures {
+  double rmse = 0;
+  double largest = 0;   ///< absolute
+  double mean = 0;      ///< signed: above zero when the image is brighter
+  double over_1 = 0;    ///< fraction of the pixels that differ by more than 1/255
+  double over_2 = 0;    ///< and by more than 2/255
+  double psnr() const;  ///< dB against a peak of 1; infinite for equal pictures
+};
+
+struct ImageError {
+  ErrorFigures total;                    ///< a pixel is over when one of its channels is
+  std::array<ErrorFigures, 4> channels;  ///< red, green, blue, opacity
+  Pixel worst{0, 0};                     ///< where `total.largest` is
+};
+
+/// Throws InputError when the sizes differ. A value that is not finite counts as infinitely wrong, unless it
+/// is the same in both.
+ImageError compare(const Image& image, const Image& truth);
+
+/// The error of a picture from some of its pixels.
+struct SampledError {
+  std::size_t pixels = 0;
+  double rmse = 0;                     ///< of the sample, over four channels, in 1/255
+  double rmse_low = 0, rmse_high = 0;  ///< 95 % confidence interval of the whole picture's
+  double largest = 0;                  ///< of the sample, in 1/255
+  double mean = 0;                     ///< signed
+  Pixel worst{0, 0};
+};
+
+/// `truth[k]` belongs to `pixels[k]`, drawn at random without repetition. The interval is the normal one
+/// of the mean squared error with the finite population's correction; it is too narrow when fewer
+/// than some dozens of the sampled pixels are wrong at all.
+SampledError sampled_error(const Image& image, std::span<const Pixel> pixels, std::span<const Rgba> truth);
+
+/// Defects that a single figure hides. All compare opacities and colours alike.
+
+/// A row or column whose mean signed error stands out from the two lines beside it.
+struct Seam {
+  bool is_column = true;
+  int position = 0;
+  double step = 0;  ///< in 1/255, above both neighbours (or below both)
+  double odds = 0;  ///< step over the typical step (1.4826 × median) of all lines of that direction
+};
+/// The most conspicuous line; nothing when the picture has fewer than eight lines each way.
+std::optional<Seam> find_seam(const Image& image, const Image& truth);
+
+/// The gain g that fits image = (1 + g) truth best in the least squares; 0 for a truth that is empty.
+double brightness_change(const Image& image, const Image& truth);
+
+/// The displacement in pixels (right, down) that explains the image best as a shifted truth: one step of
+/// Lucas and Kanade 1981, iterated on the resampled truth. Zero where the truth has no structure.
+struct Shift {
+  double x = 0, y = 0;
+};
+Shift find_shift(const Image& image, const Image& truth);
+
+}  // namespace ringsplat::truth

@@ -1,0 +1,57 @@
+#pragma once
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <vector>
+
+#include "ringsplat/base/image.hpp"
+#include "ringsplat/classify/phong.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/view/view.hpp"
+#include "ringsplat/volume/source.hpp"
+
+/// The references that pictures are measured against. What they compute is the model; how they compute it
+/// shares nothing with the renderer: double precision throughout, each pixel by itself, no tables, no
+/// incremental positions, no regions, no packed colours.
+namespace ringsplat::truth {
+
+/// All that decides a picture, in plain numbers.
+struct Scene {
+  Grid grid;
+  std::vector<double> values;  ///< grid.voxels() of them, x fastest; all scalar types fit exactly
+  TransferFunction transfer_function;
+  Camera camera;
+  int width = 512, height = 512;  ///< pixels
+  bool shaded = true;
+  PhongMaterial material;
+  glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
+  double radius = 1.6;               ///< of the kernel, in lattice distances (method truth only)
+  bool opacity_correction = true;    ///< for the distance between slices along the ray (method truth only)
+};
+
+/// Throws InputError when the number of values is not the grid's, or the grid or transfer function is bad.
+void check(const Scene& scene);
+
+/// The whole volume as doubles: 8 bytes a voxel.
+std::vector<double> read_values(VolumeSource& source);
+
+struct Pixel {
+  int x, y;
+  bool operator==(const Pixel&) const = default;
+};
+
+/// Premultiplied linear red, green, blue, and opacity.
+using Rgba = glm::dvec4;
+
+/// Row by row from the top.
+std::vector<Pixel> all_pixels(int width, int height);
+
+/// `count` different pixels of the picture, ascending row by row; all of them when there are no more. The
+/// same for the same seed on every machine.
+std::vector<Pixel> random_pixels(int width, int height, std::size_t count, std::uint64_t seed);
+
+/// Rounds to float; `colours` are those of all_pixels(width, height).
+Image to_image(int width, int height, std::span<const Rgba> colours);
+
+}  // namespace ringsplat::truth

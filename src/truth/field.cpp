@@ -1,0 +1,236 @@
+#include "ringsplat/truth/field.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "ringsplat/base/error.hpp"
+#include "truth/parallel.hpp"
+#include "truth/quadrature.hpp"
+#include "truth/ray.hpp"
+#include "truth/shading.hpp"
+#include "truth/transfer_curve.hpp"
+
+namespace ringsplat::truth {
+namespace {
+
+/// Corner 4z + 2y + x of a cell, and what is interpolated between the corners.
+template <class T>
+using Corners = std::array<T, 8>;
+
+template <class T>
+T trilinear(const Corners<T>& c, const glm::dvec3& f) {
+  const auto mix = [](const T& a, const T& b, double t) { return (1 - t) * a + t * b; };
+  const T front = mix(mix(c[0], c[1], f.x), mix(c[2], c[3], f.x), f.y);
+  const T back = mix(mix(c[4], c[5], f.x), mix(c[6], c[7], f.x), f.y);
+  return mix(front, back, f.z);
+}
+
+/// The part of a ray inside one cell.
+struct Crossing {
+  double enter, leave;
+  glm::ivec3 cell;  ///< its low corner; −1 in the outer half voxel before the first centre
+};
+
+/// The values along a crossing: a cubic polynomial of s' = (s − enter) / (leave − enter), in Bernstein's form
+/// scaled to the monomials p0 + p1 s' + p2 s'² + p3 s'³.
+struct Cubic {
+  std::array<double, 4> p;
+  double at(double s) const { return p[0] + s * (p[1] + s * (p[2] + s * p[3])); }
+};
+
+Cubic through_thirds(double y0, double y1, double y2, double y3) {
+  return {{y0, (-11 * y0 + 18 * y1 - 9 * y2 + 2 * y3) / 2, (18 * y0 - 45 * y1 + 36 * y2 - 9 * y3) / 2,
+           (-9 * y0 + 27 * y1 - 27 * y2 + 9 * y3) / 2}};
+}
+
+/// Places in (0, 1), ascending, between which the cubic is monotone.
+std::vector<double> turning_points(const Cubic& cubic) {
+  const double a = 3 * cubic.p[3], b = 2 * cubic.p[2], c = cubic.p[1];
+  std::vector<double> points;
+  const auto add = [&](double s) {
+    if (s > 0 && s < 1) points.push_back(s);
+  };
+  const double discriminant = b * b - 4 * a * c;
+  if (discriminant >= 0) {
+    const double q = -0.5 * (b + std::copysign(std::sqrt(discriminant), b));  // no cancellation
+    if (a != 0) add(q / a);
+    if (q != 0) add(c / q);
+  }
+  std::sort(points.begin(), points.end());
+  return points;
+}
+
+/// Where the cubic, monotone on [a, b], takes `value`, which lies between its ends.
+double crossing_of(const Cubic& cubic, double value, double a, double b) {
+  const bool rising = cubic.at(a) < cubic.at(b);
+  for (int round = 0; round < 60 && a < b; ++round) {
+    const double middle = 0.5 * (a + b);
+    if (middle <= a || middle >= b) break;
+    ((cubic.at(middle) < value) == rising ? a : b) = middle;
+  }
+  return 0.5 * (a + b);
+}
+
+/// Where the values cross knots of the transfer function, in (0, 1), ascending, with both ends.
+std::vector<double> cuts_at_knots(const Cubic& cubic, const std::vector<double>& knots) {
+  std::vector<double> monotone = turning_points(cubic);
+  monotone.insert(monotone.begin(), 0.0);
+  monotone.push_back(1.0);
+  std::vector<double> cuts{0.0};
+  for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
+    const double a = monotone[i], b = monotone[i + 1];
+    const auto [low, high] = std::minmax({cubic.at(a), cubic.at(b)});  // by value: the list's copies
+    for (auto k = std::upper_bound(knots.begin(), knots.end(), low); k != knots.end() && *k < high; ++k)
+      cuts.push_back(crossing_of(cubic, *k, a, b));
+    cuts.push_back(b);
+  }
+  std::sort(cuts.begin(), cuts.end());
+  return cuts;
+}
+
+class FieldIntegrator {
+ public:
+  FieldIntegrator(const Scene& scene, double tolerance)
+      : scene_(scene),
+        tolerance_(tolerance),
+        rays_(scene),
+        curve_(scene.transfer_function),
+        phong_(scene, rays_.view()),
+        gradients_(scene) {}
+
+  Rgba along(Pixel pixel) const {
+    const LatticeRay ray = rays_.through(pixel);
+    if (!(ray.enter < ray.leave)) return Rgba(0.0);
+    Piece seen;
+    for (const Crossing& crossing : crossings(ray)) {
+      if (seen.transmittance < 0.1 * tolerance_) break;
+      integrate_crossing(ray, crossing, seen);
+    }
+    return Rgba(seen.colour, 1 - seen.transmittance);
+  }
+
+ private:
+  /// The cells along a ray, front to back, each cut computed from the ray's start.
+  std::vector<Crossing> crossings(const LatticeRay& ray) const {
+    std::vector<double> cuts{ray.enter, ray.leave};
+    const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
+    for (int k = 0; k < 3; ++k) {
+      if (ray.step[k] == 0) continue;
+      const double low = std::ceil(std::min(first[k], last[k])),
+                   high = std::floor(std::max(first[k], last[k]));
+      for (double plane = low; plane <= high; ++plane) {
+        const double s = (plane - ray.origin[k]) / ray.step[k];
+        if (s > ray.enter && s < ray.leave) cuts.push_back(s);
+      }
+    }
+    std::sort(cuts.begin(), cuts.end());
+    std::vector<Crossing> crossings;
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
+      if (cuts[i] < cuts[i + 1])
+        crossings.push_back(
+            {cuts[i], cuts[i + 1], glm::ivec3(glm::floor(ray.at(0.5 * (cuts[i] + cuts[i + 1]))))});
+    return crossings;
+  }
+
+  glm::ivec3 corner(const glm::ivec3& cell, int c) const {
+    return glm::clamp(cell + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), glm::ivec3(0), scene_.grid.dims - 1);
+  }
+  double value(const glm::ivec3& p) const {
+    return scene_.values[std::size_t(p.x) +
+                         std::size_t(scene_.grid.dims.x) *
+                             (std::size_t(p.y) + std::size_t(scene_.grid.dims.y) * std::size_t(p.z))];
+  }
+
+  void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
+    Corners<double> values;
+    double low = 1 / 0.0, high = -1 / 0.0;
+    for (int c = 0; c < 8; ++c) {
+      values[std::size_t(c)] = bounded(value(corner(crossing.cell, c)));
+      if (std::isnan(values[std::size_t(c)])) return;
+      low = std::min(low, values[std::size_t(c)]);
+      high = std::max(high, values[std::size_t(c)]);
+    }
+    if (!curve_.visible(low, high)) return;
+    Corners<glm::dvec3> normals{};
+    if (scene_.shaded)
+      for (int c = 0; c < 8; ++c) {
+        const glm::ivec3 p = corner(crossing.cell, c);
+        normals[std::size_t(c)] = gradients_.at(p.x, p.y, p.z);
+      }
+
+    const auto place = [&](double s) { return ray.at(s) - glm::dvec3(crossing.cell); };
+    const auto value_at = [&](double s) { return std::clamp(trilinear(values, place(s)), low, high); };
+    const auto medium_at = [&](double s) {
+      const auto sample = curve_.at(value_at(s));
+      Medium medium{extinction(sample.opacity), sample.colour};
+      if (scene_.shaded && sample.opacity > 0)
+        medium.colour = phong_.shade(medium.colour, trilinear(normals, place(s)));
+      return medium;
+    };
+    const auto cuts = smooth_pieces(crossing, place, value_at, normals);
+    for (std::size_t i = 0; i + 1 < cuts.size() && seen.transmittance >= 0.1 * tolerance_; ++i) {
+      const double a = cuts[i], b = cuts[i + 1];
+      if (!(a < b)) continue;
+      const double share = tolerance_ * (b - a) / (ray.leave - ray.enter);
+      seen = behind(seen, integrate(medium_at, a, b, share / seen.transmittance));
+    }
+  }
+
+  /// Ends of the pieces of a crossing inside which nothing bends or jumps: the value crosses no knot, and the
+  /// light and the viewer stay on one side of the surface.
+  template <class Place, class ValueAt>
+  std::vector<double> smooth_pieces(const Crossing& crossing, const Place& place, const ValueAt& value_at,
+                                    const Corners<glm::dvec3>& normals) const {
+    const double length = crossing.leave - crossing.enter;
+    const auto cubic_of = [&](const auto& at) {
+      return through_thirds(at(crossing.enter), at(crossing.enter + length / 3),
+                            at(crossing.enter + 2 * length / 3), at(crossing.leave));
+    };
+    std::vector<double> cuts = cuts_at_knots(cubic_of(value_at), curve_.knots());
+    if (scene_.shaded) {
+      for (const glm::dvec3& direction : {phong_.to_light(), phong_.to_viewer()}) {
+        const auto more = cuts_at_knots(
+            cubic_of([&](double s) { return glm::dot(trilinear(normals, place(s)), direction); }), {0.0});
+        cuts.insert(cuts.end(), more.begin(), more.end());
+      }
+      std::sort(cuts.begin(), cuts.end());
+    }
+    for (double& cut : cuts) cut = crossing.enter + cut * length;
+    return cuts;
+  }
+
+  /// Infinities lie beyond the transfer function's ends; kept finite, they can be interpolated.
+  double bounded(double v) const {
+    if (!std::isinf(v)) return v;
+    const auto& knots = curve_.knots();
+    const double margin = 1 + std::abs(v > 0 ? knots.back() : knots.front());
+    return v > 0 ? knots.back() + margin : knots.front() - margin;
+  }
+
+  const Scene& scene_;
+  double tolerance_;
+  Rays rays_;
+  TransferCurve curve_;
+  Phong phong_;
+  Gradients gradients_;
+};
+
+}  // namespace
+
+std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance) {
+  check(scene);
+  if (!(tolerance > 0 && tolerance < 1))
+    throw InputError(fmt::format("a tolerance of {} is not between 0 and 1", tolerance), "for instance 1e-6");
+  const FieldIntegrator integrator(scene, tolerance);
+  std::vector<Rgba> colours(pixels.size());
+  parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {
+    for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
+  });
+  return colours;
+}
+
+}  // namespace ringsplat::truth

@@ -1,0 +1,51 @@
+#include "truth/ray.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <limits>
+
+namespace ringsplat::truth {
+
+Rays::Rays(const Scene& scene)
+    : view_(make_view(scene.camera,
+                      {scene.grid.dims, scene.grid.spacing, scene.grid.origin, scene.grid.direction},
+                      scene.width, scene.height)),
+      dims_(scene.grid.dims) {
+  to_lattice_ = glm::inverse(view_.linear);
+  const glm::dvec3& spacing = scene.grid.spacing;
+  const double smallest = std::min({spacing.x, spacing.y, spacing.z});
+  const glm::dvec3 a_pixel_deeper = to_lattice_ * glm::dvec3(0, 0, 1);
+  step_ = a_pixel_deeper / glm::length(scene.grid.direction * (spacing / smallest * a_pixel_deeper));
+}
+
+LatticeRay Rays::through(Pixel pixel) const {
+  LatticeRay ray;
+  ray.origin = to_lattice_ * (glm::dvec3(pixel.x + 0.5, pixel.y + 0.5, 0) - view_.offset);
+  ray.step = step_;
+  // From the point nearest to the volume's middle on, so that s is no difference of large numbers.
+  const glm::dvec3 middle = 0.5 * (dims_ - 1.0);
+  const double nearest = glm::dot(middle - ray.origin, step_) / glm::dot(step_, step_);
+  ray.origin += nearest * step_;
+  ray.enter = -std::numeric_limits<double>::infinity();
+  ray.leave = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const double low = -0.5, high = dims_[k] - 0.5;
+    if (step_[k] == 0) {
+      if (ray.origin[k] >= low && ray.origin[k] < high) continue;
+      ray.enter = ray.leave = 0;  // beside the box all the way
+      return ray;
+    }
+    const double s0 = (low - ray.origin[k]) / step_[k], s1 = (high - ray.origin[k]) / step_[k];
+    ray.enter = std::max(ray.enter, std::min(s0, s1));
+    ray.leave = std::min(ray.leave, std::max(s0, s1));
+  }
+  return ray;
+}
+
+double extinction(double opacity) {
+  return opacity < 1 ? -std::log1p(-opacity) : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace ringsplat::truth

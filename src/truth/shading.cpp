@@ -1,0 +1,68 @@
+#include "truth/shading.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace ringsplat::truth {
+
+Phong::Phong(const Scene& scene, const ViewTransform& view)
+    : material_(scene.material),
+      to_light_(glm::normalize(view.right * scene.light.x + view.up * scene.light.y +
+                               view.to_viewer * scene.light.z)),
+      to_viewer_(view.to_viewer) {}
+
+glm::dvec3 Phong::shade(const glm::dvec3& colour, const glm::dvec3& normal) const {
+  const double length = glm::length(normal);
+  if (!(length > 0) || !std::isfinite(length)) return colour;
+  glm::dvec3 n = normal / length;
+  if (glm::dot(n, to_viewer_) < 0) n = -n;  // the side that is seen
+  const double towards_light = glm::dot(n, to_light_);
+  const double diffuse = material_.ambient + material_.diffuse * std::abs(towards_light);
+  double highlight = 0;
+  if (towards_light > 0) {
+    const glm::dvec3 mirrored = 2 * towards_light * n - to_light_;
+    const double toward_eye = glm::dot(mirrored, to_viewer_);
+    if (toward_eye > 0 && glm::dot(n, to_viewer_) > 0)
+      highlight = material_.specular * std::pow(toward_eye, material_.exponent);
+  }
+  return glm::min(colour * diffuse + highlight, glm::dvec3(1.0));
+}
+
+Gradients::Gradients(const Scene& scene) : scene_(scene) {
+  const glm::dvec3& spacing = scene.grid.spacing;
+  const double smallest = std::min({spacing.x, spacing.y, spacing.z});
+  const glm::dmat3 inverse = glm::inverse(scene.grid.direction);
+  // The gradient is a covector: it goes by the inverse transpose, whose columns are the inverse's rows.
+  for (int k = 0; k < 3; ++k)
+    to_world_[k] = -(smallest / spacing[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
+  double largest = 0;
+  for (const double v : scene.values)
+    if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
+  if (largest > 0) scale_ = 1 / static_cast<long double>(largest);
+}
+
+glm::dvec3 Gradients::at(int x, int y, int z) const {
+  const auto& dims = scene_.grid.dims;
+  const std::size_t stride[3] = {1, std::size_t(dims.x), std::size_t(dims.x) * std::size_t(dims.y)};
+  const int place[3] = {x, y, z};
+  const std::size_t here = std::size_t(x) + stride[1] * std::size_t(y) + stride[2] * std::size_t(z);
+  const double centre = scene_.values[here];
+  if (!std::isfinite(centre)) return glm::dvec3(0.0);
+  glm::dvec3 difference{0.0};
+  for (int k = 0; k < 3; ++k) {
+    double before = centre, after = centre;
+    int steps = 0;
+    if (place[k] > 0 && std::isfinite(scene_.values[here - stride[k]]))
+      before = scene_.values[here - stride[k]], ++steps;
+    if (place[k] + 1 < dims[k] && std::isfinite(scene_.values[here + stride[k]]))
+      after = scene_.values[here + stride[k]], ++steps;
+    if (steps > 0)
+      difference[k] = static_cast<double>(
+          (static_cast<long double>(after) - static_cast<long double>(before)) * scale_ / steps);
+  }
+  return to_world_ * difference;
+}
+
+}  // namespace ringsplat::truth

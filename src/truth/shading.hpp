@@ -1,0 +1,38 @@
+#pragma once
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "ringsplat/truth/scene.hpp"
+
+namespace ringsplat::truth {
+
+/// Phong's reflection (Phong 1975) as the renderer defines it: white light, two-sided, colours clamped to 1;
+/// a zero normal leaves the colour as it is.
+class Phong {
+ public:
+  Phong(const Scene& scene, const ViewTransform& view);
+  /// `normal` of any length.
+  glm::dvec3 shade(const glm::dvec3& colour, const glm::dvec3& normal) const;
+  const glm::dvec3& to_light() const { return to_light_; }
+  const glm::dvec3& to_viewer() const { return to_viewer_; }
+
+ private:
+  PhongMaterial material_;
+  glm::dvec3 to_light_, to_viewer_;
+};
+
+/// Central differences of the voxels in world directions, against the gradient, up to one common factor.
+class Gradients {
+ public:
+  explicit Gradients(const Scene& scene);
+  /// One-sided at the border and beside a value that is not finite; zero where the voxel itself is not
+  /// finite.
+  glm::dvec3 at(int x, int y, int z) const;
+
+ private:
+  const Scene& scene_;
+  glm::dmat3 to_world_;    ///< from differences along the lattice axes
+  long double scale_ = 1;  ///< brings the values near 1: their differences may be beyond double's range
+};
+
+}  // namespace ringsplat::truth

@@ -1,0 +1,142 @@
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "ringsplat/base/error.hpp"
+#include "support/catch.hpp"
+#include "truth_support.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr int size = 33;
+const Camera oblique{.azimuth = 31, .elevation = 17, .roll = 9, .zoom = 1.1};
+
+/// Largest difference of the opacities and of the red of a medium of one colour from 1 − exp(−depth(ray)).
+double largest_error(const Volume& volume, const FrameSpec& spec,
+                     const std::function<double(const truth::CubeRay&)>& depth, double tolerance = 1e-6) {
+  const auto scene = scene_of(volume, spec);
+  const auto pixels = truth::all_pixels(spec.width, spec.height);
+  const auto colours = truth::field_truth(scene, pixels, tolerance);
+  double largest = 0;
+  for (std::size_t p = 0; p < pixels.size(); ++p) {
+    const double opacity = -std::expm1(-depth(truth::cube_ray(scene, pixels[p])));
+    largest = std::max({largest, std::abs(colours[p].w - opacity), std::abs(colours[p].x - opacity)});
+  }
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("a constant volume is a box of its voxels' faces") {
+  const Volume volume =
+      make_volume({9, 12, 7}, ScalarType::uint8, [](int, int, int) { return 1; }, {1.0, 0.5, 2.0});
+  // Along an axis the ray's direction has exact zeros, and most pixels look past the box on two sides at
+  // once.
+  for (const Camera& camera :
+       {oblique, Camera{.zoom = 0.6}, Camera{.azimuth = 90, .zoom = 0.6},
+        Camera{.elevation = 90, .zoom = 0.6}, Camera{.azimuth = 180, .elevation = -90}}) {
+    INFO("azimuth " << camera.azimuth << ", elevation " << camera.elevation);
+    CHECK(
+        largest_error(volume, plain_spec(constant_opacity(0.2), size, camera), [](const truth::CubeRay& ray) {
+          return -std::log(0.8) * truth::length_in_box(ray, glm::dvec3(0.0), glm::dvec3(1.0));
+        }) < 1e-9);
+  }
+}
+
+TEST_CASE("a transfer function with a jump cuts a slab out of a ramp, exactly") {
+  // Values 0 … 15 along z; opaque matter where they lie in [5.25, 9.75].
+  const Volume volume = make_volume({16, 16, 16}, ScalarType::float64, [](int, int, int z) { return z; });
+  TransferFunction tf = constant_opacity(0.3);
+  tf.opacities = {{5.25, 0.0}, {5.25, 0.3}, {9.75, 0.3}, {9.75, 0.0}};
+  CHECK(largest_error(volume, plain_spec(tf, size, oblique), [](const truth::CubeRay& ray) {
+          return -std::log(0.7) * truth::length_in_box(ray, {0, 0, 5.75 / 16}, {1, 1, 10.25 / 16});
+        }) < 1e-9);
+}
+
+TEST_CASE("a linear extinction along the ray is integrated to the tolerance") {
+  const Volume volume = make_volume({16, 16, 16}, ScalarType::float64, [](int, int y, int) { return y; });
+  TransferFunction tf;  // seen along y: ∫ −ln(1 − 0.06 v) dv from 0 to 15, and half voxels of 0 and 15
+  tf.colours = {{0, {1, 1, 1}}, {1, {1, 1, 1}}};
+  tf.opacities = {{0, 0.0}, {16, 0.96}};
+  const auto antiderivative = [](double v) {
+    return ((1 - 0.06 * v) * std::log(1 - 0.06 * v) - (1 - 0.06 * v)) / 0.06;
+  };
+  const double depth = antiderivative(15) - antiderivative(0) - 0.5 * std::log(1 - 0.06 * 15);
+  CHECK(largest_error(volume, plain_spec(tf, 17, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}),
+                      [&](const truth::CubeRay&) { return depth; }) < 1e-9);
+}
+
+TEST_CASE("colour over colour: two layers composite as they must") {
+  // Looking along y: half the depth red in front (values 0), then blue (values 1), a jump half-way between
+  // the middle voxels.
+  const Volume volume =
+      make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y < 4 ? 0 : 1; });
+  TransferFunction tf = constant_opacity(0.15);
+  tf.colours = {{0.5, {1, 0, 0}}, {0.5, {0, 0, 1}}};
+  const auto scene =
+      scene_of(volume, plain_spec(tf, 9, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}));
+  const auto colour = truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front();
+  const double through = std::pow(0.85, 4);
+  CHECK(colour.x == Approx(1 - through).epsilon(1e-9));
+  CHECK(colour.z == Approx(through * (1 - through)).epsilon(1e-9));
+  CHECK(colour.w == Approx(1 - through * through).epsilon(1e-9));
+}
+
+TEST_CASE("opacity 1 ends the ray with the colour at its front") {
+  const Volume volume = make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y; });
+  TransferFunction tf;
+  tf.colours = {{0, {1, 1, 1}}, {7, {0, 0, 0}}};
+  tf.opacities = {{3.5, 0.0}, {3.5, 1.0}};
+  const auto scene =
+      scene_of(volume, plain_spec(tf, 9, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}));
+  const auto colour = truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front();
+  CHECK(colour.w == 1.0);
+  CHECK(colour.x == Approx(0.5).margin(1e-6));
+}
+
+TEST_CASE("opacity that reaches 1 at one value only stays finite") {
+  const Volume volume = make_volume({8, 8, 8}, ScalarType::float64, [](int, int y, int) { return y; });
+  TransferFunction tf = constant_opacity(0);
+  tf.opacities = {{2.5, 0.0}, {3.5, 1.0}, {4.5, 0.0}};  // ∫ −ln(1 − t) dt = 1 on either side
+  const auto scene =
+      scene_of(volume, plain_spec(tf, 9, {.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 2}));
+  CHECK(truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front().w ==
+        Approx(1 - std::exp(-2.0)).margin(1e-6));
+}
+
+TEST_CASE("values that are not numbers are transparent, infinities take the end's colour") {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const FrameSpec spec = plain_spec(constant_opacity(0.5, 0.5), size, oblique);
+  const Volume missing = make_volume({8, 8, 8}, ScalarType::float32, [&](int, int, int) { return nan; });
+  CHECK(brightest(field_image(missing, spec)) == 0.0F);
+  const Volume infinite = make_volume({8, 8, 8}, ScalarType::float32, [&](int, int, int) { return inf; });
+  const Volume ones = make_volume({8, 8, 8}, ScalarType::float32, [](int, int, int) { return 1; });
+  CHECK(largest_difference(field_image(infinite, spec), field_image(ones, spec)) < 1e-6);
+  const Volume below = make_volume({8, 8, 8}, ScalarType::float32, [&](int, int, int) { return -inf; });
+  CHECK(brightest(field_image(below, spec)) == 0.0F);
+}
+
+TEST_CASE("the field's truth keeps its tolerance") {
+  // Against itself at 1e-11: a shaded, sharp, colourful scene, where nothing is closed.
+  const Volume volume = sample_field(20, synth_field("marschner-lobb"));
+  TransferFunction tf;
+  tf.colours = {{0.3, {1, 0.2, 0.1}}, {0.5, {0.2, 1, 0.3}}, {0.7, {0.1, 0.3, 1}}};
+  tf.opacities = {{0.45, 0.0}, {0.5, 0.9}, {0.5, 0.2}, {0.65, 0.6}};
+  FrameSpec spec = plain_spec(tf, 24, oblique);
+  spec.shading = Shading::phong;
+  const auto scene = scene_of(volume, spec);
+  const auto pixels = truth::all_pixels(24, 24);
+  const auto fine = truth::field_truth(scene, pixels, 1e-11);
+  for (const double tolerance : {1e-3, 1e-6}) {
+    const auto coarse = truth::field_truth(scene, pixels, tolerance);
+    double largest = 0;
+    for (std::size_t p = 0; p < pixels.size(); ++p)
+      for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(coarse[p][c] - fine[p][c]));
+    INFO("tolerance " << tolerance);
+    CHECK(largest < tolerance);
+  }
+  CHECK_THROWS_AS(truth::field_truth(scene, pixels, 0.0), InputError);
+}

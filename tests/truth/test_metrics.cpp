@@ -1,0 +1,170 @@
+#include <cmath>
+#include <limits>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/truth/metrics.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::truth;
+
+namespace {
+
+constexpr int size = 200;
+
+/// Smooth, with structure along both directions, opacity no less than the colours.
+Image picture(double shift_x = 0, double shift_y = 0) {
+  Image image(size, size);
+  for (int y = 0; y < size; ++y)
+    for (int x = 0; x < size; ++x) {
+      const double u = x - shift_x, v = y - shift_y;
+      const double alpha = 0.5 + 0.3 * std::sin(u / 17) * std::cos(v / 23);
+      for (int c = 0; c < 4; ++c)
+        image.pixel(x, y)[c] =
+            static_cast<float>(alpha * (c == 3 ? 1 : 0.5 + 0.2 * std::sin((u + v) / (20 + 5 * c))));
+    }
+  return image;
+}
+
+/// A renderer's rounding, so that no check works only because the rest of the error is exactly zero.
+Image with_noise(Image image) {
+  std::uint32_t state = 1;
+  for (auto& v : image.rgba) {
+    state = state * 1664525U + 1013904223U;
+    v += static_cast<float>((double(state >> 8) / (1 << 24) - 0.5) * 2e-4);
+  }
+  return image;
+}
+
+}  // namespace
+
+TEST_CASE("equal pictures have no error, and a figure for each kind of difference") {
+  const Image truth_picture = picture();
+  const ImageError none = compare(truth_picture, truth_picture);
+  CHECK(none.total.rmse == 0.0);
+  CHECK(none.total.largest == 0.0);
+  CHECK(none.total.over_1 == 0.0);
+  CHECK(std::isinf(none.total.psnr()));
+
+  Image brighter = truth_picture;
+  for (int p = 0; p < size * size; ++p) brighter.rgba[std::size_t(4 * p + 1)] += 1.5F / 255;
+  const ImageError error = compare(brighter, truth_picture);
+  CHECK(error.channels[1].mean == Approx(1.5).epsilon(1e-4));
+  CHECK(error.channels[1].rmse == Approx(1.5).epsilon(1e-4));
+  CHECK(error.channels[0].rmse == 0.0);
+  CHECK(error.total.rmse == Approx(0.75).epsilon(1e-4));
+  CHECK(error.total.mean == Approx(0.375).epsilon(1e-4));
+  CHECK(error.total.over_1 == 1.0);
+  CHECK(error.channels[0].over_1 == 0.0);
+  CHECK(error.total.over_2 == 0.0);
+  CHECK(error.channels[1].psnr() == Approx(20 * std::log10(255 / 1.5)).epsilon(1e-4));
+}
+
+TEST_CASE("a value that is not finite is infinitely wrong") {
+  const Image truth_picture = picture();
+  Image broken = truth_picture;
+  broken.pixel(7, 9)[2] = std::numeric_limits<float>::quiet_NaN();
+  CHECK(std::isinf(compare(broken, truth_picture).total.largest));
+  CHECK(std::isinf(compare(broken, truth_picture).total.rmse));
+}
+
+TEST_CASE("pictures of different sizes are refused") {
+  CHECK_THROWS_AS(compare(Image(3, 4), Image(4, 3)), InputError);
+}
+
+TEST_CASE("planted: 3/255 in one pixel in a thousand is found") {
+  const Image truth_picture = picture();
+  Image planted = with_noise(truth_picture);
+  for (int p = 0; p < size * size; p += 1000) planted.rgba[std::size_t(4 * p)] += 3.0F / 255;
+  const ImageError error = compare(planted, truth_picture);
+  CHECK(error.total.over_1 == Approx(0.001));
+  CHECK(error.total.over_2 == Approx(0.001));
+  CHECK(error.total.largest == Approx(3).epsilon(0.02));
+  CHECK(error.worst.x % 200 == 0);
+  const ImageError before = compare(with_noise(truth_picture), truth_picture);
+  CHECK(before.total.over_1 == 0.0);
+  CHECK(error.total.rmse > 2 * before.total.rmse);  // 0.047 beside noise of 0.015
+}
+
+TEST_CASE("planted: a seam of one pixel is found where it is") {
+  const Image truth_picture = picture();
+  const Image sound = with_noise(truth_picture);
+  for (const bool is_column : {true, false}) {
+    Image planted = sound;
+    for (int k = 0; k < size; ++k)
+      for (int c = 0; c < 4; ++c) (is_column ? planted.pixel(128, k) : planted.pixel(k, 128))[c] *= 0.998F;
+    const auto seam = find_seam(planted, truth_picture);
+    REQUIRE(seam);
+    CHECK(seam->is_column == is_column);
+    CHECK(seam->position == 128);
+    CHECK(seam->step < -0.1);
+    CHECK(seam->odds > 20);
+  }
+  CHECK(find_seam(sound, truth_picture)->odds < 8);
+}
+
+TEST_CASE("planted: a brightness change of half a percent is found") {
+  const Image truth_picture = picture();
+  Image planted = with_noise(truth_picture);
+  for (auto& v : planted.rgba) v *= 1.005F;
+  CHECK(brightness_change(planted, truth_picture) == Approx(0.005).epsilon(0.01));
+  CHECK(std::abs(brightness_change(with_noise(truth_picture), truth_picture)) < 1e-5);
+  CHECK(compare(planted, truth_picture).total.mean > 0.2);
+}
+
+TEST_CASE("planted: a shift of half a pixel is found, to a fiftieth") {
+  const Image truth_picture = picture();
+  const Shift both = find_shift(with_noise(picture(0.5, -0.25)), truth_picture);
+  CHECK(both.x == Approx(0.5).margin(0.02));
+  CHECK(both.y == Approx(-0.25).margin(0.02));
+  const Shift none = find_shift(with_noise(truth_picture), truth_picture);
+  CHECK(std::hypot(none.x, none.y) < 0.002);
+}
+
+TEST_CASE("a picture without structure has no shift and no brightness") {
+  const Image empty(32, 32);
+  const Shift shift = find_shift(empty, empty);
+  CHECK(shift.x == 0.0);
+  CHECK(shift.y == 0.0);
+  CHECK(brightness_change(empty, empty) == 0.0);
+}
+
+TEST_CASE("the sampled error's interval holds the whole picture's in 95 of 100 samples") {
+  const Image truth_picture = picture();
+  Image image = truth_picture;
+  std::vector<Rgba> colours;
+  for (const Pixel p : all_pixels(size, size)) {
+    image.pixel(p.x, p.y)[0] += static_cast<float>((p.x % 7) * (p.y % 5) / 2550.0);
+    colours.emplace_back(truth_picture.pixel(p.x, p.y)[0], truth_picture.pixel(p.x, p.y)[1],
+                         truth_picture.pixel(p.x, p.y)[2], truth_picture.pixel(p.x, p.y)[3]);
+  }
+  const double whole = compare(image, truth_picture).total.rmse;
+  int inside = 0;
+  constexpr int samples = 400;
+  for (int seed = 0; seed < samples; ++seed) {
+    const auto pixels = random_pixels(size, size, 500, std::uint64_t(seed));
+    std::vector<Rgba> some;
+    for (const Pixel p : pixels) some.push_back(colours[std::size_t(p.y * size + p.x)]);
+    const SampledError error = sampled_error(image, pixels, some);
+    inside += error.rmse_low <= whole && whole <= error.rmse_high;
+  }
+  CHECK(inside >= 366);  // 380 expected, three standard deviations of 4.4
+  CHECK(inside <= 394);
+
+  const auto every = all_pixels(size, size);
+  const SampledError all = sampled_error(image, every, colours);
+  CHECK(all.rmse == Approx(whole).epsilon(1e-6));
+  CHECK(all.rmse_high - all.rmse_low == Approx(0).margin(1e-9));
+}
+
+TEST_CASE("random pixels are different, within the picture, and the same for the same seed") {
+  const auto pixels = random_pixels(123, 77, 4096, 5);
+  REQUIRE(pixels.size() == 4096);
+  for (std::size_t k = 0; k < pixels.size(); ++k) {
+    REQUIRE((pixels[k].x >= 0 && pixels[k].x < 123 && pixels[k].y >= 0 && pixels[k].y < 77));
+    if (k > 0) REQUIRE(pixels[k].y * 123 + pixels[k].x > pixels[k - 1].y * 123 + pixels[k - 1].x);
+  }
+  CHECK(pixels == random_pixels(123, 77, 4096, 5));
+  CHECK(pixels != random_pixels(123, 77, 4096, 6));
+  CHECK(random_pixels(10, 10, 1000, 0) == all_pixels(10, 10));
+}

@@ -1,0 +1,157 @@
+#include <fmt/format.h>
+
+#include "support/catch.hpp"
+#include "truth_support.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+/// No symmetry of its own, and every direction of gradient. Not integers: of those, one gradient in two
+/// hundred lies half-way between two normal codes, and a tie has to go to one side.
+double lopsided(int x, int y, int z) {
+  return 120 + 60 * std::sin(0.9 * x + 0.3 * y * y) + 40 * std::cos(1.1 * z - 0.7 * x) * std::sin(0.8 * y);
+}
+
+FrameSpec spec_of(const Camera& camera) {
+  FrameSpec spec = plain_spec(ramp(20, 255, 0.25), 64, camera);
+  spec.shading = Shading::phong;
+  return spec;
+}
+
+/// The picture from left to right.
+Image mirrored(const Image& image) {
+  Image out(image.width, image.height);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x)
+      std::copy_n(image.pixel(image.width - 1 - x, y), 4, out.pixel(x, y));
+  return out;
+}
+
+using Render = Image (*)(const Volume&, const FrameSpec&);
+Image by_method(const Volume& v, const FrameSpec& s) { return method_image(v, s, truth::Normals::exact); }
+constexpr struct {
+  const char* name;
+  Render render;
+  double bound;
+} renderers[] = {
+    // Quantised normals turn with the volume only as far as their lattice is symmetric, which it is for turns
+    // by 90 degrees.
+    {"the renderer", rendered, 1e-5},
+    {"the method's truth", by_method, 1e-6},
+    {"the field's truth", field_image, 3e-6},
+};
+
+}  // namespace
+
+TEST_CASE("the volume turned by 90 degrees with the camera gives the same picture") {
+  constexpr int n = 11;
+  const Volume volume = make_volume(glm::ivec3(n), ScalarType::float32, lopsided);
+  // Turned about z by 90 degrees: what was at (x, y) is at (n − 1 − y, x).
+  const Volume turned = make_volume(glm::ivec3(n), ScalarType::float32,
+                                    [](int x, int y, int z) { return lopsided(y, n - 1 - x, z); });
+  for (const auto& r : renderers)
+    for (const double azimuth : {0.0, 20.0, 43.0, 110.0}) {
+      const Camera camera{.azimuth = azimuth, .elevation = 25, .roll = 6, .zoom = 1};
+      Camera with_it = camera;
+      with_it.azimuth += 90;
+      INFO(r.name << ", azimuth " << azimuth);
+      const Image before = r.render(volume, spec_of(camera));
+      REQUIRE(brightest(before) > 0.2F);
+      CHECK(largest_difference(before, r.render(turned, spec_of(with_it))) < r.bound);
+    }
+}
+
+TEST_CASE("integers may tie between two normals when they turn: a tenth of a level at most") {
+  const auto value = [](int x, int y, int z) {
+    return 20 + (x * 37 + y * 71 + z * 113 + x * y * 5 + y * z * 3) % 200;
+  };
+  constexpr int n = 11;
+  const Volume volume = make_volume(glm::ivec3(n), ScalarType::uint8, value);
+  const Volume turned = make_volume(glm::ivec3(n), ScalarType::uint8,
+                                    [&](int x, int y, int z) { return value(y, n - 1 - x, z); });
+  const Image before = rendered(volume, spec_of({.azimuth = 20, .elevation = 25, .roll = 6, .zoom = 1}));
+  CHECK(largest_difference(
+            before, rendered(turned, spec_of({.azimuth = 110, .elevation = 25, .roll = 6, .zoom = 1}))) <
+        0.1 / 255);
+}
+
+TEST_CASE("turns about x and y, by a camera matrix") {
+  constexpr int n = 9;
+  const Volume volume = make_volume(glm::ivec3(n), ScalarType::float32, lopsided);
+  // World to screen of the volume as it is: rows right, down, depth. Turning the volume permutes the columns,
+  // up to signs.
+  const double rows[3][3] = {{3.1, 1.2, -0.7}, {0.4, 1.5, 3.0}, {-1.0, 3.1, -1.3}};
+  const auto spec_with = [&](const std::array<int, 3>& from, const std::array<double, 3>& sign) {
+    std::array<double, 12> m{};
+    glm::dvec3 centre(0.5 * (n - 1));
+    for (int r = 0; r < 3; ++r) {
+      double shift = r < 2 ? 32 : 0;
+      for (int c = 0; c < 3; ++c) {
+        m[std::size_t(4 * r + c)] = sign[std::size_t(c)] * rows[r][from[std::size_t(c)]];
+        shift -= m[std::size_t(4 * r + c)] * centre[c];
+      }
+      m[std::size_t(4 * r + 3)] = shift;
+    }
+    Camera camera;
+    camera.matrix = m;
+    return spec_of(camera);
+  };
+  const Volume about_x = make_volume(glm::ivec3(n), ScalarType::float32,
+                                     [](int x, int y, int z) { return lopsided(x, z, n - 1 - y); });
+  const Volume about_y = make_volume(glm::ivec3(n), ScalarType::float32,
+                                     [](int x, int y, int z) { return lopsided(n - 1 - z, y, x); });
+  for (const auto& r : renderers) {
+    INFO(r.name);
+    const Image before = r.render(volume, spec_with({0, 1, 2}, {1, 1, 1}));
+    REQUIRE(brightest(before) > 0.2F);
+    CHECK(largest_difference(before, r.render(about_x, spec_with({0, 2, 1}, {1, -1, 1}))) < r.bound);
+    CHECK(largest_difference(before, r.render(about_y, spec_with({2, 1, 0}, {1, 1, -1}))) < r.bound);
+  }
+}
+
+TEST_CASE("a mirrored volume gives the mirrored picture") {
+  constexpr int n = 11;
+  const Volume volume = make_volume(glm::ivec3(n), ScalarType::float32, lopsided);
+  const Volume mirror = make_volume(glm::ivec3(n), ScalarType::float32,
+                                    [](int x, int y, int z) { return lopsided(n - 1 - x, y, z); });
+  for (const auto& r : renderers)
+    for (const double azimuth : {0.0, 25.0, 70.0}) {
+      FrameSpec spec = spec_of({.azimuth = azimuth, .elevation = 15, .roll = 4, .zoom = 1});
+      const Image before = r.render(volume, spec);
+      spec.camera.azimuth = -azimuth;
+      spec.camera.roll = -spec.camera.roll;
+      spec.light.x = -spec.light.x;
+      INFO(r.name << ", azimuth " << azimuth);
+      CHECK(largest_difference(mirrored(before), r.render(mirror, spec)) < r.bound);
+    }
+}
+
+TEST_CASE("a volume split in two by slices gives the picture of the whole") {
+  // Unlit, because a gradient at the cut would need the other half. Seen along z from above: the upper half
+  // is in front.
+  constexpr int n = 12, cut = 5, size = 48;
+  std::array<double, 12> m{2.5, 0.3, 0.2, 8, 0.2, -2.4, 0.3, 38, 0.1, 0.2, -2.5, 0};
+  Camera camera;
+  camera.matrix = m;
+  FrameSpec spec = plain_spec(ramp(20, 255, 0.25), size, camera);
+  const auto part = [&](int first, int count) {
+    Volume volume = make_volume({n, n, count}, ScalarType::float32,
+                                [=](int x, int y, int z) { return lopsided(x, y, z + first); });
+    volume.grid.origin = {0, 0, double(first)};
+    return volume;
+  };
+  for (const auto& [render, name, bound] : {std::tuple{Render(rendered), "the renderer", 1e-6},
+                                            std::tuple{Render(by_method), "the method's truth", 1e-6}}) {
+    const Image whole = render(part(0, n), spec), behind = render(part(0, cut), spec),
+                front = render(part(cut, n - cut), spec);
+    REQUIRE(brightest(whole) > 0.5F);
+    Image together(size, size);
+    for (std::size_t p = 0; p < together.rgba.size(); p += 4)
+      for (std::size_t c = 0; c < 4; ++c)
+        together.rgba[p + c] = front.rgba[p + c] + (1 - front.rgba[p + 3]) * behind.rgba[p + c];
+    INFO(name);
+    CHECK(largest_difference(whole, together) < bound);
+  }
+}

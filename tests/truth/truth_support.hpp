@@ -1,0 +1,110 @@
+#pragma once
+// Volumes in memory, and one picture from the renderer and from each truth.
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <vector>
+
+#include "ringsplat/truth/analytic.hpp"
+#include "ringsplat/truth/field.hpp"
+#include "ringsplat/truth/method.hpp"
+#include "ringsplat/truth/metrics.hpp"
+#include "support/scenes.hpp"
+
+namespace ringsplat::test {
+
+/// A volume whose voxels are in memory as its scalar type.
+struct Volume {
+  Grid grid;
+  std::vector<std::byte> bytes;
+};
+
+/// Voxel (x, y, z) is `value(x, y, z)`, converted to the type.
+inline Volume make_volume(glm::ivec3 dims, ScalarType type, const std::function<double(int, int, int)>& value,
+                          glm::dvec3 spacing = glm::dvec3(1.0)) {
+  Volume volume{make_grid(dims, type, spacing), {}};
+  volume.bytes.resize(volume.grid.bytes());
+  visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    std::size_t at = 0;
+    for (int z = 0; z < dims.z; ++z)
+      for (int y = 0; y < dims.y; ++y)
+        for (int x = 0; x < dims.x; ++x, ++at) {
+          const T v = static_cast<T>(value(x, y, z));
+          std::memcpy(volume.bytes.data() + at * sizeof(T), &v, sizeof(T));
+        }
+  });
+  return volume;
+}
+
+/// A field of the unit cube at the voxel centres of an n³ lattice.
+inline Volume sample_field(int n, const std::function<double(double, double, double)>& field,
+                           ScalarType type = ScalarType::float64) {
+  return make_volume(glm::ivec3(n), type,
+                     [&](int x, int y, int z) { return field((x + 0.5) / n, (y + 0.5) / n, (z + 0.5) / n); });
+}
+
+inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
+  truth::Scene scene;
+  scene.grid = volume.grid;
+  scene.values = truth::read_values(*memory_source(volume.grid, volume.bytes));
+  scene.transfer_function = spec.transfer_function;
+  scene.camera = spec.camera;
+  scene.width = spec.width;
+  scene.height = spec.height;
+  scene.shaded = spec.shading == Shading::phong;
+  scene.material = spec.material;
+  scene.light = spec.light;
+  scene.radius = spec.kernel_radius;
+  scene.opacity_correction = spec.opacity_correction;
+  return scene;
+}
+
+inline Image rendered(const Volume& volume, const FrameSpec& spec) {
+  const auto source = memory_source(volume.grid, volume.bytes);
+  return render_loopback(*source, spec, 1, 1).image;
+}
+
+/// The method's own truth for the whole picture.
+inline Image method_image(const Volume& volume, const FrameSpec& spec,
+                          truth::Normals normals = truth::Normals::quantised) {
+  return truth::to_image(
+      spec.width, spec.height,
+      truth::method_truth(scene_of(volume, spec), truth::all_pixels(spec.width, spec.height), normals));
+}
+
+inline Image field_image(const Volume& volume, const FrameSpec& spec) {
+  return truth::to_image(
+      spec.width, spec.height,
+      truth::field_truth(scene_of(volume, spec), truth::all_pixels(spec.width, spec.height)));
+}
+
+/// Largest difference between the renderer's picture and the method's own truth, of values in 0..1.
+inline double numerical_error(const Volume& volume, const FrameSpec& spec) {
+  return largest_difference(rendered(volume, spec), method_image(volume, spec));
+}
+
+inline float brightest(const Image& image) { return *std::max_element(image.rgba.begin(), image.rgba.end()); }
+
+/// A picture of `size` pixels a side without shading.
+inline FrameSpec plain_spec(const TransferFunction& tf, int size, const Camera& camera = {}) {
+  FrameSpec spec;
+  spec.transfer_function = tf;
+  spec.width = spec.height = size;
+  spec.camera = camera;
+  spec.shading = Shading::none;
+  return spec;
+}
+
+/// Opacity 1 − exp(−κ v) for values v in [0, high], so that the extinction is κ v; one colour.
+inline TransferFunction linear_extinction(double kappa, double high, int points = 2048) {
+  TransferFunction tf;
+  tf.colours = {{0.0, {1, 0.7, 0.4}}, {high, {1, 0.7, 0.4}}};
+  for (int i = 0; i <= points; ++i) {
+    const double v = high * i / points;
+    tf.opacities.push_back({v, -std::expm1(-kappa * v)});
+  }
+  return tf;
+}
+
+}  // namespace ringsplat::test
