@@ -1,0 +1,39 @@
+#pragma once
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ringsplat/base/image.hpp"
+
+/// Pictures in files, by OpenImageIO: rendered images out, any picture in.
+namespace ringsplat {
+
+/// Throws InputError naming `option` unless the file's ending is one that write_image knows (.exr .png .tif
+/// .tiff .tga .jpg .jpeg). `transparent`: the picture keeps its alpha, which JPEG cannot hold.
+void check_image_name(const std::filesystem::path& file, const std::string& option, bool transparent);
+
+/// .exr: premultiplied linear float32. All others: 8 bits, straight (not premultiplied) sRGB, rounded to
+/// nearest. A background (linear light) is put behind the picture in linear light, which then has no alpha
+/// channel. `settings`, a JSON text, becomes the metadata "ImageDescription" and, where the format has free
+/// names, "ringsplat:settings"; nothing else in the file depends on when or where it was made. Writes beside
+/// and renames; throws RunError (disk full, ...).
+void write_image(const Image& image, const std::filesystem::path& file,
+                 const std::optional<glm::dvec3>& background, const std::string& settings);
+
+/// A picture's values as they are to be compared: premultiplied RGBA, rows from the top. Those of float files
+/// are linear light; those of integer files are display (sRGB) values from 0 to 1.
+struct StoredImage {
+  Image image;
+  bool linear = false, has_alpha = false;
+  std::string settings;  ///< what write_image was given, or empty
+};
+
+/// Throws InputError naming the file when it is no picture.
+StoredImage read_image(const std::filesystem::path& file);
+
+/// Display values brought to linear light, premultiplied as before; a linear picture stays as it is.
+StoredImage to_linear(StoredImage stored);
+
+}  // namespace ringsplat

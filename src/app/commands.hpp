@@ -1,0 +1,19 @@
+#pragma once
+#include "app/launch.hpp"
+#include "app/options.hpp"
+#include "app/reference_options.hpp"
+#include "ringsplat/base/error.hpp"
+
+/// One function a subcommand. All throw InputError and RunError.
+namespace ringsplat::app {
+
+/// All ranks call it.
+ExitCode run_render(const RenderOptions& options, Launch& launch);
+// The others are the work of one process.
+ExitCode run_info(const InfoOptions& options);
+ExitCode run_compare(const CompareOptions& options);
+ExitCode run_synth(const SynthOptions& options);
+ExitCode run_reference(const ReferenceOptions& options);
+ExitCode run_study(const StudyOptions& options);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,179 @@
+#include "ringsplat/app/image_io.hpp"
+
+#include <OpenImageIO/color.h>
+#include <OpenImageIO/imageio.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "app/output_file.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct Format {
+  const char* ending;
+  bool linear_float, alpha;
+};
+constexpr Format formats[] = {{".exr", true, true},   {".png", false, true}, {".tif", false, true},
+                              {".tiff", false, true}, {".tga", false, true}, {".jpg", false, false},
+                              {".jpeg", false, false}};
+
+const Format* format_of(const fs::path& file) {
+  std::string ending = file.extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const auto found = std::find_if(std::begin(formats), std::end(formats),
+                                  [&](const Format& f) { return ending == f.ending; });
+  return found == std::end(formats) ? nullptr : found;
+}
+
+/// RGBA, or RGB over the background.
+std::vector<float> linear_pixels(const Image& image, const std::optional<glm::dvec3>& background) {
+  if (!background) return image.rgba;
+  std::vector<float> rgb;
+  rgb.reserve(image.rgba.size() / 4 * 3);
+  for (std::size_t at = 0; at < image.rgba.size(); at += 4)
+    for (int c = 0; c < 3; ++c)
+      rgb.push_back(image.rgba[at + c] + (1 - image.rgba[at + 3]) * static_cast<float>((*background)[c]));
+  return rgb;
+}
+
+std::uint8_t to_byte(float v) {
+  // Not-a-number compares false and becomes 0.
+  return static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0F) * 255.0F + 0.5F : 0.0F);
+}
+
+std::vector<std::uint8_t> display_pixels(const std::vector<float>& linear, std::size_t channels) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(linear.size());
+  for (std::size_t at = 0; at < linear.size(); at += channels) {
+    const float alpha = channels == 4 ? linear[at + 3] : 1.0F;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const float straight = alpha > 0 ? std::min(linear[at + c] / alpha, 1.0F) : 0.0F;
+      bytes.push_back(to_byte(OIIO::linear_to_sRGB(straight)));
+    }
+    if (channels == 4) bytes.push_back(to_byte(alpha));
+  }
+  return bytes;
+}
+
+OIIO::ImageSpec make_spec(const Image& image, const Format& format, int channels,
+                          const std::string& settings) {
+  OIIO::ImageSpec spec(image.width, image.height, channels,
+                       format.linear_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
+  spec.attribute("Software", "ringsplat " RINGSPLAT_VERSION);
+  if (!settings.empty()) {
+    spec.attribute("ImageDescription", settings);
+    spec.attribute("ringsplat:settings", settings);
+  }
+  spec.attribute("oiio:ColorSpace", format.linear_float ? "Linear" : "sRGB");
+  if (!format.linear_float) spec.attribute("oiio:UnassociatedAlpha", 1);
+  const std::string ending = format.ending;
+  // Without this these writers add the time, and equal pictures would not be equal files.
+  if (ending == ".exr" || ending == ".tif" || ending == ".tiff") spec.attribute("DateTime", "");
+  if (ending == ".jpg" || ending == ".jpeg") spec.attribute("compression", "jpeg:95");
+  return spec;
+}
+
+void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const void* pixels,
+                  const fs::path& shown) {
+  const auto out = OIIO::ImageOutput::create(file.string());
+  const auto failed = [&](const std::string& why) {
+    return RunError(fmt::format("{} cannot be written: {}", shown.string(), why), "is the disk full?");
+  };
+  if (!out) throw failed(OIIO::geterror());
+  if (!out->open(file.string(), spec) || !out->write_image(spec.format, pixels) || !out->close())
+    throw failed(out->geterror());
+}
+
+/// The channels of a file as RGBA; grey becomes three, no alpha is opaque.
+Image as_rgba(const OIIO::ImageSpec& spec, const std::vector<float>& values) {
+  Image image(spec.width, spec.height);
+  const int alpha = spec.alpha_channel, channels = spec.nchannels;
+  const bool grey = channels - (alpha >= 0 ? 1 : 0) < 3;
+  for (std::size_t p = 0; p < image.rgba.size() / 4; ++p) {
+    const float* from = values.data() + p * std::size_t(channels);
+    float* to = image.rgba.data() + 4 * p;
+    for (int c = 0; c < 3; ++c) to[c] = from[grey ? 0 : c];
+    to[3] = alpha >= 0 ? from[alpha] : 1.0F;
+  }
+  return image;
+}
+
+}  // namespace
+
+void check_image_name(const fs::path& file, const std::string& option, bool transparent) {
+  const Format* format = format_of(file);
+  if (format == nullptr)
+    throw InputError(fmt::format("{} {} has no ending of a known picture format", option, file.string()),
+                     "use .png, .exr, .tif, .tga or .jpg");
+  if (transparent && !format->alpha)
+    throw InputError(fmt::format("{} {}: this format cannot hold transparency", option, file.string()),
+                     "give a --background, or write a .png");
+}
+
+void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background,
+                 const std::string& settings) {
+  check_image_name(file, "the picture", !background);
+  const Format& format = *format_of(file);
+  const int channels = background ? 3 : 4;
+  const std::vector<float> linear = linear_pixels(image, background);
+  const OIIO::ImageSpec spec = make_spec(image, format, channels, settings);
+  app::write_beside(file, [&](const fs::path& temporary) {
+    if (format.linear_float)
+      write_pixels(temporary, spec, linear.data(), file);
+    else
+      write_pixels(temporary, spec, display_pixels(linear, std::size_t(channels)).data(), file);
+  });
+}
+
+StoredImage read_image(const fs::path& file) {
+  const auto bad = [&](const std::string& why) {
+    std::string line = why;
+    std::replace(line.begin(), line.end(), '\n', ' ');
+    return InputError(fmt::format("{} is not a readable picture: {}", file.string(), line),
+                      "compare works on .png, .exr, .tif and the like");
+  };
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored))
+    throw InputError(fmt::format("there is no picture {}", file.string()), "check the path");
+  OIIO::ImageSpec keep_straight;
+  keep_straight.attribute("oiio:UnassociatedAlpha", 1);
+  const auto in = OIIO::ImageInput::open(file.string(), &keep_straight);
+  if (!in) throw bad(OIIO::geterror());
+  const OIIO::ImageSpec spec = in->spec();
+  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
+    throw bad("it is not one flat picture");
+  std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(spec.nchannels));
+  if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
+    throw bad(in->geterror());
+
+  StoredImage stored{
+      as_rgba(spec, values), spec.format.is_floating_point(), spec.alpha_channel >= 0,
+      spec.get_string_attribute("ringsplat:settings", spec.get_string_attribute("ImageDescription"))};
+  if (stored.has_alpha && spec.get_int_attribute("oiio:UnassociatedAlpha") != 0)
+    for (std::size_t at = 0; at < stored.image.rgba.size(); at += 4)
+      for (std::size_t c = 0; c < 3; ++c) stored.image.rgba[at + c] *= stored.image.rgba[at + 3];
+  return stored;
+}
+
+StoredImage to_linear(StoredImage stored) {
+  if (std::exchange(stored.linear, true)) return stored;
+  for (std::size_t at = 0; at < stored.image.rgba.size(); at += 4) {
+    const float alpha = stored.image.rgba[at + 3];
+    for (std::size_t c = 0; c < 3 && alpha > 0; ++c)
+      stored.image.rgba[at + c] = alpha * OIIO::sRGB_to_linear(stored.image.rgba[at + c] / alpha);
+  }
+  return stored;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,191 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/commands.hpp"
+#include "app/progress.hpp"
+#include "app/watched_source.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/volume/slice_store.hpp"
+#include "ringsplat/volume/statistics.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+constexpr int bins = 64, shown_bins = 16;
+constexpr std::array<bool, 3> all_sets{true, true, true};
+
+struct Contents {
+  ValueRange range;
+  Histogram histogram;
+};
+
+template <class F>
+void for_each_batch(VolumeSource& source, F&& f) {
+  const Grid& grid = source.grid();
+  constexpr std::size_t batch_bytes = std::size_t{8} << 20;
+  const std::size_t slice = grid.slice_bytes(Axis::z);
+  const int batch =
+      static_cast<int>(std::clamp<std::size_t>(batch_bytes / slice, 1, std::size_t(grid.dims.z)));
+  std::vector<std::byte> voxels(slice * std::size_t(batch));
+  for (int z = 0; z < grid.dims.z; z += batch) {
+    const int count = std::min(batch, grid.dims.z - z);
+    const std::span<std::byte> part(voxels.data(), slice * std::size_t(count));
+    source.read_slices(z, count, part);
+    f(std::span<const std::byte>(part));
+  }
+}
+
+/// Two passes: the histogram's bins need the range first.
+Contents read_contents(const VolumeOptions& volume, Progress& progress) {
+  Contents contents;
+  const auto open = [&](const char* what) {
+    auto source = open_volume(volume.path, volume.raw);
+    progress.begin(what, source->grid().dims.z);
+    return WatchedSource(std::move(source), progress);
+  };
+  auto first = open("reading the range");
+  for_each_batch(first, [&](std::span<const std::byte> v) { contents.range.add(first.grid().type, v); });
+  progress.end();
+  if (contents.range.empty()) return contents;
+  contents.histogram = Histogram(contents.range.low, contents.range.high, bins);
+  auto second = open("reading the histogram");
+  for_each_batch(second,
+                 [&](std::span<const std::byte> v) { contents.histogram.add(second.grid().type, v); });
+  progress.end();
+  return contents;
+}
+
+std::string human_bytes(std::uint64_t bytes) {
+  constexpr const char* units[] = {"B", "KiB", "MiB", "GiB", "TiB", "PiB"};
+  double value = double(bytes);
+  std::size_t unit = 0;
+  for (; value >= 1024 && unit + 1 < std::size(units); ++unit) value /= 1024;
+  return unit == 0 ? fmt::format("{} B", bytes) : fmt::format("{:.1f} {}", value, units[unit]);
+}
+
+struct Memory {
+  int gps;
+  std::uint64_t all_lit, all_plain, one_lit, one_plain;  ///< bytes, of the GP that holds most
+};
+
+Memory memory_of(const Grid& grid, int gps) {
+  const auto most = [&](bool all, bool normals) {
+    if (all) return SliceStore::bytes_needed(grid, 0, gps, all_sets, normals);
+    std::uint64_t largest = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      std::array<bool, 3> one{};
+      one[axis] = true;
+      largest = std::max(largest, SliceStore::bytes_needed(grid, 0, gps, one, normals));
+    }
+    return largest;
+  };
+  return {gps, most(true, true), most(true, false), most(false, true), most(false, false)};
+}
+
+std::vector<Memory> memory_table(const Grid& grid, int gps) {
+  std::vector<Memory> table;
+  for (const int count : gps > 0 ? std::vector{gps} : std::vector{1, 2, 4, 8, 16})
+    table.push_back(memory_of(grid, count));
+  return table;
+}
+
+std::string matrix_text(const glm::dmat3& m) {
+  return fmt::format("({:g} {:g} {:g})  ({:g} {:g} {:g})  ({:g} {:g} {:g})", m[0].x, m[0].y, m[0].z, m[1].x,
+                     m[1].y, m[1].z, m[2].x, m[2].y, m[2].z);
+}
+
+/// Bars by the square root of the counts: the air around an object would flatten all else.
+std::string histogram_text(const Histogram& histogram) {
+  std::vector<std::uint64_t> counts(shown_bins);
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
+    counts[k * shown_bins / histogram.counts.size()] += histogram.counts[k];
+  const double highest = std::sqrt(double(*std::max_element(counts.begin(), counts.end())));
+  const double total = double(std::max<std::uint64_t>(1, histogram.total()));
+  std::string text = "histogram  (bars by the square root)\n";
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    const double from = histogram.low + (histogram.high - histogram.low) * double(k) / shown_bins;
+    const auto length =
+        highest > 0 ? static_cast<std::size_t>(40 * std::sqrt(double(counts[k])) / highest + 0.5) : 0;
+    text += fmt::format("  {:>12.6g}  {:>6.2f} %  {}\n", from, 100 * double(counts[k]) / total,
+                        std::string(length, '#'));
+  }
+  return text;
+}
+
+std::string to_text(const InfoOptions& o, const Grid& grid, const Contents& c, bool concurrent) {
+  const glm::dvec3 extent = glm::dvec3(grid.dims) * grid.spacing;
+  std::string text;
+  const auto row = [&](const char* name, const std::string& value) {
+    text += fmt::format("{:<11}{}\n", name, value);
+  };
+  row("volume", o.volume.path);
+  row("shape", fmt::format("{} x {} x {}, {} voxels", grid.dims.x, grid.dims.y, grid.dims.z, grid.voxels()));
+  row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
+  row("spacing", fmt::format("{:g} x {:g} x {:g}", grid.spacing.x, grid.spacing.y, grid.spacing.z));
+  row("origin", fmt::format("{:g} {:g} {:g}", grid.origin.x, grid.origin.y, grid.origin.z));
+  row("directions", matrix_text(grid.direction));
+  row("size", fmt::format("{:g} x {:g} x {:g}", extent.x, extent.y, extent.z));
+  row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
+  row("range", c.range.empty() ? "no finite value" : fmt::format("{:g} to {:g}", c.range.low, c.range.high));
+  row("not finite", fmt::format("{} voxels", c.range.not_finite));
+  if (!c.range.empty()) text += histogram_text(c.histogram);
+  text += fmt::format(
+      "\nslices held by a GP (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n", "--gps",
+      "all axes, lit", "all axes, unlit", "one axis, lit", "one axis, unlit");
+  for (const auto& m : memory_table(grid, o.gps))
+    text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
+                        human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain));
+  return text;
+}
+
+std::string to_json_text(const InfoOptions& o, const Grid& grid, const Contents& c, bool concurrent) {
+  nlohmann::json j;
+  const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
+  j["volume"] = o.volume.path;
+  j["dims"] = triple(grid.dims);
+  j["voxels"] = grid.voxels();
+  j["type"] = to_string(grid.type);
+  j["bytes"] = grid.bytes();
+  j["spacing"] = triple(grid.spacing);
+  j["origin"] = triple(grid.origin);
+  j["directions"] = {triple(grid.direction[0]), triple(grid.direction[1]), triple(grid.direction[2])};
+  j["size"] = triple(glm::dvec3(grid.dims) * grid.spacing);
+  j["concurrent_reading"] = concurrent;
+  j["range"] = c.range.empty() ? nlohmann::json() : nlohmann::json{c.range.low, c.range.high};
+  j["finite"] = c.range.finite;
+  j["not_finite"] = c.range.not_finite;
+  j["histogram"] = {{"low", c.histogram.low}, {"high", c.histogram.high}, {"counts", c.histogram.counts}};
+  for (const auto& m : memory_table(grid, o.gps))
+    j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
+                                         {"all_axes_lit", m.all_lit},
+                                         {"all_axes_unlit", m.all_plain},
+                                         {"one_axis_lit", m.one_lit},
+                                         {"one_axis_unlit", m.one_plain}});
+  return j.dump(2) + "\n";
+}
+
+std::string list_of_presets() {
+  std::string text;
+  for (const auto& preset : preset_names())
+    text += fmt::format("{:<14}{}\n", preset.name, preset.description);
+  return text;
+}
+
+}  // namespace
+
+ExitCode run_info(const InfoOptions& o) {
+  if (o.presets) {
+    fmt::print("{}", list_of_presets());
+    return ExitCode::done;
+  }
+  const auto source = open_volume(o.volume.path, o.volume.raw);
+  Progress progress;
+  const Contents contents = read_contents(o.volume, progress);
+  fmt::print("{}", (o.json ? to_json_text : to_text)(o, source->grid(), contents, source->concurrent()));
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app

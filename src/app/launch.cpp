@@ -1,0 +1,194 @@
+#include "app/launch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <new>
+
+namespace ringsplat::app {
+namespace {
+
+Block to_block(const std::string& text) {
+  Block block(text.size());
+  std::memcpy(block.data(), text.data(), text.size());
+  return block;
+}
+
+std::string to_text(const Block& block) {
+  return {reinterpret_cast<const char*>(block.data()), block.size()};
+}
+
+/// Errors print on one line whatever a library put into its message.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+/// The InputError that `check` throws, or an empty text.
+std::string input_error_of(const std::function<void()>& check) {
+  try {
+    check();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+Outcome guarded(const std::function<ExitCode()>& work) {
+  try {
+    return {work(), {}};
+  } catch (const InputError& e) {
+    return {e.exit_code(), one_line(e.what())};
+  } catch (const Error& e) {
+    return {e.exit_code(), e.what()};
+  } catch (const std::bad_alloc&) {
+    return {ExitCode::run_failed,
+            "out of memory; hint: use more ranks on more machines, a smaller --size or --axes needed"};
+  } catch (const std::exception& e) {
+    return {ExitCode::run_failed,
+            fmt::format("{}; hint: this should not happen, please report it", e.what())};
+  }
+}
+
+Launch::Launch(int& argc, char**& argv, TransportChoice choice)
+    : in_one_process_(choice == TransportChoice::loopback) {
+  const bool launched = MpiSession::launched();
+  if (launched || choice == TransportChoice::mpi) session_.emplace(argc, argv);
+  if (session_)
+    collectives_ = session_->make_collectives();
+  else
+    collectives_ = std::make_unique<SoloCollectives>();
+}
+
+Transport* Launch::transport() {
+  if (over_mpi() && !transport_) transport_ = session_->make_transport();
+  return transport_.get();
+}
+
+void Launch::settle(const std::string& error) {
+  const auto all = collectives_->all_gather(to_block(error));
+  const auto first = std::find_if(all.begin(), all.end(), [](const Block& b) { return !b.empty(); });
+  if (first == all.end()) return;
+  const bool same_everywhere =
+      std::all_of(all.begin(), all.end(), [&](const Block& b) { return b == *first; });
+  throw InputError(to_text(*first) + (same_everywhere || first == all.begin()
+                                          ? ""
+                                          : fmt::format(" (on rank {})", first - all.begin())));
+}
+
+void Launch::check_on_all_ranks(const std::function<void()>& check) { settle(input_error_of(check)); }
+
+void Launch::check_on_rank_0(const std::function<void()>& check) {
+  const std::string error = rank() == 0 ? input_error_of(check) : std::string();
+  const std::string agreed = to_text(collectives_->broadcast(to_block(error), 0));
+  if (!agreed.empty()) throw InputError(agreed);
+}
+
+Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
+  Outcome outcome;
+  if (rank() == 0) outcome = guarded(work);
+  const Block code = collectives_->broadcast(Block{std::byte(outcome.code)}, 0);
+  outcome.code = static_cast<ExitCode>(code.at(0));
+  return outcome;
+}
+
+namespace {
+
+[[noreturn]] void refuse(const Layout& layout, int ranks, const std::string& hint) {
+  throw InputError(
+      fmt::format("{} GP(s) and {} Renderer(s) on {} ranks need {}, but the job has {}", layout.gps,
+                  layout.renderers, layout.placement == Placement::dedicated ? "dedicated" : "colocated",
+                  layout.ranks(), ranks),
+      hint);
+}
+
+/// A mesh says how many GPs there are, and has a Renderer at the left end of every row unless told otherwise.
+RunOptions with_mesh_counts(RunOptions o) {
+  if (o.topology == Topology::mesh) {
+    if (!o.mesh)
+      throw InputError("--topology mesh needs the mesh's columns and rows", "for instance --mesh 4x4");
+    o.gps = o.mesh->width * o.mesh->height;
+    if (!o.renderers) o.renderers = o.mesh->height;
+    return o;
+  }
+  if (o.mesh) throw InputError("--mesh has no effect in a ring", "add --topology mesh, or leave it out");
+  if (o.routing != Routing::manhattan)
+    throw InputError("--routing has no effect in a ring", "add --topology mesh and --mesh, or leave it out");
+  return o;
+}
+
+/// All but the numbers of nodes.
+Layout empty_layout(const RunOptions& o) {
+  Layout layout{.placement = o.placement.value_or(Placement::dedicated), .topology = o.topology};
+  if (o.topology == Topology::mesh) {
+    layout.mesh_columns = o.mesh->width;
+    layout.mesh_rows = o.mesh->height;
+    layout.routing = o.routing;
+  }
+  return layout;
+}
+
+/// What is left for the other role when one has `given` nodes.
+int the_rest(int given, int ranks, Placement placement) {
+  return placement == Placement::dedicated ? std::max(1, ranks - given) : ranks;
+}
+
+Layout layout_on_ranks(const RunOptions& o, int ranks) {
+  const bool nothing_said = !o.gps && !o.renderers;
+  Layout layout = empty_layout(o);
+  if (!o.placement && ranks == 1 && nothing_said) layout.placement = Placement::colocated;
+  const bool dedicated = layout.placement == Placement::dedicated;
+  if (nothing_said) {
+    layout.renderers = dedicated ? std::max(1, ranks / 3) : ranks;
+    layout.gps = dedicated ? std::max(1, ranks - layout.renderers) : ranks;
+  } else {
+    layout.gps = o.gps ? *o.gps : the_rest(*o.renderers, ranks, layout.placement);
+    layout.renderers = o.renderers ? *o.renderers : the_rest(*o.gps, ranks, layout.placement);
+  }
+  return layout;
+}
+
+}  // namespace
+
+Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
+  constexpr int most_in_one_process = 4096;
+  const RunOptions o = with_mesh_counts(options);
+  // Counts below 1 have their own message, which a sum with them would hide.
+  check(Layout{.gps = o.gps.value_or(1), .renderers = o.renderers.value_or(1)});
+  if (std::max(o.gps.value_or(1), o.renderers.value_or(1)) > 1 << 24)
+    throw InputError("--gps or --renderers is far more than any machine has", "use one rank for each core");
+  if (!over_mpi) {
+    if (ranks > 1)
+      throw InputError(
+          fmt::format("--transport loopback runs in one process, but the launcher started {}", ranks),
+          "leave out mpirun, or the option");
+    Layout layout = empty_layout(o);
+    layout.gps = o.gps.value_or(1);
+    layout.renderers = o.renderers.value_or(1);
+    check(layout);
+    if (layout.ranks() > most_in_one_process)
+      throw InputError(
+          fmt::format("{} ranks are too many for one process", layout.ranks()),
+          fmt::format("start it with mpirun, or use at most {} GPs and Renderers", most_in_one_process));
+    return layout;
+  }
+  if (o.loopback.reorder || o.loopback.max_delay != 0 || o.loopback.in_step)
+    throw InputError(
+        "--shuffle, --max-delay and --in-step are for the loopback transport, but this run goes over MPI",
+        "leave them out, or leave out mpirun");
+  const Layout layout = layout_on_ranks(o, ranks);
+  check(layout);
+  if (layout.ranks() != ranks)
+    refuse(layout, ranks,
+           fmt::format("start it with mpirun -n {}, or change {}{}", layout.ranks(),
+                       o.topology == Topology::mesh ? "--mesh and --renderers" : "--gps and --renderers",
+                       std::max(layout.gps, layout.renderers) == ranks && o.topology == Topology::ring
+                           ? ", or add --roles colocated"
+                           : ""));
+  return layout;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,95 @@
+#include "app/measured_error.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/truth/analytic.hpp"
+#include "ringsplat/truth/field.hpp"
+#include "ringsplat/truth/method.hpp"
+#include "ringsplat/volume/synth.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+/// As many as load_scene has: presets depend on it.
+constexpr int histogram_bins = 1024;
+
+void check_room(const Grid& grid) {
+  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE)),
+               needed = 8.0 * double(grid.voxels());
+  if (needed > 0.9 * machine)
+    throw InputError(
+        fmt::format(
+            "a truth needs the whole volume in one process, {:.1f} GiB, but the machine has {:.1f} GiB",
+            needed / (1 << 30), machine / (1 << 30)),
+        "measure on a smaller volume");
+}
+
+}  // namespace
+
+WholeVolume read_whole(VolumeSource& source) {
+  WholeVolume volume;
+  volume.grid = source.grid();
+  check_room(volume.grid);
+  volume.values = truth::read_values(source);
+  const auto bytes = std::as_bytes(std::span(volume.values));
+  volume.range.add(ScalarType::float64, bytes);
+  if (volume.range.empty())
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                     "check the file's --type and --endian");
+  volume.histogram = Histogram(volume.range.low, volume.range.high, histogram_bins);
+  volume.histogram.add(ScalarType::float64, bytes);
+  return volume;
+}
+
+truth::Scene make_scene(WholeVolume&& volume) {
+  truth::Scene scene;
+  scene.grid = volume.grid;
+  scene.values = std::move(volume.values);
+  return scene;
+}
+
+void set_frame(truth::Scene& scene, const FrameSpec& spec) {
+  scene.transfer_function = spec.transfer_function;
+  scene.camera = spec.camera;
+  scene.width = spec.width;
+  scene.height = spec.height;
+  scene.shaded = spec.shading == Shading::phong;
+  scene.material = spec.material;
+  scene.light = spec.light;
+  scene.radius = spec.kernel_radius;
+  scene.opacity_correction = spec.opacity_correction;
+}
+
+std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
+                                  std::span<const truth::Pixel> pixels) {
+  switch (e.truth) {
+    case TruthKind::method:
+      return truth::method_truth(scene, pixels);
+    case TruthKind::field:
+      return truth::field_truth(scene, pixels, e.tolerance);
+    case TruthKind::analytic:
+      break;
+  }
+  return truth::analytic_truth(scene, synth_field(e.formula), truth::synth_scale(scene.grid.type), pixels,
+                               e.tolerance);
+}
+
+MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options) {
+  const double start = now_seconds();
+  const auto pixels = truth::random_pixels(image.width, image.height, options.pixels, options.seed);
+  const auto colours = evaluate(scene, {*options.truth}, pixels);
+  return {*options.truth, options.seed, truth::sampled_error(image, pixels, colours), now_seconds() - start};
+}
+
+std::string to_text(const MeasuredError& m) {
+  return fmt::format(
+      "error against the {}'s truth: {:.4g}/255 rms (95 %: {:.4g} to {:.4g}), largest {:.4g}, mean {:+.3g}; "
+      "{} pixels in {:.2f} s",
+      to_string(m.truth), m.error.rmse, m.error.rmse_low, m.error.rmse_high, m.error.largest, m.error.mean,
+      m.error.pixels, m.seconds);
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,46 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "app/options.hpp"
+#include "ringsplat/truth/metrics.hpp"
+#include "ringsplat/volume/statistics.hpp"
+
+namespace ringsplat::app {
+
+/// A whole volume in one process, as the truths need it: 8 bytes a voxel.
+struct WholeVolume {
+  Grid grid;
+  std::vector<double> values;
+  ValueRange range;
+  Histogram histogram;  ///< as load_scene makes it, so that presets come out the same
+};
+/// Throws InputError: unreadable, no finite value, larger than this machine's memory.
+WholeVolume read_whole(VolumeSource& source);
+
+/// The volume's values are moved into the scene and stay there from frame to frame; set_frame changes the
+/// rest.
+truth::Scene make_scene(WholeVolume&& volume);
+void set_frame(truth::Scene& scene, const FrameSpec& spec);
+
+struct Evaluation {
+  TruthKind truth = TruthKind::field;
+  double tolerance = 1e-6;
+  std::string formula = {};
+};
+std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
+                                  std::span<const truth::Pixel> pixels);
+
+struct MeasuredError {
+  TruthKind truth;
+  std::uint64_t seed;
+  truth::SampledError error;
+  double seconds;  ///< that the truth took
+};
+MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options);
+
+/// "error against the method's truth: 0.0021/255 rms (0.0019 … 0.0023), …".
+std::string to_text(const MeasuredError& error);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,43 @@
+#pragma once
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// What people type for one option, turned into values. Every function throws InputError that names the
+/// option
+/// (`option`, such as "--size") and shows a value that works.
+namespace ringsplat::app {
+
+struct Size {
+  int width = 0, height = 0;
+};
+
+/// "640x480", or "512" for a square.
+Size parse_size(const std::string& text, const std::string& option);
+
+/// Columns and rows of a mesh: "4x3", or "4" for 4x4.
+Size parse_mesh(const std::string& text, const std::string& option);
+
+/// "256x256x128", or "64" for a cube; all at least 1.
+glm::ivec3 parse_dims(const std::string& text, const std::string& option);
+
+/// "0.5x0.5x1.2" (or with commas), or "0.7" for all three; positive and finite.
+glm::dvec3 parse_spacing(const std::string& text, const std::string& option);
+
+/// Linear light of a display (sRGB) colour: a name, "#rrggbb" or "r,g,b" with numbers from 0 to 1;
+/// nothing for "none" (transparent).
+std::optional<glm::dvec3> parse_colour(const std::string& text, const std::string& option);
+
+/// The numbers of a list separated by blanks, commas, semicolons or tabs; nothing when a part is no number.
+std::optional<std::vector<double>> parse_numbers(std::string_view text);
+
+/// The words with `between` between them.
+std::string joined(const std::vector<std::string>& words, const std::string& between);
+
+/// The entry of `known` that looks most like `word`, or an empty string when none is close
+/// (Levenshtein 1966, at most a third of the letters wrong).
+std::string closest(const std::string& word, const std::vector<std::string>& known);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,86 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/option_values.hpp"
+#include "app/truth_options.hpp"
+#include "ringsplat/net/layout.hpp"
+#include "ringsplat/net/loopback.hpp"
+#include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/node/node.hpp"
+#include "ringsplat/volume/source.hpp"
+
+/// The one table of options: names, values, help and defaults. A subcommand is made of the groups it needs.
+namespace ringsplat::app {
+
+enum class TransportChoice { automatic, mpi, loopback };
+
+/// Which file, and what must be said of a raw one.
+struct VolumeOptions {
+  std::string path;
+  RawDescription raw;
+};
+
+/// Where the nodes run and how they talk.
+struct RunOptions {
+  TransportChoice transport = TransportChoice::automatic;
+  std::optional<int> gps, renderers;  ///< what is left out follows from the number of ranks
+  std::optional<Placement> placement;
+  Topology topology = Topology::ring;
+  std::optional<Size> mesh;              ///< columns and rows of GPs
+  Routing routing = Routing::manhattan;  ///< in a mesh
+  ProtocolOptions protocol;
+  LoopbackOptions loopback;
+};
+
+struct RenderOptions {
+  VolumeOptions volume;
+  RunOptions run;
+  FrameSpec frame;  ///< all but its transfer function, which may depend on the volume's histogram
+  std::string transfer_function = "auto", transfer_function_out;
+  int orbit = 0;
+  std::string path;
+  bool keep_all_axes = false;
+  std::string output, stats;
+  ErrorOptions error;
+  std::optional<glm::dvec3> background;  ///< linear light
+};
+
+struct InfoOptions {
+  VolumeOptions volume;
+  int gps = 0;  ///< 0: a few usual numbers
+  bool json = false, presets = false;
+};
+
+struct CompareOptions {
+  std::string a, b, difference;
+  double threshold = 1;  ///< in 1/255
+  double difference_scale = 1;
+  std::optional<double> fail_above;  ///< RMSE in 1/255
+  bool json = false;
+};
+
+struct SynthOptions {
+  std::string name, output;
+  glm::ivec3 dims{64};
+  ScalarType type = ScalarType::uint8;
+  glm::dvec3 spacing{1.0};
+  bool no_compression = false, list = false;
+};
+
+void add_volume_options(CLI::App& app, VolumeOptions& options);
+void add_run_options(CLI::App& app, RunOptions& options);
+void add_view_options(CLI::App& app, RenderOptions& options);
+void add_picture_options(CLI::App& app, RenderOptions& options);
+void add_render_output_options(CLI::App& app, RenderOptions& options);
+void add_info_options(CLI::App& app, InfoOptions& options);
+void add_compare_options(CLI::App& app, CompareOptions& options);
+void add_synth_options(CLI::App& app, SynthOptions& options);
+
+/// Throws InputError when two options of a parsed subcommand contradict each other, with the way out.
+void refuse_contradictions(const CLI::App& app);
+
+}  // namespace ringsplat::app

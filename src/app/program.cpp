@@ -1,0 +1,86 @@
+#include "app/program.hpp"
+
+#include <fmt/format.h>
+
+#include "app/command_line.hpp"
+#include "app/commands.hpp"
+#include "app/launch.hpp"
+#include "ringsplat/base/log.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+template <class... F>
+struct Overloaded : F... {
+  using F::operator()...;
+};
+
+ExitCode say(const std::string& text) {
+  fmt::print("{}", text);
+  return ExitCode::done;
+}
+
+/// Whether an outcome is known to all ranks, or to the one that failed only.
+struct Ending {
+  Outcome outcome;
+  bool on_all_ranks;
+};
+
+Ending dispatch(const CommandLine& line, Launch& launch) {
+  // A --config file may be readable on some ranks only: what they say must be the same before they go on.
+  const Outcome agreed = guarded([&] {
+    launch.settle(line.error);
+    return ExitCode::done;
+  });
+  if (agreed.code != ExitCode::done) return {agreed, agreed.code == ExitCode::bad_input};
+  if (const auto* render = std::get_if<RenderOptions>(&line.command)) {
+    Outcome outcome = guarded([&] { return run_render(*render, launch); });
+    const bool everywhere = outcome.code != ExitCode::run_failed;
+    return {std::move(outcome), everywhere};
+  }
+  const auto work = [&] {
+    return std::visit(
+        Overloaded{[](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
+                   [](const CompareOptions& o) { return run_compare(o); },
+                   [](const SynthOptions& o) { return run_synth(o); },
+                   [](const ReferenceOptions& o) { return run_reference(o); },
+                   [](const StudyOptions& o) { return run_study(o); },
+                   [](const auto&) { return ExitCode::bad_input; }},
+        line.command);
+  };
+  return {launch.run_on_rank_0(work), true};
+}
+
+int finish(const Ending& ending, Launch& launch) {
+  const auto& [outcome, on_all_ranks] = ending;
+  if (!outcome.error.empty() && (launch.rank() == 0 || !on_all_ranks)) {
+    const bool name_rank = !on_all_ranks && launch.ranks() > 1 && launch.rank() == 0;
+    log_error("{}{}", name_rank ? "rank 0: " : "", outcome.error);
+  }
+  if (!on_all_ranks && launch.ranks() > 1) launch.abort(outcome.code);
+  return static_cast<int>(outcome.code);
+}
+
+TransportChoice transport_of(const CommandLine& line) {
+  const auto* render = std::get_if<RenderOptions>(&line.command);
+  return render != nullptr ? render->run.transport : TransportChoice::automatic;
+}
+
+}  // namespace
+
+int run_program(int argc, char** argv) {
+  const CommandLine line = parse_command_line(argc, argv);
+  std::optional<Launch> launch;
+  const Outcome started = guarded([&] {
+    launch.emplace(argc, argv, transport_of(line));
+    return ExitCode::done;
+  });
+  if (!launch) {
+    log_error("{}", started.error);
+    return static_cast<int>(started.code);
+  }
+  set_log_rank(launch->rank(), line.verbose);
+  return finish(dispatch(line, *launch), *launch);
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,68 @@
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "app/commands.hpp"
+#include "app/frame_output.hpp"
+#include "app/measured_error.hpp"
+#include "app/output_file.hpp"
+#include "app/transfer_function_option.hpp"
+#include "app/views.hpp"
+#include "ringsplat/app/image_io.hpp"
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/volume/synth.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
+  auto j = nlohmann::json::parse(to_json_text(spec));
+  j["volume"] = std::filesystem::path(o.picture.volume.path).filename().string();
+  j["truth"] = to_string(o.truth);
+  if (o.truth != TruthKind::method) j["tolerance"] = o.tolerance;
+  if (o.truth == TruthKind::analytic) j["formula"] = o.formula;
+  return j.dump();
+}
+
+void check_options(const ReferenceOptions& o) {
+  if (o.truth == TruthKind::analytic) {
+    if (o.formula.empty())
+      throw InputError("--truth analytic needs --formula NAME", "ringsplat synth --list says what there is");
+    static_cast<void>(synth_field(o.formula));
+  } else if (!o.formula.empty()) {
+    throw InputError(fmt::format("--formula has no effect with --truth {}", to_string(o.truth)),
+                     "use --truth analytic");
+  }
+  check_image_name(o.picture.output, "-o", true);
+  check_can_write(o.picture.output, "-o");
+}
+
+}  // namespace
+
+ExitCode run_reference(const ReferenceOptions& o) {
+  check_options(o);
+  const auto cameras = views_of(o.picture);
+  const TransferFunctionChoice choice(o.picture.transfer_function);
+  const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
+  WholeVolume volume = read_whole(*source);
+  FrameSpec spec = o.picture.frame;
+  spec.transfer_function = choice.make(volume.histogram);
+  check(spec);
+  if (!o.picture.transfer_function_out.empty())
+    write_text(o.picture.transfer_function_out, to_paraview_json(spec.transfer_function));
+  truth::Scene scene = make_scene(std::move(volume));
+  const auto files = output_files(o.picture, cameras.size());
+  const auto pixels = truth::all_pixels(spec.width, spec.height);
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    spec.camera = cameras[k];
+    set_frame(scene, spec);
+    const double start = now_seconds();
+    const Image image =
+        truth::to_image(spec.width, spec.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
+    write_image(image, files[k], std::nullopt, settings_text(spec, o));
+    fmt::print("{}  {:.2f} s  {} truth\n", files[k].string(), now_seconds() - start, to_string(o.truth));
+  }
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,178 @@
+#include "ringsplat/node/render.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include "app/commands.hpp"
+#include "app/frame_output.hpp"
+#include "app/output_file.hpp"
+#include "app/transfer_function_option.hpp"
+#include "app/views.hpp"
+#include "app/watched_source.hpp"
+#include "ringsplat/app/image_io.hpp"
+#include "ringsplat/base/log.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+/// What only rank 0 knows: it alone reads the small files and writes the results.
+struct Plan {
+  std::optional<TransferFunctionChoice> transfer_function;
+  std::vector<Camera> cameras;
+  std::vector<std::filesystem::path> files;
+};
+
+Plan make_plan(const RenderOptions& o) {
+  Plan plan;
+  plan.transfer_function.emplace(o.transfer_function);
+  plan.cameras = views_of(o);
+  plan.files = output_files(o, plan.cameras.size());
+  check_image_name(o.output, "-o", !o.background);
+  check_can_write(o.output, "-o");
+  if (!o.stats.empty()) check_can_write(o.stats, "--stats");
+  if (!o.transfer_function_out.empty()) check_can_write(o.transfer_function_out, "--tf-out");
+  if (o.stats == o.output || o.transfer_function_out == o.output ||
+      (!o.stats.empty() && o.stats == o.transfer_function_out))
+    throw InputError("two of -o, --stats and --tf-out name the same file", "give each a file of its own");
+  return plan;
+}
+
+/// All that can be wrong with a frame shows here, before a voxel is read.
+void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
+  FrameSpec spec = o.frame;
+  // The transfer function proper may need the histogram of a volume that is not loaded yet.
+  spec.transfer_function = {
+      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
+  check(spec);
+  for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
+    spec.camera = plan.cameras[k];
+    try {
+      static_cast<void>(make_geometry(spec, grid));
+    } catch (const InputError& e) {
+      if (plan.cameras.size() == 1) throw;
+      throw InputError(fmt::format("frame {}: {}", k, e.what()));
+    }
+  }
+}
+
+std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, const Grid& grid,
+                                  Launch& launch) {
+  if (o.keep_all_axes) return {true, true, true};
+  std::array<bool, 3> axes{};
+  if (launch.rank() == 0) axes = needed_axes(plan.cameras, grid, o.frame.width, o.frame.height);
+  Block block(sizeof(axes));
+  std::memcpy(block.data(), axes.data(), sizeof(axes));
+  block = launch.collectives().broadcast(std::move(block), 0);
+  std::memcpy(axes.data(), block.data(), sizeof(axes));
+  return axes;
+}
+
+SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
+  SliceMemory memory{load.kept_axes, {}};
+  for (int gp = 0; gp < gps; ++gp)
+    memory.predicted.push_back(SliceStore::bytes_needed(grid, gp, gps, load.kept_axes, load.with_normals));
+  return memory;
+}
+
+/// Throws InputError when this process's slices or its frame buffer cannot fit into the machine's memory at
+/// all.
+void check_memory(const RenderOptions& o, std::size_t frames_in_all, const SliceMemory& slices,
+                  const Layout& layout, const Launch& launch) {
+  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  double held = 0;
+  for (int gp = 0; gp < layout.gps; ++gp)
+    if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
+      held += double(slices.predicted[std::size_t(gp)]);
+  const auto in_flight = std::size_t(o.run.protocol.frames_in_flight);
+  const std::size_t kept = o.error.truth ? std::max(in_flight, frames_in_all) : in_flight;
+  const double frames =
+      launch.rank() == 0 ? 4.0 * sizeof(float) * o.frame.width * o.frame.height * double(kept) : 0;
+  if (held + frames <= machine) return;
+  throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
+                               "but the machine has {:.1f} GiB",
+                               held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
+                   held > frames ? "use more ranks on more machines, --axes needed or --shading none"
+                                 : "use a smaller --size");
+}
+
+LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
+  return {axes, o.frame.shading == Shading::phong};
+}
+
+Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
+           Progress& progress) {
+  progress.begin("loading", volume.grid.dims.z);
+  if (volume.source) volume.source = std::make_unique<WatchedSource>(std::move(volume.source), progress);
+  Scene scene = load_scene(volume, options, layout, wiring);
+  progress.end();
+  volume.source.reset();
+  if (scene.range.empty())
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                     "check the file's --type and --endian");
+  return scene;
+}
+
+/// Rank 0's transfer function for the loaded volume, written out when asked.
+TransferFunction make_transfer_function(const RenderOptions& o, const Plan& plan, const Scene& scene) {
+  TransferFunction tf = plan.transfer_function->make(scene.histogram);
+  check(tf, o.transfer_function);
+  if (!o.transfer_function_out.empty()) write_text(o.transfer_function_out, to_paraview_json(tf));
+  return tf;
+}
+
+Director make_director(const FrameSpec& frame, const Plan& plan, FrameOutput& output) {
+  return {[frame, &plan, next = std::size_t{0}]() mutable -> std::optional<FrameSpec> {
+            if (next == plan.cameras.size()) return std::nullopt;
+            FrameSpec spec = frame;
+            spec.camera = plan.cameras[next++];
+            return spec;
+          },
+          [&output](FrameResult&& result) { output.take(std::move(result)); }};
+}
+
+/// Renders all frames. Every input was checked before on all ranks alike, so what is wrong here ends the job.
+void render_all(Scene scene, const Layout& layout, const RenderOptions& o, Director director,
+                const Wiring& wiring) {
+  try {
+    render_frames(std::move(scene), layout, o.run.protocol, std::move(director), wiring);
+  } catch (const InputError& e) {
+    throw RunError(e.what());
+  }
+}
+
+}  // namespace
+
+ExitCode run_render(const RenderOptions& o, Launch& launch) {
+  const Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
+  check(o.run.protocol);
+  Plan plan;
+  launch.check_on_rank_0([&] { plan = make_plan(o); });
+  OpenedVolume volume =
+      open_everywhere(launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); });
+  launch.check_on_rank_0([&] { check_frames(o, plan, volume.grid); });
+  const LoadOptions options = load_options(o, agree_on_axes(o, plan, volume.grid, launch));
+  const SliceMemory memory = predict_memory(volume.grid, options, layout.gps);
+  launch.check_on_all_ranks([&] { check_memory(o, plan.cameras.size(), memory, layout, launch); });
+
+  Progress progress(launch.rank() != 0);
+  const Wiring wiring = launch.wiring(o.run.loopback);
+  Scene scene = load(volume, options, layout, wiring, progress);
+  FrameSpec frame = o.frame;
+  launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, plan, scene); });
+
+  const ValueRange range = scene.range;
+  FrameOutput output(o, layout, range, memory, plan.files, progress);
+  progress.begin("rendering", double(plan.cameras.size()));
+  render_all(std::move(scene), layout, o,
+             launch.rank() == 0 ? make_director(frame, plan, output) : Director{}, wiring);
+  progress.end();
+  if (launch.rank() == 0) output.finish();
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,210 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "app/commands.hpp"
+#include "app/measured_error.hpp"
+#include "app/option_values.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
+#include "app/study_list.hpp"
+#include "app/transfer_function_option.hpp"
+#include "ringsplat/node/render.hpp"
+#include "ringsplat/volume/synth.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One setting's frames of one view: the picture of the last, the median over all.
+struct Timed {
+  Image image;
+  FrameStats stats;
+  std::vector<double> seconds;
+};
+
+std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
+  if (s.synth.empty()) return open_volume(s.volume.path, s.volume.raw);
+  Grid grid;
+  grid.dims = s.dims;
+  grid.type = s.type;
+  return synth_source(s.synth, grid);
+}
+
+FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, const TransferFunction& tf) {
+  FrameSpec spec;
+  spec.width = list.width;
+  spec.height = list.height;
+  spec.transfer_function = tf;
+  spec.kernel_radius = setting.radius;
+  spec.opacity_correction = setting.opacity_correction;
+  spec.shading = setting.shading;
+  spec.region_size = setting.region_size;
+  return spec;
+}
+
+/// Renders every view as often as the list says, one frame at a time, in this process.
+std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s, const FrameSpec& spec) {
+  SoloCollectives solo;
+  const Wiring wiring{solo};
+  const Layout layout{1, 1};
+  OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
+  Scene scene = load_scene(
+      volume, {needed_axes(list.views, volume.grid, list.width, list.height), spec.shading == Shading::phong},
+      layout, wiring);
+  std::vector<Timed> timed(list.views.size());
+  std::size_t next = 0, done = 0;
+  const std::size_t frames = list.views.size() * std::size_t(list.repetitions);
+  Director director{[&]() -> std::optional<FrameSpec> {
+                      if (next == frames) return std::nullopt;
+                      FrameSpec frame = spec;
+                      frame.camera = list.views[next++ % list.views.size()];
+                      return frame;
+                    },
+                    [&](FrameResult&& result) {
+                      Timed& t = timed[done++ % list.views.size()];
+                      t.seconds.push_back(result.stats.seconds);
+                      t.stats = std::move(result.stats);
+                      t.image = std::move(result.image);
+                    }};
+  ProtocolOptions protocol;
+  protocol.frames_in_flight = 1;  // a frame's time is its own
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  return timed;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
+                              const Camera& camera, const Timed& timed, TruthKind truth,
+                              const truth::SampledError& error) {
+  const NodeStats sum = timed.stats.total();
+  return {{"scene", s.name},
+          {"setting", setting.name},
+          {"radius", setting.radius},
+          {"opacity_correction", setting.opacity_correction},
+          {"phong", setting.shading == Shading::phong},
+          {"azimuth", camera.azimuth},
+          {"elevation", camera.elevation},
+          {"roll", camera.roll},
+          {"zoom", camera.zoom},
+          {"axis", std::string(1, name(timed.stats.axis))},
+          {"seconds", median(timed.seconds)},
+          {"frames", timed.seconds.size()},
+          {"splats", sum.splats_sent},
+          {"bytes", sum.payload_bytes_sent},
+          {"truth", to_string(truth)},
+          {"pixels", error.pixels},
+          {"rmse", error.rmse},
+          {"rmse_low", error.rmse_low},
+          {"rmse_high", error.rmse_high},
+          {"largest", error.largest},
+          {"mean", error.mean}};
+}
+
+std::string to_csv(const nlohmann::ordered_json& rows) {
+  std::vector<std::string> lines, names;
+  for (const auto& [key, value] : rows.at(0).items()) names.push_back(key);
+  lines.push_back(joined(names, ","));
+  for (const auto& row : rows) {
+    std::vector<std::string> cells;
+    for (const auto& value : row)
+      cells.push_back(value.is_string() ? value.get<std::string>() : value.dump());
+    lines.push_back(joined(cells, ","));
+  }
+  return joined(lines, "\n") + "\n";
+}
+
+/// One scene under all settings. The field's and the formula's truth do not depend on the kernel, so they are
+/// evaluated once a view and shading; the method's is evaluated for each setting.
+class SceneStudy {
+ public:
+  SceneStudy(const StudyList& list, const StudyList::Scene& s)
+      : list_(list),
+        scene_list_(s),
+        pixels_(truth::random_pixels(list.width, list.height, list.error_pixels, list.seed)) {
+    WholeVolume volume = read_whole(*open_scene(s));
+    transfer_function_ = TransferFunctionChoice(s.transfer_function).make(volume.histogram);
+    scene_ = make_scene(std::move(volume));
+  }
+
+  void run(const StudyList::Setting& setting, nlohmann::ordered_json& rows) {
+    const FrameSpec spec = frame_of(list_, setting, transfer_function_);
+    const auto timed = render_views(list_, scene_list_, spec);
+    for (std::size_t v = 0; v < list_.views.size(); ++v)
+      for (const TruthKind kind : list_.truths) {
+        const auto error = truth::sampled_error(timed[v].image, pixels_, colours(kind, spec, v));
+        rows.push_back(row_of(scene_list_, setting, list_.views[v], timed[v], kind, error));
+      }
+  }
+
+ private:
+  std::vector<truth::Rgba> colours(TruthKind kind, FrameSpec spec, std::size_t view) {
+    spec.camera = list_.views[view];
+    set_frame(scene_, spec);
+    const auto evaluate_now = [&] {
+      return evaluate(scene_, {.truth = kind, .formula = scene_list_.synth}, pixels_);
+    };
+    if (kind == TruthKind::method) return evaluate_now();
+    const auto key = std::tuple(kind, spec.shading, view);
+    const auto known = known_.find(key);
+    return known != known_.end() ? known->second : known_.emplace(key, evaluate_now()).first->second;
+  }
+
+  const StudyList& list_;
+  const StudyList::Scene& scene_list_;
+  std::vector<truth::Pixel> pixels_;
+  TransferFunction transfer_function_;
+  truth::Scene scene_;
+  std::map<std::tuple<TruthKind, Shading, std::size_t>, std::vector<truth::Rgba>> known_;
+};
+
+std::string list_text(const StudyOptions& o) {
+  if (o.list.empty()) return default_study_list;
+  std::ifstream in(o.list, std::ios::binary);
+  if (!in)
+    throw InputError(fmt::format("there is no list {}", o.list),
+                     "ringsplat study --list shows one that works");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+ExitCode run_study(const StudyOptions& o) {
+  if (o.show_list) {
+    fmt::print("{}", default_study_list);
+    return ExitCode::done;
+  }
+  const StudyList list = parse_study_list(list_text(o), o.list.empty() ? "the default list" : o.list);
+  if (fs::path(o.output).extension() != ".csv")
+    throw InputError(fmt::format("-o '{}' does not name a .csv file", o.output), "for instance -o study.csv");
+  check_can_write(o.output, "-o");
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Progress progress;
+  progress.begin("measuring", double(list.scenes.size() * list.settings.size()));
+  std::size_t done = 0;
+  for (const auto& s : list.scenes) {
+    SceneStudy study(list, s);
+    for (const auto& setting : list.settings) {
+      study.run(setting, rows);
+      progress.at(double(++done));
+    }
+  }
+  progress.end();
+  write_text(o.output, to_csv(rows));
+  write_text(fs::path(o.output).replace_extension(".json"), rows.dump(1) + "\n");
+  progress.print(fmt::format("{}  {} measurements", o.output, rows.size()));
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,63 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/commands.hpp"
+#include "app/output_file.hpp"
+#include "app/progress.hpp"
+#include "app/watched_source.hpp"
+#include "ringsplat/volume/synth.hpp"
+#include "ringsplat/volume/write.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string list_of_volumes() {
+  std::string text;
+  for (const auto& synth : synth_names()) text += fmt::format("{:<20}{}\n", synth.name, synth.description);
+  return text;
+}
+
+void check_room(const fs::path& file, const Grid& grid) {
+  std::error_code error;
+  const auto space = fs::space(file.has_parent_path() ? file.parent_path() : ".", error);
+  if (!error && grid.bytes() > space.available)
+    throw InputError(
+        fmt::format("{} x {} x {} {} needs {} MB, but the disk has {} MB left", grid.dims.x, grid.dims.y,
+                    grid.dims.z, to_string(grid.type), grid.bytes() >> 20, space.available >> 20),
+        "use smaller --dims");
+}
+
+}  // namespace
+
+ExitCode run_synth(const SynthOptions& o) {
+  if (o.list) {
+    fmt::print("{}", list_of_volumes());
+    return ExitCode::done;
+  }
+  if (o.name.empty())
+    throw InputError("the NAME of the volume to make is missing",
+                     "ringsplat synth --list says what there is");
+  if (o.output.empty())
+    throw InputError("-o FILE is missing",
+                     fmt::format("for instance ringsplat synth {} -o {}.nrrd", o.name, o.name));
+  Grid grid;
+  grid.dims = o.dims;
+  grid.type = o.type;
+  grid.spacing = o.spacing;
+  auto source = synth_source(o.name, grid);
+  check_can_write(o.output, "-o");
+  check_room(o.output, grid);
+  Progress progress;
+  progress.begin("writing " + o.output, grid.dims.z);
+  WatchedSource watched(std::move(source), progress);
+  const auto written = write_volume(watched, o.output, !o.no_compression);
+  progress.end();
+  progress.print(fmt::format("{}  {} x {} x {} {}", written.string(), grid.dims.x, grid.dims.y, grid.dims.z,
+                             to_string(grid.type)));
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app

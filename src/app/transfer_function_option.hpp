@@ -1,0 +1,25 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "ringsplat/classify/transfer_function.hpp"
+
+namespace ringsplat::app {
+
+/// What --tf names: a preset, which is made to fit a volume's histogram, or a file.
+class TransferFunctionChoice {
+ public:
+  /// Reads a file at once; throws InputError when `text` is neither a preset nor a readable transfer
+  /// function.
+  explicit TransferFunctionChoice(const std::string& text);
+  TransferFunction make(const Histogram& histogram) const;
+
+ private:
+  std::string preset_;
+  std::optional<TransferFunction> from_file_;
+};
+
+/// Why a frame without a splat shows nothing, and what to do about it.
+std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,93 @@
+#pragma once
+#include <unistd.h>
+
+#include <sys/wait.h>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <vector>
+
+/// Runs the real program and keeps what it said.
+namespace ringsplat::app_test {
+
+namespace fs = std::filesystem;
+
+/// A folder of its own that is gone with the object.
+class TemporaryFolder {
+ public:
+  TemporaryFolder() {
+    std::string name = (fs::temp_directory_path() / "ringsplat-test-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
+    path_ = name;
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const fs::path& path() const { return path_; }
+  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
+
+ private:
+  fs::path path_;
+};
+
+inline std::string read_text(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+inline void write_text(const fs::path& file, const std::string& text) {
+  std::ofstream(file, std::ios::binary) << text;
+}
+
+struct Ended {
+  int code = -1;  ///< 124 when it had to be killed
+  std::string out, err;
+  double seconds = 0;
+};
+
+inline std::string quoted(const std::string& word) {
+  std::string safe("'");
+  for (const char c : word) c == '\'' ? safe.append("'\\''") : safe.append(1, c);
+  return safe.append("'");
+}
+
+/// ranks 0: without a launcher.
+inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0) {
+  const TemporaryFolder said;
+  std::string command = "timeout -k 2 60 ";
+  if (ranks > 0) command += quoted(RINGSPLAT_MPIEXEC) + " -n " + std::to_string(ranks) + " ";
+  command += quoted(RINGSPLAT_PROGRAM);
+  for (const auto& argument : arguments) command.append(" ").append(quoted(argument));
+  command += " >" + quoted(said / "out") + " 2>" + quoted(said / "err") + " </dev/null";
+  const auto start = std::chrono::steady_clock::now();
+  const int status = std::system(command.c_str());
+  Ended ended;
+  ended.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  ended.out = read_text(said / "out");
+  ended.err = read_text(said / "err");
+  return ended;
+}
+
+inline std::vector<std::string> lines_with(const std::string& text, const std::string& part) {
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    if (line.find(part) != std::string::npos) lines.push_back(line);
+    at = end + 1;
+  }
+  return lines;
+}
+
+inline std::size_t files_in(const fs::path& folder) {
+  return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator{}));
+}
+
+}  // namespace ringsplat::app_test

@@ -1,0 +1,270 @@
+// Whatever people get wrong ends with one clear line, a hint and exit code 2, soon, and leaves nothing
+// behind.
+#include <algorithm>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "app/program_runner.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat::app_test;
+
+namespace {
+
+struct Case {
+  std::vector<std::string> arguments;
+  std::string fragment;   ///< of the error line
+  bool with_mpi = false;  ///< under mpirun -n 3 too
+};
+
+/// Files that are wrong, and a good volume.
+class Inputs {
+ public:
+  Inputs() {
+    const std::string header = "NRRD0004\ntype: uint8\ndimension: 3\nencoding: raw\n";
+    write_text(folder_ / "good_4x4x4_uint8.raw", [] {
+      std::string voxels;
+      for (int i = 0; i < 64; ++i) voxels += static_cast<char>(4 * i);
+      return voxels;
+    }());
+    write_text(folder_ / "good.nrrd",
+               header + "sizes: 4 4 4\n\n" + read_text(folder_ / "good_4x4x4_uint8.raw"));
+    write_text(folder_ / "truncated.nrrd", header + "sizes: 64 64 64\n\n" + std::string(1000, 'x'));
+    write_text(folder_ / "huge_claim.nrrd", header + "sizes: 2048 1024 1024\n\n" + std::string(1024, 'x'));
+    write_text(folder_ / "zero_dimension.nrrd", header + "sizes: 4 0 4\n\n");
+    write_text(folder_ / "wrong_size_8x8x8_uint8.raw", std::string(100, 'x'));
+    write_text(folder_ / "no_dimensions.raw", std::string(64, 'x'));
+    write_text(folder_ / "nan_4x4x4_float32.raw", [] {
+      std::string bytes(64 * sizeof(float), '\0');
+      const float nan = std::numeric_limits<float>::quiet_NaN();
+      for (std::size_t i = 0; i < 64; ++i) std::memcpy(bytes.data() + i * sizeof(float), &nan, sizeof(float));
+      return bytes;
+    }());
+    write_text(folder_ / "letter.txt", "Dear reader,\n");
+    fs::create_directory(folder_ / "empty_folder");
+    const auto sparse = folder_ / "sparse_100000x10000x1000_uint8.raw";
+    write_text(sparse, "");
+    fs::resize_file(sparse, std::uintmax_t{1'000'000'000'000});
+
+    write_text(folder_ / "one_point.json",
+               R"([{"RGBPoints": [0, 1, 1, 1], "Points": [0, 1, 0.5, 0], "Name": "one"}])");
+    write_text(folder_ / "not_json.json", "RGBPoints: 0 1 1 1\n");
+    write_text(folder_ / "bad_path.csv", "0 0\n10 up\n");
+    write_text(folder_ / "empty_path.csv", "# nothing\n\n");
+    write_text(folder_ / "zero_zoom_path.csv", "0 0 0 1\n10 0 0 0\n");
+    write_text(folder_ / "unknown_key.toml", "gpss = 4\n");
+    write_text(folder_ / "contradiction.toml", "orbit = 3\n");
+  }
+  std::string operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+const std::vector<Case>& cases() {
+  // A first word that begins with "+" stands for "render IN/good.nrrd -o OUT/x.png" and the rest of the
+  // options.
+  static const std::vector<Case> all{
+      // The command line itself.
+      {{}, "subcommand"},
+      {{"rendr", "{in}/good.nrrd"}, "did you mean render?"},
+      {{"render", "-o", "{out}/x.png"}, "VOLUME", true},
+      {{"render", "{in}/good.nrrd"}, "--output"},
+      {{"+", "--sizee", "512"}, "did you mean --size?", true},
+      {{"+", "extra"}, "'extra' is not expected"},
+      {{"+", "--size", "0x0"}, "image size 0x0", true},
+      {{"+", "--size", "512x"}, "'512x' is no image size"},
+      {{"+", "--size", "-5"}, "image size -5x-5"},
+      {{"+", "--size", "1000000x1000000"}, "GiB"},
+      {{"+", "--region", "0"}, "region size 0", true},
+      {{"+", "--region", "1.5"}, "--region"},
+      {{"+", "--zoom", "0"}, "zoom", true},
+      {{"+", "--zoom", "nan"}, "zoom"},
+      {{"+", "--zoom", "1e30"}, "kernel"},
+      {{"+", "--azimuth", "inf"}, "azimuth"},
+      {{"+", "--azimuth", "north"}, "--azimuth"},
+      {{"+", "--radius", "0"}, "radius 0"},
+      {{"+", "--light", "0", "0", "0"}, "--light"},
+      {{"+", "--light", "0", "1"}, "--light"},
+      {{"+", "--ambient", "-1"}, "Phong"},
+      {{"+", "--matrix", "0", "0", "0", "0", "0", "0", "0", "0", "0", "0", "0", "0"}, "matrix"},
+      {{"+", "--matrix", "1", "0", "0"}, "--matrix"},
+      {{"+", "--shading", "gouraud"}, "phong|none"},
+      {{"+", "--axes", "x"}, "needed|all"},
+      {{"+", "--topology", "star"}, "--topology"},
+      {{"+", "--background", "nocolour"}, "no colour"},
+      {{"+", "--orbit", "0"}, "--orbit"},
+      {{"+", "--orbit", "-3"}, "--orbit"},
+      {{"+", "--gps", "0"}, "--gps is 0", true},
+      {{"+", "--renderers", "-1"}, "--renderers is -1"},
+      {{"+", "--gps", "2.5"}, "--gps"},
+      {{"+", "--gps", "100000"}, "too many for one process"},
+      {{"+", "--slots", "0"}, "slots"},
+      {{"+", "--frames-in-flight", "0"}, "frames"},
+      {{"+", "--look-ahead", "0"}, "look"},
+      {{"+", "--stall-timeout", "0"}, "stall"},
+      {{"+", "--seed", "-1"}, "--seed"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--offset",
+        "-1"},
+       "--offset"},
+      // Contradictions.
+      {{"+", "--orbit", "3", "--path", "{in}/bad_path.csv"}, "--orbit and --path", true},
+      {{"+", "--orbit", "3", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},
+       "--matrix and --orbit"},
+      {{"+", "--azimuth", "3", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},
+       "--matrix and --azimuth"},
+      {{"+", "--shading", "none", "--light", "0", "0", "1"}, "no effect"},
+      {{"+", "--stats", "{out}/x.png"}, "same file"},
+      {{"+", "--config", "{in}/contradiction.toml", "--path", "{in}/bad_path.csv"}, "--orbit and --path"},
+      {{"+", "--dims", "4x4x4"}, "only --spacing"},
+      // Volumes.
+      {{"render", "{in}/missing.nrrd", "-o", "{out}/x.png"}, "missing.nrrd", true},
+      {{"render", "{in}/truncated.nrrd", "-o", "{out}/x.png"}, "truncated.nrrd", true},
+      {{"render", "{in}/huge_claim.nrrd", "-o", "{out}/x.png"}, "huge_claim.nrrd", true},
+      {{"render", "{in}/zero_dimension.nrrd", "-o", "{out}/x.png"}, "zero_dimension.nrrd"},
+      {{"render", "{in}/wrong_size_8x8x8_uint8.raw", "-o", "{out}/x.png"}, "512"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png"}, "no_dimensions.raw"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "0x4x4", "--type", "uint8"},
+       "--dims"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4x4x4", "--type", "uint9"},
+       "uint9"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--endian",
+        "middle"},
+       "--endian"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8",
+        "--spacing", "0"},
+       "--spacing"},
+      {{"render", "{in}/no_dimensions.raw", "-o", "{out}/x.png", "--dims", "4", "--type", "uint8", "--offset",
+        "60"},
+       "--offset"},
+      {{"render", "{in}/nan_4x4x4_float32.raw", "-o", "{out}/x.png"}, "no finite value", true},
+      {{"render", "{in}/letter.txt", "-o", "{out}/x.png"}, "letter.txt"},
+      {{"render", "{in}/empty_folder", "-o", "{out}/x.png"}, "empty_folder"},
+      {{"render", "{in}/sparse_100000x10000x1000_uint8.raw", "-o", "{out}/x.png"}, "GiB", true},
+      // Transfer functions, paths, configurations.
+      {{"+", "--tf", "nonsense"}, "neither a preset nor a file", true},
+      {{"+", "--tf", "mr-sof"}, "did you mean mr-soft?"},
+      {{"+", "--tf", "{in}/missing.json"}, "missing.json"},
+      {{"+", "--tf", "{in}/one_point.json"}, "one_point.json", true},
+      {{"+", "--tf", "{in}/not_json.json"}, "not_json.json"},
+      {{"+", "--tf", "{in}/empty_folder"}, "empty_folder"},
+      {{"+", "--path", "{in}/missing.csv"}, "missing.csv"},
+      {{"+", "--path", "{in}/empty_folder"}, "empty_folder"},
+      {{"+", "--path", "{in}/bad_path.csv"}, "bad_path.csv:2"},
+      {{"+", "--path", "{in}/empty_path.csv"}, "no view"},
+      {{"+", "--path", "{in}/zero_zoom_path.csv"}, "frame 1"},
+      {{"+", "--config", "{in}/missing.toml"}, "missing.toml"},
+      {{"+", "--config", "{in}/unknown_key.toml"}, "gpss", true},
+      // Outputs.
+      {{"render", "{in}/good.nrrd", "-o", "{out}/missing/x.png"}, "no folder", true},
+      {{"render", "{in}/good.nrrd", "-o", "{out}/x.xyz"}, "x.xyz"},
+      {{"render", "{in}/good.nrrd", "-o", "{out}"}, "picture format"},
+      {{"render", "{in}/good.nrrd", "-o", "/proc/x.png"}, "cannot be written"},
+      {{"render", "{in}/good.nrrd", "-o", "{out}/x.jpg"}, "transparency"},
+      {{"+", "--stats", "{out}/missing/stats.json"}, "--stats"},
+      {{"+", "--tf-out", "/proc/tf.json"}, "--tf-out"},
+      // The other subcommands.
+      {{"info"}, "VOLUME"},
+      {{"info", "{in}/good.nrrd", "--gps", "0"}, "--gps"},
+      {{"info", "{in}/truncated.nrrd"}, "truncated.nrrd", true},
+      {{"compare", "{in}/good.nrrd"}, "b is required"},
+      {{"compare", "{in}/missing.png", "{in}/missing.png"}, "missing.png", true},
+      {{"compare", "{in}/letter.txt", "{in}/letter.txt"}, "letter.txt"},
+      {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--fail-above", "-1"}, "--fail-above"},
+      {{"synth", "nonsense", "-o", "{out}/x.nrrd"}, "nonsense"},
+      {{"synth", "ball"}, "-o FILE"},
+      {{"synth", "-o", "{out}/x.nrrd"}, "NAME"},
+      {{"synth", "ball", "-o", "{out}/x.xyz"}, "x.xyz"},
+      {{"synth", "ball", "-o", "{out}/missing/x.nrrd"}, "no folder"},
+      {{"synth", "ball", "-o", "{out}/x.nrrd", "--dims", "100000"}, "disk"},
+  };
+  return all;
+}
+
+std::string replaced(std::string text, const std::string& what, const std::string& by) {
+  for (auto at = text.find(what); at != std::string::npos; at = text.find(what, at + by.size()))
+    text.replace(at, what.size(), by);
+  return text;
+}
+
+/// Within two seconds; the launcher's own time, which the program cannot help and which grows with what else
+/// the machine does, is not counted.
+bool ended_soon(const Ended& ended, int ranks) {
+  return ended.seconds < 2 || (ranks > 0 && ended.seconds < 2 + run_program({"--version"}, ranks).seconds);
+}
+
+void check_case(const Case& c, const Inputs& inputs, int ranks) {
+  const TemporaryFolder out;
+  std::vector<std::string> arguments;
+  std::string command;
+  for (const auto& argument : c.arguments) {
+    const auto add = [&](const std::string& a) {
+      arguments.push_back(replaced(replaced(a, "{in}", fs::path(inputs / ".").parent_path().string()),
+                                   "{out}", out.path().string()));
+      command += " " + a;
+    };
+    if (argument == "+")
+      for (const char* a : {"render", "{in}/good.nrrd", "-o", "{out}/x.png"}) add(a);
+    else
+      add(argument);
+  }
+  INFO("ringsplat" << command << " on " << ranks << " ranks");
+  // The best of a few: the promise is about the program, not about a machine that is busy with something
+  // else.
+  Ended ended;
+  bool soon = false;
+  for (int attempt = 0; attempt < 4 && !soon; ++attempt) {
+    ended = run_program(arguments, ranks);
+    soon = ended_soon(ended, ranks);
+  }
+  INFO("stderr: " << ended.err);
+  CHECK(ended.code == 2);
+  CHECK(ended.out.empty());
+  const auto errors = lines_with(ended.err, "error:");
+  CHECK(errors.size() == 1);
+  if (errors.size() != 1) return;
+  CHECK(errors.front().find("ringsplat: error: ") == 0);
+  CHECK_THAT(errors.front(), Catch::Matchers::Contains(c.fragment));
+  CHECK_THAT(errors.front(), Catch::Matchers::Contains("; hint: "));
+  if (ranks == 0) CHECK(std::count(ended.err.begin(), ended.err.end(), '\n') == 1);
+  CHECK(files_in(out.path()) == 0);
+  CHECK(soon);
+}
+
+}  // namespace
+
+TEST_CASE("bad input is refused in one line in one process") {
+  const Inputs inputs;
+  REQUIRE(cases().size() >= 30);
+  for (const auto& c : cases()) check_case(c, inputs, 0);
+}
+
+TEST_CASE("bad input is refused in one line on all ranks") {
+  const Inputs inputs;
+  for (const auto& c : cases())
+    if (c.with_mpi) check_case(c, inputs, 3);
+}
+
+TEST_CASE("options that do not fit the launcher's ranks are refused") {
+  const Inputs inputs;
+  const std::vector<Case> wrong{
+      {{"+", "--gps", "4", "--renderers", "2"}, "need 6, but the job has 3"},
+      {{"+", "--gps", "3"}, "need 4, but the job has 3"},
+      {{"+", "--gps", "2", "--renderers", "2", "--roles", "colocated"}, "need 2, but the job has 3"},
+      {{"+", "--transport", "loopback"}, "the launcher started 3"},
+      {{"+", "--shuffle"}, "loopback"},
+  };
+  for (const auto& c : wrong) check_case(c, inputs, 3);
+}
+
+TEST_CASE("a good volume is not refused") {
+  // What the cases above share must work, or they would fail for the wrong reason.
+  const Inputs inputs;
+  const TemporaryFolder out;
+  const Ended ended = run_program({"render", inputs / "good.nrrd", "-o", out / "x.png", "--size", "32"});
+  INFO(ended.err);
+  CHECK(ended.code == 0);
+  CHECK(files_in(out.path()) == 1);
+}

@@ -1,0 +1,232 @@
+// The program as people use it, on one process and on ranks.
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "ringsplat/app/image_io.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+using nlohmann::json;
+
+namespace {
+
+/// A small volume, and a run that must succeed.
+class Workshop {
+ public:
+  Workshop() { must({"synth", "shell", "-o", volume(), "--dims", "24x20x16", "--spacing", "1x1.5x1"}); }
+  std::string volume() const { return folder_ / "shell.nrrd"; }
+  std::string operator/(const std::string& name) const { return folder_ / name; }
+  const fs::path& path() const { return folder_.path(); }
+  Ended must(const std::vector<std::string>& arguments, int ranks = 0) const {
+    Ended ended = run_program(arguments, ranks);
+    INFO("exit code " << ended.code << ", stderr: " << ended.err);
+    REQUIRE(ended.code == 0);
+    return ended;
+  }
+  Ended render(const std::string& name, std::vector<std::string> more = {}, int ranks = 0) const {
+    more.insert(more.begin(),
+                {"render", volume(), "-o", folder_ / name, "--size", "96x64", "--region", "32"});
+    return must(more, ranks);
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+double opaque_part(const Image& image) {
+  double sum = 0;
+  for (std::size_t at = 3; at < image.rgba.size(); at += 4) sum += image.rgba[at];
+  return sum / double(image.rgba.size() / 4);
+}
+
+}  // namespace
+
+TEST_CASE("help and version go to stdout") {
+  const Workshop w;
+  CHECK_THAT(w.must({"--version"}).out, Catch::Matchers::Contains("ringsplat "));
+  const std::string help = w.must({"render", "--help"}).out;
+  for (const char* part : {"--gps", "--tf", "--orbit", "512x512", "Examples:", "ringsplat render"})
+    CHECK_THAT(help, Catch::Matchers::Contains(part));
+  CHECK_THAT(w.must({"--help"}).out, Catch::Matchers::Contains("Exit codes"));
+  CHECK(lines_with(w.must({"--help"}, 3).out, "Exit codes").size() == 1);
+  CHECK_THAT(w.must({"info", "--presets"}).out, Catch::Matchers::Contains("mr-soft"));
+  CHECK_THAT(w.must({"synth", "--list"}).out, Catch::Matchers::Contains("shell"));
+}
+
+TEST_CASE("render writes a picture with something in it and says so") {
+  const Workshop w;
+  const Ended ended = w.render("x.exr");
+  CHECK(ended.err.empty());
+  CHECK_THAT(ended.out, Catch::Matchers::Contains("x.exr") && Catch::Matchers::Contains("visible voxels") &&
+                            Catch::Matchers::Contains("splats"));
+  const StoredImage picture = read_image(w / "x.exr");
+  CHECK(picture.image.width == 96);
+  CHECK(picture.image.height == 64);
+  CHECK(opaque_part(picture.image) > 0.05);
+  CHECK(opaque_part(picture.image) < 0.9);
+  const json settings = json::parse(picture.settings);
+  CHECK(settings.at("size") == json{96, 64});
+  CHECK(settings.at("volume") == "shell.nrrd");
+}
+
+TEST_CASE("ranks, placement, transport and message order do not change a bit") {
+  const Workshop w;
+  w.render("one.exr", {"--azimuth", "30"});
+  const std::string one = read_text(w / "one.exr");
+  const auto same = [&](const std::vector<std::string>& more, int ranks) {
+    std::vector<std::string> arguments{"--azimuth", "30"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    w.render("other.exr", arguments, ranks);
+    const bool same_bytes = read_text(w / "other.exr") == one;
+    CHECK(same_bytes);
+  };
+  same({"--gps", "5", "--renderers", "3", "--shuffle", "--seed", "7", "--max-delay", "4"}, 0);
+  same({"--roles", "colocated", "--gps", "2", "--renderers", "2", "--axes", "all"}, 0);
+  same({"--transport", "mpi"}, 0);
+  same({}, 1);
+  same({}, 2);
+  same({"--gps", "2"}, 3);
+  same({"--roles", "colocated"}, 3);
+}
+
+TEST_CASE("an orbit makes numbered frames and a summary") {
+  const Workshop w;
+  const Ended ended = w.render("turn.png", {"--orbit", "3", "--stats", w / "turn.json"}, 3);
+  for (const char* name : {"turn-0000.png", "turn-0001.png", "turn-0002.png"}) CHECK(fs::exists(w / name));
+  CHECK_FALSE(fs::exists(w / "turn.png"));
+  CHECK_THAT(ended.out, Catch::Matchers::Contains("3 frames, median"));
+  const json stats = json::parse(read_text(w / "turn.json"));
+  REQUIRE(stats.size() == 3);
+  for (std::size_t k = 0; k < 3; ++k) {
+    const json& s = stats[k];
+    CHECK(s.at("settings").at("camera").at("azimuth").get<double>() == Approx(120.0 * double(k)));
+    const json& t = s.at("total");
+    CHECK(t.at("splats_sent").get<std::uint64_t>() > 0);
+    CHECK(t.at("splats_sent").get<std::uint64_t>() ==
+          t.at("splats_drawn").get<std::uint64_t>() + t.at("splats_clipped").get<std::uint64_t>());
+    std::uint64_t predicted = 0;
+    for (const auto& bytes : s.at("memory").at("predicted_slice_bytes"))
+      predicted += bytes.get<std::uint64_t>();
+    CHECK(predicted == t.at("slice_memory").get<std::uint64_t>());
+  }
+}
+
+TEST_CASE("only the slice sets that the views traverse are kept") {
+  const Workshop w;
+  const auto kept = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--stats", w / "s.jsonl"});
+    w.render("x.png", more);
+    return json::parse(read_text(w / "s.jsonl").substr(0, read_text(w / "s.jsonl").find('\n')))
+        .at("memory")
+        .at("kept_axes")
+        .get<std::string>();
+  };
+  CHECK(kept({"--elevation", "90"}) == "z");
+  CHECK(kept({"--azimuth", "90"}) == "x");
+  CHECK(kept({"--axes", "all"}) == "xyz");
+  CHECK(kept({"--orbit", "4"}) == "xy");
+}
+
+TEST_CASE("a path renders its lines") {
+  const Workshop w;
+  write_text(w / "path.csv", "0 0\n90 0\n");
+  w.render("walk.exr", {"--path", w / "path.csv"});
+  w.render("side.exr", {"--azimuth", "90"});
+  CHECK(read_image(w / "walk-0001.exr").image == read_image(w / "side.exr").image);
+}
+
+TEST_CASE("the transfer function used can be written and read back") {
+  const Workshop w;
+  w.render("a.exr", {"--tf-out", w / "tf.json"});
+  w.render("b.exr", {"--tf", w / "tf.json"});
+  CHECK(read_image(w / "a.exr").image == read_image(w / "b.exr").image);
+}
+
+TEST_CASE("a configuration file gives options and the command line overrides them") {
+  const Workshop w;
+  write_text(w / "run.toml",
+             "gps = 2\nrenderers = 2\nzoom = 2.0\nlight = [0.0, 0.0, 1.0]\nno-opacity-correction = true\n");
+  w.render("config.exr", {"--config", w / "run.toml", "--zoom", "1.5", "--stats", w / "s.json"});
+  const json stats = json::parse(read_text(w / "s.json"))[0];
+  CHECK(stats.at("layout").at("gps") == 2);
+  CHECK(stats.at("settings").at("camera").at("zoom") == 1.5);
+  CHECK(stats.at("settings").at("light") == json{0.0, 0.0, 1.0});
+  CHECK(stats.at("settings").at("opacity_correction") == false);
+}
+
+TEST_CASE("an empty picture says why") {
+  const Workshop w;
+  write_text(
+      w / "high.json",
+      R"([{"Name": "high", "RGBPoints": [300, 1, 1, 1, 400, 1, 1, 1], "Points": [300, 0, 0.5, 0, 400, 1, 0.5, 0]}])");
+  const Ended ended = w.render("x.png", {"--tf", w / "high.json"});
+  REQUIRE(lines_with(ended.err, "warning").size() == 1);
+  CHECK_THAT(ended.err,
+             Catch::Matchers::Contains("from 300 to 400") && Catch::Matchers::Contains("0 to 255"));
+}
+
+TEST_CASE("compare tells equal pictures from different ones") {
+  const Workshop w;
+  w.render("a.png");
+  w.render("b.png", {"--azimuth", "5"});
+  const Ended equal = run_program({"compare", w / "a.png", w / "a.png", "--fail-above", "0"});
+  CHECK(equal.code == 0);
+  const Ended differ = run_program(
+      {"compare", w / "a.png", w / "b.png", "--fail-above", "0.5", "--json", "--diff", w / "d.png"});
+  CHECK(differ.code == 1);
+  const json j = json::parse(differ.out);
+  CHECK(j.at("failed") == true);
+  CHECK(j.at("rmse").get<double>() > 0.5);
+  CHECK(j.at("channels").size() == 4);
+  CHECK(read_image(w / "d.png").image.width == 96);
+  CHECK(run_program({"compare", w / "a.png", w / "b.png", "--fail-above", "200"}).code == 0);
+  // The same picture in two encodings differs by the 8 bits only.
+  w.render("a.exr");
+  CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "1.5"}).code == 0);
+  CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "200"}, 2).code == 0);
+  w.must({"render", w.volume(), "-o", w / "small.png", "--size", "32"});
+  CHECK(run_program({"compare", w / "a.png", w / "small.png"}).code == 2);
+}
+
+TEST_CASE("info knows the volume") {
+  const Workshop w;
+  const json j = json::parse(w.must({"info", w.volume(), "--json", "--gps", "3"}).out);
+  CHECK(j.at("dims") == json{24, 20, 16});
+  CHECK(j.at("type") == "uint8");
+  CHECK(j.at("spacing") == json{1.0, 1.5, 1.0});
+  CHECK(j.at("not_finite") == 0);
+  std::uint64_t counted = 0;
+  for (const auto& count : j.at("histogram").at("counts")) counted += count.get<std::uint64_t>();
+  CHECK(counted == 24 * 20 * 16);
+  // 8 of 24, 7 of 20, 6 of 16 slices, 1 byte of value and 2 of normal a voxel.
+  const json& memory = j.at("slice_memory_of_a_gp").at(0);
+  CHECK(memory.at("all_axes_unlit") == 8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20);
+  CHECK(memory.at("all_axes_lit") == 3 * (8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20));
+  const std::string text = w.must({"info", w.volume()}).out;
+  for (const char* part : {"24 x 20 x 16", "histogram", "--gps", "range"})
+    CHECK_THAT(text, Catch::Matchers::Contains(part));
+}
+
+TEST_CASE("no run leaves a file that was not asked for") {
+  const Workshop w;
+  w.render("x.png", {"--stats", w / "s.json", "--tf-out", w / "t.json"}, 2);
+  CHECK(files_in(w.path()) == 4);
+}
+
+TEST_CASE("a frame that cannot be written ends the run on all ranks") {
+  const Workshop w;
+  fs::create_directories(w / "turn-0001.png/in_the_way");
+  for (const int ranks : {0, 3}) {
+    const Ended ended =
+        run_program({"render", w.volume(), "-o", w / "turn.png", "--orbit", "4", "--size", "32"}, ranks);
+    INFO(ended.err);
+    CHECK(ended.code == 3);
+    REQUIRE(lines_with(ended.err, "error:").size() == 1);
+    CHECK_THAT(lines_with(ended.err, "error:").front(), Catch::Matchers::Contains("turn-0001.png"));
+    CHECK(ended.seconds < 30);
+    fs::remove(w / "turn-0000.png");
+    // The volume and what is in the way.
+    CHECK(files_in(w.path()) == 2);
+  }
+}
