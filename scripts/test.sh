@@ -1,0 +1,10 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds everything and runs all tests:  scripts/test.sh [CTEST OPTION...]
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+"$repo/scripts/setup.sh"
+build_ringsplat all
+# Tests that start ranks say how many cores they take, so that CTest runs no more of them at once than fit.
+cd "$repo"
+ctest --preset release --parallel "$(cores)" --no-tests=error "$@"

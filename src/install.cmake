@@ -1,0 +1,28 @@
+# Included when all rooms are known. ringsplat::ringsplat is the whole library: every room but the command
+# line, with what the rooms use.
+include(CMakePackageConfigHelpers)
+get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
+list(REMOVE_ITEM rooms ringsplat_app)
+add_library(ringsplat_library INTERFACE)
+add_library(ringsplat::ringsplat ALIAS ringsplat_library)
+set_target_properties(ringsplat_library PROPERTIES EXPORT_NAME ringsplat)
+target_link_libraries(ringsplat_library INTERFACE ${rooms})
+
+set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ringsplat)
+set_target_properties(ringsplat_flags PROPERTIES EXPORT_NAME flags)
+set_target_properties(ringsplat_itk PROPERTIES EXPORT_NAME itk)
+install(TARGETS ringsplat_cli)
+install(TARGETS ringsplat_library ringsplat_flags ringsplat_itk ${rooms} EXPORT ringsplat-targets)
+install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} 
+  FILES_MATCHING PATTERN "*.hpp" PATTERN app EXCLUDE)
+
+# The package asks ITK for the modules that dependencies.cmake asked for.
+list(JOIN ITK_MODULES_REQUESTED " " RINGSPLAT_ITK_COMPONENTS)
+configure_package_config_file(src/ringsplat-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake
+  INSTALL_DESTINATION ${package_folder})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config-version.cmake
+  DESTINATION ${package_folder})
+install(FILES ${PROJECT_SOURCE_DIR}/LICENSE ${PROJECT_SOURCE_DIR}/README.md ${PROJECT_SOURCE_DIR}/CHANGELOG.md
+  DESTINATION ${CMAKE_INSTALL_DOCDIR})
