@@ -145,6 +145,22 @@ void render_all(Scene scene, const Layout& layout, const RenderOptions& o, Direc
   }
 }
 
+/// For --verbose: what this rank is there for.
+void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch) {
+  std::string axes;
+  for (const Axis axis : all_axes)
+    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
+  for (int rank = 0; rank < layout.ranks(); ++rank) {
+    if (launch.over_mpi() && rank != launch.rank()) continue;
+    for (const NodeId node : layout.nodes_on(rank))
+      if (node.role == Role::gp)
+        log_debug("{} keeps slices of axes {}: {:.1f} MiB", to_string(node), axes,
+                  double(memory.predicted[std::size_t(node.index)]) / (1 << 20));
+      else
+        log_debug("{} is here", to_string(node));
+  }
+}
+
 }  // namespace
 
 ExitCode run_render(const RenderOptions& o, Launch& launch) {
@@ -158,6 +174,8 @@ ExitCode run_render(const RenderOptions& o, Launch& launch) {
   const LoadOptions options = load_options(o, agree_on_axes(o, plan, volume.grid, launch));
   const SliceMemory memory = predict_memory(volume.grid, options, layout.gps);
   launch.check_on_all_ranks([&] { check_memory(o, plan.cameras.size(), memory, layout, launch); });
+
+  log_roles(layout, memory, launch);
 
   Progress progress(launch.rank() != 0);
   const Wiring wiring = launch.wiring(o.run.loopback);

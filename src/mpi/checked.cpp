@@ -14,7 +14,8 @@ void checked(int code, const char* call) {
   int length = 0, rank = -1;
   MPI_Error_string(code, words, &length);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  throw RunError(fmt::format("{} failed on rank {}: {}", call, rank, std::string(words, std::size_t(length))));
+  throw RunError(
+      fmt::format("{} failed on rank {}: {}", call, rank, std::string(words, std::size_t(length))));
 }
 
 OwnedComm::OwnedComm(MPI_Comm original) {

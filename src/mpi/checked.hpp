@@ -6,8 +6,8 @@ namespace ringsplat {
 /// Throws RunError with the call's name, MPI's own words and the rank unless `code` is MPI_SUCCESS.
 void checked(int code, const char* call);
 
-/// A duplicate of a communicator that returns errors instead of ending the job; freed with its owner, unless MPI is
-/// already finalised.
+/// A duplicate of a communicator that returns errors instead of ending the job; freed with its owner, unless
+/// MPI is already finalised.
 class OwnedComm {
  public:
   explicit OwnedComm(MPI_Comm original);

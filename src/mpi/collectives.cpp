@@ -20,25 +20,33 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     std::vector<std::uint64_t> out_sizes(peers), in_sizes(peers);
     for (std::size_t p = 0; p < peers; ++p) out_sizes[p] = out[p].size();
-    checked(MPI_Alltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get()), "MPI_Alltoall");
+    checked(MPI_Alltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get()),
+            "MPI_Alltoall");
 
     // Point to point rather than MPI_Alltoallv: its counts and displacements are `int`.
     std::vector<Block> in(peers);
     std::vector<MPI_Request> requests;
     for (std::size_t p = 0; p < peers; ++p) {
       in[p].resize(in_sizes[p]);
-      if (p == static_cast<std::size_t>(process())) in[p] = std::move(out[p]);
-      else in_parts(in[p], [&](std::byte* part, int count) {
-          checked(MPI_Irecv(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(), &requests.emplace_back()), "MPI_Irecv");
+      if (p == static_cast<std::size_t>(process()))
+        in[p] = std::move(out[p]);
+      else
+        in_parts(in[p], [&](std::byte* part, int count) {
+          checked(MPI_Irecv(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
+                            &requests.emplace_back()),
+                  "MPI_Irecv");
         });
     }
     for (std::size_t p = 0; p < peers; ++p) {
       if (p == static_cast<std::size_t>(process())) continue;
       in_parts(out[p], [&](std::byte* part, int count) {
-        checked(MPI_Isend(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(), &requests.emplace_back()), "MPI_Isend");
+        checked(MPI_Isend(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
+                          &requests.emplace_back()),
+                "MPI_Isend");
       });
     }
-    checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), "MPI_Waitall (volume exchange)");
+    checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+            "MPI_Waitall (volume exchange)");
     return in;
   }
 
@@ -46,10 +54,12 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     const std::uint64_t my_size = mine.size();
     std::vector<std::uint64_t> sizes(peers);
-    checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()), "MPI_Allgather");
+    checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()),
+            "MPI_Allgather");
     std::vector<Block> all(peers);
     for (std::size_t p = 0; p < peers; ++p)
-      if (sizes[p] > 0) all[p] = broadcast(p == static_cast<std::size_t>(process()) ? mine : Block{}, static_cast<int>(p));
+      if (sizes[p] > 0)
+        all[p] = broadcast(p == static_cast<std::size_t>(process()) ? mine : Block{}, static_cast<int>(p));
     return all;
   }
 
@@ -57,7 +67,9 @@ class MpiCollectives final : public Collectives {
     std::uint64_t size = block.size();
     checked(MPI_Bcast(&size, 1, MPI_UINT64_T, root, comm_.get()), "MPI_Bcast");
     block.resize(size);
-    in_parts(block, [&](std::byte* part, int count) { checked(MPI_Bcast(part, count, MPI_BYTE, root, comm_.get()), "MPI_Bcast"); });
+    in_parts(block, [&](std::byte* part, int count) {
+      checked(MPI_Bcast(part, count, MPI_BYTE, root, comm_.get()), "MPI_Bcast");
+    });
     return block;
   }
 

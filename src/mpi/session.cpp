@@ -35,7 +35,8 @@ void MpiSession::abort(int exit_code) {
 
 bool MpiSession::launched() {
   // What Open MPI, MPICH's hydra, PMIx and Slurm tell the processes they start.
-  constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK", "MPI_LOCALNRANKS"};
+  constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK",
+                                 "MPI_LOCALNRANKS"};
   for (const char* variable : variables)
     if (std::getenv(variable) != nullptr) return true;
   return false;

@@ -1,4 +1,6 @@
 #include <sched.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <ctime>
@@ -21,7 +23,19 @@ constexpr int message_tag = 1, part_tag = 2;
 /// containers hide from it, and a blocking receive on shared cores costs hundreds of microseconds a hop.
 class MpiTransport final : public Transport {
  public:
-  MpiTransport(MPI_Comm comm, std::size_t largest_part) : comm_(comm), largest_part_(largest_part) {}
+  MpiTransport(MPI_Comm comm, std::size_t largest_part) : comm_(comm), largest_part_(largest_part) {
+    // How many ranks share this machine is asked of MPI, not of the launcher: what a launcher knows of
+    // oversubscription is lost in containers and under srun.
+    MPI_Comm here = MPI_COMM_NULL;
+    int ranks_here = 1;
+    checked(MPI_Comm_split_type(comm_.get(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here),
+            "MPI_Comm_split_type");
+    MPI_Comm_size(here, &ranks_here);
+    MPI_Comm_free(&here);
+    if (ranks_here <= sysconf(_SC_NPROCESSORS_ONLN)) yields_ = yields_with_own_core;
+    // Without this a sleep of 20 microseconds takes 70.
+    prctl(PR_SET_TIMERSLACK, 1000UL);
+  }
 
   ~MpiTransport() override {
     // Requests still open after a failure: cancelling is all that can be done before the job ends.
@@ -47,7 +61,8 @@ class MpiTransport final : public Transport {
     int arrived = 0;
     MPI_Message matched = MPI_MESSAGE_NULL;
     MPI_Status status;
-    checked(MPI_Improbe(MPI_ANY_SOURCE, message_tag, comm_.get(), &arrived, &matched, &status), "MPI_Improbe");
+    checked(MPI_Improbe(MPI_ANY_SOURCE, message_tag, comm_.get(), &arrived, &matched, &status),
+            "MPI_Improbe");
     if (arrived == 0) return std::nullopt;
     int count = 0;
     checked(MPI_Get_count(&status, MPI_BYTE, &count), "MPI_Get_count");
@@ -60,7 +75,9 @@ class MpiTransport final : public Transport {
   bool sends_done() override {
     for (auto it = sending_.begin(); it != sending_.end();) {
       int done = 0;
-      checked(MPI_Testall(static_cast<int>(it->requests.size()), it->requests.data(), &done, MPI_STATUSES_IGNORE), "MPI_Testall");
+      checked(
+          MPI_Testall(static_cast<int>(it->requests.size()), it->requests.data(), &done, MPI_STATUSES_IGNORE),
+          "MPI_Testall");
       it = done != 0 ? sending_.erase(it) : std::next(it);
     }
     return sending_.empty();
@@ -73,16 +90,16 @@ class MpiTransport final : public Transport {
 
   void wait_next() override {
     sends_done();
-    constexpr int spins = 32, yields = 64;
+    constexpr int spins = 32;
     ++waits_;
     if (waits_ <= spins) return;
-    if (waits_ <= spins + yields) {
+    if (waits_ <= spins + yields_) {
       sched_yield();
       return;
     }
     // Someone else needs this core more than a rank that has waited this long.
     constexpr long shortest = 20'000, longest = 200'000;  // nanoseconds
-    const timespec pause{0, std::min(longest, shortest * (1 + (waits_ - spins - yields) / 16))};
+    const timespec pause{0, std::min(longest, shortest * (1 + (waits_ - spins - yields_) / 16))};
     nanosleep(&pause, nullptr);
   }
 
@@ -94,7 +111,9 @@ class MpiTransport final : public Transport {
 
   void start(Sending& sending, std::span<const std::byte> part, int destination, int tag) {
     MPI_Request request = MPI_REQUEST_NULL;
-    checked(MPI_Isend(part.data(), static_cast<int>(part.size()), MPI_BYTE, destination, tag, comm_.get(), &request), "MPI_Isend");
+    checked(MPI_Isend(part.data(), static_cast<int>(part.size()), MPI_BYTE, destination, tag, comm_.get(),
+                      &request),
+            "MPI_Isend");
     sending.requests.push_back(request);
   }
 
@@ -104,11 +123,14 @@ class MpiTransport final : public Transport {
     std::memcpy(&header, block.data(), sizeof(Header));
     const std::size_t total = sizeof(Header) + header.bytes;
     std::size_t at = block.size();
-    if (total < at) throw RunError("a message in parts has a wrong length", "all ranks must run the same build");
+    if (total < at)
+      throw RunError("a message in parts has a wrong length", "all ranks must run the same build");
     block.resize(total);
     while (at < total) {
       const std::size_t part = std::min(largest_part_, total - at);
-      checked(MPI_Recv(block.data() + at, static_cast<int>(part), MPI_BYTE, source, part_tag, comm_.get(), MPI_STATUS_IGNORE), "MPI_Recv");
+      checked(MPI_Recv(block.data() + at, static_cast<int>(part), MPI_BYTE, source, part_tag, comm_.get(),
+                       MPI_STATUS_IGNORE),
+              "MPI_Recv");
       at += part;
     }
   }
@@ -116,6 +138,10 @@ class MpiTransport final : public Transport {
   OwnedComm comm_;
   std::size_t largest_part_;
   std::list<Sending> sending_;
+  // Yields before the first sleep: a few where ranks share cores; some ten milliseconds' worth where every
+  // rank has its own, since nobody else wants it.
+  static constexpr long yields_on_shared_cores = 64, yields_with_own_core = 20'000;
+  long yields_ = yields_on_shared_cores;
   long waits_ = 0;
 };
 

@@ -214,6 +214,14 @@ TEST_CASE("no run leaves a file that was not asked for") {
   CHECK(files_in(w.path()) == 4);
 }
 
+TEST_CASE("a verbose run says what every rank is there for") {
+  const Workshop w;
+  const Ended ended = w.render("x.png", {"--gps", "2", "--verbose"}, 3);
+  for (const char* part :
+       {"[rank 0]: debug: GP 0 keeps", "[rank 1]: debug: GP 1 keeps", "[rank 2]: debug: Renderer 0 is here"})
+    CHECK_THAT(ended.err, Catch::Matchers::Contains(part));
+}
+
 TEST_CASE("a frame that cannot be written ends the run on all ranks") {
   const Workshop w;
   fs::create_directories(w / "turn-0001.png/in_the_way");

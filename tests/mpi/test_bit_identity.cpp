@@ -58,7 +58,8 @@ TEST_CASE("the image has the same bits on any number of ranks as in one process"
           const Layout layout{gps, renderers, placement};
           if (layout.ranks() > ranks) continue;
           const Image image = render_on_ranks(layout, spec, *source);
-          INFO(fmt::format("azimuth {}, {} GPs, {} Renderers, {} ranks", azimuth, gps, renderers, layout.ranks()));
+          INFO(fmt::format("azimuth {}, {} GPs, {} Renderers, {} ranks", azimuth, gps, renderers,
+                           layout.ranks()));
           REQUIRE((rank != 0 || image == alone));
           ++compared;
         }

@@ -63,7 +63,8 @@ TEST_CASE("collectives carry blocks of different sizes, in parts too") {
   const auto collectives = make_mpi_collectives(MPI_COMM_WORLD, part);
   const int me = collectives->process(), ranks = collectives->processes();
   std::vector<Block> out;
-  for (int p = 0; p < ranks; ++p) out.emplace_back(std::size_t(10 * me + p), static_cast<std::byte>(16 * me + p));
+  for (int p = 0; p < ranks; ++p)
+    out.emplace_back(std::size_t(10 * me + p), static_cast<std::byte>(16 * me + p));
   const auto in = collectives->all_to_all(out);
   const auto all = collectives->all_gather(Block(std::size_t(me), static_cast<std::byte>(me)));
   for (int p = 0; p < ranks; ++p) {
@@ -81,6 +82,7 @@ TEST_CASE("an error on one rank is thrown on all and names that rank") {
     FAIL("no error was thrown");
   } catch (const InputError& e) {
     CHECK(std::string(e.what()).find("no such file") != std::string::npos);
-    CHECK(std::string(e.what()).find(culprit == 0 ? "file" : "rank " + std::to_string(culprit)) != std::string::npos);
+    CHECK(std::string(e.what()).find(culprit == 0 ? "file" : "rank " + std::to_string(culprit)) !=
+          std::string::npos);
   }
 }

@@ -7,8 +7,8 @@
 
 namespace ringsplat {
 
-/// MPI from start to end, without showing mpi.h to its users. The constructor initialises MPI (one thread calls it), the destructor
-/// finalises it.
+/// MPI from start to end, without showing mpi.h to its users. The constructor initialises MPI (one thread
+/// calls it), the destructor finalises it.
 class MpiSession {
  public:
   MpiSession(int& argc, char**& argv);

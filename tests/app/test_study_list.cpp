@@ -1,0 +1,55 @@
+#include "app/study_list.hpp"
+#include "ringsplat/base/error.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app;
+
+namespace {
+
+const std::string least = "views = [\"20 10\"]\n[scene.a]\nsynth = \"ball\"\n[setting.b]\nradius = 2.0\n";
+
+}  // namespace
+
+TEST_CASE("the default study list can be run") {
+  const StudyList list = parse_study_list(default_study_list, "the default list");
+  CHECK(list.scenes.size() == 3);
+  CHECK(list.settings.size() == 6);
+  CHECK(list.views.size() == 4);
+  CHECK(list.settings.front().name == "radius-1.2");
+  CHECK(list.settings.front().radius == 1.2);
+  CHECK_FALSE(list.settings.back().opacity_correction);
+  CHECK(list.scenes.front().dims == glm::ivec3(64));
+  CHECK(list.views[3].elevation == 35.0);
+  CHECK((list.width == 256 && list.height == 256 && list.repetitions == 5));
+}
+
+TEST_CASE("a sweep adds views a step apart, both ends included") {
+  const StudyList list = parse_study_list("sweep = \"0:90:1\"\n" + least, "a list");
+  REQUIRE(list.views.size() == 92);
+  CHECK(list.views[90].azimuth == 90.0);
+}
+
+TEST_CASE("a list that says something else is refused by section and key") {
+  const std::pair<std::string, std::string> wrong[] = {
+      {"speed = 3\n" + least, "speed"},
+      {"repetitions = 0\n" + least, "repetitions"},
+      {"repetitions = \"many\"\n" + least, "many"},
+      {"truths = [\"gut\"]\n" + least, "gut"},
+      {"views = [\"20\"]\n" + least, "azimuth and elevation"},
+      {"sweep = \"0:90:0\"\n" + least, "FROM:TO:STEP"},
+      {least + "colour = 1\n", "setting.b.colour"},
+      {"[scene.a]\nsynth = \"ball\"\n[setting.b]\nradius = 2.0\n", "at least one"},
+      {"views = [\"0 0\"]\n[scene.a]\ntf = \"grey\"\n[setting.b]\nradius = 2.0\n", "either synth or volume"},
+      {"views = [\"0 0\"]\n[scene.a]\nsynth = \"cow\"\n[setting.b]\nradius = 2.0\n", "cow"},
+  };
+  for (const auto& [text, named] : wrong) {
+    INFO(text);
+    try {
+      static_cast<void>(parse_study_list(text, "my.toml"));
+      FAIL("was not refused");
+    } catch (const InputError& e) {
+      CHECK(std::string(e.what()).find(named) != std::string::npos);
+    }
+  }
+}

@@ -1,0 +1,132 @@
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "ringsplat/app/image_io.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+using nlohmann::json;
+
+namespace {
+
+/// A folder with a small volume, and the options of one view of it.
+class Workshop {
+ public:
+  Workshop() { must({"synth", "gaussians", "--dims", "24x24x24", "-o", volume()}); }
+  std::string volume() const { return folder_ / "gaussians.nrrd"; }
+  std::string operator/(const std::string& name) const { return folder_ / name; }
+  Ended must(const std::vector<std::string>& arguments, int ranks = 0) const {
+    Ended ended = run_program(arguments, ranks);
+    INFO("exit code " << ended.code << ", stderr: " << ended.err);
+    REQUIRE(ended.code == 0);
+    return ended;
+  }
+  std::vector<std::string> view(const std::string& command, const std::string& output) const {
+    return {command, volume(),    "-o",   folder_ / output, "--size", "64x48",       "--tf",
+            "grey",  "--shading", "none", "--azimuth",      "20",     "--elevation", "10"};
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+  return words;
+}
+
+double rmse_of(const Workshop& w, const std::string& a, const std::string& b) {
+  return json::parse(w.must({"compare", w / a, w / b, "--json"}).out).at("rmse").get<double>();
+}
+
+}  // namespace
+
+TEST_CASE("reference: the picture lies nearest to the method's truth, then the field's") {
+  const Workshop w;
+  w.must(w.view("render", "picture.exr"));
+  w.must(with(w.view("reference", "method.exr"), {"--truth", "method"}));
+  w.must(w.view("reference", "field.exr"));
+  w.must(with(w.view("reference", "formula.exr"), {"--truth", "analytic", "--formula", "gaussians"}));
+  CHECK(rmse_of(w, "picture.exr", "method.exr") < 1e-3);
+  CHECK(rmse_of(w, "picture.exr", "field.exr") > 0.1);
+  CHECK(rmse_of(w, "picture.exr", "field.exr") < 5);
+  CHECK(rmse_of(w, "field.exr", "formula.exr") < 2.5);
+  const json settings = json::parse(read_image(w / "field.exr").settings);
+  CHECK(settings.at("truth") == "field");
+  CHECK(settings.at("tolerance") == 1e-6);
+}
+
+TEST_CASE("render --error says the same as compare with the whole truth, in one process and on ranks") {
+  const Workshop w;
+  const std::vector<std::string> measuring{"--error", "field",   "--error-pixels",
+                                           "10000",   "--stats", w / "stats.json"};
+  w.must(with(w.view("reference", "field.exr"), {}));
+  for (const int ranks : {0, 3}) {
+    const Ended ended = w.must(with(w.view("render", "picture.exr"), measuring), ranks);
+    CHECK_THAT(ended.out, Catch::Matchers::Contains("error against the field's truth"));
+    const json in_stats = json::parse(read_text(w / "stats.json")).at(0).at("error");
+    const json in_picture = json::parse(read_image(w / "picture.exr").settings).at("error");
+    const double rmse = rmse_of(w, "picture.exr", "field.exr");
+    CHECK(in_stats.at("pixels") == 64 * 48);  // no more than there are
+    CHECK(in_stats.at("rmse").get<double>() == Approx(rmse).epsilon(1e-4));
+    CHECK(in_picture.at("rmse") == in_stats.at("rmse"));
+    CHECK(in_stats.contains("seconds"));
+    CHECK_FALSE(in_picture.contains("seconds"));
+  }
+  const Ended few = w.must(with(w.view("render", "picture.exr"),
+                                {"--error", "field", "--error-pixels", "500", "--stats", w / "stats.json"}));
+  const json sampled = json::parse(read_text(w / "stats.json")).at(0).at("error");
+  CHECK(sampled.at("rmse_low") < sampled.at("rmse"));
+  CHECK(sampled.at("rmse_high") > sampled.at("rmse"));
+}
+
+TEST_CASE("an orbit's frames are each measured") {
+  const Workshop w;
+  const Ended ended = w.must(
+      with(w.view("render", "picture.exr"), {"--orbit", "3", "--error", "method", "--error-pixels", "200"}));
+  CHECK(lines_with(ended.out, "error against the method's truth").size() == 3);
+  CHECK(fs::exists(w / "picture-0002.exr"));
+}
+
+TEST_CASE("study writes a line for each measurement, and the same as JSON") {
+  const Workshop w;
+  write_text(w / "list.toml",
+             "repetitions = 2\nsize = \"48x48\"\nerror_pixels = 200\nviews = [\"0 0\", \"30 20\"]\n"
+             "[scene.one]\nsynth = \"gaussians\"\ndims = \"16x16x16\"\ntf = \"grey\"\n[setting.a]\nradius = "
+             "1.6\n[setting.b]\nradius = 2.0\n");
+  w.must({"study", w / "list.toml", "-o", w / "results.csv"});
+  const std::string csv = read_text(w / "results.csv");
+  CHECK(lines_with(csv, "one,").size() == 8);  // two settings, two views, two truths
+  const json rows = json::parse(read_text(w / "results.json"));
+  REQUIRE(rows.size() == 8);
+  for (const auto& row : rows) {
+    CHECK(row.at("frames") == 2);
+    CHECK(row.at("seconds").get<double>() > 0);
+    CHECK(row.at("splats").get<int>() > 0);
+    if (row.at("truth") == "method")
+      CHECK(row.at("rmse").get<double>() < 1e-3);
+    else
+      CHECK(row.at("rmse").get<double>() > 0.05);
+  }
+}
+
+TEST_CASE("truths that cannot be are refused with the way out") {
+  const Workshop w;
+  const std::pair<std::vector<std::string>, std::string> wrong[] = {
+      {with(w.view("reference", "x.exr"), {"--truth", "analytic"}), "--formula"},
+      {with(w.view("reference", "x.exr"), {"--truth", "analytic", "--formula", "cow"}), "cow"},
+      {with(w.view("reference", "x.exr"), {"--formula", "ball"}), "no effect"},
+      {with(w.view("reference", "x.exr"), {"--truth", "gut"}), "gut"},
+      {with(w.view("render", "x.exr"), {"--error", "analytic"}), "formula"},
+      {{"study", w / "missing.toml", "-o", w / "x.csv"}, "missing.toml"},
+      {{"study", "-o", w / "x.png"}, ".csv"},
+  };
+  for (const auto& [arguments, named] : wrong) {
+    const Ended ended = run_program(arguments);
+    INFO(ended.err);
+    CHECK(ended.code == 2);
+    CHECK_THAT(ended.err, Catch::Matchers::Contains(named) && Catch::Matchers::Contains("hint:"));
+  }
+  CHECK_FALSE(fs::exists(w / "x.exr"));
+}
