@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <span>
 
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
 void agree(Collectives& collectives, const std::string& my_error) {
-  Block mine(my_error.size());
-  std::memcpy(mine.data(), my_error.data(), my_error.size());
+  const auto text_bytes = std::as_bytes(std::span(my_error));
+  const Block mine(text_bytes.begin(), text_bytes.end());
   const auto all = collectives.all_gather(mine);
   const auto failed = [](const Block& b) { return !b.empty(); };
   const auto first = std::find_if(all.begin(), all.end(), failed);
