@@ -4,30 +4,13 @@
 # The repository's head (128x128x124, about 32 % visible), an orbit of 24 views; figures are medians over the
 # frames of all repetitions, repetitions of different layouts taking turns. Prints Markdown tables.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
 repetitions=${1:-5}
-build_ringsplat ringsplat_cli
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-head=$repo/tests/data/head.nrrd
 orbit=(--orbit 24 --elevation 25 --tf mr-soft --axes all)
-
-# render RANKS NAME OPTION...: appends one run's frames to NAME.jsonl.
-render() {
-  local ranks=$1 name=$2
-  shift 2
-  (run_ranks "$ranks" "$build/ringsplat" render "$@" -o "$work/picture.exr" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
-    { cat "$work/log" >&2; die "a run of $name failed"; }
-  cat "$work/one.jsonl" >>"$work/$name.jsonl"
-}
 
 # A volume of one pixel's width and nothing visible: a frame is one token going through 4096 slices.
 "$build/ringsplat" synth constant -o "$work/line.nrrd" --dims 2x2x4096 >/dev/null
-cat >"$work/nothing.json" <<'JSON'
-[{"Name": "nothing", "ColorSpace": "RGB", "NanColor": [1, 0, 0],
-  "RGBPoints": [0, 0, 0, 0, 255, 1, 1, 1], "Points": [0, 0, 0.5, 0, 255, 0, 0.5, 0]}]
-JSON
 
 for ((k = 0; k < repetitions; ++k)); do
   for size in 256 512 1024; do

@@ -4,31 +4,13 @@
 # Ring against mesh and manhattan against direct routing on 8 to 24 ranks, what a hop costs, and how often messages meet on a link
 # when tokens move in step and when they drift. Prints Markdown tables.
 set -euo pipefail
-source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
 repetitions=${1:-3}
-build_ringsplat ringsplat_cli
-work=$(mktemp -d)
-trap 'rm -rf "$work"' EXIT
-head=$repo/tests/data/head.nrrd
 view=(--elevation 25 --tf mr-soft --size 256x256 --region 32)
-
-# render RANKS NAME OPTION...: appends one run's frames to NAME.jsonl; 0 ranks: in one process.
-render() {
-  local ranks=$1 name=$2 launch=()
-  shift 2
-  if ((ranks > 0)); then launch=(run_ranks "$ranks"); fi
-  ("${launch[@]}" "$build/ringsplat" render "$@" -o "$work/picture.exr" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
-    { cat "$work/log" >&2; die "a run of $name failed"; }
-  cat "$work/one.jsonl" >>"$work/$name.jsonl"
-}
 
 # Nothing visible in 2048 slices: a frame is one token for each Renderer going through them.
 "$build/ringsplat" synth constant -o "$work/line.nrrd" --dims 2x2x2048 >/dev/null
-cat >"$work/nothing.json" <<'JSON'
-[{"Name": "nothing", "ColorSpace": "RGB", "NanColor": [1, 0, 0],
-  "RGBPoints": [0, 0, 0, 0, 255, 1, 1, 1], "Points": [0, 0, 0.5, 0, 255, 0, 0.5, 0]}]
-JSON
 empty=("$work/line.nrrd" --renderers 1 --size 64 --elevation 90 --orbit 4 --tf "$work/nothing.json" --frames-in-flight 1)
 
 for ((k = 0; k < repetitions; ++k)); do
