@@ -14,37 +14,33 @@ namespace ringsplat::HWY_NAMESPACE {
 
 #if HWY_TARGET == HWY_SCALAR
 
-void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats) {
+void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
   for (std::size_t i = 0; i < floats; i += 4) {
     float* pixel = slice + i;
     float* behind = image + i;
-    const float opacity = std::min(std::max(pixel[3], 0.0F), 1.0F), transmittance = behind[3];
-    for (int k = 0; k < 3; ++k) {
+    const float opacity = std::min(std::max(pixel[3], 0.0F), 1.0F), left = 1.0F - behind[3];
+    const float transmittance = left < opaque ? 0.0F : left;
+    for (int k = 0; k < 4; ++k) {
       behind[k] = behind[k] + transmittance * std::min(std::max(pixel[k], 0.0F), opacity);
     }
-    behind[3] = transmittance * (1.0F - opacity);
     std::fill_n(pixel, 4, 0.0F);
   }
 }
 
 #else
 
-void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats) {
+void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
   const Floats d;
-  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
-  HWY_ALIGN constexpr float fourth[4] = {0, 0, 0, 1};
-  const auto is_opacity = hn::Gt(hn::LoadDup128(d, fourth), zero);
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), least = hn::Set(d, opaque);
   for (std::size_t i = 0; i < floats; i += lanes) {
     const auto pixel = hn::Load(d, slice + i);
     hn::Store(zero, d, slice + i);
     const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(pixel), zero), one);
-    const auto colour = hn::Min(hn::Max(pixel, zero), opacity);
+    const auto added = hn::Min(hn::Max(pixel, zero), opacity);
     const auto behind = hn::Load(d, image + i);
-    const auto transmittance = hn::Broadcast<3>(behind);
-    // C + T c in the colour lanes, 0 + T (1 − a) in the fourth.
-    const auto factor = hn::IfThenElse(is_opacity, hn::Sub(one, opacity), colour);
-    const auto kept = hn::IfThenZeroElse(is_opacity, behind);
-    hn::Store(hn::Add(kept, hn::Mul(transmittance, factor)), d, image + i);
+    const auto left = hn::Sub(one, hn::Broadcast<3>(behind));
+    const auto transmittance = hn::IfThenZeroElse(hn::Lt(left, least), left);
+    hn::Store(hn::Add(behind, hn::Mul(transmittance, added)), d, image + i);
   }
 }
 
@@ -61,8 +57,8 @@ namespace ringsplat {
 HWY_EXPORT(CompositeRow);
 HWY_EXPORT(ThisTarget);
 
-void composite_row(float* slice, float* image, std::size_t floats) {
-  HWY_DYNAMIC_DISPATCH(CompositeRow)(slice, image, floats);
+void composite_row(float* slice, float* image, std::size_t floats, float opaque) {
+  HWY_DYNAMIC_DISPATCH(CompositeRow)(slice, image, floats, opaque);
 }
 
 const char* vector_target() { return hwy::TargetName(HWY_DYNAMIC_DISPATCH(ThisTarget)()); }

@@ -19,9 +19,11 @@ DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, c
 /// region.
 DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run);
 
-/// Puts `floats` floats of a row behind the image and clears them in the slice. `image` pixels are red,
-/// green, blue, transmittance. Both pointers are 64-byte aligned and `floats` is a multiple of 16.
-void composite_row(float* slice, float* image, std::size_t floats);
+/// Puts `floats` floats of a row behind the image and clears them in the slice: premultiplied RGBA pixels,
+/// C += (1 − A) c and A += (1 − A) a, in float32. Summing the opacity keeps the digits of slices as faint as 1e-7,
+/// which a product of transmittances loses. Pixels whose transmittance 1 − A is below `opaque` stay as they are.
+/// Both pointers are 64-byte aligned and `floats` is a multiple of 16.
+void composite_row(float* slice, float* image, std::size_t floats, float opaque);
 
 /// The instruction sets this program has and this processor supports, best first; for tests that compare
 /// them.

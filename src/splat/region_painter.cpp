@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <new>
 #include <optional>
 #include <vector>
 
+#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/splat/encode.hpp"
 #include "splat/painter_kernels.hpp"
@@ -16,6 +18,12 @@ namespace ringsplat {
 namespace {
 
 constexpr std::ptrdiff_t floats_a_pixel = 4;
+
+hwy::AlignedFreeUniquePtr<float[]> allocate(std::size_t floats) {
+  auto memory = hwy::AllocateAligned<float>(floats);
+  if (!memory) throw std::bad_alloc();
+  return memory;
+}
 
 std::ptrdiff_t round_up(std::ptrdiff_t pixels) {
   return (pixels + block_pixels - 1) / block_pixels * block_pixels;
@@ -38,21 +46,46 @@ constexpr Margins row_margins{0, 16, 0, 0};
 
 }  // namespace
 
+class SliceMemory {
+ public:
+  /// At least `floats` floats, all 0: painters leave them so.
+  float* reserve(std::size_t floats) {
+    if (floats > capacity_) {
+      floats_ = allocate(floats);
+      std::fill_n(floats_.get(), floats, 0.0F);
+      capacity_ = floats;
+    }
+    return floats_.get();
+  }
+
+ private:
+  std::size_t capacity_ = 0;
+  hwy::AlignedFreeUniquePtr<float[]> floats_;
+};
+
+std::shared_ptr<SliceMemory> make_slice_memory() { return std::make_shared<SliceMemory>(); }
+
 struct RegionPainter::State {
   int x0, y0, width, height;
   Footprint footprint;
+  float opaque_threshold = 0;
   std::optional<Stencil> stencil;  ///< empty for kernels drawn by rows
   bool prepared = false;           ///< buffers and stencil are those of this frame's footprint
   bool touched = false;            ///< the image holds something of this frame
   bool pending = false;            ///< the slice buffer holds something
 
+  std::shared_ptr<SliceMemory> memory;
   SliceBuffer slice;
-  std::size_t capacity = 0;
-  hwy::AlignedFreeUniquePtr<float[]> slice_floats,
-      image;  ///< the slice's floats are 0 wherever no splat of this slice was drawn
+  hwy::AlignedFreeUniquePtr<float[]> image;
+  std::size_t slice_floats = 0;  ///< that the slice buffer takes
+  std::ptrdiff_t origin = 0;     ///< of the region's first pixel in it
   std::vector<Run> runs, pixel_runs;
+  OpaqueTiles tiles;
+  int composites = 0;  ///< since the tiles were brought up to date
+  Bytes seen;          ///< the splats not hidden, of the run being drawn
 
-  State(int left, int top, int w, int h) : x0(left), y0(top), width(w), height(h) {}
+  State(int left, int top, int w, int h, std::shared_ptr<SliceMemory> shared)
+      : x0(left), y0(top), width(w), height(h), memory(std::move(shared)), tiles(w, h) {}
 
   std::ptrdiff_t image_row_floats() const { return round_up(width) * floats_a_pixel; }
 
@@ -62,8 +95,9 @@ struct RegionPainter::State {
     const auto margins = small ? stencil_margins(reach) : row_margins;
     const std::ptrdiff_t left = round_up(margins.left);
     const std::ptrdiff_t row = left + round_up(width + margins.right);
-    reserve(static_cast<std::size_t>(row * (margins.above + height + margins.below) * floats_a_pixel));
-    slice.origin = slice_floats.get() + (margins.above * row + left) * floats_a_pixel;
+    if (!image) image = allocate(static_cast<std::size_t>(image_row_floats()) * static_cast<std::size_t>(height));
+    slice_floats = static_cast<std::size_t>(row * (margins.above + height + margins.below) * floats_a_pixel);
+    origin = (margins.above * row + left) * floats_a_pixel;
     slice.row_floats = row * floats_a_pixel;
     slice.width = width;
     slice.height = height;
@@ -74,29 +108,8 @@ struct RegionPainter::State {
     prepared = true;
   }
 
-  void reserve(std::size_t floats) {
-    if (!image)
-      image = allocate(static_cast<std::size_t>(image_row_floats()) * static_cast<std::size_t>(height));
-    if (floats <= capacity) return;
-    slice_floats = allocate(floats);
-    std::fill_n(slice_floats.get(), floats, 0.0F);
-    capacity = floats;
-  }
-
-  static hwy::AlignedFreeUniquePtr<float[]> allocate(std::size_t floats) {
-    auto memory = hwy::AllocateAligned<float>(floats);
-    if (!memory) throw std::bad_alloc();
-    return memory;
-  }
-
   void clear_image() {
-    const auto pixels =
-        static_cast<std::size_t>(image_row_floats() / floats_a_pixel) * static_cast<std::size_t>(height);
-    for (std::size_t i = 0; i < pixels; ++i) {
-      float* pixel = image.get() + 4 * i;
-      pixel[0] = pixel[1] = pixel[2] = 0.0F;
-      pixel[3] = 1.0F;
-    }
+    std::fill_n(image.get(), image_row_floats() * height, 0.0F);
   }
 
   /// From runs of anchors to the runs of pixels their windows cover, inside the region.
@@ -117,6 +130,40 @@ struct RegionPainter::State {
     return pixel_runs;
   }
 
+  bool is_opaque(int column, int row) const {
+    constexpr int size = OpaqueTiles::tile_size;
+    const int x1 = std::min((column + 1) * size, width), y1 = std::min((row + 1) * size, height);
+    for (int y = row * size; y < y1; ++y) {
+      const float* alpha = image.get() + y * image_row_floats() + 3;
+      for (int x = column * size; x < x1; ++x) {
+        if (!(1.0F - alpha[x * floats_a_pixel] < opaque_threshold)) return false;
+      }
+    }
+    return true;
+  }
+
+  void find_opaque_tiles() {
+    for (int row = 0; row < tiles.rows(); ++row) {
+      for (int column = 0; column < tiles.columns(); ++column) {
+        if (!tiles.is_opaque(column, row) && is_opaque(column, row)) tiles.set_opaque(column, row);
+      }
+    }
+  }
+
+  /// The splats that are not wholly under opaque tiles, in `seen`.
+  std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top, std::span<const std::byte> splats) {
+    const KernelReach reach = kernel_reach(footprint);
+    seen.clear();
+    for (std::size_t at = 0; at + sizeof(Splat) <= splats.size(); at += sizeof(Splat)) {
+      const auto bytes = splats.subspan(at, sizeof(Splat));
+      Splat splat;
+      std::memcpy(&splat, bytes.data(), sizeof splat);
+      const PixelWindow window = pixel_window({left + splat.anchor_x, top + splat.anchor_y, 0, 0}, reach);
+      if (!tiles.hides(window.x0, window.y0, window.x1, window.y1)) seen.insert(seen.end(), bytes.begin(), bytes.end());
+    }
+    return seen;
+  }
+
   /// Calls use(slice floats, image floats, count) for every row's touched pixels, widened to whole blocks.
   template <class Use>
   void sweep(Use&& use) {
@@ -134,33 +181,38 @@ struct RegionPainter::State {
   }
 };
 
-RegionPainter::RegionPainter(int x0, int y0, int width, int height) {
+RegionPainter::RegionPainter(int x0, int y0, int width, int height, std::shared_ptr<SliceMemory> memory) {
   if (width < 1 || height < 1) {
     throw InputError(fmt::format("a region of {}x{} pixels has no pixels", width, height),
                      "give a positive image and region size");
   }
-  state_ = std::make_unique<State>(x0, y0, width, height);
+  state_ = std::make_unique<State>(x0, y0, width, height, std::move(memory));
 }
 RegionPainter::~RegionPainter() = default;
 RegionPainter::RegionPainter(RegionPainter&&) noexcept = default;
 RegionPainter& RegionPainter::operator=(RegionPainter&&) noexcept = default;
 
-void RegionPainter::begin_frame(const Footprint& footprint) {
+void RegionPainter::begin_frame(const Footprint& footprint, float opaque_threshold) {
   auto& s = *state_;
   if (s.pending) s.sweep([](float* slice, float*, std::size_t floats) { std::fill_n(slice, floats, 0.0F); });
   s.footprint = footprint;
+  s.opaque_threshold = opaque_threshold;
   s.prepared = false;
   s.touched = false;
+  s.tiles.clear();
+  s.composites = 0;
 }
 
 DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
   auto& s = *state_;
-  const std::size_t count = splats.size() / sizeof(Splat);
-  if (count == 0) return {};
+  if (splats.size() < sizeof(Splat)) return {};
   if (!s.prepared) s.prepare();
-  const SplatRun run{splats.data(), count, std::int64_t{base_x} - s.x0, std::int64_t{base_y} - s.y0};
-  const auto counts =
-      s.stencil ? draw_with_stencil(s.slice, *s.stencil, run) : draw_by_rows(s.slice, s.footprint, run);
+  if (!s.pending) s.slice.origin = s.memory->reserve(s.slice_floats) + s.origin;
+  const std::int64_t left = std::int64_t{base_x} - s.x0, top = std::int64_t{base_y} - s.y0;
+  const auto visible = s.tiles.opaque() > 0 ? s.without_hidden(left, top, splats) : splats;
+  const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
+  auto counts = s.stencil ? draw_with_stencil(s.slice, *s.stencil, run) : draw_by_rows(s.slice, s.footprint, run);
+  counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) {
     if (!s.touched) s.clear_image();
     s.touched = s.pending = true;
@@ -169,8 +221,15 @@ DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::sp
 }
 
 void RegionPainter::composite() {
-  if (state_->pending) state_->sweep(composite_row);
+  auto& s = *state_;
+  if (!s.pending) return;
+  s.sweep([&](float* slice, float* image, std::size_t floats) { composite_row(slice, image, floats, s.opaque_threshold); });
+  // Reading the whole image takes as long as a slice's composition; the news of an opaque tile can wait a little.
+  constexpr int now_and_then = 8;
+  if (s.opaque_threshold > 0 && ++s.composites % now_and_then == 0) s.find_opaque_tiles();
 }
+
+const OpaqueTiles& RegionPainter::opaque_tiles() const { return state_->tiles; }
 
 bool RegionPainter::touched() const { return state_->touched; }
 
@@ -187,14 +246,7 @@ void RegionPainter::read_tile(std::span<float> rgba) const {
     return;
   }
   for (int y = 0; y < s.height; ++y) {
-    const float* from = s.image.get() + y * s.image_row_floats();
-    float* to = rgba.data() + static_cast<std::size_t>(y) * row;
-    for (std::size_t i = 0; i < row; i += 4) {
-      to[i] = from[i];
-      to[i + 1] = from[i + 1];
-      to[i + 2] = from[i + 2];
-      to[i + 3] = 1.0F - from[i + 3];
-    }
+    std::copy_n(s.image.get() + y * s.image_row_floats(), row, rgba.data() + static_cast<std::size_t>(y) * row);
   }
 }
 

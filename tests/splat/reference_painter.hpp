@@ -74,9 +74,7 @@ class FloatPainter {
         width_(width),
         height_(height),
         slice_(std::size_t(4 * width * height)),
-        image_(slice_) {
-    for (std::size_t i = 3; i < image_.size(); i += 4) image_[i] = 1;
-  }
+        image_(slice_) {}
 
   void draw(const Placed& placed) {
     for (int y = 0; y < height_; ++y) {
@@ -92,19 +90,15 @@ class FloatPainter {
   void composite() {
     for (std::size_t i = 0; i < slice_.size(); i += 4) {
       const float opacity = std::clamp(slice_[i + 3], 0.0F, 1.0F);
-      for (std::size_t k = 0; k < 3; ++k) {
-        image_[i + k] = image_[i + k] + image_[i + 3] * std::clamp(slice_[i + k], 0.0F, opacity);
+      const float transmittance = 1.0F - image_[i + 3];
+      for (std::size_t k = 0; k < 4; ++k) {
+        image_[i + k] = image_[i + k] + transmittance * std::clamp(slice_[i + k], 0.0F, opacity);
       }
-      image_[i + 3] = image_[i + 3] * (1.0F - opacity);
     }
     std::fill(slice_.begin(), slice_.end(), 0.0F);
   }
 
-  std::vector<float> tile() const {
-    auto tile = image_;
-    for (std::size_t i = 3; i < tile.size(); i += 4) tile[i] = 1.0F - tile[i];
-    return tile;
-  }
+  std::vector<float> tile() const { return image_; }
 
  private:
   void add(const Splat& splat, double dx, double dy, float* pixel) const {

@@ -77,6 +77,7 @@ inline DrawCounts draw_all(RegionPainter& painter, const std::vector<Placed>& sp
                                      static_cast<std::int32_t>(placed.anchor_y), bytes_of(placed.splat));
     total.drawn += counts.drawn;
     total.clipped += counts.clipped;
+    total.hidden += counts.hidden;
   }
   return total;
 }

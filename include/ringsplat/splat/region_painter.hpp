@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "ringsplat/splat/opaque_tiles.hpp"
 #include "ringsplat/splat/splat.hpp"
 
 namespace ringsplat {
@@ -10,34 +11,46 @@ namespace ringsplat {
 struct DrawCounts {
   std::uint64_t drawn = 0;    ///< splats that reached at least one pixel centre of the region with Q > 0
   std::uint64_t clipped = 0;  ///< splats that reached none
+  std::uint64_t hidden = 0;   ///< splats that lie wholly under opaque tiles, not drawn
 };
+
+/// The memory of one slice buffer. Painters that share one must be used one after the other, each with composite()
+/// before the next one draws: so the buffer stays in the processor's cache.
+class SliceMemory;
+std::shared_ptr<SliceMemory> make_slice_memory();
 
 /// One region's slice buffer and image (Westover 1989; Neumann 1992, section 2.3).
 ///
 /// The slice buffer sums the splats of one slice; composite() puts it behind the image and empties it.
-/// Colours are premultiplied; the image keeps colour and transmittance. A pixel's sum runs in the order of
+/// Colours are premultiplied; the image keeps colour and opacity. A pixel's sum runs in the order of
 /// the splats given, with the same operations whatever the vector width, so its bits do not depend on the
 /// processor, the region size or the other splats.
+///
+/// A pixel whose transmittance has fallen below `opaque_threshold` takes nothing more. That is decided pixel by pixel from the
+/// slices before, so a splat that lies wholly under such pixels may be left out by anyone who knows of them, at any time,
+/// and the image keeps its bits.
 class RegionPainter {
  public:
   /// Region of width × height pixels whose corner is screen pixel (x0, y0). No pixels are allocated before
   /// the first splat. Throws InputError for a size below 1.
-  RegionPainter(int x0, int y0, int width, int height);
+  RegionPainter(int x0, int y0, int width, int height, std::shared_ptr<SliceMemory> memory = make_slice_memory());
   ~RegionPainter();
   RegionPainter(RegionPainter&&) noexcept;
   RegionPainter& operator=(RegionPainter&&) noexcept;
 
   /// Forgets the last frame's image and takes the frame's footprint.
-  void begin_frame(const Footprint& footprint);
+  void begin_frame(const Footprint& footprint, float opaque_threshold = 0);
   /// Sums splats into the slice buffer. `bytes` is count × sizeof(Splat), any alignment.
   /// Splats with a NaN or a coefficient that no footprint can have are counted as clipped.
   DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
-  /// Puts the slice behind the image: C += T c, T *= 1 − a, with a and c clamped to [0, 1] and [0, a];
+  /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0, a];
   /// empties the slice buffer. Costs nothing when no splat was drawn since the last call.
   void composite();
+  /// Which tiles take nothing more in this frame. Brought up to date every few slices.
+  const OpaqueTiles& opaque_tiles() const;
   /// False when nothing was drawn since begin_frame: the region is empty.
   bool touched() const;
-  /// Writes width × height premultiplied RGBA floats (alpha = 1 − T), rows from the top; transparent when
+  /// Writes width × height premultiplied RGBA floats, rows from the top; transparent when
   /// untouched. Throws InputError when `rgba` has another size.
   void read_tile(std::span<float> rgba) const;
 

@@ -1,0 +1,90 @@
+#include "ringsplat/splat/opaque_tiles.hpp"
+
+#include "splat/scene.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+TEST_CASE("opaque tiles hide what lies wholly under them", "[painter]") {
+  OpaqueTiles tiles(40, 33);
+  CHECK(tiles.columns() == 3);
+  CHECK(tiles.rows() == 3);
+  CHECK_FALSE(tiles.hides(0, 0, 39, 32));
+  tiles.set_opaque(1, 0);
+  tiles.set_opaque(1, 0);
+  tiles.set_opaque(2, 0);
+  CHECK(tiles.opaque() == 2);
+  CHECK(tiles.hides(16, 0, 31, 15));
+  CHECK(tiles.hides(20, -9, 300, 15));  // what is outside the region needs no tile
+  CHECK_FALSE(tiles.hides(15, 0, 20, 5));
+  CHECK_FALSE(tiles.hides(20, 10, 20, 16));
+  CHECK_FALSE(tiles.hides(-20, 0, -2, 5));  // wholly outside: clipped, not hidden
+  CHECK_FALSE(tiles.hides(20, 40, 25, 50));
+  tiles.clear();
+  CHECK(tiles.opaque() == 0);
+  CHECK_FALSE(tiles.hides(16, 0, 31, 15));
+}
+
+namespace {
+
+/// Slices that leave the lower part of a region transparent.
+std::vector<std::vector<Placed>> half_covered(const Footprint& footprint, int slices) {
+  std::vector<std::vector<Placed>> scene;
+  for (int z = 0; z < slices; ++z) scene.push_back(random_splats(footprint, 1500, -4, -4, 68, 40, unsigned(z), 0.9F));
+  return scene;
+}
+
+std::vector<float> picture(const std::vector<std::vector<Placed>>& scene, const Footprint& footprint, float threshold,
+                           bool leave_out_hidden, DrawCounts& counts) {
+  RegionPainter painter(0, 0, 64, 64);
+  painter.begin_frame(footprint, threshold);
+  for (const auto& slice : scene) {
+    for (const auto& placed : slice) {
+      const auto reach = kernel_reach(footprint);
+      const PixelWindow window = pixel_window({placed.anchor_x, placed.anchor_y, 0, 0}, reach);
+      if (leave_out_hidden && painter.opaque_tiles().hides(window.x0, window.y0, window.x1, window.y1)) continue;
+      const auto drawn = draw_all(painter, {placed});
+      counts.drawn += drawn.drawn;
+      counts.hidden += drawn.hidden;
+    }
+    painter.composite();
+  }
+  return tile_of(painter, 64, 64);
+}
+
+}  // namespace
+
+TEST_CASE("leaving out what opaque tiles hide changes no bit, and the threshold bounds the error", "[painter]") {
+  const auto footprint = footprint_of({1.17, 0.4, 0.7, 0.9, 1});
+  const auto scene = half_covered(footprint, 80);
+  DrawCounts all, masked, culled;
+  const auto exact = picture(scene, footprint, 0, false, all);
+  const auto frozen = picture(scene, footprint, 1.0F / 512, false, masked);
+  CHECK(all.hidden == 0);
+  CHECK(masked.hidden > all.drawn / 8);
+  CHECK(picture(scene, footprint, 1.0F / 512, true, culled) == frozen);
+  CHECK(culled.hidden == 0);
+  CHECK(culled.drawn == masked.drawn);
+  float largest = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) largest = std::max(largest, std::abs(exact[i] - frozen[i]));
+  CHECK(largest > 0);
+  CHECK(largest < 1.0F / 512);
+}
+
+TEST_CASE("painters that share a slice buffer show what each shows alone", "[painter]") {
+  const auto footprint = footprint_of({1.6, 0.2, 0.8, 0.1, 1});
+  const auto memory = make_slice_memory();
+  RegionPainter left(0, 0, 32, 48, memory), right(32, 0, 70, 20, memory), alone(32, 0, 70, 20);
+  for (int frame = 0; frame < 2; ++frame) {
+    for (auto* painter : {&left, &right, &alone}) painter->begin_frame(footprint);
+    for (unsigned z = 0; z < 5; ++z) {
+      const auto slice = random_splats(footprint, 400, -5, -5, 110, 55, z, 0.2F);
+      for (auto* painter : {&left, &right, &alone}) {
+        draw_all(*painter, slice);
+        painter->composite();
+      }
+    }
+    CHECK(tile_of(right, 70, 20) == tile_of(alone, 70, 20));
+  }
+}
