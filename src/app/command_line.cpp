@@ -152,6 +152,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   add_render_output_options(*render_app, render);
   add_view_options(*render_app, render);
   add_picture_options(*render_app, render);
+  add_shortcut_options(*render_app, render);
   add_run_options(*render_app, render.run);
   add_error_options(*render_app, render.error);
   render_app->footer(std::string(config_footer) + render_footer);

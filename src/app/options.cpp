@@ -206,6 +206,19 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
        no_correction});
 }
 
+void add_shortcut_options(CLI::App& app, RenderOptions& o) {
+  FrameSpec& f = o.frame;
+  group("Shortcuts",
+        {app.add_option("--opaque-threshold", f.opaque_threshold,
+                        "Nothing is added to a pixel through which less light than this comes; 0: everything is")
+             ->capture_default_str(),
+         add_choice(app, "--payload", f.payload, Choices<PayloadForm>{{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}, "runs",
+                    "What GPs send: runs of voxels, or the paper's six words a splat; the same bits"),
+         add_choice(app, "--precision", f.precision,
+                    Choices<Precision>{{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}, "float",
+                    "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel")});
+}
+
 void add_render_output_options(CLI::App& app, RenderOptions& o) {
   group("Output",
         {app.add_option("-o,--output", o.output,

@@ -75,6 +75,7 @@ void add_volume_options(CLI::App& app, VolumeOptions& options);
 void add_run_options(CLI::App& app, RunOptions& options);
 void add_view_options(CLI::App& app, RenderOptions& options);
 void add_picture_options(CLI::App& app, RenderOptions& options);
+void add_shortcut_options(CLI::App& app, RenderOptions& options);
 void add_render_output_options(CLI::App& app, RenderOptions& options);
 void add_info_options(CLI::App& app, InfoOptions& options);
 void add_compare_options(CLI::App& app, CompareOptions& options);

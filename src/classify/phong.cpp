@@ -51,15 +51,4 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
   }
 }
 
-void PhongTable::shade_row(const NormalCode* normals, const std::uint32_t* where, ClassifiedSample* samples,
-                           int count) const {
-  for (int k = 0; k < count; ++k) {
-    const Entry entry = entries_[normals[where[k]]];
-    ClassifiedSample& s = samples[k];
-    s.r = std::min(s.r * entry.scale + entry.add, 1.0F);
-    s.g = std::min(s.g * entry.scale + entry.add, 1.0F);
-    s.b = std::min(s.b * entry.scale + entry.add, 1.0F);
-  }
-}
-
 }  // namespace ringsplat

@@ -49,6 +49,12 @@ json to_json(const PhongMaterial& m) {
   return {{"ambient", m.ambient}, {"diffuse", m.diffuse}, {"specular", m.specular}, {"exponent", m.exponent}};
 }
 
+const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }
+
+const char* name(Precision precision) {
+  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
+}
+
 json to_json(const FrameSpec& s) {
   return {{"frame", s.frame},
           {"camera", to_json(s.camera)},
@@ -59,7 +65,10 @@ json to_json(const FrameSpec& s) {
           {"material", to_json(s.material)},
           {"light", to_json(s.light)},
           {"radius", s.kernel_radius},
-          {"opacity_correction", s.opacity_correction}};
+          {"opacity_correction", s.opacity_correction},
+          {"opaque_threshold", s.opaque_threshold},
+          {"payload", name(s.payload)},
+          {"precision", name(s.precision)}};
 }
 
 FrameSpec frame_spec_from(const json& j) {
@@ -76,6 +85,9 @@ FrameSpec frame_spec_from(const json& j) {
   s.light = vec_from(j.at("light"));
   s.kernel_radius = j.at("radius");
   s.opacity_correction = j.at("opacity_correction");
+  s.opaque_threshold = j.at("opaque_threshold");
+  s.payload = j.at("payload") == "words" ? PayloadForm::words : PayloadForm::runs;
+  s.precision = j.at("precision") == "float" ? Precision::float32 : j.at("precision") == "half" ? Precision::half : Precision::u8;
   return s;
 }
 
@@ -87,6 +99,11 @@ void check(const FrameSpec& spec) {
   const double light = glm::length(spec.light);
   if (!(std::isfinite(light) && light > 0))
     throw InputError("--light needs a direction of finite length above zero", "for instance --light -0.4 0.6 0.7");
+  if (!(spec.opaque_threshold >= 0 && spec.opaque_threshold < 1))
+    throw InputError(fmt::format("--opaque-threshold {} is not a transmittance below 1", spec.opaque_threshold),
+                     "give 0 to composite every slice, or a small number such as 0.002");
+  if (spec.payload == PayloadForm::words && spec.precision != Precision::float32)
+    throw InputError("--payload words always carries float precision", "use --payload runs with --precision half or u8");
   const auto& m = spec.material;
   for (const double v : {m.ambient, m.diffuse, m.specular, m.exponent})
     if (!(std::isfinite(v) && v >= 0))

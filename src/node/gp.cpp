@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "node/empty_space.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/process.hpp"
@@ -40,6 +41,7 @@ Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceSto
       options_(options),
       slices_(std::move(slices)),
       post_(std::move(post)),
+      empty_space_(std::make_unique<EmptySpace>()),
       last_time_(now_seconds()) {}
 
 Gp::~Gp() = default;
@@ -57,7 +59,7 @@ void Gp::begin_frame(const FrameSpec& spec) {
   for (int step = 0; step < slices; ++step)
     if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
   if (!frame->steps.empty()) {
-    frame->encoder = make_encoder(spec, frame->geometry, slices_.grid(), layout_.renderers);
+    frame->encoder = make_encoder(frame->spec, frame->geometry, slices_.grid(), layout_.renderers, *empty_space_);
     if (frame->steps.front() == 0) {
       // All tokens start at the owner of the front slice.
       auto& front = frame->waiting_tokens[0];
@@ -97,6 +99,7 @@ void Gp::receive(Message message) {
       break;
     case Kind::accept:
       take_accept(*frame, h);
+      frame->encoder->take_opaque_news(message.body());
       break;
     default:
       throw RunError(

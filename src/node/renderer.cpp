@@ -12,7 +12,7 @@ namespace ringsplat {
 
 Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
     : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
-      painter_(make_painter(index, layout.renderers)), last_time_(now_seconds()) {}
+      painter_(make_painter(index, layout.renderers, grid)), last_time_(now_seconds()) {}
 
 void Renderer::begin_frame(const FrameSpec& spec) {
   frames_.emplace_back().spec = spec;
@@ -65,7 +65,9 @@ void Renderer::accept_what_fits(Frame& frame) {
     std::swap(h.source, h.destination);
     std::swap(h.source_role, h.destination_role);
     h.kind = Kind::accept;
-    post_(Message(h));
+    Bytes news;
+    if (frame.begun) painter_->opaque_news(h.destination, news);
+    post_(Message(h, std::move(news)));
   }
 }
 
@@ -74,7 +76,7 @@ bool Renderer::advance() {
   if (frames_.empty()) return false;
   Frame& frame = frames_.front();
   if (!frame.begun) {
-    painter_->begin_frame(make_geometry(frame.spec, grid_));
+    painter_->begin_frame(frame.spec, make_geometry(frame.spec, grid_));
     frame.begun = true;
   }
   if (frame.drawn()) {
@@ -88,7 +90,7 @@ bool Renderer::draw_some(Frame& frame) {
   const auto found = frame.payloads.find(frame.next);
   if (found == frame.payloads.end()) return false;
   if (!frame.painting) {
-    painter_->begin(found->second.body());
+    painter_->begin(found->second.header.step, found->second.body());
     frame.painting = true;
   }
   const bool complete = painter_->work();
@@ -118,6 +120,7 @@ void Renderer::deliver(Frame& frame) {
   const PaintCounts counts = painter_->counts();
   stats.splats_drawn = counts.drawn;
   stats.splats_clipped = counts.clipped;
+  stats.splats_hidden = counts.hidden;
   stats.compositing = painter_->composite_seconds();
   stats.drawing -= stats.compositing;
   stats.peak_memory = peak_memory_bytes();

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
+#include <optional>
 
+#include "node/opaque_news.hpp"
+#include "node/payload_reader.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
@@ -15,51 +19,59 @@ namespace {
 /// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice behind the image.
 class SplatPainter final : public Painter {
  public:
-  SplatPainter(int renderer, int renderers) : renderer_(renderer), renderers_(renderers) {}
+  SplatPainter(int renderer, int renderers, const Grid& grid) : renderer_(renderer), renderers_(renderers), grid_(grid) {}
 
-  void begin_frame(const FrameGeometry& geometry) override {
-    if (!same_layout(geometry.regions)) {
-      painters_.clear();
-      slot_of_region_.assign(std::size_t(geometry.regions.count()), not_owned);
-      owned_ = geometry.regions.owned(renderer_, renderers_);
-      for (const int region : owned_) {
-        const PixelRect r = geometry.regions.rect(region);
-        slot_of_region_[std::size_t(region)] = painters_.size();
-        painters_.emplace_back(r.x0, r.y0, r.width(), r.height());
-      }
-      regions_ = geometry.regions;
-    }
-    for (auto& painter : painters_) painter.begin_frame(geometry.footprint);
+  void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
+    if (!same_layout(geometry.regions)) lay_out(geometry.regions);
+    geometry_ = geometry;
+    for (auto& painter : painters_) painter.begin_frame(geometry.footprint, static_cast<float>(spec.opaque_threshold));
+    reader_ = spec.payload == PayloadForm::words ? make_word_reader() : make_run_reader(spec, geometry_, grid_);
+    told_.clear();
     counts_ = {};
     composite_seconds_ = 0;
   }
 
-  void begin(std::span<const std::byte> body) override {
-    body_ = body;
-    at_ = 0;
-    left_in_group_ = 0;
-    touched_.clear();
-    check_payload();
+  void begin(int step, std::span<const std::byte> body) override {
+    const auto owned = [this](int region) {
+      return region >= 0 && region < regions_.count() && slot_of_region_[std::size_t(region)] != not_owned;
+    };
+    try {
+      reader_->begin(geometry_.traversal.slice_at(step, geometry_.slices), body, owned);
+    } catch (const RunError& e) {
+      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
+    }
+    drawing_.reset();
   }
 
   bool work() override {
-    constexpr std::uint32_t splats_at_most = 8192;
-    std::uint32_t budget = splats_at_most;
-    while (budget > 0 && (left_in_group_ > 0 || at_ < body_.size())) {
-      if (left_in_group_ == 0) next_group();
-      const std::uint32_t count = std::min(budget, left_in_group_);
-      const auto drawn = painter_of(group_.region).draw(group_.base_x, group_.base_y, body_.subspan(at_, count * sizeof(Splat)));
+    constexpr std::uint32_t splats_at_most = 8192, chunk_splats = 512;
+    for (std::uint32_t budget = splats_at_most; budget > 0;) {
+      SplatChunk chunk;
+      if (!reader_->next(std::min(budget, chunk_splats), chunk)) {
+        composite();
+        return true;
+      }
+      if (drawing_ != chunk.region) composite();
+      drawing_ = chunk.region;
+      const DrawCounts drawn = painter_of(chunk.region).draw(chunk.base_x, chunk.base_y, chunk.splats);
       counts_.drawn += drawn.drawn;
-      counts_.clipped += drawn.clipped;
-      at_ += count * sizeof(Splat);
-      left_in_group_ -= count;
-      budget -= count;
+      counts_.clipped += drawn.clipped + chunk.off_screen;
+      counts_.hidden += drawn.hidden;
+      budget -= std::min<std::uint32_t>(budget, std::uint32_t(chunk.splats.size() / sizeof(Splat) + chunk.off_screen));
     }
-    if (left_in_group_ > 0 || at_ < body_.size()) return false;
+    return false;
+  }
 
-    const ScopedSeconds timed(composite_seconds_);
-    for (const int region : touched_) painter_of(region).composite();
-    return true;
+  void opaque_news(int gp, Bytes& news) override {
+    if (painters_.empty()) return;
+    auto& told = told_[gp];
+    told.resize(painters_.size(), 0);
+    for (std::size_t k = 0; k < painters_.size(); ++k) {
+      const OpaqueTiles& tiles = painters_[k].opaque_tiles();
+      if (tiles.opaque() == std::exchange(told[k], tiles.opaque())) continue;
+      if (news.empty()) news = Message::body_buffer();
+      append_opaque_news(owned_[k], tiles, news);
+    }
   }
 
   PaintCounts counts() const override { return counts_; }
@@ -84,46 +96,48 @@ class SplatPainter final : public Painter {
            regions_.rect(regions.count() - 1) == regions.rect(regions.count() - 1) && regions_.region_size() == regions.region_size();
   }
 
-  /// Walks the whole payload's groups before anything is drawn: a bad message leaves no half-drawn slice.
-  void check_payload() const {
-    std::size_t at = 0;
-    while (at < body_.size()) {
-      SplatGroup group;
-      const bool whole = take(body_, at, group);
-      if (!whole || group.region < 0 || group.region >= regions_.count() ||
-          slot_of_region_[std::size_t(group.region)] == not_owned ||
-          (body_.size() - at) / sizeof(Splat) < group.count)
-        throw RunError(fmt::format("Renderer {} got a payload whose group at byte {} is no group of its own regions", renderer_, at),
-                       "all ranks must run the same build");
-      at += group.count * sizeof(Splat);
+  void lay_out(const Regions& regions) {
+    regions_ = regions;
+    painters_.clear();
+    slot_of_region_.assign(std::size_t(regions.count()), not_owned);
+    owned_ = regions.owned(renderer_, renderers_);
+    const auto memory = make_slice_memory();
+    for (const int region : owned_) {
+      const PixelRect r = regions.rect(region);
+      slot_of_region_[std::size_t(region)] = painters_.size();
+      painters_.emplace_back(r.x0, r.y0, r.width(), r.height(), memory);
     }
   }
 
-  void next_group() {
-    if (!take(body_, at_, group_)) at_ = body_.size();
-    left_in_group_ = group_.count;
-    if (touched_.empty() || touched_.back() != group_.region) touched_.push_back(group_.region);
+  /// Regions share a slice buffer: one is composited before the next is drawn.
+  void composite() {
+    if (!drawing_) return;
+    const ScopedSeconds timed(composite_seconds_);
+    painter_of(*drawing_).composite();
+    drawing_.reset();
   }
 
   RegionPainter& painter_of(int region) { return painters_[slot_of_region_[std::size_t(region)]]; }
 
   int renderer_, renderers_;
+  Grid grid_;
+  FrameGeometry geometry_;
   Regions regions_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
-  std::vector<int> owned_;                    ///< regions, ascending
-  std::vector<RegionPainter> painters_;       ///< one for each owned region
-  std::vector<std::size_t> slot_of_region_;   ///< into painters_
-  std::span<const std::byte> body_;
-  std::size_t at_ = 0;
-  SplatGroup group_{};
-  std::uint32_t left_in_group_ = 0;
-  std::vector<int> touched_;  ///< regions of this slice
+  std::vector<int> owned_;                   ///< regions, ascending
+  std::vector<RegionPainter> painters_;      ///< one for each owned region
+  std::vector<std::size_t> slot_of_region_;  ///< into painters_
+  std::unique_ptr<PayloadReader> reader_;
+  std::optional<int> drawing_;             ///< region whose slice buffer is in use
+  std::map<int, std::vector<int>> told_;   ///< by GP: how many opaque tiles of each owned region it knows
   PaintCounts counts_;
   double composite_seconds_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Painter> make_painter(int renderer, int renderers) { return std::make_unique<SplatPainter>(renderer, renderers); }
+std::unique_ptr<Painter> make_painter(int renderer, int renderers, const Grid& grid) {
+  return std::make_unique<SplatPainter>(renderer, renderers, grid);
+}
 
 }  // namespace ringsplat

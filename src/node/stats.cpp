@@ -25,6 +25,7 @@ struct Count {
 constexpr Count counts[] = {{"splats_sent", &NodeStats::splats_sent},
                             {"splats_drawn", &NodeStats::splats_drawn},
                             {"splats_clipped", &NodeStats::splats_clipped},
+                            {"splats_hidden", &NodeStats::splats_hidden},
                             {"payloads_sent", &NodeStats::payloads_sent},
                             {"payloads_drawn", &NodeStats::payloads_drawn},
                             {"payload_bytes_sent", &NodeStats::payload_bytes_sent},
@@ -89,9 +90,9 @@ NodeStats FrameStats::total() const {
 
 void check_conservation(const FrameStats& stats) {
   const NodeStats sum = stats.total();
-  if (sum.splats_sent != sum.splats_drawn + sum.splats_clipped)
-    throw RunError(fmt::format("frame {}: {} splats sent, but {} drawn and {} clipped", stats.frame,
-                               sum.splats_sent, sum.splats_drawn, sum.splats_clipped));
+  if (sum.splats_sent != sum.splats_drawn + sum.splats_clipped + sum.splats_hidden)
+    throw RunError(fmt::format("frame {}: {} splats sent, but {} drawn, {} clipped and {} hidden", stats.frame,
+                               sum.splats_sent, sum.splats_drawn, sum.splats_clipped, sum.splats_hidden));
   if (sum.tokens_issued != sum.tokens_retired)
     throw RunError(fmt::format("frame {}: {} tokens issued, but {} retired", stats.frame, sum.tokens_issued,
                                sum.tokens_retired));

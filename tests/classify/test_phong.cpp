@@ -11,12 +11,6 @@ using namespace ringsplat;
 
 namespace {
 
-ClassifiedSample shade(const PhongTable& table, NormalCode normal, ClassifiedSample sample) {
-  const std::uint32_t where = 0;
-  table.shade_row(&normal, &where, &sample, 1);
-  return sample;
-}
-
 constexpr ClassifiedSample grey{0.25F, 0.5F, 0.125F, 0.7F};
 
 }  // namespace
@@ -24,11 +18,11 @@ constexpr ClassifiedSample grey{0.25F, 0.5F, 0.125F, 0.7F};
 TEST_CASE("a surface that faces light and viewer gets all three terms, one on edge the ambient one alone") {
   const PhongMaterial material{.ambient = 0.125, .diffuse = 0.5, .specular = 0.25, .exponent = 20};
   const PhongTable table(material, {0, 0, 5}, {0, 0, 2});
-  const auto facing = shade(table, encode_normal({0, 0, 1}), grey);
+  const auto facing = table.shade(encode_normal({0, 0, 1}), grey);
   REQUIRE(facing.r == 0.25F * 0.625F + 0.25F);
   REQUIRE(facing.g == 0.5F * 0.625F + 0.25F);
   REQUIRE(facing.opacity == 0.7F);
-  const auto edge = shade(table, encode_normal({1, 0, 0}), grey);
+  const auto edge = table.shade(encode_normal({1, 0, 0}), grey);
   REQUIRE(edge.r == 0.25F * 0.125F);
   REQUIRE(edge.b == 0.125F * 0.125F);
 }
@@ -47,7 +41,7 @@ TEST_CASE("the table holds Phong's formula for every normal") {
         same_side ? std::pow(std::max(0.0, glm::dot(reflected, viewer)), material.exponent) : 0.0;
     const double expected =
         0.5 * (material.ambient + material.diffuse * std::abs(nl)) + material.specular * highlight;
-    REQUIRE(shade(table, NormalCode(code), {0.5F, 0, 0, 1}).r ==
+    REQUIRE(table.shade(NormalCode(code), {0.5F, 0, 0, 1}).r ==
             Approx(std::min(1.0, expected)).margin(1e-6));
   }
 }
@@ -55,7 +49,7 @@ TEST_CASE("the table holds Phong's formula for every normal") {
 TEST_CASE("both sides of a surface are lit alike") {
   const PhongTable table({}, {1, 2, 3}, {0, 1, 3});
   for (const glm::dvec3 n : {glm::dvec3(1, 1, 1), glm::dvec3(-0.3, 0.2, 1), glm::dvec3(0, 1, 0)}) {
-    const auto front = shade(table, encode_normal(n), grey), back = shade(table, encode_normal(-n), grey);
+    const auto front = table.shade(encode_normal(n), grey), back = table.shade(encode_normal(-n), grey);
     REQUIRE(front.r == back.r);
     REQUIRE(front.g == back.g);
   }
@@ -64,34 +58,22 @@ TEST_CASE("both sides of a surface are lit alike") {
 TEST_CASE("no highlight when light and viewer are on different sides") {
   const PhongMaterial shiny{.ambient = 0, .diffuse = 0, .specular = 1, .exponent = 4};
   const PhongTable table(shiny, {0, 0, 1}, {0, 0, -1});
-  for (int code = 1; code <= 64518; code += 101) REQUIRE(shade(table, NormalCode(code), grey).r == 0.0F);
+  for (int code = 1; code <= 64518; code += 101) REQUIRE(table.shade(NormalCode(code), grey).r == 0.0F);
 }
 
 TEST_CASE("without a normal a sample stays as it is, bit for bit; colours are clamped to 1") {
   const PhongTable table({.ambient = 3, .diffuse = 1, .specular = 1, .exponent = 1}, {0, 0, 1}, {0, 0, 1});
-  const auto unlit = shade(table, no_normal, {0.1F, 1.0F, 0.3F, 0.6F});
+  const auto unlit = table.shade(no_normal, {0.1F, 1.0F, 0.3F, 0.6F});
   REQUIRE(unlit.r == 0.1F);
   REQUIRE(unlit.g == 1.0F);
   REQUIRE(unlit.b == 0.3F);
   REQUIRE(unlit.opacity == 0.6F);
-  REQUIRE(shade(table, encode_normal({0, 0, 1}), grey).g == 1.0F);
-}
-
-TEST_CASE("rows are shaded by the normals at the samples' positions") {
-  const PhongTable table({}, {0, 0, 1}, {0, 0, 1});
-  const std::vector<NormalCode> normals{no_normal, encode_normal({1, 0, 0}), no_normal,
-                                        encode_normal({0, 0, 1})};
-  const std::vector<std::uint32_t> where{1, 2, 3};
-  std::vector<ClassifiedSample> samples(3, grey);
-  table.shade_row(normals.data(), where.data(), samples.data(), 3);
-  REQUIRE(samples[0].r == shade(table, normals[1], grey).r);
-  REQUIRE(samples[1].r == grey.r);
-  REQUIRE(samples[2].r == shade(table, normals[3], grey).r);
+  REQUIRE(table.shade(encode_normal({0, 0, 1}), grey).g == 1.0F);
 }
 
 TEST_CASE("an exponent of 0 makes the highlight even; bad materials and directions are refused") {
   const PhongTable even({.ambient = 0, .diffuse = 0, .specular = 0.5, .exponent = 0}, {0, 0, 1}, {0, 0, 1});
-  REQUIRE(shade(even, encode_normal({0, 0.1, 1}), grey).r == 0.5F);
+  REQUIRE(even.shade(encode_normal({0, 0.1, 1}), grey).r == 0.5F);
   const double nan_value = std::numeric_limits<double>::quiet_NaN();
   REQUIRE(says(message_of([] { PhongTable({}, {0, 0, 0}, {0, 0, 1}); }), "towards the light"));
   REQUIRE(says(message_of([&] { PhongTable({}, {0, 0, 1}, {0, nan_value, 1}); }), "towards the viewer"));

@@ -60,7 +60,9 @@ inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
   return scene;
 }
 
-inline Image rendered(const Volume& volume, const FrameSpec& spec) {
+/// Every slice composited to the end, as the truths do.
+inline Image rendered(const Volume& volume, FrameSpec spec) {
+  spec.opaque_threshold = 0;
   const auto source = memory_source(volume.grid, volume.bytes);
   return render_loopback(*source, spec, 1, 1).image;
 }

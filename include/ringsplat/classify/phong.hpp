@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -20,10 +21,12 @@ class PhongTable {
  public:
   PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
 
-  /// Shades samples[k] by the normal at normals[where[k]]; colours are clamped to 1. no_normal leaves a
-  /// sample as it is (unlit, not black).
-  void shade_row(const NormalCode* normals, const std::uint32_t* where, ClassifiedSample* samples,
-                 int count) const;
+  /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
+  ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
+    const Entry entry = entries_[normal];
+    return {std::min(s.r * entry.scale + entry.add, 1.0F), std::min(s.g * entry.scale + entry.add, 1.0F),
+            std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
+  }
 
  private:
   struct Entry {

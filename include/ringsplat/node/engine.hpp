@@ -24,24 +24,29 @@ class Encoder {
  public:
   virtual ~Encoder() = default;
   virtual void begin(const SliceView& slice) = 0;
+  /// News from a Renderer's Painter::opaque_news: what lies wholly under opaque pixels need not be sent any more.
+  /// Throws RunError when the bytes are no such news.
+  virtual void take_opaque_news(std::span<const std::byte> news) = 0;
   /// A bounded piece of the slice (well under a millisecond); true once the slice is complete.
   virtual bool work() = 0;
   virtual EncodedSlice finish() = 0;
 };
 
 struct PaintCounts {
-  std::uint64_t drawn = 0, clipped = 0;
+  std::uint64_t drawn = 0, clipped = 0, hidden = 0;
 };
 
 class Painter {
  public:
   virtual ~Painter() = default;
-  virtual void begin_frame(const FrameGeometry& geometry) = 0;
-  /// Takes one slice's payload; `body` stays valid until work() has returned true.
+  virtual void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) = 0;
+  /// Takes the payload of traversal step `step`; `body` stays valid until work() has returned true.
   /// Throws RunError when the bytes are no payload for this Renderer.
-  virtual void begin(std::span<const std::byte> body) = 0;
+  virtual void begin(int step, std::span<const std::byte> body) = 0;
   /// A bounded piece of the slice; true once it is drawn and composited.
   virtual bool work() = 0;
+  /// Appends, for GP `gp`, which parts of this Renderer's regions have become opaque since it was last told in this frame.
+  virtual void opaque_news(int gp, Bytes& news) = 0;
   virtual PaintCounts counts() const = 0;   ///< of this frame so far
   virtual double composite_seconds() const = 0;  ///< of this frame so far
 
@@ -50,9 +55,14 @@ class Painter {
   virtual void finish(const std::function<void(int region, Bytes rgba)>& deliver) = 0;
 };
 
-std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers);
+/// What an Encoder keeps from frame to frame: where a GP's slices are empty.
+class EmptySpace;
+
+/// `spec`, `geometry` and `empty_space` must outlive the encoder.
+std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
+                                      EmptySpace& empty_space);
 
 /// A Renderer's painter; begin_frame() forgets the last image and keeps its buffers.
-std::unique_ptr<Painter> make_painter(int renderer, int renderers);
+std::unique_ptr<Painter> make_painter(int renderer, int renderers, const Grid& grid);
 
 }  // namespace ringsplat

@@ -14,6 +14,11 @@ namespace ringsplat {
 
 enum class Shading { none, phong };
 
+/// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions follow from the view.
+enum class PayloadForm { words, runs };
+/// Of colours and opacities in runs: 10, 8 or 4 bytes a voxel. float32 draws the same bits as words.
+enum class Precision { float32, half, u8 };
+
 /// Everything that decides a frame's pixels, announced by rank 0 to all ranks.
 struct FrameSpec {
   std::int64_t frame = 0;
@@ -25,9 +30,13 @@ struct FrameSpec {
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
   double kernel_radius = 1.6;        ///< in lattice distances
   bool opacity_correction = true;
+  double opaque_threshold = 1.0 / 512;  ///< a pixel with less transmittance takes nothing more; 0: all are composited to the end
+  PayloadForm payload = PayloadForm::runs;
+  Precision precision = Precision::float32;
 };
 
-/// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero.
+/// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero, a threshold outside
+/// [0, 1), words with less than float precision.
 void check(const FrameSpec& spec);
 
 /// Exact, self-describing bytes (CBOR) and back; throws RunError when they are no FrameSpec.

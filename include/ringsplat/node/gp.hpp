@@ -52,6 +52,7 @@ class Gp final : public Node {
   ProtocolOptions options_;
   SliceStore slices_;
   Post post_;
+  std::unique_ptr<EmptySpace> empty_space_;
   std::deque<std::unique_ptr<Frame>> frames_;
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;  ///< of frames not yet announced here

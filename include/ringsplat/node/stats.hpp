@@ -17,7 +17,7 @@ struct NodeStats {
          sending = 0;  // GP: classify + shade + encode; slice ready, no token; payload not yet accepted
   double drawing = 0, compositing = 0, delivering = 0;  // Renderer
   double idle = 0;
-  std::uint64_t splats_sent = 0, splats_drawn = 0, splats_clipped = 0;
+  std::uint64_t splats_sent = 0, splats_drawn = 0, splats_clipped = 0, splats_hidden = 0;
   std::uint64_t payloads_sent = 0, payloads_drawn = 0;
   std::uint64_t payload_bytes_sent = 0, payload_bytes_received = 0;
   std::uint64_t tokens_issued = 0, tokens_retired = 0, tokens_passed = 0;
@@ -39,7 +39,7 @@ struct FrameStats {
   NodeStats total() const;
 };
 
-/// Throws RunError naming the sums unless splats sent = drawn + clipped, tokens issued = retired and bytes
+/// Throws RunError naming the sums unless splats sent = drawn + clipped + hidden, tokens issued = retired and bytes
 /// sent = received.
 void check_conservation(const FrameStats& stats);
 

@@ -32,6 +32,11 @@ inline std::uint16_t quantise_colour(float value) {
       static_cast<std::int32_t>(inside * 65535.0F + 0.5F));  // NOLINT(bugprone-incorrect-roundings)
 }
 
+/// A splat's opacity word: the corrected opacity times the kernel's weight.
+inline float weighted_opacity(const Footprint& footprint, float opacity) {
+  return static_cast<float>(static_cast<double>(opacity) * footprint.weight);
+}
+
 /// One voxel's six words. (dx, dy) is Anchored's offset; the colour is straight and linear; `opacity` is
 /// corrected for the slice distance and not yet weighted. anchor_x and anchor_y count from the base of the
 /// group the splat goes to. Coefficients are computed in double precision and rounded once.
@@ -41,7 +46,7 @@ inline Splat make_splat(const Footprint& footprint, double dx, double dy, float 
   return {static_cast<float>(q.a),
           static_cast<float>(q.b),
           static_cast<float>(q.c),
-          static_cast<float>(static_cast<double>(opacity) * footprint.weight),
+          weighted_opacity(footprint, opacity),
           quantise_colour(red),
           quantise_colour(green),
           quantise_colour(blue),

@@ -1,0 +1,71 @@
+#pragma once
+#include <cstdint>
+#include <cstring>
+#include <glm/gtc/packing.hpp>
+#include <glm/packing.hpp>
+
+#include "ringsplat/splat/encode.hpp"
+
+namespace ringsplat {
+
+/// Consecutive visible voxels of a slice's row. Their positions follow from the view, which every rank knows, so a run
+/// says once where it begins and carries only colours and opacities.
+struct VoxelRun {
+  std::uint32_t row, first, count;
+};
+
+/// Heads one region's runs of a slice: `runs` VoxelRun, then `voxels` colours.
+struct RunGroup {
+  std::int32_t region;
+  std::uint32_t runs, voxels;
+};
+
+/// A voxel's straight linear colour and its opacity, corrected and not yet weighted, as they travel.
+struct FloatVoxel {  ///< what a Splat carries of them, so it draws the same bits
+  std::uint16_t opacity[2];
+  std::uint16_t rgb[3];
+};
+static_assert(sizeof(FloatVoxel) == 10);
+struct HalfVoxel {  ///< IEEE 754 binary16
+  std::uint16_t rgba[4];
+};
+struct ByteVoxel {  ///< 255 = 1
+  std::uint8_t rgba[4];
+};
+
+inline void pack(float red, float green, float blue, float opacity, FloatVoxel& out) {
+  std::memcpy(out.opacity, &opacity, sizeof opacity);
+  out.rgb[0] = quantise_colour(red);
+  out.rgb[1] = quantise_colour(green);
+  out.rgb[2] = quantise_colour(blue);
+}
+inline void pack(float red, float green, float blue, float opacity, HalfVoxel& out) {
+  const std::uint64_t packed = glm::packHalf4x16({red, green, blue, opacity});
+  std::memcpy(out.rgba, &packed, sizeof packed);
+}
+inline void pack(float red, float green, float blue, float opacity, ByteVoxel& out) {
+  const std::uint32_t packed = glm::packUnorm4x8({red, green, blue, opacity});
+  std::memcpy(out.rgba, &packed, sizeof packed);
+}
+
+struct VoxelColour {
+  std::uint16_t red, green, blue;  ///< 65535 = 1
+  float opacity;
+};
+inline VoxelColour unpack(const FloatVoxel& in) {
+  VoxelColour out{in.rgb[0], in.rgb[1], in.rgb[2], 0};
+  std::memcpy(&out.opacity, in.opacity, sizeof out.opacity);
+  return out;
+}
+inline VoxelColour unpack(const HalfVoxel& in) {
+  std::uint64_t packed;
+  std::memcpy(&packed, in.rgba, sizeof packed);
+  const glm::vec4 rgba = glm::unpackHalf4x16(packed);
+  return {quantise_colour(rgba.r), quantise_colour(rgba.g), quantise_colour(rgba.b), rgba.a};
+}
+inline VoxelColour unpack(const ByteVoxel& in) {
+  const auto widen = [](std::uint8_t value) { return static_cast<std::uint16_t>(257 * value); };
+  return {widen(in.rgba[0]), widen(in.rgba[1]), widen(in.rgba[2]), static_cast<float>(in.rgba[3]) / 255.0F};
+}
+
+}  // namespace ringsplat

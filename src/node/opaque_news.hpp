@@ -1,0 +1,16 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/splat/opaque_tiles.hpp"
+
+namespace ringsplat {
+
+/// One region's opaque tiles as they travel: its number, then a bit for each tile, row by row.
+void append_opaque_news(int region, const OpaqueTiles& tiles, Bytes& news);
+
+/// Adds any number of them to what is known, by region. Throws RunError when the bytes name no region or end too early.
+void read_opaque_news(std::span<const std::byte> news, std::vector<OpaqueTiles>& known);
+
+}  // namespace ringsplat

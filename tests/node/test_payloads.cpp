@@ -1,0 +1,114 @@
+#include <fmt/format.h>
+
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+FrameSpec solid_view(double azimuth = 33) {
+  FrameSpec spec;
+  spec.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.width = 120;
+  spec.height = 104;
+  spec.region_size = 32;
+  spec.transfer_function = ramp(20, 255, 0.9);
+  return spec;
+}
+
+std::uint64_t payload_bytes(const FrameResult& result) { return result.stats.total().payload_bytes_sent; }
+
+}  // namespace
+
+TEST_CASE("runs of voxels draw the same bits as the paper's words, in less than half the bytes") {
+  const auto source = synth_source("jack", make_grid({33, 27, 30}));
+  for (const double azimuth : {0.0, 33.0, 123.0, 213.0, 303.0}) {
+    for (const double zoom : {0.05, 1.0, 9.0}) {
+      for (const int region : {7, 32, 4096}) {
+        INFO(fmt::format("azimuth {}, zoom {}, regions of {}", azimuth, zoom, region));
+        FrameSpec spec = solid_view(azimuth);
+        spec.camera.zoom = zoom;
+        spec.region_size = region;
+        const auto runs = render_loopback(*source, spec, 3, 2);
+        spec.payload = PayloadForm::words;
+        const auto words = render_loopback(*source, spec, 3, 2);
+        REQUIRE(*std::max_element(words.image.rgba.begin(), words.image.rgba.end()) > 0.1F);
+        REQUIRE(runs.image == words.image);
+        if (zoom == 1.0 && region == 4096) CHECK(2 * payload_bytes(runs) < payload_bytes(words) * 1.1);
+      }
+    }
+  }
+}
+
+TEST_CASE("fewer bytes a voxel cost a known error") {
+  const auto source = synth_source("jack", make_grid({33, 27, 30}));
+  FrameSpec spec = solid_view();
+  const auto exact = render_loopback(*source, spec, 2, 2);
+  spec.precision = Precision::half;
+  const auto half = render_loopback(*source, spec, 2, 2);
+  spec.precision = Precision::u8;
+  const auto bytes = render_loopback(*source, spec, 2, 2);
+  CHECK(payload_bytes(half) < payload_bytes(exact));
+  CHECK(payload_bytes(bytes) < payload_bytes(half));
+  const double half_error = largest_difference(half.image, exact.image), byte_error = largest_difference(bytes.image, exact.image);
+  CHECK(half_error > 0);
+  // Half precision keeps 11 bits of every voxel's colour and opacity.
+  CHECK(half_error < 1.0 / 1024);
+  CHECK(byte_error > half_error);
+  CHECK(byte_error < 2.0 / 255);
+  CHECK(render_loopback(*source, spec, 5, 3).image == bytes.image);
+}
+
+TEST_CASE("opacities too faint for a byte vanish, and half precision keeps them") {
+  const auto source = synth_source("constant", make_grid({8, 8, 200}));
+  FrameSpec spec;
+  spec.camera = {.elevation = 90};
+  spec.width = spec.height = 64;
+  spec.shading = Shading::none;
+  spec.transfer_function = constant_opacity(1e-4);
+  const Image exact = render_loopback(*source, spec, 1, 1).image;
+  REQUIRE(*std::max_element(exact.rgba.begin(), exact.rgba.end()) > 0.015F);
+  spec.precision = Precision::half;
+  CHECK(largest_difference(render_loopback(*source, spec, 1, 1).image, exact) < 0.02 / 2048);
+  spec.precision = Precision::u8;
+  const Image bytes = render_loopback(*source, spec, 1, 1).image;
+  CHECK(*std::max_element(bytes.rgba.begin(), bytes.rgba.end()) == 0.0F);
+}
+
+TEST_CASE("opaque pixels: GPs leave out what they hide, and the bits do not depend on when they learn of it") {
+  const auto source = synth_source("jack", make_grid({65, 57, 60}));
+  FrameSpec spec = solid_view();
+  spec.transfer_function = ramp(1, 20, 1.0);
+  const auto alone = render_loopback(*source, spec, 1, 1);
+  spec.opaque_threshold = 0;
+  const auto whole = render_loopback(*source, spec, 1, 1);
+  CHECK(whole.stats.total().splats_hidden == 0);
+  CHECK(alone.stats.total().splats_sent < whole.stats.total().splats_sent);
+  const double error = largest_difference(alone.image, whole.image);
+  CHECK(error > 0);
+  CHECK(error <= 1.0 / 512);
+
+  spec.opaque_threshold = 1.0 / 512;
+  for (std::uint64_t seed = 0; seed < 20; ++seed) {
+    const LoopbackOptions loopback{.seed = seed, .reorder = true, .max_delay = int(seed % 7)};
+    const ProtocolOptions protocol{.slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3};
+    spec.region_size = std::array{32, 7, 100, 4096}[seed % 4];
+    spec.payload = seed % 5 == 0 ? PayloadForm::words : PayloadForm::runs;
+    INFO("seed " << seed);
+    REQUIRE(render_loopback(*source, spec, 1 + int(seed % 6), 1 + int(seed % 4), loopback, Placement::dedicated, protocol).image == alone.image);
+  }
+}
+
+TEST_CASE("a volume with nothing to see sends no payload and gives the background") {
+  const auto source = synth_source("jack", make_grid({33, 27, 30}));
+  FrameSpec spec = solid_view();
+  spec.transfer_function = constant_opacity(0.5, 400);
+  const auto result = render_loopback(*source, spec, 3, 2);
+  const NodeStats total = result.stats.total();
+  CHECK(total.payloads_sent == 0);
+  CHECK(total.tiles == 0);
+  CHECK(total.visible_voxels == 0);
+  CHECK(*std::max_element(result.image.rgba.begin(), result.image.rgba.end()) == 0.0F);
+}
