@@ -34,6 +34,8 @@ int RowClassifier::classify(int row) {
       phong_.emplace(spec_.material, view.right * spec_.light.x + view.up * spec_.light.y + view.to_viewer * spec_.light.z,
                      view.to_viewer);
     }
+    // The table does not stay in the nearest cache beside slices and images; asked for early, its entries are there in time.
+    for (int k = 0; k < visible_; ++k) phong_->prefetch(normals_[columns_[std::size_t(k)]]);
   }
   return visible_;
 }

@@ -65,21 +65,34 @@ class RunEncoder final : public SliceEncoder {
     append(region, row, int(first - columns.begin()), int(last - columns.begin()));
   }
 
+  /// Appends the row's visible voxels begin … end − 1, those that are not hidden, run by run.
   void append(int region, int row, int begin, int end) {
     const auto columns = rows_.columns();
     const bool culling = knows_opaque(region);
-    Part& part = parts_[std::size_t(region)];
-    std::uint32_t next = ~0U;  ///< column that would continue the open run
-    for (int k = begin; k < end; ++k) {
-      const std::uint32_t column = columns[std::size_t(k)];
-      if (culling && hidden(region, window_of(column))) continue;
-      if (column != next) part.runs.push_back({std::uint32_t(row), column, 0});
-      ++part.runs.back().count;
-      next = column + 1;
-      const ClassifiedSample sample = rows_.shaded(k);
-      pack(sample.r, sample.g, sample.b, sample.opacity, part.voxels.emplace_back());
-      count(region, int(column), row);
+    const auto left_out = [&](int k) { return culling && hidden(region, window_of(columns[std::size_t(k)])); };
+    for (int k = begin; k < end;) {
+      if (left_out(k)) {
+        ++k;
+        continue;
+      }
+      int next = k + 1;
+      while (next < end && columns[std::size_t(next)] == columns[std::size_t(next - 1)] + 1 && !left_out(next)) ++next;
+      append_run(region, row, k, next - k);
+      k = next;
     }
+  }
+
+  void append_run(int region, int row, int begin, int voxels) {
+    Part& part = parts_[std::size_t(region)];
+    const std::uint32_t first = rows_.columns()[std::size_t(begin)];
+    part.runs.push_back({std::uint32_t(row), first, std::uint32_t(voxels)});
+    const std::size_t at = part.voxels.size();
+    part.voxels.resize(at + std::size_t(voxels));
+    for (int k = 0; k < voxels; ++k) {
+      const ClassifiedSample sample = rows_.shaded(begin + k);
+      pack(sample.r, sample.g, sample.b, sample.opacity, part.voxels[at + std::size_t(k)]);
+    }
+    count_run(region, int(first), voxels, row);
   }
 
   std::size_t part_bytes(int region) const override {

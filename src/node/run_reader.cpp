@@ -1,12 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
+#include <cstdlib>
 #include <vector>
 
 #include "node/payload_reader.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/splat/place_run.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
 #include "ringsplat/view/slice_dda.hpp"
 
@@ -43,43 +44,69 @@ class RunReader final : public PayloadReader {
     if (run_.count == 0 && !next_run()) return false;
     splats_.clear();
     chunk = {group_.region, 0, 0, {}};
-    // A base well before the first anchor leaves room on both sides for those that follow.
-    constexpr std::int64_t room = 128;
     bool based = false;
     while (splats_.size() + chunk.off_screen < most && (run_.count > 0 || (runs_left_ > 0 && next_run()))) {
-      const glm::dvec3 position = dda_.position(run_.first);
-      const Anchored at = anchor(position.x, position.y);
-      if (!based) {
-        const auto fit = [](std::int64_t pixel) {
-          return static_cast<std::int32_t>(
-              std::clamp<std::int64_t>(pixel - room, std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()));
-        };
-        chunk.base_x = fit(at.anchor_x);
-        chunk.base_y = fit(at.anchor_y);
+      const Piece piece = next_piece();
+      if (!piece.on_screen()) {
+        chunk.off_screen += piece.count;
+      } else {
+        if (based && (chunk.base_x != piece.base_x || chunk.base_y != piece.base_y)) break;
+        based = true;
+        chunk.base_x = static_cast<std::int32_t>(piece.base_x);
+        chunk.base_y = static_cast<std::int32_t>(piece.base_y);
+        append_splats(piece);
       }
-      const std::int64_t dx = at.anchor_x - chunk.base_x, dy = at.anchor_y - chunk.base_y;
-      const bool fits = dx >= 0 && dx <= 255 && dy >= 0 && dy <= 255;
-      if (!fits && based) break;
-      Voxel voxel;
-      std::memcpy(&voxel, body_.data() + voxel_at_, sizeof voxel);
-      if (fits)
-        splats_.push_back(make_splat(at, unpack(voxel), static_cast<std::uint8_t>(dx), static_cast<std::uint8_t>(dy)));
-      else
-        ++chunk.off_screen;
-      based = fits;
-      voxel_at_ += sizeof voxel;
-      ++run_.first;
-      --run_.count;
+      voxel_at_ += piece.count * sizeof(Voxel);
+      run_.first += piece.count;
+      run_.count -= piece.count;
     }
     chunk.splats = std::as_bytes(std::span(splats_));
     return true;
   }
 
  private:
-  Splat make_splat(const Anchored& at, const VoxelColour& colour, std::uint8_t dx, std::uint8_t dy) const {
-    const Coefficients q = coefficients(geometry_.footprint, at.dx, at.dy);
-    return {static_cast<float>(q.a), static_cast<float>(q.b), static_cast<float>(q.c),
-            weighted_opacity(geometry_.footprint, colour.opacity), colour.red, colour.green, colour.blue, dx, dy};
+  /// The first voxels of a run whose anchors lie within 256 × 256 pixels from one base.
+  struct Piece {
+    std::uint32_t count;
+    std::int64_t base_x, base_y;
+    bool on_screen() const {
+      constexpr std::int64_t far = std::int64_t{1} << 30;
+      return std::abs(base_x) < far && std::abs(base_y) < far;
+    }
+  };
+
+  /// Bases lie on a lattice of 256 pixels that begins before the region's corner by the kernels' reach, so that regions
+  /// of up to 250 pixels have one. Anchors are monotone along a run: its ends tell.
+  Piece next_piece() const {
+    const Piece front = base_of(run_.first);
+    std::uint32_t count = std::min<std::uint32_t>(run_.count, RunPlaces::capacity);
+    for (; count > 1; count = (count + 1) / 2) {
+      const Piece back = base_of(run_.first + count - 1);
+      if (back.base_x == front.base_x && back.base_y == front.base_y) break;
+      if (count == 2) return front;
+    }
+    return {count, front.base_x, front.base_y};
+  }
+
+  Piece base_of(std::uint32_t column) const {
+    const glm::dvec3 position = dda_.position(column);
+    const auto base = [](std::int64_t pixel, std::int64_t corner) { return corner + ((pixel - corner) & ~std::int64_t{255}); };
+    return {1, base(anchor_pixel(position.x), corner_x_), base(anchor_pixel(position.y), corner_y_)};
+  }
+
+  void append_splats(const Piece& piece) {
+    const Footprint& footprint = geometry_.footprint;
+    place_run(footprint, dda_, run_.first, int(piece.count), piece.base_x, piece.base_y, places_);
+    const std::size_t first = splats_.size();
+    splats_.resize(first + piece.count);
+    for (std::size_t k = 0; k < piece.count; ++k) {
+      Voxel voxel;
+      std::memcpy(&voxel, body_.data() + voxel_at_ + k * sizeof voxel, sizeof voxel);
+      const VoxelColour colour = unpack(voxel);
+      splats_[first + k] = {places_.a[k], places_.b[k], places_.c[k], weighted_opacity(footprint, colour.opacity),
+                            colour.red, colour.green, colour.blue, static_cast<std::uint8_t>(places_.anchor_x[k]),
+                            static_cast<std::uint8_t>(places_.anchor_y[k])};
+    }
   }
 
   /// Moves `at` behind the group; false when it is not whole or a run leaves the slice.
@@ -102,6 +129,10 @@ class RunReader final : public PayloadReader {
       at_ = std::max(at_, group_end_);
       if (!take(body_, at_, group_)) return false;
       runs_left_ = group_.runs;
+      const PixelRect rect = geometry_.regions.rect(group_.region);
+      const KernelReach reach = kernel_reach(geometry_.footprint);
+      corner_x_ = rect.x0 - reach.x - 1;
+      corner_y_ = rect.y0 - reach.y - 1;
       voxel_at_ = at_ + group_.runs * sizeof(VoxelRun);
       group_end_ = voxel_at_ + group_.voxels * sizeof(Voxel);
     }
@@ -118,8 +149,10 @@ class RunReader final : public PayloadReader {
   std::span<const std::byte> body_;
   std::size_t at_ = 0, voxel_at_ = 0, group_end_ = 0;  ///< bytes into the body: the next run, the next voxel, the next group
   RunGroup group_{};
+  std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< where the bases' lattice begins
   std::uint32_t runs_left_ = 0;
   VoxelRun run_{};  ///< what is left of the run
+  RunPlaces places_;
   std::vector<Splat> splats_;
 };
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -30,12 +31,16 @@ class SliceEncoder : public Encoder {
   virtual void move_part(int region, Bytes& payload) = 0;
   virtual std::size_t part_bytes(int region) const = 0;
 
-  /// Counts a splat of a region; its part becomes one of the slice's payloads.
-  void count(int region, int column, int row) {
+  /// Counts splats of a region, of voxels in columns first … first + splats − 1; its part becomes one of the slice's payloads.
+  void count_run(int region, int first, int splats, int row) {
     RegionCounts& counts = counts_[std::size_t(region)];
-    if (counts.splats++ == 0) used_.push_back(region);
-    const int pass = column % stride_ + stride_ * (row % stride_);
-    counts.passes[std::size_t(pass) / 64] |= std::uint64_t{1} << (pass % 64);
+    if (counts.splats == 0) used_.push_back(region);
+    counts.splats += std::uint32_t(splats);
+    const int row_passes = stride_ * (row % stride_);
+    for (int k = 0, column = first % stride_; k < std::min(splats, stride_); ++k, column = column + 1 == stride_ ? 0 : column + 1) {
+      const auto pass = std::size_t(row_passes + column);
+      counts.passes[pass / 64] |= std::uint64_t{1} << (pass % 64);
+    }
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
   /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.

@@ -64,7 +64,7 @@ class WordEncoder final : public SliceEncoder {
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
     std::memcpy(part.grow(sizeof splat), &splat, sizeof splat);
     ++part.head.count;
-    count(region, column, row);
+    count_run(region, column, 1, row);
   }
 
   /// A base before the region's corner by the kernel's reach holds all anchors of a region of up to 250 pixels in one group;

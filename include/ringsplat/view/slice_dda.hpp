@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -19,12 +20,20 @@ class SliceDda {
   SliceDda(const ViewTransform& view, Axis axis, int width);
   /// Goes to lattice (u, v, axis) = (0, row, slice), with u and v as in in_plane(axis).
   void begin_row(int slice, int row);
-  glm::dvec3 position(std::uint32_t column) const { return row_start_ + columns_[column]; }
+  glm::dvec3 position(std::uint32_t column) const {
+    return row_start_ + glm::dvec3(steps_[0][column], steps_[1][column], steps_[2][column]);
+  }
+
+  // For vector code: x and y positions are row start + step, with room to read `padding` steps behind the last column.
+  static constexpr int padding = 8;
+  const glm::dvec3& row_start() const { return row_start_; }
+  const double* steps_x() const { return steps_[0].data(); }
+  const double* steps_y() const { return steps_[1].data(); }
 
  private:
   ViewTransform view_;
   Axis axis_;
-  std::vector<glm::dvec3> columns_;
+  std::array<std::vector<double>, 3> steps_;  ///< by screen axis and column
   glm::dvec3 row_start_{0.0};
 };
 
