@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "splat/painter_kernels.hpp"
 #include "splat/pixel_vectors-inl.hpp"
@@ -12,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-#if HWY_TARGET == HWY_SCALAR
+#if RINGSPLAT_ONE_BY_ONE
 
 void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
   for (std::size_t i = 0; i < floats; i += 4) {
@@ -21,7 +22,7 @@ void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::siz
     const float opacity = std::min(std::max(pixel[3], 0.0F), 1.0F), left = 1.0F - behind[3];
     const float transmittance = left < opaque ? 0.0F : left;
     for (int k = 0; k < 4; ++k) {
-      behind[k] = behind[k] + transmittance * std::min(std::max(pixel[k], 0.0F), opacity);
+      behind[k] = std::fma(transmittance, std::min(std::max(pixel[k], 0.0F), opacity), behind[k]);
     }
     std::fill_n(pixel, 4, 0.0F);
   }
@@ -40,7 +41,7 @@ void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::siz
     const auto behind = hn::Load(d, image + i);
     const auto left = hn::Sub(one, hn::Broadcast<3>(behind));
     const auto transmittance = hn::IfThenZeroElse(hn::Lt(left, least), left);
-    hn::Store(hn::Add(behind, hn::Mul(transmittance, added)), d, image + i);
+    hn::Store(hn::MulAdd(transmittance, added, behind), d, image + i);
   }
 }
 

@@ -32,10 +32,10 @@ RowConstants row_constants(const Footprint& footprint, const Splat& splat, std::
           static_cast<float>(footprint.p[1][0] * dy),
           static_cast<float>(footprint.p[1][1] * dy),
           splat.a,
-          splat.c + splat.b * static_cast<float>(dy)};
+          std::fma(splat.b, static_cast<float>(dy), splat.c)};
 }
 
-#if HWY_TARGET == HWY_SCALAR
+#if RINGSPLAT_ONE_BY_ONE
 
 class RowAdder {
  public:
@@ -43,8 +43,8 @@ class RowAdder {
     bool reached = false;
     for (std::int64_t at = extent.first; at <= extent.last; ++at, pixels += 4) {
       const auto dx = static_cast<float>(static_cast<std::int32_t>(at));
-      const float u = row.p00 * dx + row.u0, v = row.p10 * dx + row.v0;
-      const float q = (-(u * u + v * v) + row.a * dx) + row.linear;
+      const float u = std::fma(row.p00, dx, row.u0), v = std::fma(row.p10, dx, row.v0);
+      const float q = std::fma(row.a, dx, -std::fma(u, u, v * v)) + row.linear;
       if (!(q > 0)) continue;
       reached = true;
       add_to(pixels, q * q, colour);
@@ -72,9 +72,9 @@ class RowAdder {
     for (std::int64_t at = extent.first; at <= extent.last; at += lanes, pixels += 4 * lanes) {
       const auto column = hn::Iota(d32, static_cast<std::int32_t>(at));
       const auto dx = hn::ConvertTo(d, column);
-      const auto u = hn::Add(hn::Mul(p00, dx), u0), v = hn::Add(hn::Mul(p10, dx), v0);
-      const auto k = hn::Neg(hn::Add(hn::Mul(u, u), hn::Mul(v, v)));
-      const auto q = hn::Add(hn::Add(k, hn::Mul(a, dx)), linear);
+      const auto u = hn::MulAdd(p00, dx, u0), v = hn::MulAdd(p10, dx, v0);
+      const auto k = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
+      const auto q = hn::Add(hn::MulAdd(a, dx, k), linear);
       const auto inside = hn::RebindMask(d, hn::Lt(column, end));
       const auto w = hn::IfThenElseZero(inside, hn::Max(q, hn::Zero(d)));
       largest = hn::Max(largest, w);

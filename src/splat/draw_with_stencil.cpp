@@ -4,6 +4,7 @@
 #define HWY_TARGET_INCLUDE "splat/draw_with_stencil.cpp"
 #include <hwy/foreach_target.h>
 
+#include <cmath>
 #include <type_traits>
 
 #include "splat/painter_kernels.hpp"
@@ -12,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-#if HWY_TARGET == HWY_SCALAR
+#if RINGSPLAT_ONE_BY_ONE
 
 constexpr std::size_t pixels_a_vector = 1;
 
@@ -29,7 +30,7 @@ class KernelAdder {
     for (std::size_t i = 0; i < stencil_.blocks * block_pixels; ++i) {
       const float dx = stencil_.dx[i], dy = stencil_.dy[i];
       if (at_border && !slice_.holds(x + static_cast<int>(dx), y + static_cast<int>(dy))) continue;
-      const float q = (stencil_.k[i] + splat.a * dx) + (splat.c + splat.b * dy);
+      const float q = std::fma(splat.a, dx, stencil_.k[i]) + std::fma(splat.b, dy, splat.c);
       if (!(q > 0)) continue;
       reached = true;
       add_to(anchor + stencil_.offset[i / block_pixels] + i % block_pixels * 4, q * q, colour);
@@ -133,7 +134,7 @@ class KernelAdder {
   template <class Clip>
   HWY_INLINE void add_vector(float* anchor, const std::ptrdiff_t* offset, const StencilVectors& at,
                              const SplatVectors& splat, Clip& border) const {
-    const auto q = hn::Add(hn::Add(at.k, hn::Mul(splat.a, at.dx)), hn::Add(splat.c, hn::Mul(splat.b, at.dy)));
+    const auto q = hn::Add(hn::MulAdd(splat.a, at.dx, at.k), hn::MulAdd(splat.b, at.dy, splat.c));
     const auto w = border.clip(hn::Max(q, hn::Zero(Floats())), at);
     const auto weights = hn::Mul(w, w);
     constexpr std::size_t a_block = 4 / pixels_a_vector;

@@ -26,7 +26,7 @@ HWY_INLINE Splat load_splat(const std::byte* bytes) {
   return splat;
 }
 
-#if HWY_TARGET == HWY_SCALAR
+#if RINGSPLAT_ONE_BY_ONE
 
 /// Whether a, b, c and the opacity are all numbers that a footprint can give.
 HWY_INLINE bool is_plausible(const Splat& splat) {
@@ -47,7 +47,7 @@ HWY_INLINE Colour load_colour(const Splat& splat) {
 }
 
 HWY_INLINE void add_to(float* pixel, float weight, const Colour& colour) {
-  for (int i = 0; i < 4; ++i) pixel[i] = pixel[i] + weight * colour.rgba[i];
+  for (int i = 0; i < 4; ++i) pixel[i] = std::fma(weight, colour.rgba[i], pixel[i]);
 }
 
 #else
@@ -110,7 +110,7 @@ HWY_INLINE Colour load_colour(const Splat& splat) {
 
 HWY_INLINE void add_to(float* pixels, FloatVector weights, FloatVector colour) {
   const Floats d;
-  hn::StoreU(hn::Add(hn::LoadU(d, pixels), hn::Mul(weights, colour)), d, pixels);
+  hn::StoreU(hn::MulAdd(weights, colour, hn::LoadU(d, pixels)), d, pixels);
 }
 
 #endif

@@ -92,7 +92,7 @@ class FloatPainter {
       const float opacity = std::clamp(slice_[i + 3], 0.0F, 1.0F);
       const float transmittance = 1.0F - image_[i + 3];
       for (std::size_t k = 0; k < 4; ++k) {
-        image_[i + k] = image_[i + k] + transmittance * std::clamp(slice_[i + k], 0.0F, opacity);
+        image_[i + k] = std::fma(transmittance, std::clamp(slice_[i + k], 0.0F, opacity), image_[i + k]);
       }
     }
     std::fill(slice_.begin(), slice_.end(), 0.0F);
@@ -105,19 +105,17 @@ class FloatPainter {
     const auto x = static_cast<float>(dx), y = static_cast<float>(dy);
     float k = static_cast<float>(footprint_.d * dx * dx + footprint_.e * dx * dy + footprint_.f * dy * dy);
     if (2 * std::max(reach_.x, reach_.y) + 2 > 64) {
-      const float u =
-          static_cast<float>(footprint_.p[0][0]) * x + static_cast<float>(footprint_.p[1][0] * dy);
-      const float v =
-          static_cast<float>(footprint_.p[0][1]) * x + static_cast<float>(footprint_.p[1][1] * dy);
-      k = -(u * u + v * v);
+      const float u = std::fma(static_cast<float>(footprint_.p[0][0]), x, static_cast<float>(footprint_.p[1][0] * dy));
+      const float v = std::fma(static_cast<float>(footprint_.p[0][1]), x, static_cast<float>(footprint_.p[1][1] * dy));
+      k = -std::fma(u, u, v * v);
     }
-    const float q = (k + splat.a * x) + (splat.c + splat.b * y);
+    const float q = std::fma(splat.a, x, k) + std::fma(splat.b, y, splat.c);
     const float w = std::max(q, 0.0F), weight = w * w;
     const float scale = splat.opacity * (1.0F / 65535.0F);
-    pixel[0] = pixel[0] + weight * (static_cast<float>(splat.red) * scale);
-    pixel[1] = pixel[1] + weight * (static_cast<float>(splat.green) * scale);
-    pixel[2] = pixel[2] + weight * (static_cast<float>(splat.blue) * scale);
-    pixel[3] = pixel[3] + weight * splat.opacity;
+    pixel[0] = std::fma(weight, static_cast<float>(splat.red) * scale, pixel[0]);
+    pixel[1] = std::fma(weight, static_cast<float>(splat.green) * scale, pixel[1]);
+    pixel[2] = std::fma(weight, static_cast<float>(splat.blue) * scale, pixel[2]);
+    pixel[3] = std::fma(weight, splat.opacity, pixel[3]);
   }
 
   Footprint footprint_;
