@@ -5,51 +5,60 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/image_difference.hpp"
+#include "app/difference_image.hpp"
 #include "app/output_file.hpp"
 #include "ringsplat/app/image_io.hpp"
+#include "ringsplat/truth/metrics.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 constexpr const char* channel_names[] = {"red", "green", "blue", "alpha"};
 
+/// What is printed of two pictures.
+struct Comparison {
+  truth::ImageError error;
+  int channels;  ///< 3: neither picture has alpha
+  double over;   ///< fraction of the pixels over --threshold
+  std::uint64_t pixels;
+  bool linear, failed;
+};
+
 /// Infinite and undefined figures become null, as JSON has no such numbers.
-nlohmann::json to_json(const Difference& d) {
-  return {{"rmse", d.rmse}, {"psnr", d.psnr()}, {"largest", d.largest}, {"mean", d.mean}};
+nlohmann::json to_json(const truth::ErrorFigures& f) {
+  return {{"rmse", f.rmse}, {"psnr", f.psnr()},   {"largest", f.largest},
+          {"mean", f.mean}, {"over_1", f.over_1}, {"over_2", f.over_2}};
 }
 
-std::string to_json_text(const CompareOptions& o, const ImageDifference& d, bool linear, bool failed) {
-  auto j = to_json(d.total);
+std::string to_json_text(const CompareOptions& o, const Comparison& c) {
+  auto j = to_json(c.error.total);
   j["a"] = o.a;
   j["b"] = o.b;
-  j["values"] = linear ? "linear" : "display";
+  j["values"] = c.linear ? "linear" : "display";
   j["unit"] = "1/255";
-  j["largest_at"] = {d.largest_x, d.largest_y};
+  j["largest_at"] = {c.error.worst.x, c.error.worst.y};
   j["threshold"] = o.threshold;
-  j["pixels"] = d.pixels;
-  j["pixels_over"] = d.pixels_over;
-  j["fraction_over"] = d.fraction_over();
-  for (int c = 0; c < d.channel_count; ++c)
-    j["channels"][channel_names[c]] = to_json(d.channels[std::size_t(c)]);
-  j["failed"] = failed;
+  j["pixels"] = c.pixels;
+  j["fraction_over"] = c.over;
+  for (int k = 0; k < c.channels; ++k)
+    j["channels"][channel_names[k]] = to_json(c.error.channels[std::size_t(k)]);
+  j["failed"] = c.failed;
   return j.dump(2);
 }
 
-std::string to_text(const CompareOptions& o, const ImageDifference& d, bool linear) {
-  std::string text =
-      fmt::format("{:<10}{:>12}{:>12}{:>12}{:>12}\n", "1/255", "RMSE", "PSNR dB", "largest", "mean");
-  const auto row = [&](const char* name, const Difference& x) {
-    text += fmt::format("{:<10}{:>12.6g}{:>12.4g}{:>12.6g}{:>+12.4g}\n", name, x.rmse, x.psnr(), x.largest,
-                        x.mean);
+std::string to_text(const CompareOptions& o, const Comparison& c) {
+  std::string text = fmt::format("{:<10}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "1/255", "RMSE", "PSNR dB",
+                                 "largest", "mean", "over 1, %", "over 2, %");
+  const auto row = [&](const char* name, const truth::ErrorFigures& f) {
+    text += fmt::format("{:<10}{:>12.6g}{:>12.4g}{:>12.6g}{:>+12.4g}{:>12.4g}{:>12.4g}\n", name, f.rmse,
+                        f.psnr(), f.largest, f.mean, 100 * f.over_1, 100 * f.over_2);
   };
-  row("all", d.total);
-  for (int c = 0; c < d.channel_count; ++c) row(channel_names[c], d.channels[std::size_t(c)]);
+  row("all", c.error.total);
+  for (int k = 0; k < c.channels; ++k) row(channel_names[k], c.error.channels[std::size_t(k)]);
   text += fmt::format(
-      "largest at ({}, {}); {} of {} pixels ({:.4g} %) differ by more than {:g}/255; {} premultiplied "
-      "values\n",
-      d.largest_x, d.largest_y, d.pixels_over, d.pixels, 100 * d.fraction_over(), o.threshold,
-      linear ? "linear" : "display (sRGB)");
+      "largest at ({}, {}); {:.4g} % of {} pixels differ by more than {:g}/255; {} premultiplied values\n",
+      c.error.worst.x, c.error.worst.y, 100 * c.over, c.pixels, o.threshold,
+      c.linear ? "linear" : "display (sRGB)");
   return text;
 }
 
@@ -82,11 +91,17 @@ ExitCode run_compare(const CompareOptions& o) {
     a = to_linear(std::move(a));
     b = to_linear(std::move(b));
   }
-  const ImageDifference d = difference(a.image, b.image, a.has_alpha || b.has_alpha ? 4 : 3, o.threshold);
-  const bool failed = o.fail_above && !(d.total.rmse <= *o.fail_above);
-  fmt::print("{}", o.json ? to_json_text(o, d, a.linear, failed) + "\n" : to_text(o, d, a.linear));
+  const int channels = a.has_alpha || b.has_alpha ? 4 : 3;
+  Comparison c{truth::compare(a.image, b.image, channels),
+               channels,
+               truth::fraction_over(a.image, b.image, o.threshold, channels),
+               std::uint64_t(a.image.width) * std::uint64_t(a.image.height),
+               a.linear,
+               false};
+  c.failed = o.fail_above && !(c.error.total.rmse <= *o.fail_above);
+  fmt::print("{}", o.json ? to_json_text(o, c) + "\n" : to_text(o, c));
   if (!o.difference.empty()) write_difference(o, a.image, b.image);
-  return failed ? ExitCode::comparison_failed : ExitCode::done;
+  return c.failed ? ExitCode::comparison_failed : ExitCode::done;
 }
 
 }  // namespace ringsplat::app

@@ -51,18 +51,6 @@ truth::Scene make_scene(WholeVolume&& volume) {
   return scene;
 }
 
-void set_frame(truth::Scene& scene, const FrameSpec& spec) {
-  scene.transfer_function = spec.transfer_function;
-  scene.camera = spec.camera;
-  scene.width = spec.width;
-  scene.height = spec.height;
-  scene.shaded = spec.shading == Shading::phong;
-  scene.material = spec.material;
-  scene.light = spec.light;
-  scene.radius = spec.kernel_radius;
-  scene.opacity_correction = spec.opacity_correction;
-}
-
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
                                   std::span<const truth::Pixel> pixels) {
   switch (e.truth) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "app/options.hpp"
+#include "ringsplat/app/truth_scene.hpp"
 #include "ringsplat/truth/metrics.hpp"
 #include "ringsplat/volume/statistics.hpp"
 
@@ -19,10 +20,9 @@ struct WholeVolume {
 /// Throws InputError: unreadable, no finite value, larger than this machine's memory.
 WholeVolume read_whole(VolumeSource& source);
 
-/// The volume's values are moved into the scene and stay there from frame to frame; set_frame changes the
-/// rest.
+/// The volume's values are moved into the scene and stay there from frame to frame; set_frame
+/// (ringsplat/app/truth_scene.hpp) changes the rest.
 truth::Scene make_scene(WholeVolume&& volume);
-void set_frame(truth::Scene& scene, const FrameSpec& spec);
 
 struct Evaluation {
   TruthKind truth = TruthKind::field;

@@ -1,7 +1,5 @@
 #include "ringsplat/truth/metrics.hpp"
 
-#include <OpenImageIO/imagebuf.h>
-#include <OpenImageIO/imagebufalgo.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -38,48 +36,71 @@ ErrorFigures figures(const Sums& sums, double values) {
   return f;
 }
 
-OIIO::ImageBuf buffer(const Image& image) {
-  return {OIIO::ImageSpec(image.width, image.height, 4, OIIO::TypeDesc::FLOAT),
-          const_cast<float*>(image.rgba.data())};
-}
+/// How far apart the pixels are in the channels [first, end), the most of them each. OpenImageIO's comparison
+/// is not used: it leaves pixels that are not finite out of its counts, and sums squares in float32.
+class PixelDistances {
+ public:
+  PixelDistances(const Image& image, const Image& truth, int first, int end) : width_(image.width) {
+    for (std::size_t at = 0; at < image.rgba.size(); at += 4) {
+      double most = 0;
+      for (auto c = std::size_t(first); c < std::size_t(end); ++c)
+        most = std::max(most, std::abs(apart(double(image.rgba[at + c]), double(truth.rgba[at + c]))));
+      distances_.push_back(most);
+    }
+  }
+  /// The limit is widened by its ten-thousandth: values of 8 bits that lie a whole number of levels apart do
+  /// so only up to float32's rounding, and must not be over it by chance.
+  double fraction_over(double limit) const {
+    const auto over = [&](double d) { return d > limit * 1.0001; };
+    return double(std::count_if(distances_.begin(), distances_.end(), over)) / double(distances_.size());
+  }
+  Pixel worst() const {
+    const auto at = int(std::max_element(distances_.begin(), distances_.end()) - distances_.begin());
+    return {at % width_, at / width_};
+  }
 
-/// Counts the pixels of which a channel of [first, end) is over one or two levels, by OpenImageIO, whose own
-/// sums of squares are not used: they are rounded to float32.
-void count_over(const Image& image, const Image& truth, int first, int end, ErrorFigures& f, Pixel* worst) {
-  const OIIO::ROI roi(0, image.width, 0, image.height, 0, 1, first, end);
-  const auto found = OIIO::ImageBufAlgo::compare(buffer(image), buffer(truth), static_cast<float>(2 / levels),
-                                                 static_cast<float>(1 / levels), roi);
-  const double pixels = double(image.width) * image.height;
-  f.over_1 = double(found.nwarn) / pixels;
-  f.over_2 = double(found.nfail) / pixels;
-  if (worst != nullptr) *worst = {found.maxx, found.maxy};
-}
+ private:
+  int width_;
+  std::vector<double> distances_;
+};
 
 }  // namespace
 
 double ErrorFigures::psnr() const { return 20 * std::log10(levels / rmse); }
 
-ImageError compare(const Image& image, const Image& truth) {
+ImageError compare(const Image& image, const Image& truth, int channels) {
   if (image.width != truth.width || image.height != truth.height || image.width < 1 || image.height < 1)
     throw InputError(fmt::format("pictures of {}x{} and {}x{} pixels cannot be compared", image.width,
                                  image.height, truth.width, truth.height),
                      "compare pictures of the same size");
   std::array<Sums, 4> by_channel;
   Sums all;
-  for (std::size_t at = 0; at < image.rgba.size(); ++at) {
-    const double d = apart(double(image.rgba[at]), double(truth.rgba[at]));
-    by_channel[at % 4].add(d);
-    all.add(d);
-  }
+  for (std::size_t at = 0; at < image.rgba.size(); ++at)
+    if (const auto channel = at % 4; int(channel) < channels) {
+      const double d = apart(double(image.rgba[at]), double(truth.rgba[at]));
+      by_channel[channel].add(d);
+      all.add(d);
+    }
   ImageError error;
   const double pixels = double(image.width) * image.height;
-  error.total = figures(all, 4 * pixels);
-  count_over(image, truth, 0, 4, error.total, &error.worst);
-  for (int c = 0; c < 4; ++c) {
-    error.channels[std::size_t(c)] = figures(by_channel[std::size_t(c)], pixels);
-    count_over(image, truth, c, c + 1, error.channels[std::size_t(c)], nullptr);
+  error.total = figures(all, channels * pixels);
+  const auto set_fractions = [](ErrorFigures& f, const PixelDistances& distances) {
+    f.over_1 = distances.fraction_over(1);
+    f.over_2 = distances.fraction_over(2);
+  };
+  const PixelDistances distances(image, truth, 0, channels);
+  set_fractions(error.total, distances);
+  error.worst = distances.worst();
+  for (int c = 0; c < channels; ++c) {
+    ErrorFigures& f = error.channels[std::size_t(c)];
+    f = figures(by_channel[std::size_t(c)], pixels);
+    set_fractions(f, PixelDistances(image, truth, c, c + 1));
   }
   return error;
+}
+
+double fraction_over(const Image& image, const Image& truth, double threshold, int channels) {
+  return PixelDistances(image, truth, 0, channels).fraction_over(threshold);
 }
 
 SampledError sampled_error(const Image& image, std::span<const Pixel> pixels, std::span<const Rgba> truth) {

@@ -179,6 +179,11 @@ TEST_CASE("compare tells equal pictures from different ones") {
   CHECK(j.at("failed") == true);
   CHECK(j.at("rmse").get<double>() > 0.5);
   CHECK(j.at("channels").size() == 4);
+  for (const auto& figures : j.at("channels"))
+    for (const char* figure : {"rmse", "psnr", "largest", "mean", "over_1", "over_2"})
+      CHECK(figures.at(figure).is_number());
+  CHECK(j.at("over_1") == j.at("fraction_over"));
+  CHECK(j.at("over_2") <= j.at("over_1"));
   CHECK(read_image(w / "d.png").image.width == 96);
   CHECK(run_program({"compare", w / "a.png", w / "b.png", "--fail-above", "200"}).code == 0);
   // The same picture in two encodings differs by the 8 bits only.

@@ -66,6 +66,37 @@ TEST_CASE("a value that is not finite is infinitely wrong") {
   broken.pixel(7, 9)[2] = std::numeric_limits<float>::quiet_NaN();
   CHECK(std::isinf(compare(broken, truth_picture).total.largest));
   CHECK(std::isinf(compare(broken, truth_picture).total.rmse));
+  CHECK(compare(broken, truth_picture).total.over_2 == Approx(1.0 / (size * size)));
+  CHECK(compare(broken, truth_picture).worst == Pixel{7, 9});
+  Image also_broken = truth_picture;
+  also_broken.pixel(7, 9)[2] = std::numeric_limits<float>::quiet_NaN();
+  CHECK(compare(broken, also_broken).total.rmse == 0.0);
+}
+
+TEST_CASE("8-bit pictures one level apart are not over one level") {
+  Image dark(256, 1), bright(256, 1);
+  for (int level = 0; level < 255; ++level) {
+    dark.pixel(level, 0)[0] = static_cast<float>(level) / 255;
+    bright.pixel(level, 0)[0] = static_cast<float>(level + 1) / 255;
+  }
+  CHECK(compare(bright, dark).total.over_1 == 0.0);
+  CHECK(fraction_over(bright, dark, 0.999) == Approx(255.0 / 256));
+}
+
+TEST_CASE("of opaque pictures the fourth channel is left out") {
+  const Image truth_picture = picture();
+  Image other = truth_picture;
+  for (std::size_t at = 0; at < other.rgba.size(); at += 4) {
+    other.rgba[at] += 3.0F / 255;
+    other.rgba[at + 3] = 0;
+  }
+  const ImageError error = compare(other, truth_picture, 3);
+  CHECK(error.total.rmse == Approx(3 / std::sqrt(3.0)).epsilon(1e-4));
+  CHECK(error.total.mean == Approx(1).epsilon(1e-4));
+  CHECK(error.channels[3].largest == 0.0);
+  CHECK(fraction_over(other, truth_picture, 2.9, 3) == 1.0);
+  CHECK(fraction_over(other, truth_picture, 3.1, 3) == 0.0);
+  CHECK(fraction_over(other, truth_picture, 3.1, 4) == 1.0);
 }
 
 TEST_CASE("pictures of different sizes are refused") {
@@ -81,6 +112,9 @@ TEST_CASE("planted: 3/255 in one pixel in a thousand is found") {
   CHECK(error.total.over_2 == Approx(0.001));
   CHECK(error.total.largest == Approx(3).epsilon(0.02));
   CHECK(error.worst.x % 200 == 0);
+  CHECK(fraction_over(planted, truth_picture, 2.5) == Approx(0.001));
+  CHECK(error.channels[0].over_2 == Approx(0.001));
+  CHECK(error.channels[1].over_1 == 0.0);
   const ImageError before = compare(with_noise(truth_picture), truth_picture);
   CHECK(before.total.over_1 == 0.0);
   CHECK(error.total.rmse > 2 * before.total.rmse);  // 0.047 beside noise of 0.015

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "ringsplat/app/truth_scene.hpp"
 #include "ringsplat/truth/analytic.hpp"
 #include "ringsplat/truth/field.hpp"
 #include "ringsplat/truth/method.hpp"
@@ -48,15 +49,7 @@ inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
   truth::Scene scene;
   scene.grid = volume.grid;
   scene.values = truth::read_values(*memory_source(volume.grid, volume.bytes));
-  scene.transfer_function = spec.transfer_function;
-  scene.camera = spec.camera;
-  scene.width = spec.width;
-  scene.height = spec.height;
-  scene.shaded = spec.shading == Shading::phong;
-  scene.material = spec.material;
-  scene.light = spec.light;
-  scene.radius = spec.kernel_radius;
-  scene.opacity_correction = spec.opacity_correction;
+  app::set_frame(scene, spec);
   return scene;
 }
 

@@ -28,8 +28,13 @@ struct ImageError {
 };
 
 /// Throws InputError when the sizes differ. A value that is not finite counts as infinitely wrong, unless it
-/// is the same in both.
-ImageError compare(const Image& image, const Image& truth);
+/// is the same in both. `channels` is 4, or 3 for pictures whose opacity says nothing: it is then in no
+/// figure, and its own are zero.
+ImageError compare(const Image& image, const Image& truth, int channels = 4);
+
+/// The fraction of the pixels of which one of the first `channels` channels differs by more than
+/// `threshold` / 255. Pictures of the same size.
+double fraction_over(const Image& image, const Image& truth, double threshold, int channels = 4);
 
 /// The error of a picture from some of its pixels.
 struct SampledError {

@@ -1,0 +1,11 @@
+#pragma once
+#include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/truth/scene.hpp"
+
+namespace ringsplat::app {
+
+/// Makes `scene` show the frame: its view, size, transfer function, light and kernel. Grid and values stay,
+/// so that a volume is read once for many frames.
+void set_frame(truth::Scene& scene, const FrameSpec& spec);
+
+}  // namespace ringsplat::app
