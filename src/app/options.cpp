@@ -201,6 +201,24 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
        light->expected(3)->type_name("X Y Z")->default_str("-0.4 0.6 0.7"),
        app.add_option("--radius", f.kernel_radius, "Radius of a voxel's kernel in voxels")
            ->capture_default_str(),
+       add_choice(app, "--kernel", f.kernel.method,
+                  Choices<KernelMethod>{{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}},
+                  "qee",
+                  "Compute a kernel's weight in each pixel, or look it up in a table of the footprint"),
+       app.add_option("--phases", f.kernel.phases,
+                      "Texture: sub-pixel positions along each axis that the table knows, 1 to 16")
+           ->capture_default_str(),
+       app.add_option(
+              "--qee-bits", f.kernel.qee_bits,
+              "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32")
+           ->capture_default_str(),
+       add_choice(
+           app, "--normalisation", f.kernel.normalisation,
+           Choices<Normalisation>{{"none", Normalisation::none},
+                                  {"constant", Normalisation::constant},
+                                  {"exact", Normalisation::exact}},
+           "constant",
+           "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel"),
        app.add_option("--region", f.region_size, "Pixels of the side of a Renderer's screen region")
            ->capture_default_str(),
        no_correction});
@@ -300,6 +318,10 @@ void refuse_contradictions(const CLI::App& app) {
   for (const auto& c : contradictions)
     if (given(c.first) && given(c.second))
       throw InputError(fmt::format("{} and {} contradict each other", c.first, c.second), c.way_out);
+  const auto* kernel = app.get_option_no_throw("--kernel");
+  if (given("--phases") && (kernel->count() == 0 || kernel->results().front() != "texture"))
+    throw InputError("--phases has no effect on kernels that are computed",
+                     "leave out --phases or use --kernel texture");
   const auto* shading = app.get_option_no_throw("--shading");
   if (shading == nullptr || shading->count() == 0 || shading->results().front() != "none") return;
   for (const char* name : {"--light", "--ambient", "--diffuse", "--specular", "--exponent"})

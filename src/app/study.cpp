@@ -43,6 +43,7 @@ FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, con
   spec.height = list.height;
   spec.transfer_function = tf;
   spec.kernel_radius = setting.radius;
+  spec.kernel = setting.kernel;
   spec.opacity_correction = setting.opacity_correction;
   spec.shading = setting.shading;
   spec.region_size = setting.region_size;
@@ -92,6 +93,10 @@ nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Settin
   return {{"scene", s.name},
           {"setting", setting.name},
           {"radius", setting.radius},
+          {"kernel", name(setting.kernel.method)},
+          {"phases", setting.kernel.phases},
+          {"qee_bits", setting.kernel.qee_bits},
+          {"normalisation", name(setting.kernel.normalisation)},
           {"opacity_correction", setting.opacity_correction},
           {"phong", setting.shading == Shading::phong},
           {"azimuth", camera.azimuth},

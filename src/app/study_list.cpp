@@ -114,6 +114,17 @@ class Reader {
     return word == "true";
   }
 
+  /// The value whose name() is the item's text.
+  template <class T>
+  T one_of(const CLI::ConfigItem& item, std::initializer_list<T> values) const {
+    std::vector<std::string> names;
+    for (const T value : values) {
+      names.push_back(ringsplat::name(value));
+      if (names.back() == text(item)) return value;
+    }
+    wrong(item, fmt::format("is '{}', not {}", text(item), joined(names, " or ")));
+  }
+
   template <class T>
   static T& named(std::vector<T>& list, const std::string& name) {
     const auto found = std::find_if(list.begin(), list.end(), [&](const T& t) { return t.name == name; });
@@ -192,6 +203,15 @@ class Reader {
       s.opacity_correction = flag(item);
     else if (item.name == "phong")
       s.shading = flag(item) ? Shading::phong : Shading::none;
+    else if (item.name == "kernel")
+      s.kernel.method = one_of(item, {KernelMethod::qee, KernelMethod::texture});
+    else if (item.name == "phases")
+      s.kernel.phases = count(item, 1, 16);
+    else if (item.name == "qee_bits")
+      s.kernel.qee_bits = count(item, 0, 16);
+    else if (item.name == "normalisation")
+      s.kernel.normalisation =
+          one_of(item, {Normalisation::none, Normalisation::constant, Normalisation::exact});
     else if (item.name == "region")
       s.region_size = count(item, 1, 1 << 20);
     else
@@ -207,6 +227,7 @@ class Reader {
         throw InputError(fmt::format("{}: scene {} needs either synth or volume", where_, s.name), hint);
       if (!s.synth.empty()) static_cast<void>(synth_field(s.synth));
     }
+    for (const auto& s : list_.settings) ringsplat::check(s.kernel, s.radius);
     const bool analytic =
         std::find(list_.truths.begin(), list_.truths.end(), TruthKind::analytic) != list_.truths.end();
     for (const auto& s : list_.scenes)

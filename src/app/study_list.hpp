@@ -19,6 +19,7 @@ struct StudyList {
   struct Setting {
     std::string name;
     double radius = 1.6;
+    KernelOptions kernel = {};
     bool opacity_correction = true;
     Shading shading = Shading::none;
     int region_size = 128;

@@ -11,6 +11,7 @@ void set_frame(truth::Scene& scene, const FrameSpec& spec) {
   scene.material = spec.material;
   scene.light = spec.light;
   scene.radius = spec.kernel_radius;
+  scene.normalisation = spec.kernel.normalisation;
   scene.opacity_correction = spec.opacity_correction;
 }
 

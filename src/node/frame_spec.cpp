@@ -55,6 +55,23 @@ const char* name(Precision precision) {
   return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
 }
 
+json to_json(const KernelOptions& k) {
+  return {{"method", name(k.method)}, {"phases", k.phases}, {"qee_bits", k.qee_bits}, {"normalisation", name(k.normalisation)}};
+}
+
+/// The value of that name; throws when there is none.
+template <class T>
+T named(const std::string& word, std::initializer_list<T> values) {
+  for (const T value : values)
+    if (name(value) == word) return value;
+  throw RunError(fmt::format("a frame announcement says '{}', which this build does not know", word), "all ranks must run the same build");
+}
+
+KernelOptions kernel_from(const json& j) {
+  return {named(j.at("method"), {KernelMethod::qee, KernelMethod::texture}), j.at("phases"), j.at("qee_bits"),
+          named(j.at("normalisation"), {Normalisation::none, Normalisation::constant, Normalisation::exact})};
+}
+
 json to_json(const FrameSpec& s) {
   return {{"frame", s.frame},
           {"camera", to_json(s.camera)},
@@ -65,6 +82,7 @@ json to_json(const FrameSpec& s) {
           {"material", to_json(s.material)},
           {"light", to_json(s.light)},
           {"radius", s.kernel_radius},
+          {"kernel", to_json(s.kernel)},
           {"opacity_correction", s.opacity_correction},
           {"opaque_threshold", s.opaque_threshold},
           {"payload", name(s.payload)},
@@ -84,6 +102,7 @@ FrameSpec frame_spec_from(const json& j) {
   s.material = {m.at("ambient"), m.at("diffuse"), m.at("specular"), m.at("exponent")};
   s.light = vec_from(j.at("light"));
   s.kernel_radius = j.at("radius");
+  s.kernel = kernel_from(j.at("kernel"));
   s.opacity_correction = j.at("opacity_correction");
   s.opaque_threshold = j.at("opaque_threshold");
   s.payload = j.at("payload") == "words" ? PayloadForm::words : PayloadForm::runs;
@@ -96,6 +115,7 @@ FrameSpec frame_spec_from(const json& j) {
 void check(const FrameSpec& spec) {
   static_cast<void>(Regions(spec.width, spec.height, spec.region_size));
   check(spec.transfer_function, "the transfer function");
+  check(spec.kernel, spec.kernel_radius);
   const double light = glm::length(spec.light);
   if (!(std::isfinite(light) && light > 0))
     throw InputError("--light needs a direction of finite length above zero", "for instance --light -0.4 0.6 0.7");
@@ -137,10 +157,12 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   g.view = make_view(spec.camera, lattice, spec.width, spec.height);
   g.traversal = choose_traversal(g.view, lattice);
   g.footprint = make_footprint(g.view, g.traversal.axis, spec.kernel_radius);
+  if (spec.kernel.normalisation == Normalisation::none) g.footprint.weight = 1;
   constexpr double widest = 1 << 20;
   if (!(std::max(g.footprint.half.x, g.footprint.half.y) < widest))
     throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * std::max(g.footprint.half.x, g.footprint.half.y)),
                      "use a smaller --zoom or --size");
+  check(spec.kernel, g.footprint);
   g.regions = Regions(spec.width, spec.height, spec.region_size);
   g.slices = grid.slices(g.traversal.axis);
   return g;

@@ -24,7 +24,8 @@ class SplatPainter final : public Painter {
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
     if (!same_layout(geometry.regions)) lay_out(geometry.regions);
     geometry_ = geometry;
-    for (auto& painter : painters_) painter.begin_frame(geometry.footprint, static_cast<float>(spec.opaque_threshold));
+    const FrameKernel kernel = make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
+    for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
     reader_ = spec.payload == PayloadForm::words ? make_word_reader() : make_run_reader(spec, geometry_, grid_);
     told_.clear();
     counts_ = {};
@@ -40,6 +41,7 @@ class SplatPainter final : public Painter {
     } catch (const RunError& e) {
       throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
     }
+    voxel_ = voxel_of_step(step);
     drawing_.reset();
   }
 
@@ -113,8 +115,15 @@ class SplatPainter final : public Painter {
   void composite() {
     if (!drawing_) return;
     const ScopedSeconds timed(composite_seconds_);
-    painter_of(*drawing_).composite();
+    painter_of(*drawing_).composite(voxel_);
     drawing_.reset();
+  }
+
+  /// Where a voxel of the slice lies on the screen.
+  glm::dvec2 voxel_of_step(int step) const {
+    glm::dvec3 voxel(0.0);
+    voxel[static_cast<int>(geometry_.traversal.axis)] = geometry_.traversal.slice_at(step, geometry_.slices);
+    return geometry_.view.project(voxel);
   }
 
   RegionPainter& painter_of(int region) { return painters_[slot_of_region_[std::size_t(region)]]; }
@@ -128,6 +137,7 @@ class SplatPainter final : public Painter {
   std::vector<RegionPainter> painters_;      ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into painters_
   std::unique_ptr<PayloadReader> reader_;
+  glm::dvec2 voxel_{0.0};                    ///< of the slice
   std::optional<int> drawing_;             ///< region whose slice buffer is in use
   std::map<int, std::vector<int>> told_;   ///< by GP: how many opaque tiles of each owned region it knows
   PaintCounts counts_;

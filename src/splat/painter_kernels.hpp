@@ -19,6 +19,23 @@ DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, c
 /// region.
 DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run);
 
+struct FootprintTable;
+
+/// The same with the weight of a pixel looked up in the table, at the splat's phase. Prepared as for
+/// draw_by_rows.
+DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run);
+
+/// The same with Q in fixed point, as Pixel-Planes 5 evaluated it (Neumann 1992, sections 2.2 and 4.1).
+/// Prepared as for draw_by_rows.
+///
+/// The six coefficients are rounded to bits + 14 binary places, the sum of their products with the whole
+/// offsets (dx, dy) is exact, and the last 14 places are cut off as a bit-serial evaluator does. So Q is a
+/// multiple of 2^−bits, not above the true one but for the coefficients' rounding, and 1 itself becomes
+/// 1 − 2^−bits. 14 guard bits are what the squares of offsets within a region of 128 pixels need: the rounded
+/// D, E and F then err by half of the result's last place at most. Q² and the sums are float32.
+DrawCounts draw_fixed_point(const SliceBuffer& slice, const Footprint& footprint, int bits,
+                            const SplatRun& run);
+
 /// Puts `floats` floats of a row behind the image and clears them in the slice: premultiplied RGBA pixels,
 /// C = fma(1 − A, c, C) and A = fma(1 − A, a, A), in float32. Summing the opacity keeps the digits of slices as faint as 1e-7,
 /// which a product of transmittances loses. Pixels whose transmittance 1 − A is below `opaque` stay as they are.

@@ -69,6 +69,7 @@ struct RegionPainter::State {
   int x0, y0, width, height;
   Footprint footprint;
   float opaque_threshold = 0;
+  FrameKernel kernel;
   std::optional<Stencil> stencil;  ///< empty for kernels drawn by rows
   bool prepared = false;           ///< buffers and stencil are those of this frame's footprint
   bool touched = false;            ///< the image holds something of this frame
@@ -91,7 +92,7 @@ struct RegionPainter::State {
 
   void prepare() {
     const auto reach = kernel_reach(footprint);
-    const bool small = has_stencil(footprint);
+    const bool small = !kernel.table && kernel.qee_bits == 0 && has_stencil(footprint);
     const auto margins = small ? stencil_margins(reach) : row_margins;
     const std::ptrdiff_t left = round_up(margins.left);
     const std::ptrdiff_t row = left + round_up(width + margins.right);
@@ -110,6 +111,12 @@ struct RegionPainter::State {
 
   void clear_image() {
     std::fill_n(image.get(), image_row_floats() * height, 0.0F);
+  }
+
+  DrawCounts draw(const SplatRun& run) const {
+    if (kernel.table) return draw_with_texture(slice, *kernel.table, run);
+    if (kernel.qee_bits > 0) return draw_fixed_point(slice, footprint, kernel.qee_bits, run);
+    return stencil ? draw_with_stencil(slice, *stencil, run) : draw_by_rows(slice, footprint, run);
   }
 
   /// From runs of anchors to the runs of pixels their windows cover, inside the region.
@@ -192,10 +199,11 @@ RegionPainter::~RegionPainter() = default;
 RegionPainter::RegionPainter(RegionPainter&&) noexcept = default;
 RegionPainter& RegionPainter::operator=(RegionPainter&&) noexcept = default;
 
-void RegionPainter::begin_frame(const Footprint& footprint, float opaque_threshold) {
+void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshold) {
   auto& s = *state_;
   if (s.pending) s.sweep([](float* slice, float*, std::size_t floats) { std::fill_n(slice, floats, 0.0F); });
-  s.footprint = footprint;
+  s.footprint = kernel.footprint;
+  s.kernel = kernel;
   s.opaque_threshold = opaque_threshold;
   s.prepared = false;
   s.touched = false;
@@ -211,7 +219,7 @@ DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::sp
   const std::int64_t left = std::int64_t{base_x} - s.x0, top = std::int64_t{base_y} - s.y0;
   const auto visible = s.tiles.opaque() > 0 ? s.without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
-  auto counts = s.stencil ? draw_with_stencil(s.slice, *s.stencil, run) : draw_by_rows(s.slice, s.footprint, run);
+  auto counts = s.draw(run);
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) {
     if (!s.touched) s.clear_image();
@@ -220,10 +228,16 @@ DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::sp
   return counts;
 }
 
-void RegionPainter::composite() {
+void RegionPainter::composite(glm::dvec2 voxel) {
   auto& s = *state_;
   if (!s.pending) return;
-  s.sweep([&](float* slice, float* image, std::size_t floats) { composite_row(slice, image, floats, s.opaque_threshold); });
+  s.sweep([&](float* slice, float* image, std::size_t floats) {
+    if (s.kernel.lattice_sum) {
+      const std::ptrdiff_t at = slice - s.slice.origin;
+      s.kernel.lattice_sum->divide_row(slice, floats / 4, s.x0 + at % s.slice.row_floats / 4, s.y0 + at / s.slice.row_floats, voxel);
+    }
+    composite_row(slice, image, floats, s.opaque_threshold);
+  });
   // Reading the whole image takes as long as a slice's composition; the news of an opaque tile can wait a little.
   constexpr int now_and_then = 8;
   if (s.opaque_threshold > 0 && ++s.composites % now_and_then == 0) s.find_opaque_tiles();

@@ -78,10 +78,12 @@ class Method {
         u_(in_plane(traversal_.axis).u),
         v_(in_plane(traversal_.axis).v),
         kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]), scene.radius)),
+        normalisation_(scene.normalisation),
         distance_(scene.opacity_correction ? slice_distance(scene.grid, view_, axis_) : 1.0),
         curve_(scene.transfer_function),
         phong_(scene, view_),
         gradients_(scene) {
+    if (normalisation_ == Normalisation::none) kernel_.weight = 1;
     if (scene.shaded && normals == Normals::quantised) quantise_normals();
     slice_.resize(std::size_t(scene.grid.dims[u_]) * std::size_t(scene.grid.dims[v_]));
   }
@@ -157,24 +159,29 @@ class Method {
     const glm::dvec2 middle =
         kernel_.to_lattice * (centre - glm::dvec2(view_.project(lattice_point(0, 0, slice))));
     constexpr double slack = 1e-3;  // Q decides; this only must not miss a voxel
-    const int width = scene_.grid.dims[u_], height = scene_.grid.dims[v_];
-    const auto first = [&](int k, int count) {
-      return int(std::clamp(std::ceil(middle[k] - kernel_.lattice_reach[k] - slack), 0.0, double(count)));
+    const glm::dvec2 low = glm::ceil(middle - kernel_.lattice_reach - slack),
+                     high = glm::floor(middle + kernel_.lattice_reach + slack);
+    const auto weight_of = [&](double u, double v) {
+      glm::dvec3 p{0.0};
+      p[u_] = u;
+      p[v_] = v;
+      p[axis_] = slice;
+      return kernel_.q_squared(centre - glm::dvec2(view_.project(p)));
     };
-    const auto end = [&](int k, int count) {
-      return int(
-          std::clamp(std::floor(middle[k] + kernel_.lattice_reach[k] + slack) + 1, 0.0, double(count)));
-    };
-    const int u0 = first(0, width), u1 = end(0, width), v1 = end(1, height);
+    const int width = scene_.grid.dims[u_];
+    const double last_u = std::min(high.x, width - 1.0),
+                 last_v = std::min(high.y, scene_.grid.dims[v_] - 1.0);
     Rgba sum(0.0);
-    for (int v = first(1, height); v < v1; ++v)
-      for (int u = u0; u < u1; ++u) {
+    for (double v = std::max(low.y, 0.0); v <= last_v; ++v)
+      for (double u = std::max(low.x, 0.0); u <= last_u; ++u) {
         const Rgba& colour = slice_[std::size_t(v) * std::size_t(width) + std::size_t(u)];
-        if (colour.w > 0)
-          sum += kernel_.weight *
-                 kernel_.q_squared(centre - glm::dvec2(view_.project(lattice_point(u, v, slice)))) * colour;
+        if (colour.w > 0) sum += kernel_.weight * weight_of(u, v) * colour;
       }
-    return sum;
+    if (normalisation_ != Normalisation::exact || !(sum.w > 0)) return sum;
+    double weights = 0;
+    for (double v = low.y; v <= high.y; ++v)
+      for (double u = low.x; u <= high.x; ++u) weights += weight_of(u, v);
+    return sum / (kernel_.weight * weights);
   }
 
   static void composite(Rgba& behind, const Rgba& slice) {
@@ -188,6 +195,7 @@ class Method {
   Traversal traversal_;
   int axis_, u_, v_;
   Kernel kernel_;
+  Normalisation normalisation_;
   double distance_;
   TransferCurve curve_;
   Phong phong_;

@@ -24,6 +24,15 @@ TEST_CASE("the default study list can be run") {
   CHECK((list.width == 256 && list.height == 256 && list.repetitions == 5));
 }
 
+TEST_CASE("a setting says how kernels are drawn") {
+  const StudyList list = parse_study_list(
+      least + "kernel = \"texture\"\nphases = 16\nnormalisation = \"exact\"\n[setting.c]\nqee_bits = 10\n",
+      "a list");
+  CHECK(list.settings[0].kernel ==
+        KernelOptions{.method = KernelMethod::texture, .phases = 16, .normalisation = Normalisation::exact});
+  CHECK(list.settings[1].kernel == KernelOptions{.qee_bits = 10});
+}
+
 TEST_CASE("a sweep adds views a step apart, both ends included") {
   const StudyList list = parse_study_list("sweep = \"0:90:1\"\n" + least, "a list");
   REQUIRE(list.views.size() == 92);
@@ -39,6 +48,10 @@ TEST_CASE("a list that says something else is refused by section and key") {
       {"views = [\"20\"]\n" + least, "azimuth and elevation"},
       {"sweep = \"0:90:0\"\n" + least, "FROM:TO:STEP"},
       {least + "colour = 1\n", "setting.b.colour"},
+      {least + "kernel = \"sprite\"\n", "sprite"},
+      {least + "phases = 0\n", "phases"},
+      {least + "normalisation = \"some\"\n", "constant or exact"},
+      {least + "kernel = \"texture\"\nqee_bits = 10\n", "--qee-bits"},
       {"[scene.a]\nsynth = \"ball\"\n[setting.b]\nradius = 2.0\n", "at least one"},
       {"views = [\"0 0\"]\n[scene.a]\ntf = \"grey\"\n[setting.b]\nradius = 2.0\n", "either synth or volume"},
       {"views = [\"0 0\"]\n[scene.a]\nsynth = \"cow\"\n[setting.b]\nradius = 2.0\n", "cow"},

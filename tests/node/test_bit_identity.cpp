@@ -35,6 +35,36 @@ TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
   }
 }
 
+TEST_CASE("every kernel has the same bits on any ranks, with regions of any size and in any order") {
+  const auto source = synth_source("jack", make_grid({23, 27, 20}));
+  const Image usual = render_loopback(*source, oblique_view(), 1, 1).image;
+  for (const KernelOptions& kernel :
+       {KernelOptions{.normalisation = Normalisation::none},
+        KernelOptions{.normalisation = Normalisation::exact}, KernelOptions{.method = KernelMethod::texture},
+        KernelOptions{.method = KernelMethod::texture, .phases = 1}, KernelOptions{.qee_bits = 10},
+        KernelOptions{.method = KernelMethod::texture, .phases = 16, .normalisation = Normalisation::exact},
+        KernelOptions{.qee_bits = 4, .normalisation = Normalisation::exact}}) {
+    FrameSpec spec = oblique_view();
+    spec.kernel = kernel;
+    INFO(to_json_text(spec));
+    CHECK(decode_frame_spec(encode(spec)).kernel == kernel);
+    spec.region_size = 4096;
+    const Image alone = render_loopback(*source, spec, 1, 1).image;
+    REQUIRE(alone != usual);  // the option does something
+    REQUIRE(largest_difference(alone, usual) < 0.7);
+    for (const int region : {17, 64}) {
+      spec.region_size = region;
+      for (const int gps : {1, 3, 8})
+        for (const int renderers : {1, 2, 5}) {
+          const LoopbackOptions loopback{
+              .seed = std::uint64_t(gps * renderers), .reorder = true, .max_delay = 5};
+          INFO(fmt::format("regions of {}, {} GPs, {} Renderers", region, gps, renderers));
+          REQUIRE(render_loopback(*source, spec, gps, renderers, loopback).image == alone);
+        }
+    }
+  }
+}
+
 TEST_CASE("the image has the same bits whatever the order and delay of messages") {
   const auto source = synth_source("jack", make_grid({17, 15, 16}));
   FrameSpec spec = oblique_view();
@@ -80,13 +110,16 @@ TEST_CASE("several frames are in flight and each has the bits it has alone") {
     OpenedVolume volume{source->grid(), true, synth_source("jack", source->grid())};
     Scene scene = load_scene(volume, {}, layout, wiring);
     std::size_t asked = 0, done = 0;
-    Director director{[&]() -> std::optional<FrameSpec> { return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt; },
+    Director director{[&]() -> std::optional<FrameSpec> {
+                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
+                      },
                       [&](FrameResult&& r) {
                         REQUIRE(r.spec.frame == std::int64_t(done));
                         REQUIRE(r.image == alone[done]);
                         ++done;
                       }};
-    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 4)}, std::move(director), wiring);
+    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 4)}, std::move(director),
+                  wiring);
     REQUIRE(done == specs.size());
   }
 }

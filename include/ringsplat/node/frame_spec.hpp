@@ -6,7 +6,7 @@
 #include "ringsplat/classify/phong.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/screen/regions.hpp"
-#include "ringsplat/splat/footprint.hpp"
+#include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/grid.hpp"
 
@@ -29,6 +29,7 @@ struct FrameSpec {
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
   double kernel_radius = 1.6;        ///< in lattice distances
+  KernelOptions kernel;
   bool opacity_correction = true;
   double opaque_threshold = 1.0 / 512;  ///< a pixel with less transmittance takes nothing more; 0: all are composited to the end
   PayloadForm payload = PayloadForm::runs;

@@ -3,6 +3,7 @@
 #include <memory>
 #include <span>
 
+#include "ringsplat/splat/frame_kernel.hpp"
 #include "ringsplat/splat/opaque_tiles.hpp"
 #include "ringsplat/splat/splat.hpp"
 
@@ -38,14 +39,17 @@ class RegionPainter {
   RegionPainter(RegionPainter&&) noexcept;
   RegionPainter& operator=(RegionPainter&&) noexcept;
 
-  /// Forgets the last frame's image and takes the frame's footprint.
-  void begin_frame(const Footprint& footprint, float opaque_threshold = 0);
+  /// Forgets the last frame's image and takes the frame's kernel.
+  void begin_frame(const FrameKernel& kernel, float opaque_threshold = 0);
+  /// The same for kernels that are computed in float32 and not normalised any further.
+  void begin_frame(const Footprint& footprint, float opaque_threshold = 0) { begin_frame(FrameKernel{footprint, 0, {}, {}}, opaque_threshold); }
   /// Sums splats into the slice buffer. `bytes` is count × sizeof(Splat), any alignment.
   /// Splats with a NaN or a coefficient that no footprint can have are counted as clipped.
   DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0, a];
-  /// empties the slice buffer. Costs nothing when no splat was drawn since the last call.
-  void composite();
+  /// empties the slice buffer. Costs nothing when no splat was drawn since the last call. `voxel`: where a
+  /// voxel of the slice lies on the screen; only the exact normalisation asks, and divides a and c first.
+  void composite(glm::dvec2 voxel = glm::dvec2(0.0));
   /// Which tiles take nothing more in this frame. Brought up to date every few slices.
   const OpaqueTiles& opaque_tiles() const;
   /// False when nothing was drawn since begin_frame: the region is empty.

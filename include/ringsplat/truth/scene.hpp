@@ -8,6 +8,7 @@
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/classify/phong.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/source.hpp"
 
@@ -27,7 +28,8 @@ struct Scene {
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
   double radius = 1.6;               ///< of the kernel, in lattice distances (method truth only)
-  bool opacity_correction = true;    ///< for the distance between slices along the ray (method truth only)
+  Normalisation normalisation = Normalisation::constant;  ///< of the kernels' weights (method truth only)
+  bool opacity_correction = true;  ///< for the distance between slices along the ray (method truth only)
 };
 
 /// Throws InputError when the number of values is not the grid's, or the grid or transfer function is bad.

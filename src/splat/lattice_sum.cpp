@@ -1,0 +1,86 @@
+#include "ringsplat/splat/lattice_sum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+#include "splat/lattice_factors.hpp"
+
+namespace ringsplat {
+
+namespace {
+
+constexpr double steps_a_half_width = 512;
+/// From here on a lattice's sum is 1 to 1e-6: its Fourier series has the quartic's transform,
+/// 48 J₃(ω) / ω³, at ω = 2π · reach and beyond (Poisson's summation formula).
+constexpr double smooth_reach = 64;
+
+int steps(double half_width) {
+  return static_cast<int>(std::clamp(std::ceil(steps_a_half_width / half_width), 4.0, 2048.0));
+}
+
+}  // namespace
+
+LatticeSum::LatticeSum(const Footprint& footprint, const glm::dmat2& block)
+    : to_lattice_(glm::inverse(block)), form_(footprint.p * block) {
+  const glm::dmat2 inverse = glm::inverse(form_);
+  reach_ = {std::hypot(inverse[0][0], inverse[1][0]), std::hypot(inverse[0][1], inverse[1][1])};
+  stride_ = glm::max(glm::dvec2(1.0), glm::floor(reach_ / smooth_reach));
+  weight_ = footprint.weight * stride_.x * stride_.y;
+  width_ = steps(1 / glm::length(form_[0]));
+  height_ = steps(1 / glm::length(form_[1]));
+  // A lattice is its own mirror image through a voxel: half of the table is enough.
+  const std::size_t row = static_cast<std::size_t>(width_) + 1, rows = static_cast<std::size_t>(height_) + 1;
+  table_.resize(rows * row);
+  for (std::size_t v = 0; v <= rows / 2; ++v)
+    for (std::size_t u = 0; u < row; ++u)
+      table_[v * row + u] = table_[(rows - 1 - v) * row + (row - 1 - u)] =
+          static_cast<float>(1 / exact({double(u) / width_, double(v) / height_}));
+}
+
+double LatticeSum::exact(glm::dvec2 lattice) const {
+  const glm::dvec2 first = glm::ceil((lattice - reach_) / stride_) * stride_, last = lattice + reach_;
+  double sum = 0;
+  for (double v = first.y; v <= last.y; v += stride_.y)
+    for (double u = first.x; u <= last.x; u += stride_.x) {
+      const glm::dvec2 r = form_ * (lattice - glm::dvec2(u, v));
+      const double q = 1 - (r.x * r.x + r.y * r.y);
+      if (q > 0) sum += q * q;
+    }
+  return sum * weight_;
+}
+
+float LatticeSum::reciprocal(glm::dvec2 lattice) const {
+  float factors[8];
+  lattice_factors({.table = table_.data(),
+                   .width = width_,
+                   .height = height_,
+                   .u_start = lattice.x,
+                   .v_start = lattice.y},
+                  0, 1, factors);
+  return factors[0];
+}
+
+void LatticeSum::divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
+                            glm::dvec2 voxel) const {
+  const double down = static_cast<double>(y) + 0.5 - voxel.y;
+  const LatticeRow row{.table = table_.data(),
+                       .width = width_,
+                       .height = height_,
+                       .voxel_x = voxel.x,
+                       .u_step = to_lattice_[0][0],
+                       .u_start = to_lattice_[1][0] * down,
+                       .v_step = to_lattice_[0][1],
+                       .v_start = to_lattice_[1][1] * down};
+  constexpr std::size_t at_once = 256;
+  float factors[at_once + 8];
+  for (std::size_t first = 0; first < count; first += at_once) {
+    const std::size_t some = std::min(at_once, count - first);
+    lattice_factors(row, x + static_cast<std::int64_t>(first), some, factors);
+    for (std::size_t i = 0; i < some; ++i, rgba += 4)
+      for (int c = 0; c < 4; ++c) rgba[c] *= factors[i];
+  }
+}
+
+}  // namespace ringsplat
