@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -9,15 +10,24 @@ namespace ringsplat {
 
 /// Normals on an octahedral lattice (Meyer et al. 2010; Cigolle et al. 2014).
 ///
-/// Each of the octahedron's faces carries the lattice points (a, b, c) ≥ 0 with a + b + c = 127: 4 · 127² + 2
-/// = 64518 directions in all, each with one code, from 1 on. Two things make them more even than a square
+/// Each of the octahedron's faces carries the lattice points (a, b, c) ≥ 0 with a + b + c = 126: 4 · 126² + 2
+/// = 63506 directions in all, each with one code, from 1 on. Two things make them more even than a square
 /// grid with rounded coordinates (0.95 degrees): a coordinate is |x| (k |n| + |x|) up to a common factor,
 /// which takes points from the vertices, where they crowd, to the faces; and rounding goes to the nearest
 /// point of the triangular lattice on the face.
-inline constexpr int lattice_n = 127;
+///
+/// Directions turn and mirror with their codes. A direction half-way between (k, k + 1, l) and (k + 1, k, l),
+/// as those with |x| = |y| may be, is its own mirror image, but neither of the two points is; such points
+/// (k + ½, k + ½, l), and those of the other two pairs of axes, therefore have codes of their own: 63 on each
+/// of the 3 planes' parts in each octant.
+inline constexpr int lattice_n = 126;
 inline constexpr double lattice_warp = 2.5;
-inline constexpr int lattice_codes = 4 * lattice_n * lattice_n + 2;
+inline constexpr int lattice_points = 4 * lattice_n * lattice_n + 2;
+inline constexpr int points_between = lattice_n / 2;  ///< on a plane's part in an octant
+inline constexpr int lattice_codes = lattice_points + 3 * 8 * points_between;
 static_assert(lattice_codes < int(normal_codes));
+static_assert(lattice_n % 6 == 0,
+              "the diagonals must be points, and no point between on the octants' borders");
 
 /// A lattice point: i and j carry the signs of x and y; z is below zero in the lower half.
 struct LatticePoint {
@@ -48,26 +58,50 @@ inline NormalCode code_of(const LatticePoint& p) {
   return NormalCode(rows[std::size_t(p.i + lattice_n)] + p.j);
 }
 
+/// The point between two: (k + ½, k + ½) along the axes `first` and its successor (x, y, z, x …), in the
+/// octant whose bits say which of x, y, z are below zero.
+struct PointBetween {
+  int first, octant, k;
+};
+inline NormalCode code_of(const PointBetween& p) {
+  return NormalCode(lattice_points + 1 + (p.first * 8 + p.octant) * points_between + p.k);
+}
+
 /// The code of a direction that is zero or whose length is between 1e-90 and 1e90.
 inline NormalCode encode_moderate(double x, double y, double z) {
   const double ax = std::abs(x), ay = std::abs(y), az = std::abs(z);
-  const double length = std::sqrt(x * x + y * y + z * z);
+  // Sums in the order of size, so that they have the same bits whichever way the direction is turned.
+  const double most = std::max(std::max(ax, ay), az), least = std::min(std::min(ax, ay), az),
+               middle = std::max(std::min(ax, ay), std::min(std::max(ax, ay), az));
+  const double length = std::sqrt((least * least + middle * middle) + most * most);
   if (!(length > 0)) return no_normal;
   const double warp = lattice_warp * length;
-  const double scale = lattice_n / (length * (lattice_warp * (ax + ay + az) + length));
+  const double scale = lattice_n / (length * (lattice_warp * ((least + middle) + most) + length));
   const double a = ax * (warp + ax) * scale, b = ay * (warp + ay) * scale, c = az * (warp + az) * scale;
   int i = int(a + 0.5), j = int(b + 0.5), l = int(c + 0.5);
   if (const int excess = i + j + l - lattice_n; excess != 0) {
-    // Three roundings missed the face's plane: the one that erred most goes back (nearest point of A2).
+    // Three roundings missed the face's plane: the one that erred most goes back (nearest point of A2); of
+    // two that erred alike the larger; of two that are alike, each by half.
     const double sign = excess, ea = sign * (i - a), eb = sign * (j - b), ec = sign * (l - c);
-    if (ea >= eb && ea >= ec)
+    const auto before = [](double e, double size, double other_e, double other_size) {
+      return e > other_e || (e == other_e && size > other_size);
+    };
+    const int octant = int(x < 0) + 2 * int(y < 0) + 4 * int(z < 0);
+    const int down = excess > 0 ? 1 : 0;
+    if (before(ea, a, eb, b) && before(ea, a, ec, c))
       i -= excess;
-    else if (eb >= ec)
+    else if (before(eb, b, ea, a) && before(eb, b, ec, c))
       j -= excess;
-    else
+    else if (before(ec, c, ea, a) && before(ec, c, eb, b))
       l -= excess;
+    else if (a == b && !before(ec, c, ea, a))
+      return code_of(PointBetween{0, octant, i - down});
+    else if (b == c && !before(ea, a, eb, b))
+      return code_of(PointBetween{1, octant, j - down});
+    else
+      return code_of(PointBetween{2, octant, l - down});
   }
-  return code_of({x < 0 ? -i : i, y < 0 ? -j : j, z < 0 && l > 0});
+  return code_of(LatticePoint{x < 0 ? -i : i, y < 0 ? -j : j, z < 0 && l > 0});
 }
 
 }  // namespace ringsplat

@@ -38,9 +38,18 @@ std::vector<glm::dvec3> make_directions() {
       const glm::dvec3 n = direction_of(glm::dvec3(i, j, l) / double(lattice_n));
       for (int octant = 0; octant < 8; ++octant) {
         const bool west = octant & 1, south = octant & 2, lower = (octant & 4) && l > 0;
-        directions[code_of({west ? -i : i, south ? -j : j, lower})] = {west ? -n.x : n.x, south ? -n.y : n.y,
-                                                                       lower ? -n.z : n.z};
+        directions[code_of(LatticePoint{west ? -i : i, south ? -j : j, lower})] = {
+            west ? -n.x : n.x, south ? -n.y : n.y, lower ? -n.z : n.z};
       }
+    }
+  for (int first = 0; first < 3; ++first)
+    for (int k = 0; k < points_between; ++k) {
+      glm::dvec3 face(k + 0.5);
+      face[(first + 2) % 3] = lattice_n - 1 - 2 * k;
+      const glm::dvec3 n = direction_of(face / double(lattice_n));
+      for (int octant = 0; octant < 8; ++octant)
+        directions[code_of(PointBetween{first, octant, k})] = {
+            octant & 1 ? -n.x : n.x, octant & 2 ? -n.y : n.y, octant & 4 ? -n.z : n.z};
     }
   return directions;
 }

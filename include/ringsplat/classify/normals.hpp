@@ -8,10 +8,10 @@
 
 namespace ringsplat {
 
-/// Quantised surface normal: 0 for "none" (zero or undefined gradient: unlit), else one of the 64518
-/// directions of an octahedral lattice (Meyer et al. 2010; Cigolle et al. 2014), coded 1..64518. The largest
-/// angular error is 0.57 degrees. Opposite and mirrored directions get codes that decode to exactly opposite
-/// and mirrored ones.
+/// Quantised surface normal: 0 for "none" (zero or undefined gradient: unlit), else one of the 65018
+/// directions of an octahedral lattice (Meyer et al. 2010; Cigolle et al. 2014), coded 1..65018. The largest
+/// angular error is 0.57 degrees. Directions that are turned by the cube's rotations, or mirrored, get codes
+/// that decode to turned and mirrored ones; to the last bit when only signs change.
 using NormalCode = std::uint16_t;
 inline constexpr NormalCode no_normal = 0;
 inline constexpr std::size_t normal_codes = 65536;
