@@ -66,6 +66,11 @@ void add_study_options(CLI::App& app, StudyOptions& o) {
                  "Table of results, one line each measurement; a .json is written beside it")
       ->type_name("FILE.csv")
       ->group("Output");
+  app.add_option(
+         "--keep-images", o.pictures,
+         "Keep every picture, and the whole truths but the method's, as PNG over black; the table names them")
+      ->type_name("FOLDER")
+      ->group("Output");
   app.add_flag("--list", o.show_list, "Print the default list and be done")->group("Output");
 }
 

@@ -13,6 +13,7 @@
 #include "app/output_file.hpp"
 #include "app/progress.hpp"
 #include "app/study_list.hpp"
+#include "app/study_pictures.hpp"
 #include "app/transfer_function_option.hpp"
 #include "ringsplat/node/render.hpp"
 #include "ringsplat/volume/synth.hpp"
@@ -88,7 +89,7 @@ double median(std::vector<double> values) {
 
 nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
                               const Camera& camera, const Timed& timed, TruthKind truth,
-                              const truth::SampledError& error) {
+                              const truth::SampledError& error, const KeptPictures& kept) {
   const NodeStats sum = timed.stats.total();
   return {{"scene", s.name},
           {"setting", setting.name},
@@ -114,7 +115,9 @@ nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Settin
           {"rmse_low", error.rmse_low},
           {"rmse_high", error.rmse_high},
           {"largest", error.largest},
-          {"mean", error.mean}};
+          {"mean", error.mean},
+          {"picture", kept.picture},
+          {"truth_picture", kept.truth}};
 }
 
 std::string to_csv(const nlohmann::ordered_json& rows) {
@@ -134,9 +137,10 @@ std::string to_csv(const nlohmann::ordered_json& rows) {
 /// evaluated once a view and shading; the method's is evaluated for each setting.
 class SceneStudy {
  public:
-  SceneStudy(const StudyList& list, const StudyList::Scene& s)
+  SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
       : list_(list),
         scene_list_(s),
+        pictures_(pictures),
         pixels_(truth::random_pixels(list.width, list.height, list.error_pixels, list.seed)) {
     WholeVolume volume = read_whole(*open_scene(s));
     transfer_function_ = TransferFunctionChoice(s.transfer_function).make(volume.histogram);
@@ -149,25 +153,42 @@ class SceneStudy {
     for (std::size_t v = 0; v < list_.views.size(); ++v)
       for (const TruthKind kind : list_.truths) {
         const auto error = truth::sampled_error(timed[v].image, pixels_, colours(kind, spec, v));
-        rows.push_back(row_of(scene_list_, setting, list_.views[v], timed[v], kind, error));
+        rows.push_back(row_of(scene_list_, setting, list_.views[v], timed[v], kind, error,
+                              keep(setting, spec, timed[v], kind, v)));
       }
   }
 
  private:
-  std::vector<truth::Rgba> colours(TruthKind kind, FrameSpec spec, std::size_t view) {
+  std::vector<truth::Rgba> evaluate_now(TruthKind kind, FrameSpec spec, std::size_t view,
+                                        std::span<const truth::Pixel> pixels) {
     spec.camera = list_.views[view];
     set_frame(scene_, spec);
-    const auto evaluate_now = [&] {
-      return evaluate(scene_, {.truth = kind, .formula = scene_list_.synth}, pixels_);
-    };
-    if (kind == TruthKind::method) return evaluate_now();
+    return evaluate(scene_, {.truth = kind, .formula = scene_list_.synth}, pixels);
+  }
+
+  /// What --keep-images keeps of a measurement. The method's truth looks like the picture itself: it is not.
+  KeptPictures keep(const StudyList::Setting& setting, const FrameSpec& spec, const Timed& timed,
+                    TruthKind kind, std::size_t view) {
+    if (!pictures_.kept() || kind == TruthKind::method) return {};
+    const bool lit = spec.shading == Shading::phong;
+    return {pictures_.keep(scene_list_.name, setting.name, view, timed.image),
+            pictures_.keep_truth(scene_list_.name, to_string(kind) + (lit ? "-phong" : ""), view, [&] {
+              const auto all = truth::all_pixels(list_.width, list_.height);
+              return truth::to_image(list_.width, list_.height, evaluate_now(kind, spec, view, all));
+            })};
+  }
+
+  std::vector<truth::Rgba> colours(TruthKind kind, const FrameSpec& spec, std::size_t view) {
+    if (kind == TruthKind::method) return evaluate_now(kind, spec, view, pixels_);
     const auto key = std::tuple(kind, spec.shading, view);
     const auto known = known_.find(key);
-    return known != known_.end() ? known->second : known_.emplace(key, evaluate_now()).first->second;
+    return known != known_.end() ? known->second
+                                 : known_.emplace(key, evaluate_now(kind, spec, view, pixels_)).first->second;
   }
 
   const StudyList& list_;
   const StudyList::Scene& scene_list_;
+  StudyPictures& pictures_;
   std::vector<truth::Pixel> pixels_;
   TransferFunction transfer_function_;
   truth::Scene scene_;
@@ -194,12 +215,13 @@ ExitCode run_study(const StudyOptions& o) {
   if (fs::path(o.output).extension() != ".csv")
     throw InputError(fmt::format("-o '{}' does not name a .csv file", o.output), "for instance -o study.csv");
   check_can_write(o.output, "-o");
+  StudyPictures pictures(o.pictures);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   Progress progress;
   progress.begin("measuring", double(list.scenes.size() * list.settings.size()));
   std::size_t done = 0;
   for (const auto& s : list.scenes) {
-    SceneStudy study(list, s);
+    SceneStudy study(list, s, pictures);
     for (const auto& setting : list.settings) {
       study.run(setting, rows);
       progress.at(double(++done));

@@ -49,6 +49,27 @@ radius = 2.0
 radius = 2.5
 [setting.no-correction]
 opacity_correction = false
+[setting.raw-weights]
+normalisation = "none"
+[setting.exact-1.2]
+normalisation = "exact"
+radius = 1.2
+[setting.exact-1.6]
+normalisation = "exact"
+[setting.texture-1]
+kernel = "texture"
+phases = 1
+[setting.texture-4]
+kernel = "texture"
+phases = 4
+[setting.texture-16]
+kernel = "texture"
+phases = 16
+[setting.ten-bits]
+qee_bits = 10
+[setting.ten-bits-exact]
+qee_bits = 10
+normalisation = "exact"
 )";
 
 namespace {

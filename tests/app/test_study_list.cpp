@@ -14,11 +14,12 @@ const std::string least = "views = [\"20 10\"]\n[scene.a]\nsynth = \"ball\"\n[se
 TEST_CASE("the default study list can be run") {
   const StudyList list = parse_study_list(default_study_list, "the default list");
   CHECK(list.scenes.size() == 3);
-  CHECK(list.settings.size() == 6);
+  CHECK(list.settings.size() == 14);
   CHECK(list.views.size() == 4);
   CHECK(list.settings.front().name == "radius-1.2");
   CHECK(list.settings.front().radius == 1.2);
-  CHECK_FALSE(list.settings.back().opacity_correction);
+  CHECK_FALSE(list.settings[5].opacity_correction);
+  CHECK(list.settings.back().kernel == KernelOptions{.qee_bits = 10, .normalisation = Normalisation::exact});
   CHECK(list.scenes.front().dims == glm::ivec3(64));
   CHECK(list.views[3].elevation == 35.0);
   CHECK((list.width == 256 && list.height == 256 && list.repetitions == 5));

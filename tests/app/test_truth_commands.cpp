@@ -2,6 +2,7 @@
 
 #include "app/program_runner.hpp"
 #include "ringsplat/app/image_io.hpp"
+#include "ringsplat/truth/metrics.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -95,7 +96,7 @@ TEST_CASE("study writes a line for each measurement, and the same as JSON") {
              "repetitions = 2\nsize = \"48x48\"\nerror_pixels = 200\nviews = [\"0 0\", \"30 20\"]\n"
              "[scene.one]\nsynth = \"gaussians\"\ndims = \"16x16x16\"\ntf = \"grey\"\n[setting.a]\nradius = "
              "1.6\n[setting.b]\nradius = 2.0\n");
-  w.must({"study", w / "list.toml", "-o", w / "results.csv"});
+  w.must({"study", w / "list.toml", "-o", w / "results.csv", "--keep-images", w / "pictures/kept"});
   const std::string csv = read_text(w / "results.csv");
   CHECK(lines_with(csv, "one,").size() == 8);  // two settings, two views, two truths
   const json rows = json::parse(read_text(w / "results.json"));
@@ -104,6 +105,17 @@ TEST_CASE("study writes a line for each measurement, and the same as JSON") {
     CHECK(row.at("frames") == 2);
     CHECK(row.at("seconds").get<double>() > 0);
     CHECK(row.at("splats").get<int>() > 0);
+    const std::string picture = row.at("picture"), truth = row.at("truth_picture");
+    if (row.at("truth") == "method") {
+      CHECK((picture.empty() && truth.empty()));
+    } else {
+      const Image seen = read_image(w / ("pictures/kept/" + picture)).image,
+                  whole = read_image(w / ("pictures/kept/" + truth)).image;
+      REQUIRE((seen.width == 48 && whole.width == 48));
+      CHECK(truth::compare(seen, whole).total.rmse < 10);
+      CHECK(truth::compare(seen, whole).total.rmse > 0.05);
+      CHECK(truth::compare(Image(48, 48), whole).total.rmse > 30);
+    }
     if (row.at("truth") == "method")
       CHECK(row.at("rmse").get<double>() < 1e-3);
     else
@@ -121,6 +133,7 @@ TEST_CASE("truths that cannot be are refused with the way out") {
       {with(w.view("render", "x.exr"), {"--error", "analytic"}), "formula"},
       {{"study", w / "missing.toml", "-o", w / "x.csv"}, "missing.toml"},
       {{"study", "-o", w / "x.png"}, ".csv"},
+      {{"study", "-o", w / "x.csv", "--keep-images", w.volume()}, "--keep-images"},
   };
   for (const auto& [arguments, named] : wrong) {
     const Ended ended = run_program(arguments);
