@@ -15,6 +15,8 @@ import matplotlib
 
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt  # noqa: E402
+from matplotlib.lines import Line2D  # noqa: E402
+from matplotlib.ticker import LogFormatter, ScalarFormatter  # noqa: E402
 
 NUMBERS = ("seconds", "rmse", "rmse_low", "rmse_high", "largest", "mean", "azimuth", "elevation", "splats", "bytes")
 
@@ -42,7 +44,9 @@ def pareto_front(points):
 
 def plot_speed_error(rows, truth, folder):
     scenes = sorted({row["scene"] for row in rows})
-    figure, axes = plt.subplots(1, len(scenes), figsize=(4.5 * len(scenes), 4), squeeze=False)
+    settings = list(dict.fromkeys(row["setting"] for row in rows))
+    colours = {name: plt.get_cmap("tab20")(k % 20) for k, name in enumerate(settings)}
+    figure, axes = plt.subplots(1, len(scenes), figsize=(4.2 * len(scenes) + 1.6, 4), squeeze=False)
     for axis, scene in zip(axes[0], scenes):
         by_setting = defaultdict(list)
         for row in rows:
@@ -54,15 +58,22 @@ def plot_speed_error(rows, truth, folder):
         ]
         front = pareto_front(points)
         print(f"{scene}: on the front against the {truth} truth: {', '.join(front)}")
-        for name, seconds, rmse in points:
-            on_front = name in front
-            axis.plot(1e3 * seconds, rmse, "o", color="C3" if on_front else "0.6")
-            axis.annotate(name, (1e3 * seconds, rmse), textcoords="offset points", xytext=(5, 3), fontsize=7)
         place = {name: (1e3 * seconds, rmse) for name, seconds, rmse in points}
-        axis.plot(*zip(*(place[name] for name in front)), color="C3", linewidth=1)
+        axis.plot(*zip(*(place[name] for name in front)), color="0.5", linewidth=1, zorder=1)
+        for name in place:
+            size = {"marker": "*", "markersize": 13} if name in front else {"marker": "o", "markersize": 6}
+            axis.plot(*place[name], color=colours[name], linestyle="none", markeredgecolor="0.2", markeredgewidth=0.4, **size)
         axis.set(title=scene, xlabel="median frame time (ms)", ylabel=f"RMSE against the {truth} truth (1/255)")
-        axis.grid(alpha=0.3)
-    save(figure, folder / f"speed-error-{truth}.png")
+        axis.set(xscale="log", yscale="log")
+        for each in (axis.xaxis, axis.yaxis):
+            each.set_major_formatter(ScalarFormatter())
+            each.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.7)))
+        axis.tick_params(which="both", labelsize=7)
+        axis.grid(alpha=0.3, which="both")
+    marks = [Line2D([], [], color=colours[name], marker="o", linestyle="none", label=name) for name in settings]
+    marks.append(Line2D([], [], color="0.5", marker="*", markersize=11, label="Pareto front"))
+    figure.legend(handles=marks, loc="center right", fontsize=7)
+    save(figure, folder / f"speed-error-{truth}.png", right=1 - 1.5 / figure.get_figwidth())
 
 
 def plot_angles(rows, truth, folder):
@@ -86,8 +97,8 @@ def plot_angles(rows, truth, folder):
     save(figure, folder / f"angle-error-{truth}.png")
 
 
-def save(figure, path):
-    figure.tight_layout()
+def save(figure, path, right=1.0):
+    figure.tight_layout(rect=(0, 0, right, 1))
     part = path.with_name(path.stem + ".part" + path.suffix)
     figure.savefig(part, dpi=120)
     part.rename(path)
