@@ -248,6 +248,9 @@ void add_render_output_options(CLI::App& app, RenderOptions& o) {
          app.add_option("--stats", o.stats,
                         "What each node did in each frame: a JSON array, or JSON lines in a .jsonl")
              ->type_name("FILE"),
+         app.add_option("--trace", o.trace,
+                        "What each node did when, as Chrome trace-event JSON, which opens in Perfetto")
+             ->type_name("FILE"),
          add_choice(app, "--axes", o.keep_all_axes, Choices<bool>{{"needed", false}, {"all", true}}, "needed",
                     "Slice sets that are kept in memory: those the views traverse, or all three")});
 }

@@ -44,7 +44,7 @@ struct RenderOptions {
   int orbit = 0;
   std::string path;
   bool keep_all_axes = false;
-  std::string output, stats;
+  std::string output, stats, trace;
   ErrorOptions error;
   std::optional<glm::dvec3> background;  ///< linear light
 };

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
@@ -16,6 +17,7 @@
 #include "app/watched_source.hpp"
 #include "ringsplat/app/image_io.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/node/trace_json.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -35,10 +37,13 @@ Plan make_plan(const RenderOptions& o) {
   check_image_name(o.output, "-o", !o.background);
   check_can_write(o.output, "-o");
   if (!o.stats.empty()) check_can_write(o.stats, "--stats");
+  if (!o.trace.empty()) check_can_write(o.trace, "--trace");
   if (!o.transfer_function_out.empty()) check_can_write(o.transfer_function_out, "--tf-out");
-  if (o.stats == o.output || o.transfer_function_out == o.output ||
-      (!o.stats.empty() && o.stats == o.transfer_function_out))
-    throw InputError("two of -o, --stats and --tf-out name the same file", "give each a file of its own");
+  std::set<std::string> files;
+  for (const auto& file : {o.output, o.stats, o.trace, o.transfer_function_out})
+    if (!file.empty() && !files.insert(file).second)
+      throw InputError("two of -o, --stats, --trace and --tf-out name the same file",
+                       "give each a file of its own");
   return plan;
 }
 
@@ -136,13 +141,24 @@ Director make_director(const FrameSpec& frame, const Plan& plan, FrameOutput& ou
 }
 
 /// Renders all frames. Every input was checked before on all ranks alike, so what is wrong here ends the job.
-void render_all(Scene scene, const Layout& layout, const RenderOptions& o, Director director,
+void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
                 const Wiring& wiring) {
   try {
-    render_frames(std::move(scene), layout, o.run.protocol, std::move(director), wiring);
+    if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
+    render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+    if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
   } catch (const InputError& e) {
     throw RunError(e.what());
   }
+}
+
+void write_trace(const Trace& trace, const std::string& file, const Layout& layout, Launch& launch) {
+  const Trace::Gathered all = trace.gather(launch.collectives());
+  if (launch.rank() != 0) return;
+  for (const auto& node : all.nodes)
+    if (node.full)
+      log_warning("{}: the record of {} is full and lacks its last frames", file, to_string(node.node));
+  write_text(file, to_chrome_trace(all, layout));
 }
 
 /// For --verbose: what this rank is there for.
@@ -186,9 +202,13 @@ ExitCode run_render(const RenderOptions& o, Launch& launch) {
   const ValueRange range = scene.range;
   FrameOutput output(o, layout, range, memory, plan.files, progress);
   progress.begin("rendering", double(plan.cameras.size()));
-  render_all(std::move(scene), layout, o,
+  Trace trace;
+  ProtocolOptions protocol = o.run.protocol;
+  if (!o.trace.empty()) protocol.trace = &trace;
+  render_all(std::move(scene), layout, protocol,
              launch.rank() == 0 ? make_director(frame, plan, output) : Director{}, wiring);
   progress.end();
+  if (!o.trace.empty()) write_trace(trace, o.trace, layout, launch);
   if (launch.rank() == 0) output.finish();
   return ExitCode::done;
 }

@@ -8,6 +8,7 @@
 
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/node/trace.hpp"
 
 namespace ringsplat {
 
@@ -143,6 +144,8 @@ void FrameBuffer::complete(Frame&& frame) {
   frame.stats.seconds = now - frame.announced;
   frame.stats.period = now - std::max(frame.announced, last_completed_);
   last_completed_ = now;
+  if (options_.trace)
+    options_.trace->of(id())->add(Activity::frame, frame.spec.frame, -1, frame.announced, now);
   check_conservation(frame.stats);
   FrameResult result{std::move(frame.spec), std::move(frame.image), std::move(frame.stats)};
   if (!layout_.routed()) {

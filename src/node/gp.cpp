@@ -42,7 +42,8 @@ Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceSto
       slices_(std::move(slices)),
       post_(std::move(post)),
       empty_space_(std::make_unique<EmptySpace>()),
-      last_time_(now_seconds()) {}
+      last_time_(now_seconds()),
+      trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
 Gp::~Gp() = default;
 
@@ -60,6 +61,7 @@ void Gp::begin_frame(const FrameSpec& spec) {
     if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
   if (!frame->steps.empty()) {
     frame->encoder = make_encoder(frame->spec, frame->geometry, slices_.grid(), layout_.renderers, *empty_space_);
+    if (trace_) frame->encoder->time_stages(&piece_.stages);
     if (frame->steps.front() == 0) {
       // All tokens start at the owner of the front slice.
       auto& front = frame->waiting_tokens[0];
@@ -114,6 +116,7 @@ void Gp::take_token(Frame& frame, const Header& h) {
         fmt::format("{} got Renderer {}'s token for step {} of frame {}, whose slice is not its own",
                     to_string(id()), h.renderer, h.step, h.frame));
   const HeldToken token{h.renderer, h.sequence};
+  if (trace_) trace_->mark(Moment::take_token, h.frame, h.step, h.renderer, now_seconds());
   for (auto& slice : frame.prepared) {
     if (slice.step != h.step) continue;
     use_token(frame, slice, token);
@@ -150,6 +153,7 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
   frame.stats.payload_bytes_sent += Message::body_size(payload);
   ++frame.stats.payloads_sent;
   slice.awaiting_accept[token.renderer] = token.sequence;
+  if (trace_) trace_->mark(Moment::send_payload, h.frame, h.step, h.renderer, now_seconds());
   post_(Message(h, std::move(payload)));
   payload = {};
 }
@@ -186,6 +190,7 @@ void Gp::pass_token(Frame& frame, int step, HeldToken token) {
     h.destination_role = Role::gp;
     h.destination = layout_.gp_of_slice(frame.geometry.traversal.slice_at(step + 1, frame.geometry.slices));
     h.step = step + 1;
+    if (trace_) trace_->mark(Moment::pass_token, h.frame, h.step, h.renderer, now_seconds());
   }
   post_(Message(h));
 }
@@ -216,6 +221,7 @@ bool Gp::encode_some() {
     frame.encoder->begin(slices_.slice(frame.geometry.traversal.axis, slice));
     frame.encoding = true;
   }
+  if (trace_) piece_ = {frame.spec.frame, frame.steps[frame.next_step], {}};
   if (!frame.encoder->work()) return true;
 
   frame.encoding = false;
@@ -258,6 +264,7 @@ void Gp::account_time(bool computed) {
   const double now = now_seconds();
   const double passed = now - std::exchange(last_time_, now);
   if (frames_.empty()) return;
+  if (trace_) trace_time(now - passed, now, computed);
   Frame& frame = *frames_.front();
   const auto sending = [](const PreparedSlice& s) { return !s.awaiting_accept.empty(); };
   if (computed)
@@ -268,6 +275,21 @@ void Gp::account_time(bool computed) {
     frame.stats.waiting_for_token += passed;
   else
     frame.stats.idle += passed;
+}
+
+/// The same classes as account_time's, with the slice that the time went to.
+void Gp::trace_time(double begin, double end, bool computed) {
+  if (computed) {
+    trace_->add(Activity::slice, piece_.frame, piece_.step, begin, end, piece_.stages);
+    return;
+  }
+  const Frame& frame = *frames_.front();
+  if (frame.prepared.empty()) return;
+  const auto sent = std::find_if(frame.prepared.begin(), frame.prepared.end(),
+                                 [](const PreparedSlice& s) { return !s.awaiting_accept.empty(); });
+  const bool sending = sent != frame.prepared.end();
+  trace_->add(sending ? Activity::send : Activity::wait_for_token, frame.spec.frame,
+              sending ? sent->step : frame.prepared.front().step, begin, end);
 }
 
 std::string Gp::waiting_for() const {

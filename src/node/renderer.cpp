@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "ringsplat/base/clock.hpp"
@@ -12,7 +13,8 @@ namespace ringsplat {
 
 Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
     : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
-      painter_(make_painter(index, layout.renderers, grid)), last_time_(now_seconds()) {}
+      painter_(make_painter(index, layout.renderers, grid)), last_time_(now_seconds()),
+      trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
 void Renderer::begin_frame(const FrameSpec& spec) {
   frames_.emplace_back().spec = spec;
@@ -50,6 +52,7 @@ void Renderer::receive(Message message) {
 void Renderer::take_payload(Frame& frame, Message message) {
   const Header h = message.header;
   frame.stats.payload_bytes_received += h.bytes;
+  if (trace_) trace_->mark(Moment::take_payload, h.frame, h.step, h.renderer, now_seconds());
   if (h.sequence < frame.next || !frame.payloads.emplace(h.sequence, std::move(message)).second)
     throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}", to_string(id()), h.sequence, h.frame,
                                to_string(h.from())));
@@ -93,8 +96,15 @@ bool Renderer::draw_some(Frame& frame) {
     painter_->begin(found->second.header.step, found->second.body());
     frame.painting = true;
   }
+  const double begun = last_time_, composited = painter_->composite_seconds();
   const bool complete = painter_->work();
   account_time(&NodeStats::drawing);
+  if (trace_) {
+    const double drawn = std::max(begun, last_time_ - (painter_->composite_seconds() - composited));
+    const std::int32_t step = found->second.header.step;
+    trace_->add(Activity::draw, frame.spec.frame, step, begun, drawn);
+    if (drawn < last_time_) trace_->add(Activity::composite, frame.spec.frame, step, drawn, last_time_);
+  }
   if (!complete) return true;
 
   frame.painting = false;
@@ -115,7 +125,9 @@ void Renderer::deliver(Frame& frame) {
     h.region = static_cast<std::uint32_t>(region);
     post_(Message(h, std::move(rgba)));
   });
+  const double begun = last_time_;
   account_time(&NodeStats::delivering);
+  if (trace_) trace_->add(Activity::deliver, frame.spec.frame, -1, begun, last_time_);
 
   const PaintCounts counts = painter_->counts();
   stats.splats_drawn = counts.drawn;

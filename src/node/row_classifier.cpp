@@ -40,4 +40,9 @@ int RowClassifier::classify(int row) {
   return visible_;
 }
 
+void RowClassifier::shade_all() {
+  for (int k = 0; k < visible_; ++k) samples_[std::size_t(k)] = shaded(k);
+  normals_ = nullptr;
+}
+
 }  // namespace ringsplat

@@ -30,6 +30,8 @@ class RowClassifier {
     const ClassifiedSample& sample = samples_[std::size_t(k)];
     return normals_ != nullptr ? phong_->shade(normals_[columns_[std::size_t(k)]], sample) : sample;
   }
+  /// Shades all of the row's visible voxels now.
+  void shade_all();
 
  private:
   const FrameSpec& spec_;

@@ -4,6 +4,7 @@
 #include <bit>
 
 #include "node/opaque_news.hpp"
+#include "ringsplat/base/clock.hpp"
 #include "ringsplat/net/message.hpp"
 
 namespace ringsplat {
@@ -37,7 +38,7 @@ bool SliceEncoder::work() {
   const int height = rows_.empty() ? 0 : rows_.slice().height;
   int visible = 0, voxels = 0;
   while (row_ < height && visible < visible_at_most && voxels < voxels_at_most) {
-    const int found = rows_.classify(row_);
+    const int found = classify_row();
     if (found > 0) {
       dda_.begin_row(rows_.slice().index, row_);
       encode_row(row_);
@@ -48,6 +49,19 @@ bool SliceEncoder::work() {
   }
   visible_ += std::uint64_t(visible);
   return row_ >= height;
+}
+
+/// Shading is one with encoding, unless someone wants to know what each takes.
+int SliceEncoder::classify_row() {
+  if (stages_ == nullptr) return rows_.classify(row_);
+  int found;
+  {
+    const OptionalSeconds timed(&stages_->classify);
+    found = rows_.classify(row_);
+  }
+  const OptionalSeconds timed(&stages_->shade);
+  rows_.shade_all();
+  return found;
 }
 
 EncodedSlice SliceEncoder::finish() {

@@ -23,6 +23,7 @@ class SliceEncoder : public Encoder {
   bool work() override;
   EncodedSlice finish() override;
   void take_opaque_news(std::span<const std::byte> news) override;
+  void time_stages(StageSeconds* stages) override { stages_ = stages; }
 
  protected:
   /// Puts the row's visible voxels into their regions' parts.
@@ -63,6 +64,8 @@ class SliceEncoder : public Encoder {
     PassBits passes{};
   };
 
+  int classify_row();
+
   const FrameSpec& spec_;
   EmptySpace& empty_space_;
   int renderers_;
@@ -72,6 +75,7 @@ class SliceEncoder : public Encoder {
   std::vector<OpaqueTiles> opaque_;   ///< by region
   int row_ = 0;
   std::uint64_t visible_ = 0;
+  StageSeconds* stages_ = nullptr;
 };
 
 std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,

@@ -21,4 +21,19 @@ class ScopedSeconds {
   double start_;
 };
 
+/// The same when there is a counter; without one it does not even read the clock.
+class OptionalSeconds {
+ public:
+  explicit OptionalSeconds(double* counter) : counter_(counter), start_(counter ? now_seconds() : 0) {}
+  ~OptionalSeconds() {
+    if (counter_) *counter_ += now_seconds() - start_;
+  }
+  OptionalSeconds(const OptionalSeconds&) = delete;
+  OptionalSeconds& operator=(const OptionalSeconds&) = delete;
+
+ private:
+  double* counter_;
+  double start_;
+};
+
 }  // namespace ringsplat

@@ -1,10 +1,15 @@
 #pragma once
 #include <cstdint>
+#include <string>
 
 namespace ringsplat {
 
 /// Peak resident memory of this process so far, in bytes (Linux: VmHWM).
 std::uint64_t peak_memory_bytes();
+
+/// Names the clock behind now_seconds(): processes for which it is equal read the same one (Linux: the machine's
+/// boot). Empty when that cannot be said.
+std::string clock_identity();
 
 /// Makes this thread treat denormal floats as zero, as operands and as results, where the
 /// processor can: their cost is hundreds of cycles and their weight is nothing.

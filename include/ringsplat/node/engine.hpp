@@ -7,6 +7,7 @@
 
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/node/trace.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -30,6 +31,8 @@ class Encoder {
   /// A bounded piece of the slice (well under a millisecond); true once the slice is complete.
   virtual bool work() = 0;
   virtual EncodedSlice finish() = 0;
+  /// From now on adds to `*stages` what classifying and shading take; null, as at first: measures nothing.
+  virtual void time_stages(StageSeconds* stages) = 0;
 };
 
 struct PaintCounts {

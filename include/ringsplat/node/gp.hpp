@@ -45,6 +45,7 @@ class Gp final : public Node {
   void take_accept(Frame& frame, const Header& header);
   void finish_completed_frames();
   void account_time(bool computed);
+  void trace_time(double begin, double end, bool computed);
   std::size_t prepared_slices() const;
 
   int index_;
@@ -57,6 +58,12 @@ class Gp final : public Node {
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;  ///< of frames not yet announced here
   double last_time_;
+  NodeTrace* trace_;  ///< null: not recorded
+  struct {
+    std::int64_t frame = 0;
+    int step = 0;
+    StageSeconds stages;
+  } piece_;  ///< the slice worked on, and the last piece's seconds; kept up only when recorded
 };
 
 }  // namespace ringsplat

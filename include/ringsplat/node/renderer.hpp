@@ -58,6 +58,7 @@ class Renderer final : public Node {
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;
   double last_time_;
+  NodeTrace* trace_;  ///< null: not recorded
 };
 
 }  // namespace ringsplat

@@ -1,0 +1,106 @@
+#pragma once
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "ringsplat/net/collectives.hpp"
+#include "ringsplat/net/message.hpp"
+
+namespace ringsplat {
+
+/// What a node does for a while. `frame` is the frame buffer's: from the announcement to the last tile.
+enum class Activity : std::uint8_t { slice, wait_for_token, send, draw, composite, deliver, frame };
+/// What happens at a node at one moment. Each kind of departure has its arrival at another node.
+enum class Moment : std::uint8_t { pass_token, take_token, send_payload, take_payload };
+
+/// Seconds of a slice's piece by what an encoder did; what is left of the piece is encoding.
+struct StageSeconds {
+  double classify = 0, shade = 0;
+};
+
+/// One activity over a while, in seconds of its process's clock.
+struct Span {
+  double begin = 0, end = 0;
+  double busy = 0;  ///< of these seconds, those really spent on it: pieces of work are joined over short gaps
+  StageSeconds stages;  ///< of a slice's busy seconds
+  std::int64_t frame = 0;
+  std::int32_t step = 0;  ///< of the traversal; -1: not of one slice
+  Activity activity = Activity::slice;
+};
+
+struct Mark {
+  double time = 0;
+  std::int64_t frame = 0;
+  std::int32_t step = 0,
+               renderer = 0;  ///< which token or payload: the token for `step` is the one passed to it
+  Moment moment = Moment::pass_token;
+};
+
+/// What one node did when. Spans do not overlap (but for frames) and ascend.
+struct NodeRecord {
+  NodeId node;
+  std::vector<Span> spans;
+  std::vector<Mark> marks;
+  bool full = false;  ///< there was more
+};
+
+/// Records one node. Pieces of the same activity for the same slice are joined when less than `longest_gap`
+/// lies between them, and waiting for less than that is left out, so that a slice takes a few spans however
+/// often the node was called. Holds at most `most` spans and as many marks (88 bytes for one of each).
+class NodeTrace {
+ public:
+  static constexpr double longest_gap = 20e-6;
+  static constexpr std::size_t most = std::size_t{1} << 17;
+
+  explicit NodeTrace(NodeId node, std::size_t capacity = most) : capacity_(capacity) { record_.node = node; }
+  /// All of begin … end was spent on it. Calls come in the order of time.
+  void add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end,
+           StageSeconds stages = {});
+  void mark(Moment moment, std::int64_t frame, std::int32_t step, std::int32_t renderer, double time);
+  const NodeRecord& record() const { return record_; }
+
+ private:
+  std::size_t capacity_;
+  NodeRecord record_;
+};
+
+/// How a process's clock relates to that of process 0.
+struct ClockOffset {
+  double at = 0;           ///< by this process's clock
+  double offset = 0;       ///< seconds that this clock is ahead
+  double uncertainty = 0;  ///< ± seconds
+  bool common = true;      ///< both read the same clock, so there is nothing to estimate
+};
+
+/// From rounds of a collective that no process leaves before all have entered it: by when this process and
+/// process 0 entered and left, each in its own clock, the offset is bounded from both sides.
+struct GatherTimes {
+  double entered = 0, left = 0;
+};
+ClockOffset estimate_offset(const std::vector<GatherTimes>& mine,
+                            const std::vector<GatherTimes>& of_process_0);
+
+/// What all nodes of a process do, and the way to bring it to process 0.
+class Trace {
+ public:
+  /// The record of a node of this process; valid as long as the trace.
+  NodeTrace* of(NodeId node) { return &nodes_.try_emplace({node.role, node.index}, node).first->second; }
+  /// Compares the processes' clocks. All processes call it, before the first frame and after the last.
+  void compare_clocks(Collectives& collectives);
+
+  struct Gathered {
+    std::vector<NodeRecord> nodes;     ///< by role and index, in process 0's clock
+    std::vector<ClockOffset> offsets;  ///< by process, as last compared
+  };
+  /// Everything on process 0; elsewhere nothing. All processes call it. Throws RunError when a record is
+  /// broken.
+  Gathered gather(Collectives& collectives) const;
+
+ private:
+  double in_clock_of_0(double time) const;
+
+  std::map<std::pair<Role, std::int32_t>, NodeTrace> nodes_;
+  std::vector<ClockOffset> compared_;  ///< of this process, ascending
+};
+
+}  // namespace ringsplat
