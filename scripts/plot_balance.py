@@ -16,7 +16,7 @@ import sys
 from collections import Counter, defaultdict
 from typing import NamedTuple
 
-from timeline import WAITING, Timeline, is_trace, read_json, write_figure
+from timeline import WAITING, Timeline, is_trace, read_json
 
 STATS_BUSY = ("computing", "drawing", "compositing", "delivering")
 STATS_WAITING = ("waiting_for_token", "sending")
@@ -158,12 +158,7 @@ def draw_margins(axes, found):
 
 
 def draw(loads, count, found):
-    try:
-        import matplotlib
-    except ImportError:
-        sys.exit("-o needs matplotlib: apt-get install python3-matplotlib, and the python3 it belongs to")
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
+    from figures import plt
 
     panels = 2 if found else 1
     height = 0.32 * len(loads) + 1.2
@@ -209,10 +204,10 @@ def main():
     if found:
         print_limits(limits(found))
     if arguments.output:
-        try:
-            write_figure(draw(loads, count, found), arguments.output)
-        except OSError as error:
-            sys.exit(f"{arguments.output} cannot be written: {error}")
+        # Not above: the text needs no matplotlib.
+        from figures import write_figure
+
+        write_figure(draw(loads, count, found), arguments.output)
 
 
 if __name__ == "__main__":

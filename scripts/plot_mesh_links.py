@@ -8,17 +8,9 @@ and as dark as it was busy. In a mesh that wraps, the links between the bottom a
 """
 import argparse
 import json
-import os
 import sys
-import tempfile
 
-try:
-    import matplotlib
-except ImportError:
-    sys.exit("this needs matplotlib: apt-get install python3-matplotlib, and the python3 it belongs to")
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from figures import matplotlib, plt, write_figure
 from matplotlib.colors import Normalize
 
 WHAT = {
@@ -90,20 +82,6 @@ def draw(frame, what):
     return figure
 
 
-def write(figure, path):
-    """Beside its place first, so that a failure leaves no half file."""
-    folder = os.path.dirname(os.path.abspath(path))
-    handle, beside = tempfile.mkstemp(suffix=".png", dir=folder)
-    os.close(handle)
-    try:
-        figure.savefig(beside, dpi=130)
-        os.chmod(beside, 0o644)
-        os.replace(beside, path)
-    except BaseException:
-        os.unlink(beside)
-        raise
-
-
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("stats", help="written by ringsplat render --stats")
@@ -120,10 +98,7 @@ def main():
     frame = frames[arguments.frame]
     if "links" not in frame:
         sys.exit(f"{arguments.stats} has no links: render with --topology mesh and --routing manhattan")
-    try:
-        write(draw(frame, arguments.what), arguments.output)
-    except OSError as error:
-        sys.exit(f"{arguments.output} cannot be written: {error}")
+    write_figure(draw(frame, arguments.what), arguments.output)
 
 
 if __name__ == "__main__":

@@ -9,15 +9,9 @@ sum; a Renderer's is one payload. Waiting is shaded. Arcs are tokens, one colour
 import argparse
 import sys
 
-try:
-    import matplotlib
-except ImportError:
-    sys.exit("this needs matplotlib: apt-get install python3-matplotlib, and the python3 it belongs to")
-
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+from figures import matplotlib, plt, write_figure
 from matplotlib.patches import FancyArrowPatch, Patch
-from timeline import STAGES, Timeline, is_trace, read_json, write_figure
+from timeline import Timeline, is_trace, read_json
 
 COLOUR = {
     "classify": "#f4c9a0",
@@ -174,10 +168,7 @@ def main():
     frame = timeline.choose_frame(arguments.frame)
     if frame is None:
         sys.exit(f"{arguments.trace} has no frame {arguments.frame}; it has {min(timeline.frames)} to {max(timeline.frames)}")
-    try:
-        write_figure(draw(timeline, frame, arguments.title, arguments.payloads), arguments.output)
-    except OSError as error:
-        sys.exit(f"{arguments.output} cannot be written: {error}")
+    write_figure(draw(timeline, frame, arguments.title, arguments.payloads), arguments.output)
 
 
 if __name__ == "__main__":

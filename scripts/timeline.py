@@ -1,12 +1,9 @@
 """Reads what `ringsplat render --trace` wrote; shared by the scripts that plot it. Times are milliseconds."""
 import json
-import os
-import tempfile
 from collections import defaultdict
 from typing import NamedTuple
 
 WAITING = ("wait for token", "send")
-STAGES = ("classify", "shade", "encode")
 WORK = {"GP": ("slice",), "Renderer": ("draw", "composite", "deliver")}
 
 
@@ -85,16 +82,3 @@ def read_json(path):
 
 def is_trace(document):
     return isinstance(document, dict) and "traceEvents" in document
-
-
-def write_figure(figure, path):
-    """Beside its place first, so that a failure leaves no half file."""
-    handle, beside = tempfile.mkstemp(suffix=".png", dir=os.path.dirname(os.path.abspath(path)))
-    os.close(handle)
-    try:
-        figure.savefig(beside, dpi=130)
-        os.chmod(beside, 0o644)
-        os.replace(beside, path)
-    except BaseException:
-        os.unlink(beside)
-        raise
