@@ -1,0 +1,88 @@
+#!/usr/bin/env bash
+# Compares with VTK's fixed-point ray caster and VolPack:  scripts/bench_peers.sh [ROUNDS [RENDER OPTION...]]
+# (default 3; nothing else should run; RENDER OPTIONs go to ringsplat)
+#
+# The repository's head, 512x512, 24 views that traverse all three slice sets, the opacities of mr-soft (about 32 % of
+# the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded. The programs take turns; figures are
+# medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
+# Prints a Markdown table. VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev.
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
+
+rounds=${1:-3}
+options=("${@:2}")
+peers=$repo/build/peers
+truth_views=(0 2 8)
+
+prepare_peers() {
+  mkdir -p "$peers/truth"
+  if [[ ! -x $peers/venv/bin/python ]] || ! "$peers/venv/bin/python" -c 'import vtk, numpy' 2>/dev/null; then
+    say "installing VTK into $peers/venv"
+    python3 -m venv "$peers/venv" || die "there is no virtual environment: apt-get install python3-venv"
+    "$peers/venv/bin/pip" install -q 'vtk>=9.3,<10' numpy >&2 || die "VTK could not be installed"
+  fi
+  cc -std=gnu11 -O3 -march=native -Wall -Wextra "$repo/scripts/peers/volpack_frames.c" -o "$peers/volpack_frames" -lvolpack -lm ||
+    die "VolPack is missing: apt-get install libvolpack1-dev"
+}
+
+prepare_scene() {
+  local name
+  for name in soft surface; do
+    "$build/ringsplat" render "$head" --tf "mr-$name" --tf-out "$work/mr-$name.json" --size 16 -o "$work/x.exr" >/dev/null
+  done
+  "$peers/venv/bin/python" "$repo/scripts/peers/scene.py" "$head" "$work" "$work/mr-soft.json" "$work/mr-surface.json"
+  read -r -a dims <<<"$(scene_field dims)"
+  read -r -a spacing <<<"$(scene_field spacing)"
+  volume=("$work/head.raw" --dims "${dims[0]}x${dims[1]}x${dims[2]}" --type uint8 --spacing "${spacing[0]}x${spacing[1]}x${spacing[2]}")
+  for name in "${truth_views[@]}"; do sed -n "$((name + 1))p" "$work/views.txt"; done >"$work/truth_views.txt"
+}
+
+scene_field() { "$peers/venv/bin/python" -c 'import json, sys; print(*json.load(open(sys.argv[1]))[sys.argv[2]])' "$work/scene.json" "$1"; }
+
+# The truths take minutes, so they are kept as long as what they are made from is the same.
+make_truths() {
+  local key
+  key=$(cat "$work/head.raw" "$work"/{soft,surface}.json "$work/truth_views.txt" | sha256sum | cut -c1-16)
+  truths=$peers/truth/$key
+  [[ -e $truths/done ]] && return
+  mkdir -p "$truths"
+  for function in soft surface; do
+    for shading in phong none; do
+      say "the field's truth: $function, $shading"
+      "$build/ringsplat" reference "${volume[@]}" --truth field --tolerance 1e-4 --path "$work/truth_views.txt" --tf "$work/$function.json" \
+        --shading "$shading" -o "$truths/$function-$shading.exr" >/dev/null
+    done
+  done
+  touch "$truths/done"
+}
+
+# frames PROGRAM CASE COMMAND...: appends the seconds that it prints, but for the first frame's.
+frames() {
+  local list="$work/$1-$2.seconds"
+  shift 2
+  "$@" 2>>"$work/log" | tail -n +2 >>"$list" || { cat "$work/log" >&2; die "$1 failed"; }
+}
+
+# One frame in flight: from the announcement to the last tile, as the others' are from call to return.
+ringsplat_frames() {
+  run_ranks 2 "$build/ringsplat" render "${volume[@]}" --roles colocated --gps 2 --renderers 2 --size 512 --path "$work/views.txt" \
+    --tf "$work/$1.json" --shading "$2" --frames-in-flight 1 -o "$work/ringsplat-$1-$2.exr" --stats "$work/one.jsonl" "${options[@]}" >/dev/null
+  "$peers/venv/bin/python" -c 'import json, sys; [print(json.loads(line)["seconds"]) for line in open(sys.argv[1])]' "$work/one.jsonl"
+}
+
+prepare_peers
+prepare_scene
+make_truths
+pictures=(pictures)
+for ((k = 1; k <= rounds; ++k)); do
+  say "round $k of $rounds"
+  for function in soft surface; do
+    for shading in phong none; do
+      frames ringsplat "$function-$shading" ringsplat_frames "$function" "$shading"
+      frames vtk "$function-$shading" "$peers/venv/bin/python" "$repo/scripts/peers/vtk_frames.py" "$work" "$function" "$shading" "${pictures[@]}"
+      frames volpack "$function-$shading" "$peers/volpack_frames" "$work" "$function" "$shading" "${dims[@]}" "${spacing[@]}" 512 "${pictures[@]}"
+    done
+  done
+  pictures=()
+done
+"$peers/venv/bin/python" "$repo/scripts/peers/report.py" "$work" "$build/ringsplat" "$truths" "${truth_views[@]}"
