@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-#if HWY_TARGET == HWY_SCALAR
+#if RINGSPLAT_ONE_BY_ONE
 
 class TextureAdder {
  public:

@@ -54,7 +54,8 @@ inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
 }
 
 /// Every slice composited to the end, as the truths do.
-inline Image rendered(const Volume& volume, FrameSpec spec) {
+inline Image rendered(const Volume& volume, const FrameSpec& frame) {
+  FrameSpec spec = frame;
   spec.opaque_threshold = 0;
   const auto source = memory_source(volume.grid, volume.bytes);
   return render_loopback(*source, spec, 1, 1).image;
