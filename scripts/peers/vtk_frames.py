@@ -15,7 +15,8 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 LIGHT = (-0.4, 0.6, 0.7)  # right, up, to the viewer: ringsplat's
-MATERIAL = {"SetAmbient": 0.25, "SetDiffuse": 0.75, "SetSpecular": 0.25, "SetSpecularPower": 24.0}
+# The highlight there is by the half vector, whose angle is half the mirrored ray's: about four times the exponent.
+MATERIAL = {"SetAmbient": 0.25, "SetDiffuse": 0.75, "SetSpecular": 0.25, "SetSpecularPower": 4 * 24.0}
 
 
 def make_image(folder, scene):
@@ -100,7 +101,7 @@ def main():
     window, renderer = make_window(scene["size"])
     light = vtk.vtkLight()
     light.SetLightTypeToSceneLight()
-    light.SetAmbientColor(1, 1, 1)
+    light.SetAmbientColor(1, 1, 1)  # black unless told otherwise: no ambient light
     light.PositionalOff()
     renderer.AddLight(light)
     renderer.AddVolume(make_volume(make_image(folder, scene), scene, function, shading == "phong"))
