@@ -20,6 +20,7 @@ required=(
 optional=(
   libsimgrid-dev                              # simulated machines
   python3 python3-numpy python3-matplotlib    # plots
+  python3-venv                                # SSIM and FLIP, which scripts/accuracy.sh takes from PyPI
 )
 
 missing() {
