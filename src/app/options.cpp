@@ -227,7 +227,11 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
 void add_shortcut_options(CLI::App& app, RenderOptions& o) {
   FrameSpec& f = o.frame;
   group("Shortcuts",
-        {app.add_option("--opaque-threshold", f.opaque_threshold,
+        {app.add_option("--undersample", f.reduction.factor, "Render a volume of every 2nd or 4th voxel along each axis")
+             ->type_name("1|2|4")
+             ->capture_default_str(),
+         app.add_flag("--prefilter", f.reduction.prefilter, "Undersampled voxels are means of the ones that they stand for"),
+         app.add_option("--opaque-threshold", f.opaque_threshold,
                         "Nothing is added to a pixel through which less light than this comes; 0: everything is")
              ->capture_default_str(),
          add_choice(app, "--payload", f.payload, Choices<PayloadForm>{{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}, "runs",

@@ -80,7 +80,12 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
   SliceMemory memory{load.kept_axes, {}};
   for (int gp = 0; gp < gps; ++gp)
-    memory.predicted.push_back(SliceStore::bytes_needed(grid, gp, gps, load.kept_axes, load.with_normals));
+    memory.predicted.push_back(0);
+  for (const int factor : load.factors) {
+    const Grid level = reduced_grid(grid, {factor, load.prefilter});
+    for (int gp = 0; gp < gps; ++gp)
+      memory.predicted[std::size_t(gp)] += SliceStore::bytes_needed(level, gp, gps, load.kept_axes, load.with_normals);
+  }
   return memory;
 }
 
@@ -106,7 +111,7 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
 }
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  return {axes, o.frame.shading == Shading::phong};
+  return {axes, o.frame.shading == Shading::phong, {o.frame.reduction.factor}, o.frame.reduction.prefilter};
 }
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,

@@ -85,6 +85,8 @@ json to_json(const FrameSpec& s) {
           {"kernel", to_json(s.kernel)},
           {"opacity_correction", s.opacity_correction},
           {"opaque_threshold", s.opaque_threshold},
+          {"undersample", s.reduction.factor},
+          {"prefilter", s.reduction.prefilter},
           {"payload", name(s.payload)},
           {"precision", name(s.precision)}};
 }
@@ -105,6 +107,7 @@ FrameSpec frame_spec_from(const json& j) {
   s.kernel = kernel_from(j.at("kernel"));
   s.opacity_correction = j.at("opacity_correction");
   s.opaque_threshold = j.at("opaque_threshold");
+  s.reduction = {j.at("undersample"), j.at("prefilter")};
   s.payload = j.at("payload") == "words" ? PayloadForm::words : PayloadForm::runs;
   s.precision = j.at("precision") == "float" ? Precision::float32 : j.at("precision") == "half" ? Precision::half : Precision::u8;
   return s;
@@ -122,6 +125,8 @@ void check(const FrameSpec& spec) {
   if (!(spec.opaque_threshold >= 0 && spec.opaque_threshold < 1))
     throw InputError(fmt::format("--opaque-threshold {} is not a transmittance below 1", spec.opaque_threshold),
                      "give 0 to composite every slice, or a small number such as 0.002");
+  if (spec.reduction.factor != 1 && spec.reduction.factor != 2 && spec.reduction.factor != 4)
+    throw InputError(fmt::format("--undersample cannot be {}", spec.reduction.factor), "use 1, 2 or 4");
   if (spec.payload == PayloadForm::words && spec.precision != Precision::float32)
     throw InputError("--payload words always carries float precision", "use --payload runs with --precision half or u8");
   const auto& m = spec.material;
@@ -151,11 +156,29 @@ std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }
 
 LatticeFrame lattice_frame(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
 
+namespace {
+
+/// The view of a reduced volume's lattice that shows it where the volume is.
+ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
+  const double middle = reduction.prefilter ? 0.5 * (reduction.factor - 1) : 0.0;
+  view.offset = view.project(glm::dvec3(middle));
+  view.linear *= double(reduction.factor);
+  return view;
+}
+
+}  // namespace
+
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   const LatticeFrame lattice = lattice_frame(grid);
   FrameGeometry g;
   g.view = make_view(spec.camera, lattice, spec.width, spec.height);
   g.traversal = choose_traversal(g.view, lattice);
+  g.grid = grid;
+  if (spec.reduction.factor > 1) {
+    g.grid = reduced_grid(grid, spec.reduction);
+    g.view = reduced_view(g.view, spec.reduction);
+    g.traversal.slice_distance *= spec.reduction.factor;
+  }
   g.footprint = make_footprint(g.view, g.traversal.axis, spec.kernel_radius);
   if (spec.kernel.normalisation == Normalisation::none) g.footprint.weight = 1;
   constexpr double widest = 1 << 20;
@@ -164,7 +187,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
   g.regions = Regions(spec.width, spec.height, spec.region_size);
-  g.slices = grid.slices(g.traversal.axis);
+  g.slices = g.grid.slices(g.traversal.axis);
   return g;
 }
 

@@ -22,6 +22,7 @@ struct Gp::PreparedSlice {
 struct Gp::Frame {
   FrameSpec spec;
   FrameGeometry geometry;
+  const SliceStore* store = nullptr;  ///< of the frame's level
   std::unique_ptr<Encoder> encoder;
   std::vector<int> steps;     ///< this GP's traversal steps, ascending
   std::size_t next_step = 0;  ///< into `steps`: the next to encode
@@ -41,7 +42,6 @@ Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceSto
       options_(options),
       slices_(std::move(slices)),
       post_(std::move(post)),
-      empty_space_(std::make_unique<EmptySpace>()),
       last_time_(now_seconds()),
       trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
@@ -53,14 +53,15 @@ void Gp::begin_frame(const FrameSpec& spec) {
   frame->geometry = make_geometry(spec, slices_.grid());
   const Traversal& traversal = frame->geometry.traversal;
   const int slices = frame->geometry.slices;
-  if (!slices_.keeps(traversal.axis))
+  frame->store = &slices_.level(spec.reduction.factor);
+  if (!frame->store->keeps(traversal.axis))
     throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded", spec.frame,
                                name(traversal.axis)),
                    "load it with --axes all");
   for (int step = 0; step < slices; ++step)
     if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
   if (!frame->steps.empty()) {
-    frame->encoder = make_encoder(frame->spec, frame->geometry, slices_.grid(), layout_.renderers, *empty_space_);
+    frame->encoder = make_encoder(frame->spec, frame->geometry, layout_.renderers, empty_space_of(spec.reduction.factor));
     if (trace_) frame->encoder->time_stages(&piece_.stages);
     if (frame->steps.front() == 0) {
       // All tokens start at the owner of the front slice.
@@ -77,6 +78,12 @@ void Gp::begin_frame(const FrameSpec& spec) {
   auto waiting = std::exchange(early_, {});
   for (auto& message : waiting) receive(std::move(message));
   finish_completed_frames();
+}
+
+EmptySpace& Gp::empty_space_of(int level) {
+  auto& space = empty_space_[level];
+  if (!space) space = std::make_unique<EmptySpace>();
+  return *space;
 }
 
 Gp::Frame* Gp::find_frame(std::int64_t frame) {
@@ -218,7 +225,7 @@ bool Gp::encode_some() {
   if (!frame.encoding) {
     if (prepared_slices() >= std::size_t(options_.look_ahead)) return false;
     const int slice = frame.geometry.traversal.slice_at(frame.steps[frame.next_step], frame.geometry.slices);
-    frame.encoder->begin(slices_.slice(frame.geometry.traversal.axis, slice));
+    frame.encoder->begin(frame.store->slice(frame.geometry.traversal.axis, slice));
     frame.encoding = true;
   }
   if (trace_) piece_ = {frame.spec.frame, frame.steps[frame.next_step], {}};

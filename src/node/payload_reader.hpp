@@ -29,6 +29,6 @@ class PayloadReader {
 
 /// For payloads of a frame's form and precision. `geometry` must outlive it.
 std::unique_ptr<PayloadReader> make_word_reader();
-std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid);
+std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry);
 
 }  // namespace ringsplat

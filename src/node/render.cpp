@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/process.hpp"
 
@@ -27,6 +29,14 @@ void check_wiring(const Layout& layout, const Wiring& wiring) {
                    fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
 }
 
+void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
+               const std::vector<std::vector<int>>& gps, const Wiring& wiring) {
+  OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
+  if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
+  auto stores = deal_slices(reduced, options, layout.gps, gps, wiring.collectives);
+  for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
+}
+
 }  // namespace
 
 std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height) {
@@ -41,9 +51,17 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
   check_wiring(layout, wiring);
   Scene scene;
   scene.grid = volume.grid;
-  scene.stores = deal_slices(volume, options, layout.gps, gps_by_process(layout, wiring), wiring.collectives);
+  const auto gps = gps_by_process(layout, wiring);
+  const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
+  // Range and histogram are the volume's own at any level, so that presets do not change with it.
+  const LoadOptions values_only{{false, false, true}, false};
+  scene.stores = deal_slices(volume, whole ? options : values_only, layout.gps, gps, wiring.collectives);
   scene.range = value_range(scene.stores, wiring.collectives);
   scene.histogram = histogram(scene.stores, scene.range, histogram_bins, wiring.collectives);
+  if (!whole)
+    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, layout.gps, {}, false);
+  for (const int factor : options.factors)
+    if (factor > 1) add_level(scene, {factor, options.prefilter}, volume, options, layout, gps, wiring);
   return scene;
 }
 
@@ -75,6 +93,8 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
   LoadOptions load;
   load.kept_axes = needed_axes({spec.camera}, grid, spec.width, spec.height);
   load.with_normals = spec.shading == Shading::phong;
+  load.factors = {spec.reduction.factor};
+  load.prefilter = spec.reduction.prefilter;
   Scene scene = load_scene(volume, load, layout, wiring);
   Image image;
   bool asked = false;

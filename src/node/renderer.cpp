@@ -13,7 +13,7 @@ namespace ringsplat {
 
 Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
     : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
-      painter_(make_painter(index, layout.renderers, grid)), last_time_(now_seconds()),
+      painter_(make_painter(index, layout.renderers)), last_time_(now_seconds()),
       trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
 void Renderer::begin_frame(const FrameSpec& spec) {

@@ -2,11 +2,11 @@
 
 namespace ringsplat {
 
-RowClassifier::RowClassifier(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid)
+RowClassifier::RowClassifier(const FrameSpec& spec, const FrameGeometry& geometry)
     : spec_(spec),
       geometry_(geometry),
-      classifier_(spec.transfer_function, grid.type, spec.opacity_correction ? geometry.traversal.slice_distance : 1.0),
-      columns_(std::size_t(grid.slice_width(geometry.traversal.axis))),
+      classifier_(spec.transfer_function, geometry.grid.type, spec.opacity_correction ? geometry.traversal.slice_distance : double(spec.reduction.factor)),
+      columns_(std::size_t(geometry.grid.slice_width(geometry.traversal.axis))),
       samples_(columns_.size()) {}
 
 void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {

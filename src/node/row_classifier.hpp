@@ -13,7 +13,7 @@ namespace ringsplat {
 /// some turn out to be hidden. Empty space is not read.
 class RowClassifier {
  public:
-  RowClassifier(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid);
+  RowClassifier(const FrameSpec& spec, const FrameGeometry& geometry);
 
   /// `runs` must stay valid until the slice is done.
   void begin(const SliceView& slice, const SliceRuns& runs);

@@ -25,8 +25,8 @@ struct ColumnInterval {
 template <class Voxel>
 class RunEncoder final : public SliceEncoder {
  public:
-  RunEncoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers, EmptySpace& empty_space)
-      : SliceEncoder(spec, geometry, grid, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
+  RunEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
+      : SliceEncoder(spec, geometry, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
 
  private:
   struct Part {
@@ -118,14 +118,14 @@ class RunEncoder final : public SliceEncoder {
 
 }  // namespace
 
-std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
+std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                           EmptySpace& empty_space) {
   switch (spec.precision) {
-    case Precision::half: return std::make_unique<RunEncoder<HalfVoxel>>(spec, geometry, grid, renderers, empty_space);
-    case Precision::u8: return std::make_unique<RunEncoder<ByteVoxel>>(spec, geometry, grid, renderers, empty_space);
+    case Precision::half: return std::make_unique<RunEncoder<HalfVoxel>>(spec, geometry, renderers, empty_space);
+    case Precision::u8: return std::make_unique<RunEncoder<ByteVoxel>>(spec, geometry, renderers, empty_space);
     case Precision::float32: break;
   }
-  return std::make_unique<RunEncoder<FloatVoxel>>(spec, geometry, grid, renderers, empty_space);
+  return std::make_unique<RunEncoder<FloatVoxel>>(spec, geometry, renderers, empty_space);
 }
 
 }  // namespace ringsplat

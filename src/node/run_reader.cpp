@@ -18,10 +18,10 @@ namespace {
 template <class Voxel>
 class RunReader final : public PayloadReader {
  public:
-  RunReader(const FrameGeometry& geometry, const Grid& grid)
+  RunReader(const FrameGeometry& geometry)
       : geometry_(geometry),
-        width_(std::uint32_t(grid.slice_width(geometry.traversal.axis))),
-        height_(std::uint32_t(grid.slice_height(geometry.traversal.axis))),
+        width_(std::uint32_t(geometry.grid.slice_width(geometry.traversal.axis))),
+        height_(std::uint32_t(geometry.grid.slice_height(geometry.traversal.axis))),
         dda_(geometry.view, geometry.traversal.axis, int(width_)) {}
 
   void begin(int slice, std::span<const std::byte> body, const std::function<bool(int)>& owned) override {
@@ -158,13 +158,13 @@ class RunReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid) {
+std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry) {
   switch (spec.precision) {
-    case Precision::half: return std::make_unique<RunReader<HalfVoxel>>(geometry, grid);
-    case Precision::u8: return std::make_unique<RunReader<ByteVoxel>>(geometry, grid);
+    case Precision::half: return std::make_unique<RunReader<HalfVoxel>>(geometry);
+    case Precision::u8: return std::make_unique<RunReader<ByteVoxel>>(geometry);
     case Precision::float32: break;
   }
-  return std::make_unique<RunReader<FloatVoxel>>(geometry, grid);
+  return std::make_unique<RunReader<FloatVoxel>>(geometry);
 }
 
 }  // namespace ringsplat

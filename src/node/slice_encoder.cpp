@@ -9,10 +9,10 @@
 
 namespace ringsplat {
 
-SliceEncoder::SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers, EmptySpace& empty_space)
+SliceEncoder::SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
     : geometry_(geometry),
-      rows_(spec, geometry, grid),
-      dda_(geometry.view, geometry.traversal.axis, grid.slice_width(geometry.traversal.axis)),
+      rows_(spec, geometry),
+      dda_(geometry.view, geometry.traversal.axis, geometry.grid.slice_width(geometry.traversal.axis)),
       reach_(kernel_reach(geometry.footprint)),
       spec_(spec),
       empty_space_(empty_space),
@@ -91,10 +91,10 @@ EncodedSlice SliceEncoder::finish() {
 
 void SliceEncoder::take_opaque_news(std::span<const std::byte> news) { read_opaque_news(news, opaque_); }
 
-std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
+std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                       EmptySpace& empty_space) {
   const auto make = spec.payload == PayloadForm::words ? make_word_encoder : make_run_encoder;
-  return make(spec, geometry, grid, renderers, empty_space);
+  return make(spec, geometry, renderers, empty_space);
 }
 
 }  // namespace ringsplat

@@ -18,7 +18,7 @@ using PassBits = std::array<std::uint64_t, 4>;
 /// gathered by itself and then handed to the Renderer that owns the region.
 class SliceEncoder : public Encoder {
  public:
-  SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers, EmptySpace& empty_space);
+  SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space);
   void begin(const SliceView& slice) override;
   bool work() override;
   EncodedSlice finish() override;
@@ -78,9 +78,9 @@ class SliceEncoder : public Encoder {
   StageSeconds* stages_ = nullptr;
 };
 
-std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
+std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                            EmptySpace& empty_space);
-std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
+std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                           EmptySpace& empty_space);
 
 }  // namespace ringsplat

@@ -19,14 +19,14 @@ namespace {
 /// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice behind the image.
 class SplatPainter final : public Painter {
  public:
-  SplatPainter(int renderer, int renderers, const Grid& grid) : renderer_(renderer), renderers_(renderers), grid_(grid) {}
+  SplatPainter(int renderer, int renderers) : renderer_(renderer), renderers_(renderers) {}
 
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
     if (!same_layout(geometry.regions)) lay_out(geometry.regions);
     geometry_ = geometry;
     const FrameKernel kernel = make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
     for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
-    reader_ = spec.payload == PayloadForm::words ? make_word_reader() : make_run_reader(spec, geometry_, grid_);
+    reader_ = spec.payload == PayloadForm::words ? make_word_reader() : make_run_reader(spec, geometry_);
     told_.clear();
     counts_ = {};
     composite_seconds_ = 0;
@@ -129,7 +129,6 @@ class SplatPainter final : public Painter {
   RegionPainter& painter_of(int region) { return painters_[slot_of_region_[std::size_t(region)]]; }
 
   int renderer_, renderers_;
-  Grid grid_;
   FrameGeometry geometry_;
   Regions regions_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
@@ -146,8 +145,8 @@ class SplatPainter final : public Painter {
 
 }  // namespace
 
-std::unique_ptr<Painter> make_painter(int renderer, int renderers, const Grid& grid) {
-  return std::make_unique<SplatPainter>(renderer, renderers, grid);
+std::unique_ptr<Painter> make_painter(int renderer, int renderers) {
+  return std::make_unique<SplatPainter>(renderer, renderers);
 }
 
 }  // namespace ringsplat

@@ -22,8 +22,8 @@ struct WordPart {
 /// The paper's payload: every splat's quadratic and colour in six words, sorted by region (Neumann 1992, section 3).
 class WordEncoder final : public SliceEncoder {
  public:
-  WordEncoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers, EmptySpace& empty_space)
-      : SliceEncoder(spec, geometry, grid, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
+  WordEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
+      : SliceEncoder(spec, geometry, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
 
  private:
   void encode_row(int row) override {
@@ -97,9 +97,9 @@ class WordEncoder final : public SliceEncoder {
 
 }  // namespace
 
-std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
+std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                            EmptySpace& empty_space) {
-  return std::make_unique<WordEncoder>(spec, geometry, grid, renderers, empty_space);
+  return std::make_unique<WordEncoder>(spec, geometry, renderers, empty_space);
 }
 
 }  // namespace ringsplat

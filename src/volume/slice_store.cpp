@@ -1,8 +1,12 @@
 #include "ringsplat/volume/slice_store.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -87,7 +91,16 @@ std::uint64_t SliceStore::allocated_bytes() const {
   std::uint64_t bytes = 0;
   for (const auto& set : sets_)
     bytes += set.values.capacity() + set.normals.capacity() * sizeof(std::uint16_t);
+  for (const auto& [factor, level] : levels_) bytes += level.allocated_bytes();
   return bytes;
+}
+
+const SliceStore& SliceStore::level(int factor) const {
+  if (factor == 1) return *this;
+  const auto found = levels_.find(factor);
+  if (found == levels_.end())
+    throw RunError(fmt::format("a frame is undersampled by {}, but no such level was loaded", factor), "load it with --undersample");
+  return found->second;
 }
 
 void pack_columns(const Grid& grid, Axis axis, int gp, int gps, std::span<const std::byte> values,

@@ -60,6 +60,8 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
   LoadOptions load;
   load.kept_axes = needed_axes({spec.camera}, volume.grid, spec.width, spec.height);
   load.with_normals = spec.shading == Shading::phong;
+  load.factors = {spec.reduction.factor};
+  load.prefilter = spec.reduction.prefilter;
   Scene scene = load_scene(volume, load, layout, wiring);
   FrameResult result;
   bool asked = false;

@@ -62,10 +62,9 @@ class Painter {
 class EmptySpace;
 
 /// `spec`, `geometry` and `empty_space` must outlive the encoder.
-std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, const Grid& grid, int renderers,
-                                      EmptySpace& empty_space);
+std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space);
 
 /// A Renderer's painter; begin_frame() forgets the last image and keeps its buffers.
-std::unique_ptr<Painter> make_painter(int renderer, int renderers, const Grid& grid);
+std::unique_ptr<Painter> make_painter(int renderer, int renderers);
 
 }  // namespace ringsplat

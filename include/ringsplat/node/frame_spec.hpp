@@ -9,6 +9,7 @@
 #include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/grid.hpp"
+#include "ringsplat/volume/reduced.hpp"
 
 namespace ringsplat {
 
@@ -32,6 +33,7 @@ struct FrameSpec {
   KernelOptions kernel;
   bool opacity_correction = true;
   double opaque_threshold = 1.0 / 512;  ///< a pixel with less transmittance takes nothing more; 0: all are composited to the end
+  Reduction reduction;  ///< of the volume; opacities are corrected for the larger voxels
   PayloadForm payload = PayloadForm::runs;
   Precision precision = Precision::float32;
 };
@@ -48,7 +50,8 @@ std::string to_json_text(const FrameSpec& spec);
 
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
 struct FrameGeometry {
-  ViewTransform view;
+  Grid grid;           ///< of the volume as it is rendered: reduced when undersampled
+  ViewTransform view;  ///< of that grid's lattice
   Traversal traversal;
   Footprint footprint;
   Regions regions;

@@ -36,6 +36,7 @@ class Gp final : public Node {
     std::uint32_t sequence;
   };
 
+  EmptySpace& empty_space_of(int level);
   Frame* find_frame(std::int64_t frame);
   bool encode_some();
   void use_waiting_tokens(Frame& frame, PreparedSlice& slice);
@@ -53,7 +54,7 @@ class Gp final : public Node {
   ProtocolOptions options_;
   SliceStore slices_;
   Post post_;
-  std::unique_ptr<EmptySpace> empty_space_;
+  std::map<int, std::unique_ptr<EmptySpace>> empty_space_;  ///< by level
   std::deque<std::unique_ptr<Frame>> frames_;
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;  ///< of frames not yet announced here

@@ -16,6 +16,8 @@ namespace ringsplat {
 struct LoadOptions {
   std::array<bool, 3> kept_axes{true, true, true};
   bool with_normals = true;
+  std::vector<int> factors{1};  ///< of the levels that are kept; 1 is the volume itself
+  bool prefilter = false;       ///< of the others (volume/reduced.hpp)
 };
 
 /// Opens the volume on process 0, and on the others too when it can be read by all at once. Every process gets the

@@ -2,6 +2,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -41,7 +42,12 @@ class SliceStore {
   /// Bytes a GP needs for its slices: what `info` predicts and the store allocates.
   static std::uint64_t bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
                                     bool with_normals);
-  std::uint64_t allocated_bytes() const;
+  std::uint64_t allocated_bytes() const;  ///< its levels' too
+
+  /// A reduced volume's slices, of the same GP, for frames that are undersampled by `factor`.
+  void add_level(int factor, SliceStore level) { levels_[factor] = std::move(level); }
+  /// Itself for 1. Throws RunError when there is no such level.
+  const SliceStore& level(int factor) const;
 
  private:
   struct Set {
@@ -55,6 +61,7 @@ class SliceStore {
   std::array<bool, 3> kept_{};
   bool with_normals_ = false;
   std::array<Set, 3> sets_;
+  std::map<int, SliceStore> levels_;  ///< by factor
 };
 
 /// A z slice's share for one GP of the slices perpendicular to x or y, and back: the
