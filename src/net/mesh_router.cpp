@@ -37,6 +37,7 @@ bool travels_by_mesh(Kind kind) {
     case Kind::stall:
     case Kind::credit:
     case Kind::link_query:
+    case Kind::drop:
     case Kind::link_report:
       break;
   }

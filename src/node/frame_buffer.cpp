@@ -21,6 +21,7 @@ FrameBuffer::FrameBuffer(const Layout& layout, const ProtocolOptions& options, c
       announce_(std::move(announce)) {}
 
 bool FrameBuffer::advance() {
+  if (drop_unwanted()) return true;
   if (!frames_.empty() && frames_.front().complete()) {
     Frame frame = std::move(frames_.front());
     frames_.pop_front();
@@ -44,9 +45,21 @@ bool FrameBuffer::advance() {
   return false;
 }
 
+bool FrameBuffer::drop_unwanted() {
+  if (!director_.unwanted) return false;
+  for (Frame& frame : frames_) {
+    if (frame.stats.dropped || !director_.unwanted(frame.spec)) continue;
+    frame.stats.dropped = true;
+    announce_(Message({.kind = Kind::drop, .source_role = Role::frame_buffer, .frame = frame.spec.frame}));
+    return true;
+  }
+  return false;
+}
+
 bool FrameBuffer::announce_next() {
   auto spec = director_.next_frame();
   if (!spec) {
+    if (director_.may_come && director_.may_come()) return false;
     no_more_ = true;
     return true;
   }
@@ -149,7 +162,7 @@ void FrameBuffer::complete(Frame&& frame) {
   check_conservation(frame.stats);
   FrameResult result{std::move(frame.spec), std::move(frame.image), std::move(frame.stats)};
   if (!layout_.routed()) {
-    director_.frame_done(std::move(result));
+    if (!result.stats.dropped) director_.frame_done(std::move(result));
     return;
   }
   const auto ranks = std::size_t(layout_.ranks());
@@ -175,7 +188,7 @@ void FrameBuffer::take_link_report(const Message& message) {
 void FrameBuffer::hand_over(Settling&& settled) {
   for (const auto& counts : settled.links)
     settled.result.stats.links.insert(settled.result.stats.links.end(), counts.begin(), counts.end());
-  director_.frame_done(std::move(settled.result));
+  if (!settled.result.stats.dropped) director_.frame_done(std::move(settled.result));
 }
 
 std::string FrameBuffer::waiting_for() const {

@@ -31,6 +31,7 @@ struct Gp::Frame {
   std::map<int, std::vector<HeldToken>>
       waiting_tokens;  ///< step → tokens that came before the slice was ready
   std::size_t steps_done = 0;
+  bool dropped = false;  ///< slices not yet sent are left out
   NodeStats stats;
 
   bool done() const { return steps_done == steps.size(); }
@@ -78,6 +79,13 @@ void Gp::begin_frame(const FrameSpec& spec) {
   auto waiting = std::exchange(early_, {});
   for (auto& message : waiting) receive(std::move(message));
   finish_completed_frames();
+}
+
+void Gp::drop_frame(std::int64_t number) {
+  Frame* frame = find_frame(number);
+  if (frame == nullptr) return;  // this GP's part is over
+  frame->dropped = true;
+  for (auto& slice : frame->prepared) slice.encoded.payloads.assign(std::size_t(layout_.renderers), {});
 }
 
 EmptySpace& Gp::empty_space_of(int level) {
@@ -229,11 +237,16 @@ bool Gp::encode_some() {
     frame.encoding = true;
   }
   if (trace_) piece_ = {frame.spec.frame, frame.steps[frame.next_step], {}};
-  if (!frame.encoder->work()) return true;
+  if (!frame.dropped && !frame.encoder->work()) return true;
 
   frame.encoding = false;
   const int step = frame.steps[frame.next_step++];
-  frame.prepared.push_back({step, frame.encoder->finish(), layout_.renderers, {}});
+  EncodedSlice encoded;
+  if (frame.dropped)
+    encoded.payloads.resize(std::size_t(layout_.renderers));
+  else
+    encoded = frame.encoder->finish();
+  frame.prepared.push_back({step, std::move(encoded), layout_.renderers, {}});
   PreparedSlice& slice = frame.prepared.back();
   ++frame.stats.slices;
   frame.stats.passes += slice.encoded.passes;

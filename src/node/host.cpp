@@ -91,12 +91,25 @@ void Host::take_announcement(const Message& message) {
     answer_link_query(message.header.frame);
     return;
   }
+  if (message.header.kind == Kind::drop) {
+    early_drops_.insert(message.header.frame);
+    drop_announced();
+    return;
+  }
   FrameSpec announced = decode_frame_spec(message.body());
   early_frames_.emplace(announced.frame, std::move(announced));
   // Announcements may overtake each other; nodes get frames in order.
   for (auto next = early_frames_.begin(); next != early_frames_.end() && next->first == next_frame_;
        next = early_frames_.erase(next), ++next_frame_)
     for (const auto& node : nodes_) node->begin_frame(next->second);
+  drop_announced();
+}
+
+void Host::drop_announced() {
+  while (!early_drops_.empty() && *early_drops_.begin() < next_frame_) {
+    for (const auto& node : nodes_) node->drop_frame(*early_drops_.begin());
+    early_drops_.erase(early_drops_.begin());
+  }
 }
 
 /// Straight to the frame buffer: over the mesh, the answers would change what they tell.
@@ -122,6 +135,7 @@ void Host::take(Message message) {
   switch (h.kind) {
     case Kind::frame_spec:
     case Kind::link_query:
+    case Kind::drop:
     case Kind::shutdown:
       announce(std::move(message));
       return;
@@ -179,7 +193,11 @@ void Host::run() {
       transport_.note_progress();
       last_progress = now_seconds();
     } else {
-      if (now_seconds() - last_progress > options_.stall_timeout) {
+      const bool overdue = now_seconds() - last_progress > options_.stall_timeout;
+      // Between frames there may be nothing to do for as long as nobody asks for a view.
+      if (overdue && waiting_for().empty()) {
+        last_progress = now_seconds();
+      } else if (overdue) {
         report_stall();
         throw RunError(
             fmt::format("rank {}: nothing moved for {} s: {}", rank(), options_.stall_timeout, waiting_for()),
@@ -194,7 +212,8 @@ void Host::run() {
 void Host::report_stall() {
   if (told_stall_) return;
   told_stall_ = true;
-  log_error("rank {} is stalled: {}", rank(), waiting_for());
+  const std::string what = waiting_for();
+  log_error("rank {} is stalled: {}", rank(), what.empty() ? "it waits for the next frame" : what);
   for (int r = 0; r < layout_.ranks(); ++r)
     if (r != rank()) transport_.send(r, Message({.kind = Kind::stall, .source = rank(), .destination = r}));
   // Gives the question time to arrive and the answers time to be written before the run is ended.
@@ -213,7 +232,7 @@ std::string Host::waiting_for() const {
   }
   const std::string links = router_ ? router_->waiting_for() : std::string();
   if (!links.empty()) all += (all.empty() ? "" : "; ") + links;
-  return all.empty() ? "nothing (its nodes are done or wait for the next frame)" : all;
+  return all;
 }
 
 }  // namespace ringsplat

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <numeric>
+#include <thread>
 
 #include "ringsplat/base/error.hpp"
 
@@ -12,9 +14,11 @@ namespace {
 
 std::string who_waits(const std::vector<std::unique_ptr<Host>>& hosts, int stopped_rank) {
   std::string who;
-  for (const auto& host : hosts)
+  for (const auto& host : hosts) {
+    const std::string what = host->waiting_for();
     who += fmt::format("\n  rank {}{}: {}", host->rank(), host->rank() == stopped_rank ? " (stopped)" : "",
-                       host->waiting_for());
+                       what.empty() ? "the next frame" : what);
+  }
   return who;
 }
 
@@ -23,6 +27,7 @@ std::string who_waits(const std::vector<std::unique_ptr<Host>>& hosts, int stopp
 void run_loopback(const Layout& layout, const ProtocolOptions& options, const Grid& grid,
                   std::map<int, SliceStore> stores, Director director, const LoopbackOptions& loopback) {
   ProtocolOptions protocol = options;
+  const auto may_come = director.may_come;
   if (loopback.in_step) protocol.frames_in_flight = 1;
   LockStep clock(loopback.on_link_use);
   LoopbackNetwork network(layout.ranks(), loopback);
@@ -48,6 +53,10 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options, const Gr
     quiet_turns = moved ? 0 : quiet_turns + 1;
     // A message that is late arrives within so many turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
+    if (clock.kept == 0 && may_come && may_come()) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+      continue;
+    }
     if (clock.kept == 0)
       throw RunError("no rank can move and no message on its way can change that:" +
                      who_waits(hosts, stopped_rank));

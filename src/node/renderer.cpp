@@ -23,6 +23,11 @@ void Renderer::begin_frame(const FrameSpec& spec) {
   for (auto& message : waiting) receive(std::move(message));
 }
 
+void Renderer::drop_frame(std::int64_t number) {
+  for (auto& frame : frames_)
+    if (frame.spec.frame == number) frame.dropped = true;
+}
+
 Renderer::Frame& Renderer::frame_of(const Header& h) {
   for (auto& frame : frames_)
     if (frame.spec.frame == h.frame) return frame;
@@ -92,6 +97,10 @@ bool Renderer::advance() {
 bool Renderer::draw_some(Frame& frame) {
   const auto found = frame.payloads.find(frame.next);
   if (found == frame.payloads.end()) return false;
+  if (frame.dropped) {
+    finish_payload(frame);
+    return true;
+  }
   if (!frame.painting) {
     painter_->begin(found->second.header.step, found->second.body());
     frame.painting = true;
@@ -107,24 +116,29 @@ bool Renderer::draw_some(Frame& frame) {
   }
   if (!complete) return true;
 
+  finish_payload(frame);
+  return true;
+}
+
+void Renderer::finish_payload(Frame& frame) {
   frame.painting = false;
-  frame.payloads.erase(found);
+  frame.payloads.erase(frame.next);
   ++frame.next;
   ++frame.stats.payloads_drawn;
   --frame.slots_in_use;
   accept_what_fits(frame);
-  return true;
 }
 
 void Renderer::deliver(Frame& frame) {
   NodeStats& stats = frame.stats;
-  painter_->finish([&](int region, Bytes rgba) {
+  const auto send_tile = [&](int region, Bytes rgba) {
     ++stats.tiles;
     stats.tile_bytes += Message::body_size(rgba);
     Header h{.kind = Kind::tile, .source_role = Role::renderer, .destination_role = Role::frame_buffer, .source = index_, .frame = frame.spec.frame};
     h.region = static_cast<std::uint32_t>(region);
     post_(Message(h, std::move(rgba)));
-  });
+  };
+  if (!frame.dropped) painter_->finish(send_tile);
   const double begun = last_time_;
   account_time(&NodeStats::delivering);
   if (trace_) trace_->add(Activity::deliver, frame.spec.frame, -1, begun, last_time_);

@@ -32,9 +32,10 @@ enum class Kind : std::uint8_t {
            ///< again
   link_query,  ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry for
                ///< it?
-  link_report  ///< rank → frame buffer: the answer
+  link_report,  ///< rank → frame buffer: the answer
+  drop          ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
 };
-inline constexpr std::uint8_t kinds = 12;
+inline constexpr std::uint8_t kinds = 13;
 const char* name(Kind kind);
 
 /// The fields every message carries. Sent as it is: ranks of one run share their byte order.

@@ -22,6 +22,11 @@ struct Director {
   /// 2 …
   std::function<std::optional<FrameSpec>()> next_frame;
   std::function<void(FrameResult&&)> frame_done;
+  /// For views that come while others are rendered; may be left empty. True while next_frame has nothing now and
+  /// may have something later.
+  std::function<bool()> may_come = {};
+  /// True when an announced frame is not wanted any more: it is dropped, and not handed to frame_done.
+  std::function<bool(const FrameSpec&)> unwanted = {};
 };
 
 /// Frame buffer: announces frames, assembles tiles, and knows by counting when a frame is complete: every
@@ -36,6 +41,7 @@ class FrameBuffer final : public Node {
 
   NodeId id() const override { return frame_buffer_id; }
   void begin_frame(const FrameSpec&) override {}
+  void drop_frame(std::int64_t) override {}
   void receive(Message message) override;
   bool advance() override;
   std::string waiting_for() const override;
@@ -61,6 +67,7 @@ class FrameBuffer final : public Node {
     bool complete() const { return reports_missing == 0 && tiles_here == tiles_reported; }
   };
 
+  bool drop_unwanted();
   bool announce_next();
   Frame& frame_of(const Header& header);
   void take_tile(Frame& frame, const Message& message);

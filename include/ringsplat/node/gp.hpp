@@ -24,6 +24,7 @@ class Gp final : public Node {
 
   NodeId id() const override { return {Role::gp, index_}; }
   void begin_frame(const FrameSpec& spec) override;
+  void drop_frame(std::int64_t frame) override;
   void receive(Message message) override;
   bool advance() override;
   std::string waiting_for() const override;

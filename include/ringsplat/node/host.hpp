@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -30,7 +31,7 @@ class Host {
   bool finished();
   /// Steps until finished; throws RunError when nothing moved for the stall timeout.
   void run();
-  /// What this rank's nodes wait for, a line each.
+  /// What this rank's nodes wait for; empty when for nothing: they are done or wait for the next frame.
   std::string waiting_for() const;
   int rank() const { return transport_.rank(); }
 
@@ -42,6 +43,7 @@ class Host {
   void announce(Message message);
   void take(Message message);
   void take_announcement(const Message& message);
+  void drop_announced();
   void answer_link_query(std::int64_t frame);
   void report_stall();
   Node* local_node(NodeId id);
@@ -55,6 +57,7 @@ class Host {
   std::vector<std::unique_ptr<Node>> nodes_;
   std::deque<Message> local_;  ///< from one node of this rank to another
   std::map<std::int64_t, FrameSpec> early_frames_;
+  std::set<std::int64_t> early_drops_;  ///< of frames not yet announced here
   std::int64_t next_frame_ = 0;
   bool shutting_down_ = false;
   bool told_stall_ = false;

@@ -15,6 +15,8 @@ class Node {
   virtual NodeId id() const = 0;
   /// A frame was announced; frames come in ascending order.
   virtual void begin_frame(const FrameSpec& spec) = 0;
+  /// Nobody wants the frame any more: it ends as soon as its tokens have come round, without pictures.
+  virtual void drop_frame(std::int64_t frame) = 0;
   /// Takes a message for this node. Early messages wait inside; stale ones throw RunError.
   virtual void receive(Message message) = 0;
   /// Does a bounded piece of work; false when there is none to do now.

@@ -22,6 +22,7 @@ class Renderer final : public Node {
 
   NodeId id() const override { return {Role::renderer, index_}; }
   void begin_frame(const FrameSpec& spec) override;
+  void drop_frame(std::int64_t frame) override;
   void receive(Message message) override;
   bool advance() override;
   std::string waiting_for() const override;
@@ -36,6 +37,7 @@ class Renderer final : public Node {
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
     bool painting = false;                      ///< payload `next` is being drawn
     bool begun = false;
+    bool dropped = false;
     NodeStats stats;
 
     bool drawn() const { return payloads_expected && next == *payloads_expected; }
@@ -45,6 +47,7 @@ class Renderer final : public Node {
   void take_payload(Frame& frame, Message message);
   void accept_what_fits(Frame& frame);
   bool draw_some(Frame& frame);
+  void finish_payload(Frame& frame);
   void deliver(Frame& frame);
   void account_time(double NodeStats::*part);
 

@@ -34,6 +34,7 @@ struct FrameStats {
   Axis axis = Axis::z;
   bool ascending = true;
   int slices = 0;
+  bool dropped = false;  ///< unwanted before it was complete: payloads were left out and not drawn
   std::vector<NodeStats> gps, renderers;
   std::vector<LinkCounts> links;  ///< of a mesh with manhattan routing, by rank
   NodeStats total() const;

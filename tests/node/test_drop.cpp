@@ -1,0 +1,102 @@
+#include <fmt/format.h>
+
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+/// Frames from a list; every third is unwanted once it has been asked about so many times.
+struct Browsing {
+  std::vector<FrameSpec> specs;
+  std::size_t asked = 0;
+  int patience = 0;
+  std::map<std::int64_t, int> questions = {};
+  std::vector<std::pair<std::int64_t, Image>> done = {};
+
+  static bool turns_away_from(std::int64_t frame) { return frame % 3 == 1; }
+  Director director() {
+    Director director{[this]() -> std::optional<FrameSpec> { return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt; },
+                      [this](FrameResult&& r) { done.emplace_back(r.spec.frame, std::move(r.image)); }};
+    director.unwanted = [this](const FrameSpec& spec) { return turns_away_from(spec.frame) && ++questions[spec.frame] > patience; };
+    return director;
+  }
+};
+
+std::vector<FrameSpec> turning_views(int count) {
+  std::vector<FrameSpec> specs;
+  specs.resize(std::size_t(count));
+  for (int k = 0; k < count; ++k) {
+    FrameSpec& spec = specs[std::size_t(k)];
+    spec.camera = {.azimuth = 52.0 * k, .elevation = 21};
+    spec.width = spec.height = 48 + 8 * (k % 2);
+    spec.region_size = 16;
+    spec.transfer_function = ramp(20, 255, 0.5);
+  }
+  return specs;
+}
+
+}  // namespace
+
+TEST_CASE("dropped frames end at any moment, and the others have the bits they have alone") {
+  const auto source = synth_source("ball", make_grid({17, 15, 16}));
+  const auto specs = turning_views(9);
+  std::vector<Image> alone;
+  for (const auto& spec : specs) alone.push_back(render_loopback(*source, spec, 1, 1).image);
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const int gps = std::array{1, 2, 3, 4, 6}[seed % 5];
+    const Layout layout = seed % 4 == 3 ? mesh_layout(2, 2, 2, Routing::manhattan) : Layout{gps, 1 + int(seed % 3)};
+    SoloCollectives solo;
+    const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = int(seed % 6)}};
+    OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
+    Scene scene = load_scene(volume, {}, layout, wiring);
+    Browsing browsing{.specs = specs, .patience = int(7 * seed % 90)};
+    INFO(fmt::format("seed {}", seed));
+    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2)}, browsing.director(), wiring);
+    std::size_t kept = 0;
+    for (const auto& [frame, image] : browsing.done) {
+      kept += !Browsing::turns_away_from(frame);
+      REQUIRE(image == alone[std::size_t(frame)]);
+    }
+    REQUIRE(kept == 6);
+    if (browsing.patience == 0) REQUIRE(browsing.done.size() == 6);
+  }
+}
+
+TEST_CASE("a dropped frame costs its tokens, not its splats") {
+  const auto source = synth_source("ball", make_grid({33, 33, 33}));
+  auto specs = turning_views(2);
+  SoloCollectives solo;
+  const Wiring wiring{solo, nullptr, {}};
+  OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
+  const Layout layout{2, 2};
+  Scene scene = load_scene(volume, {}, layout, wiring);
+  Browsing browsing{.specs = specs};
+  std::vector<std::int64_t> done;
+  Director director = browsing.director();
+  director.frame_done = [&](FrameResult&& r) {
+    done.push_back(r.spec.frame);
+    CHECK_FALSE(r.stats.dropped);
+  };
+  render_frames(std::move(scene), layout, {}, std::move(director), wiring);
+  CHECK(done == std::vector<std::int64_t>{0});
+}
+
+TEST_CASE("a director may have nothing for a while") {
+  const auto source = synth_source("ball", make_grid({17, 15, 16}));
+  const auto specs = turning_views(3);
+  int polls = 0;
+  std::size_t given = 0, done = 0;
+  Director director{[&]() -> std::optional<FrameSpec> { return ++polls % 5 == 0 && given < specs.size() ? std::optional(specs[given++]) : std::nullopt; },
+                    [&](FrameResult&&) { ++done; }};
+  director.may_come = [&] { return given < specs.size(); };
+  SoloCollectives solo;
+  const Wiring wiring{solo, nullptr, {.reorder = true, .max_delay = 40}};
+  OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
+  const Layout layout{2, 1};
+  Scene scene = load_scene(volume, {}, layout, wiring);
+  render_frames(std::move(scene), layout, {}, std::move(director), wiring);
+  CHECK(done == specs.size());
+}
