@@ -50,20 +50,22 @@ json to_json(const SliceMemory& memory) {
 }  // namespace
 
 FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range,
-                         SliceMemory memory, std::vector<fs::path> files, Progress& progress)
+                         SliceMemory memory, Progress& progress)
     : options_(options),
       layout_(layout),
       range_(range),
       memory_(std::move(memory)),
-      files_(std::move(files)),
       progress_(progress) {}
 
-void FrameOutput::take(FrameResult&& result) {
+void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
+  fs::path file = output_file(options_, view);
+  if (options_.progressive && factor > 1)
+    file.replace_filename(fmt::format("{}-u{}{}", file.stem().string(), factor, file.extension().string()));
   if (options_.error.truth) {
-    kept_.push_back(std::move(result));
+    kept_.emplace_back(std::move(result), std::move(file));
     progress_.at(double(kept_.size()));
   } else {
-    write(result, nullptr);
+    write(result, file, nullptr);
     progress_.at(double(seconds_.size()));
   }
 }
@@ -71,18 +73,16 @@ void FrameOutput::take(FrameResult&& result) {
 void FrameOutput::measure_kept() {
   const auto source = open_volume(options_.volume.path, options_.volume.raw);
   truth::Scene scene = make_scene(read_whole(*source));
-  for (const FrameResult& result : kept_) {
+  for (const auto& [result, file] : kept_) {
     set_frame(scene, result.spec);
     const MeasuredError error = measure(result.image, scene, options_.error);
-    write(result, &error);
+    write(result, file, &error);
     progress_.print(to_text(error));
   }
   kept_.clear();
 }
 
-void FrameOutput::write(const FrameResult& result, const MeasuredError* error) {
-  const auto index = static_cast<std::size_t>(result.spec.frame);
-  const fs::path& file = files_.at(index);
+void FrameOutput::write(const FrameResult& result, const fs::path& file, const MeasuredError* error) {
   write_image(result.image, file, options_.background, picture_settings(result.spec, options_.volume, error));
   const NodeStats sum = result.stats.total();
   if (sum.splats_drawn == 0 && empty_frames_++ == 0) {
@@ -106,28 +106,36 @@ void FrameOutput::write(const FrameResult& result, const MeasuredError* error) {
 }
 
 std::string FrameOutput::stats_text() const {
+  std::vector<std::string> stats = stats_;
+  for (std::string& text : stats) {
+    if (refinements_.empty()) break;
+    json j = json::parse(text);
+    const auto step = refinements_.find(j.at("frame").get<std::int64_t>());
+    if (step == refinements_.end()) continue;
+    const auto& [seconds, rmse, largest] = step->second;
+    j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
+    text = j.dump();
+  }
   const bool lines = fs::path(options_.stats).extension() == ".jsonl";
-  return lines ? fmt::format("{}\n", joined(stats_, "\n")) : fmt::format("[\n{}\n]\n", joined(stats_, ",\n"));
+  return lines ? fmt::format("{}\n", joined(stats, "\n")) : fmt::format("[\n{}\n]\n", joined(stats, ",\n"));
 }
 
 void FrameOutput::finish() {
   if (!kept_.empty()) measure_kept();
   if (!options_.stats.empty()) write_text(options_.stats, stats_text());
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
-  if (files_.size() > 1)
+  if (seconds_.size() > 1)
     progress_.print(fmt::format("{} frames, median {:.4f} s", seconds_.size(), median(seconds_)));
+}
+
+fs::path output_file(const RenderOptions& options, std::size_t view) {
+  return options.orbit > 0 || !options.path.empty() ? numbered(options.output, view) : fs::path(options.output);
 }
 
 std::vector<Camera> views_of(const RenderOptions& o) {
   if (o.orbit > 0) return orbit(o.frame.camera, o.orbit);
+  if (o.path == "-") return {};
   return o.path.empty() ? std::vector{o.frame.camera} : read_path(o.path, o.frame.camera);
-}
-
-std::vector<fs::path> output_files(const RenderOptions& options, std::size_t frames) {
-  if (options.orbit == 0 && options.path.empty()) return {options.output};
-  std::vector<fs::path> files;
-  for (std::size_t k = 0; k < frames; ++k) files.push_back(numbered(options.output, k));
-  return files;
 }
 
 }  // namespace ringsplat::app

@@ -1,6 +1,9 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "app/measured_error.hpp"
@@ -23,16 +26,23 @@ class FrameOutput {
  public:
   /// All that is passed by reference must outlive it.
   FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
-              std::vector<std::filesystem::path> files, Progress& progress);
+              Progress& progress);
 
   /// Writes the picture, or keeps it until finish() when its error is to be measured: a truth takes longer
-  /// than other ranks should wait.
-  void take(FrameResult&& result);
+  /// than other ranks should wait. `view` counts from 0; coarser pictures of a view that is refined carry their
+  /// undersampling factor in their names.
+  void take(FrameResult&& result, std::size_t view, int factor);
+  /// A refined view's coarse frame, for the statistics: how long after the view was asked for it was there, and how far from
+  /// the full picture it is.
+  struct RefinementStep {
+    double seconds, rmse, largest;  ///< errors in 1/255
+  };
+  void add_refinement(std::int64_t frame, const RefinementStep& step) { refinements_[frame] = step; }
   /// Writes --stats and prints the summary.
   void finish();
 
  private:
-  void write(const FrameResult& result, const MeasuredError* error);
+  void write(const FrameResult& result, const std::filesystem::path& file, const MeasuredError* error);
   void measure_kept();
   std::string stats_text() const;
 
@@ -40,18 +50,18 @@ class FrameOutput {
   const Layout& layout_;
   const ValueRange& range_;
   SliceMemory memory_;
-  std::vector<std::filesystem::path> files_;
   Progress& progress_;
-  std::vector<FrameResult> kept_;  ///< whose error is to be measured
+  std::vector<std::pair<FrameResult, std::filesystem::path>> kept_;  ///< whose error is to be measured
   std::vector<double> seconds_;
   std::vector<std::string> stats_;  ///< one JSON object a frame
+  std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
   int empty_frames_ = 0;
 };
 
-/// The views of a run's frames: one, an orbit or a path. Throws InputError for a path that cannot be read.
-std::vector<Camera> views_of(const RenderOptions& options);
+/// The file of a view's picture: the output itself, or a numbered one when there may be more than one. `view` counts from 0.
+std::filesystem::path output_file(const RenderOptions& options, std::size_t view);
 
-/// The files of a run's frames: the output itself, or numbered ones when there may be more than one.
-std::vector<std::filesystem::path> output_files(const RenderOptions& options, std::size_t frames);
+/// The views of a run's frames that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws InputError for a path that cannot be read.
+std::vector<Camera> views_of(const RenderOptions& options);
 
 }  // namespace ringsplat::app

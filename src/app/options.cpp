@@ -159,7 +159,7 @@ void add_view_options(CLI::App& app, RenderOptions& o) {
            }),
        app.add_option("--path", o.path,
                       "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, "
-                      "or as JSON")
+                      "or as JSON; -: for each line that comes on stdin")
            ->type_name("FILE")});
 }
 
@@ -227,7 +227,10 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
 void add_shortcut_options(CLI::App& app, RenderOptions& o) {
   FrameSpec& f = o.frame;
   group("Shortcuts",
-        {app.add_option("--undersample", f.reduction.factor, "Render a volume of every 2nd or 4th voxel along each axis")
+        {app.add_flag("--progressive", o.progressive,
+                      "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
+                      "newer view on --path - ends it"),
+         app.add_option("--undersample", f.reduction.factor, "Render a volume of every 2nd or 4th voxel along each axis")
              ->type_name("1|2|4")
              ->capture_default_str(),
          app.add_flag("--prefilter", f.reduction.prefilter, "Undersampled voxels are means of the ones that they stand for"),
@@ -316,6 +319,7 @@ void refuse_contradictions(const CLI::App& app) {
       {"--path", "--azimuth", "the path gives each frame's azimuth: leave it out"},
       {"--path", "--elevation", "the path gives each frame's elevation: leave it out"},
       {"--mesh", "--gps", "the mesh says how many GPs there are: leave out --gps"},
+      {"--progressive", "--undersample", "progressive pictures begin with 4 anyway: leave out --undersample"},
       {"--presets", "--gps", "the presets need no volume: ask for one thing at a time"},
   };
   const auto given = [&](const char* name) {

@@ -43,6 +43,7 @@ struct RenderOptions {
   std::string transfer_function = "auto", transfer_function_out;
   int orbit = 0;
   std::string path;
+  bool progressive = false;
   bool keep_all_axes = false;
   std::string output, stats, trace;
   ErrorOptions error;

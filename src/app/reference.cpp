@@ -41,6 +41,7 @@ void check_options(const ReferenceOptions& o) {
 
 ExitCode run_reference(const ReferenceOptions& o) {
   check_options(o);
+  if (o.picture.path == "-") throw InputError("reference takes no views from stdin", "write them into a file for --path");
   const auto cameras = views_of(o.picture);
   const TransferFunctionChoice choice(o.picture.transfer_function);
   const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
@@ -51,7 +52,6 @@ ExitCode run_reference(const ReferenceOptions& o) {
   if (!o.picture.transfer_function_out.empty())
     write_text(o.picture.transfer_function_out, to_paraview_json(spec.transfer_function));
   truth::Scene scene = make_scene(std::move(volume));
-  const auto files = output_files(o.picture, cameras.size());
   const auto pixels = truth::all_pixels(spec.width, spec.height);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.camera = cameras[k];
@@ -59,8 +59,8 @@ ExitCode run_reference(const ReferenceOptions& o) {
     const double start = now_seconds();
     const Image image =
         truth::to_image(spec.width, spec.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
-    write_image(image, files[k], std::nullopt, settings_text(spec, o));
-    fmt::print("{}  {:.2f} s  {} truth\n", files[k].string(), now_seconds() - start, to_string(o.truth));
+    write_image(image, output_file(o.picture, k), std::nullopt, settings_text(spec, o));
+    fmt::print("{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start, to_string(o.truth));
   }
   return ExitCode::done;
 }

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
 #include "app/output_file.hpp"
@@ -26,14 +27,12 @@ namespace {
 struct Plan {
   std::optional<TransferFunctionChoice> transfer_function;
   std::vector<Camera> cameras;
-  std::vector<std::filesystem::path> files;
 };
 
 Plan make_plan(const RenderOptions& o) {
   Plan plan;
   plan.transfer_function.emplace(o.transfer_function);
   plan.cameras = views_of(o);
-  plan.files = output_files(o, plan.cameras.size());
   check_image_name(o.output, "-o", !o.background);
   check_can_write(o.output, "-o");
   if (!o.stats.empty()) check_can_write(o.stats, "--stats");
@@ -67,7 +66,7 @@ void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
 
 std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, const Grid& grid,
                                   Launch& launch) {
-  if (o.keep_all_axes) return {true, true, true};
+  if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
   if (launch.rank() == 0) axes = needed_axes(plan.cameras, grid, o.frame.width, o.frame.height);
   Block block(sizeof(axes));
@@ -111,7 +110,9 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
 }
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  return {axes, o.frame.shading == Shading::phong, {o.frame.reduction.factor}, o.frame.reduction.prefilter};
+  LoadOptions load{axes, o.frame.shading == Shading::phong, {}, o.frame.reduction.prefilter};
+  for (const Reduction& level : Browsing::levels(o.frame, o.progressive)) load.factors.push_back(level.factor);
+  return load;
 }
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
@@ -133,16 +134,6 @@ TransferFunction make_transfer_function(const RenderOptions& o, const Plan& plan
   check(tf, o.transfer_function);
   if (!o.transfer_function_out.empty()) write_text(o.transfer_function_out, to_paraview_json(tf));
   return tf;
-}
-
-Director make_director(const FrameSpec& frame, const Plan& plan, FrameOutput& output) {
-  return {[frame, &plan, next = std::size_t{0}]() mutable -> std::optional<FrameSpec> {
-            if (next == plan.cameras.size()) return std::nullopt;
-            FrameSpec spec = frame;
-            spec.camera = plan.cameras[next++];
-            return spec;
-          },
-          [&output](FrameResult&& result) { output.take(std::move(result)); }};
 }
 
 /// Renders all frames. Every input was checked before on all ranks alike, so what is wrong here ends the job.
@@ -205,16 +196,19 @@ ExitCode run_render(const RenderOptions& o, Launch& launch) {
   launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, plan, scene); });
 
   const ValueRange range = scene.range;
-  FrameOutput output(o, layout, range, memory, plan.files, progress);
+  FrameOutput output(o, layout, range, memory, progress);
+  auto stream = o.path == "-" && launch.rank() == 0 ? std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.camera) : nullptr;
+  Browsing browsing(frame, plan.cameras, std::move(stream), o.progressive);
   progress.begin("rendering", double(plan.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
   render_all(std::move(scene), layout, protocol,
-             launch.rank() == 0 ? make_director(frame, plan, output) : Director{}, wiring);
+             launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring);
   progress.end();
   if (!o.trace.empty()) write_trace(trace, o.trace, layout, launch);
   if (launch.rank() == 0) output.finish();
+  if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);
   return ExitCode::done;
 }
 

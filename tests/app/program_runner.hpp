@@ -57,14 +57,15 @@ inline std::string quoted(const std::string& word) {
   return safe.append("'");
 }
 
-/// ranks 0: without a launcher.
-inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0) {
+/// ranks 0: without a launcher. `input`: what comes on stdin.
+inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0, const std::string& input = {}) {
   const TemporaryFolder said;
+  write_text(said / "in", input);
   std::string command = "timeout -k 2 60 ";
   if (ranks > 0) command += quoted(RINGSPLAT_MPIEXEC) + " -n " + std::to_string(ranks) + " ";
   command += quoted(RINGSPLAT_PROGRAM);
   for (const auto& argument : arguments) command.append(" ").append(quoted(argument));
-  command += " >" + quoted(said / "out") + " 2>" + quoted(said / "err") + " </dev/null";
+  command += " >" + quoted(said / "out") + " 2>" + quoted(said / "err") + " <" + quoted(said / "in");
   const auto start = std::chrono::steady_clock::now();
   const int status = std::system(command.c_str());
   Ended ended;

@@ -1,0 +1,85 @@
+// --undersample, --progressive and views on stdin, in one process and on ranks.
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat::app_test;
+using nlohmann::json;
+
+namespace {
+
+struct Files {
+  TemporaryFolder folder;
+  std::string volume = folder / "gaussians.nrrd", picture = folder / "x.png", stats = folder / "stats.json";
+  Files() { REQUIRE(run_program({"synth", "gaussians", "-o", volume, "--dims", "40x36x44"}).code == 0); }
+  std::vector<std::string> render(std::vector<std::string> more) const {
+    more.insert(more.begin(), {"render", volume, "-o", picture, "--size", "96x64", "--region", "32"});
+    return more;
+  }
+  bool has(const std::string& name) const { return fs::exists(folder / name); }
+  /// Whether a picture shows what a run of its own does.
+  bool same_as_alone(const std::string& name, std::vector<std::string> more) const {
+    const TemporaryFolder alone;
+    more.insert(more.begin(), {"render", volume, "-o", alone / "alone.png", "--size", "96x64", "--region", "32"});
+    REQUIRE(run_program(more).code == 0);
+    return run_program({"compare", folder / name, alone / "alone.png", "--fail-above", "0"}).code == 0;
+  }
+};
+
+}  // namespace
+
+TEST_CASE("--progressive shows a view from coarse to fine, each with its time and its error against the full one") {
+  for (const int ranks : {0, 3}) {
+    INFO(ranks << " ranks");
+    const Files files;
+    const Ended ended = run_program(files.render({"--azimuth", "30", "--progressive", "--prefilter", "--stats", files.stats}), ranks);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    CHECK(files.same_as_alone("x.png", {"--azimuth", "30"}));
+    CHECK(files.same_as_alone("x-u2.png", {"--azimuth", "30", "--undersample", "2", "--prefilter"}));
+    CHECK(files.same_as_alone("x-u4.png", {"--azimuth", "30", "--undersample", "4", "--prefilter"}));
+    const json stats = json::parse(read_text(files.stats));
+    REQUIRE(stats.size() == 3);
+    CHECK(stats[0]["settings"]["undersample"] == 4);
+    const double coarse = stats[0]["refinement"]["rmse"], finer = stats[1]["refinement"]["rmse"];
+    CHECK(coarse > finer);
+    CHECK(finer > 0);
+    CHECK(stats[0]["refinement"]["seconds"] < stats[1]["refinement"]["seconds"]);
+    CHECK_FALSE(stats[2].contains("refinement"));
+    CHECK(lines_with(ended.out, "full after").size() == 1);
+  }
+}
+
+TEST_CASE("a newer view on stdin ends the refinement of the ones before it") {
+  for (const int ranks : {0, 4}) {
+    INFO(ranks << " ranks");
+    const Files files;
+    const Ended ended = run_program(files.render({"--progressive", "--path", "-", "--stats", files.stats}), ranks, "10 5\n# turn\n100 5\n190 5");
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    CHECK(files.has("x-0000-u4.png"));
+    CHECK(files.has("x-0001-u4.png"));
+    CHECK_FALSE(files.has("x-0000.png"));
+    CHECK_FALSE(files.has("x-0001.png"));
+    CHECK(files.same_as_alone("x-0002.png", {"--azimuth", "190", "--elevation", "5"}));
+    CHECK(lines_with(ended.out, "3 views, 4 refinements dropped").size() == 1);
+  }
+}
+
+TEST_CASE("views on stdin are each rendered, and a line that is none is named") {
+  const Files files;
+  const Ended ended = run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n");
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5"}));
+  const Ended bad = run_program(files.render({"--path", "-"}), 0, "10 5\nleft\n");
+  CHECK(bad.code == 3);
+  CHECK(lines_with(bad.err, "line 2").size() == 1);
+  const Ended none = run_program({"reference", files.volume, "-o", files.picture, "--path", "-"});
+  CHECK(none.code == 2);
+  CHECK(lines_with(none.err, "stdin").size() == 1);
+  const Ended both = run_program(files.render({"--progressive", "--undersample", "2"}));
+  CHECK(both.code == 2);
+  CHECK(lines_with(both.err, "--progressive and --undersample").size() == 1);
+}
