@@ -154,7 +154,7 @@ const Rules& house_rules() {
       {"splat", {"base", "view"}},
       {"screen", {"base"}},
       {"net", {"base"}},
-      {"node", {"base", "volume", "classify", "view", "splat", "screen", "net"}},
+      {"node", {"base", "volume", "classify", "view", "splat", "screen", "net", "model"}},
       {"truth", {"base", "volume", "classify", "view", "splat", "screen"}},
       {"model", {"base"}},
       {"mpi", {"base", "net"}},

@@ -1,0 +1,66 @@
+#pragma once
+#include <cstdint>
+#include <string>
+
+namespace ringsplat {
+
+/// What links a described machine's hosts.
+enum class PlatformKind {
+  backbone,  ///< a link for each host, and one that all traffic shares: a ring, a bus, a switch with a limit
+  mesh,      ///< the GPs' mesh with Renderers at its rows' ends; messages go along a column, then along a row
+  torus,     ///< two dimensions, as square as the number of hosts allows
+  fat_tree   ///< two levels of switches without a bottleneck between them
+};
+const char* name(PlatformKind kind);
+
+/// A machine to simulate: what the nodes' work costs, in seconds of one core, and how its hosts are linked.
+/// Read from mpi_configs/machines/*.toml; docs/simulation.md lists the fields.
+struct Machine {
+  std::string name;
+
+  struct {
+    double visible_voxel = 0;      ///< classify, shade, transform, encode, sort by region
+    double transparent_voxel = 0;  ///< look at it and go on
+    double slice = 0;              ///< besides its voxels
+    double frame = 0;              ///< once a frame: tables, setup
+    double token = 0;              ///< take a token and pass it on, besides the message
+  } gp;
+  struct {
+    double splat = 0;
+    double pass = 0;   ///< (region, pass) pair that is not empty
+    double slice = 0;  ///< payload: composite it
+    double pixel = 0;  ///< of a delivered tile
+    double frame = 0;
+  } renderer;
+  struct {
+    double send = 0, receive = 0;    ///< software on either side, for each message
+    double packet = 0;               ///< software of the sender, for each packet begun
+    std::uint64_t packet_bytes = 0;  ///< 0: a message is one packet
+  } message;
+  /// A node that computes looks for messages this often.
+  double poll_interval = 0;
+
+  struct {
+    PlatformKind kind = PlatformKind::backbone;
+    double bandwidth = 0, latency = 0;  ///< of each link, in each direction; bytes per second and seconds
+    double backbone_bandwidth = 0;      ///< 0: the backbone is no limit
+    int cores = 1;                      ///< of a host; as many ranks are put on it
+    int hosts = 0;                      ///< 0: as many as the ranks need. Fewer share the cores.
+    int leaf = 16;                      ///< hosts on a fat tree's lowest switch
+  } platform;
+};
+
+/// Throws InputError naming `where` (a file) and the field: no TOML, unknown fields, missing ones, values
+/// that make no sense.
+Machine parse_machine(const std::string& toml, const std::string& where);
+/// The same from a file; throws InputError when it cannot be read.
+Machine read_machine(const std::string& path);
+
+/// Seconds a GP computes on a slice of `voxels`, of which `visible` are not transparent.
+double encoding_seconds(const Machine& machine, double voxels, double visible);
+/// Seconds a Renderer draws and composites a payload.
+double drawing_seconds(const Machine& machine, double splats, double passes);
+/// Seconds of software a sender spends on a message of so many bytes, header included.
+double sending_seconds(const Machine& machine, double bytes);
+
+}  // namespace ringsplat

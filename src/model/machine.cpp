@@ -1,0 +1,189 @@
+#include "ringsplat/model/machine.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <vector>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr std::array kinds{PlatformKind::backbone, PlatformKind::mesh, PlatformKind::torus,
+                           PlatformKind::fat_tree};
+
+/// One number of the file: where it goes and what it may be.
+struct Field {
+  const char* key;
+  double least, most;
+  bool required;
+  std::function<void(double)> set;
+};
+
+constexpr double no_limit = 1e300;
+
+template <class T>
+std::function<void(double)> into(T& target) {
+  return [&target](double value) { target = static_cast<T>(value); };
+}
+
+std::vector<Field> fields_of(Machine& m) {
+  constexpr double longest = 3600, most_count = 1 << 20;
+  const auto seconds = [](const char* key, double& target, bool required = false) {
+    return Field{key, 0, longest, required, into(target)};
+  };
+  return {seconds("gp.visible_voxel", m.gp.visible_voxel, true),
+          seconds("gp.transparent_voxel", m.gp.transparent_voxel, true),
+          seconds("gp.slice", m.gp.slice),
+          seconds("gp.frame", m.gp.frame),
+          seconds("gp.token", m.gp.token),
+          seconds("renderer.splat", m.renderer.splat, true),
+          seconds("renderer.pass", m.renderer.pass),
+          seconds("renderer.slice", m.renderer.slice),
+          seconds("renderer.pixel", m.renderer.pixel),
+          seconds("renderer.frame", m.renderer.frame),
+          seconds("message.send", m.message.send),
+          seconds("message.receive", m.message.receive),
+          seconds("message.packet", m.message.packet),
+          {"message.packet_bytes", 0, 1 << 30, false, into(m.message.packet_bytes)},
+          {"poll_interval", 1e-9, longest, true, into(m.poll_interval)},
+          {"platform.bandwidth", 1, no_limit, true, into(m.platform.bandwidth)},
+          {"platform.latency", 0, longest, true, into(m.platform.latency)},
+          {"platform.backbone_bandwidth", 0, no_limit, false, into(m.platform.backbone_bandwidth)},
+          {"platform.cores", 1, most_count, false, into(m.platform.cores)},
+          {"platform.hosts", 0, most_count, false, into(m.platform.hosts)},
+          {"platform.leaf", 1, most_count, false, into(m.platform.leaf)}};
+}
+
+bool is_count(const std::string& key) {
+  return key == "message.packet_bytes" || key == "platform.cores" || key == "platform.hosts" ||
+         key == "platform.leaf";
+}
+
+class Reader {
+ public:
+  Reader(const std::string& toml, std::string where)
+      : where_(std::move(where)), fields_(fields_of(machine_)) {
+    std::istringstream in(toml);
+    try {
+      for (const auto& item : CLI::ConfigTOML().from_config(in))
+        if (item.name != "++" && item.name != "--") take(item);  // CLI11's marks of a section's begin and end
+    } catch (const CLI::Error& e) {
+      throw InputError(fmt::format("{} is no TOML: {}", where_, e.what()), hint);
+    }
+  }
+
+  Machine read() {
+    for (const Field& field : fields_)
+      if (field.required && seen_.count(field.key) == 0)
+        throw InputError(fmt::format("{}: {} is missing", where_, field.key), hint);
+    for (const char* key : {"name", "platform.kind"})
+      if (seen_.count(key) == 0) throw InputError(fmt::format("{}: {} is missing", where_, key), hint);
+    return machine_;
+  }
+
+ private:
+  static constexpr const char* hint =
+      "mpi_configs/machines has machines that work, docs/simulation.md the fields";
+
+  [[noreturn]] void wrong(const std::string& key, const std::string& problem) const {
+    throw InputError(fmt::format("{}: {} {}", where_, key, problem), hint);
+  }
+
+  void take(const CLI::ConfigItem& item) {
+    const std::string key = item.fullname();
+    seen_.insert(key);
+    if (item.inputs.size() != 1) wrong(key, "needs one value");
+    const std::string& text = item.inputs.front();
+    if (key == "name") {
+      machine_.name = text;
+    } else if (key == "platform.kind") {
+      machine_.platform.kind = kind_of(text);
+    } else {
+      take_number(key, text);
+    }
+  }
+
+  PlatformKind kind_of(const std::string& text) const {
+    std::string known;
+    for (const PlatformKind kind : kinds) {
+      if (text == ringsplat::name(kind)) return kind;
+      known += fmt::format("{}{}", known.empty() ? "" : ", ", ringsplat::name(kind));
+    }
+    wrong("platform.kind", fmt::format("is '{}', none of {}", text, known));
+  }
+
+  void take_number(const std::string& key, const std::string& text) const {
+    const auto field =
+        std::find_if(fields_.begin(), fields_.end(), [&](const Field& f) { return key == f.key; });
+    if (field == fields_.end()) wrong(key, "is no field of a machine");
+    double value = 0;
+    if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
+      wrong(key, fmt::format("is '{}', not a number", text));
+    if (is_count(key) && value != std::floor(value))
+      wrong(key, fmt::format("is {}, not a whole number", text));
+    if (!(value >= field->least && value <= field->most))
+      wrong(key, field->most < no_limit
+                     ? fmt::format("is {}, not from {} to {}", text, field->least, field->most)
+                     : fmt::format("is {}, below {}", text, field->least));
+    field->set(value);
+  }
+
+  std::string where_;
+  Machine machine_;
+  std::vector<Field> fields_;
+  std::set<std::string> seen_;
+};
+
+}  // namespace
+
+const char* name(PlatformKind kind) {
+  switch (kind) {
+    case PlatformKind::mesh:
+      return "mesh";
+    case PlatformKind::torus:
+      return "torus";
+    case PlatformKind::fat_tree:
+      return "fat_tree";
+    case PlatformKind::backbone:
+      break;
+  }
+  return "backbone";
+}
+
+Machine parse_machine(const std::string& toml, const std::string& where) {
+  return Reader(toml, where).read();
+}
+
+Machine read_machine(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  if (!in || !(text << in.rdbuf()))
+    throw InputError(fmt::format("the machine {} cannot be read", path),
+                     "name a file such as mpi_configs/machines/pixel-planes-5.toml");
+  return parse_machine(text.str(), path);
+}
+
+double encoding_seconds(const Machine& m, double voxels, double visible) {
+  return m.gp.slice + visible * m.gp.visible_voxel + (voxels - visible) * m.gp.transparent_voxel;
+}
+
+double drawing_seconds(const Machine& m, double splats, double passes) {
+  return m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass;
+}
+
+double sending_seconds(const Machine& m, double bytes) {
+  const double packets =
+      m.message.packet_bytes == 0 ? 1 : std::ceil(bytes / static_cast<double>(m.message.packet_bytes));
+  return m.message.send + packets * m.message.packet;
+}
+
+}  // namespace ringsplat
