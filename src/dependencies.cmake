@@ -19,6 +19,19 @@ unset(CMAKE_MESSAGE_LOG_LEVEL)
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
 
+# Simulated machines, where SimGrid is installed.
+set(RINGSPLAT_SIMULATION AUTO CACHE STRING "Build the program for SimGrid's simulated MPI: ON, OFF or AUTO (when it is there)")
+set(RINGSPLAT_SIMGRID_FOUND FALSE)
+if(NOT RINGSPLAT_SIMULATION STREQUAL "OFF")
+  pkg_check_modules(SimGrid QUIET IMPORTED_TARGET simgrid>=3.32)
+  if(SimGrid_FOUND)
+    pkg_get_variable(SimGrid_INCLUDEDIR simgrid includedir)
+    set(RINGSPLAT_SIMGRID_FOUND TRUE)
+  elseif(NOT RINGSPLAT_SIMULATION STREQUAL "AUTO")
+    message(FATAL_ERROR "SimGrid 3.32 or later is missing (Debian: libsimgrid-dev)")
+  endif()
+endif()
+
 # ITK 5.2 describes itself by variables; this target carries only what the readers need.
 if(NOT TARGET ringsplat_itk)
   add_library(ringsplat_itk INTERFACE)

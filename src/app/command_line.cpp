@@ -112,6 +112,18 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
   return error.what();
 }
 
+/// A run that only counts has no picture.
+void require_output(const RenderOptions& render) {
+  const SimulationOptions& simulation = render.run.protocol.simulation;
+  if (render.output.empty() && !simulation.count_only)
+    throw InputError("--output is required: the picture to write",
+                     fmt::format("for instance ringsplat render {} -o out.png", render.volume.path));
+  if (simulation.voxel_weight != 1 && !simulation.count_only)
+    throw InputError("--voxel-weight has no effect on pictures", "add --count-only, or leave it out");
+  if (simulation.count_only && render.error.truth)
+    throw InputError("--count-only draws no picture whose error could be measured", "leave out --error");
+}
+
 void require_volume(const CLI::App& subcommand, const VolumeOptions& volume) {
   if (volume.path.empty())
     throw InputError("the VOLUME to work on is missing",
@@ -178,6 +190,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     for (const auto* subcommand : program.get_subcommands()) refuse_contradictions(*subcommand);
     if (render_app->parsed()) {
       require_volume(*render_app, render.volume);
+      require_output(render);
       line.command = render;
     } else if (info_app->parsed()) {
       if (!info.presets) require_volume(*info_app, info.volume);

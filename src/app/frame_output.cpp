@@ -83,14 +83,18 @@ void FrameOutput::measure_kept() {
 }
 
 void FrameOutput::write(const FrameResult& result, const fs::path& file, const MeasuredError* error) {
-  write_image(result.image, file, options_.background, picture_settings(result.spec, options_.volume, error));
+  const bool drawn = !options_.run.protocol.simulation.count_only;
+  if (drawn)
+    write_image(result.image, file, options_.background,
+                picture_settings(result.spec, options_.volume, error));
   const NodeStats sum = result.stats.total();
-  if (sum.splats_drawn == 0 && empty_frames_++ == 0) {
+  if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
     log_warning("{}: {}", file.string(), why_nothing_is_visible(result.spec.transfer_function, range_));
   }
-  progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats", file.string(),
-                              result.stats.seconds, sum.visible_voxels, sum.splats_sent));
+  progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats",
+                              drawn ? file.string() : fmt::format("frame {}", index), result.stats.seconds,
+                              sum.visible_voxels, sum.splats_sent));
   seconds_.push_back(result.stats.seconds);
   if (!options_.stats.empty()) {
     json j = json::parse(to_json_text(result.stats, result.spec, layout_));

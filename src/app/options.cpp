@@ -125,6 +125,20 @@ void add_run_options(CLI::App& app, RunOptions& o) {
          app.add_option("--seed", o.loopback.seed, "Seed of what is random")
              ->check(CLI::NonNegativeNumber)
              ->capture_default_str()});
+  SimulationOptions& simulation = o.protocol.simulation;
+  group("Simulated machines (docs/simulation.md)",
+        {app.add_option("--machine", o.machine, "Charge what this described machine's nodes would spend")
+             ->type_name("FILE"),
+         app.add_flag("--count-only", simulation.count_only,
+                      "Send payloads of the right size but draw nothing: for time and traffic, no picture"),
+         app.add_option("--voxel-weight", simulation.voxel_weight,
+                        "With --count-only: so many voxels of its slice for which each voxel stands")
+             ->capture_default_str()
+             ->check(CLI::Range(1.0, 1e6)),
+         app.add_option("--step-seconds", simulation.step_seconds,
+                        "Tokens move one GP per step of a common clock, which lasts so long; 0: freely")
+             ->capture_default_str()
+             ->check(CLI::Range(0.0, 1e6))});
 }
 
 void add_view_options(CLI::App& app, RenderOptions& o) {
@@ -247,9 +261,9 @@ void add_shortcut_options(CLI::App& app, RenderOptions& o) {
 void add_render_output_options(CLI::App& app, RenderOptions& o) {
   group("Output",
         {app.add_option("-o,--output", o.output,
-                        "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga")
-             ->type_name("FILE")
-             ->required(),
+                        "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga; needed unless "
+                        "--count-only")
+             ->type_name("FILE"),
          add_parsed(app, "--background", o.background, parse_colour, "COLOUR", "none",
                     "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque"),
          app.add_option("--stats", o.stats,
@@ -320,6 +334,7 @@ void refuse_contradictions(const CLI::App& app) {
       {"--path", "--elevation", "the path gives each frame's elevation: leave it out"},
       {"--mesh", "--gps", "the mesh says how many GPs there are: leave out --gps"},
       {"--progressive", "--undersample", "progressive pictures begin with 4 anyway: leave out --undersample"},
+      {"--count-only", "--output", "nothing is drawn that could be written: leave out -o"},
       {"--presets", "--gps", "the presets need no volume: ask for one thing at a time"},
   };
   const auto given = [&](const char* name) {

@@ -34,6 +34,7 @@ struct RunOptions {
   Routing routing = Routing::manhattan;  ///< in a mesh
   ProtocolOptions protocol;
   LoopbackOptions loopback;
+  std::string machine;  ///< a file; empty: none. Read into protocol.simulation.
 };
 
 struct RenderOptions {

@@ -13,11 +13,13 @@
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
 #include "app/output_file.hpp"
+#include "app/simulation_options.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "app/watched_source.hpp"
 #include "ringsplat/app/image_io.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/model/charge.hpp"
 #include "ringsplat/node/trace_json.hpp"
 
 namespace ringsplat::app {
@@ -33,8 +35,10 @@ Plan make_plan(const RenderOptions& o) {
   Plan plan;
   plan.transfer_function.emplace(o.transfer_function);
   plan.cameras = views_of(o);
-  check_image_name(o.output, "-o", !o.background);
-  check_can_write(o.output, "-o");
+  if (!o.run.protocol.simulation.count_only) {
+    check_image_name(o.output, "-o", !o.background);
+    check_can_write(o.output, "-o");
+  }
   if (!o.stats.empty()) check_can_write(o.stats, "--stats");
   if (!o.trace.empty()) check_can_write(o.trace, "--trace");
   if (!o.transfer_function_out.empty()) check_can_write(o.transfer_function_out, "--tf-out");
@@ -175,7 +179,9 @@ void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& la
 
 }  // namespace
 
-ExitCode run_render(const RenderOptions& o, Launch& launch) {
+ExitCode run_render(const RenderOptions& given, Launch& launch) {
+  RenderOptions o = given;
+  prepare_simulation(o.run, launch);
   const Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(o.run.protocol);
   Plan plan;
@@ -189,7 +195,8 @@ ExitCode run_render(const RenderOptions& o, Launch& launch) {
 
   log_roles(layout, memory, launch);
 
-  Progress progress(launch.rank() != 0);
+  // Ahead of simulated time nothing can be said.
+  Progress progress(launch.rank() != 0 || simulated());
   const Wiring wiring = launch.wiring(o.run.loopback);
   Scene scene = load(volume, options, layout, wiring, progress);
   FrameSpec frame = o.frame;

@@ -58,6 +58,8 @@ std::vector<Field> fields_of(Machine& m) {
           {"platform.bandwidth", 1, no_limit, true, into(m.platform.bandwidth)},
           {"platform.latency", 0, longest, true, into(m.platform.latency)},
           {"platform.backbone_bandwidth", 0, no_limit, false, into(m.platform.backbone_bandwidth)},
+          {"platform.local_bandwidth", 0, no_limit, false, into(m.platform.local_bandwidth)},
+          seconds("platform.local_latency", m.platform.local_latency),
           {"platform.cores", 1, most_count, false, into(m.platform.cores)},
           {"platform.hosts", 0, most_count, false, into(m.platform.hosts)},
           {"platform.leaf", 1, most_count, false, into(m.platform.leaf)}};

@@ -6,6 +6,8 @@
 #include <cstdlib>
 
 #include "mpi/checked.hpp"
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/model/charge.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
@@ -19,13 +21,16 @@ MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>
   checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
   MPI_Comm_rank(MPI_COMM_WORLD, &state_->rank);
   MPI_Comm_size(MPI_COMM_WORLD, &state_->ranks);
+  if (simulated()) set_clock([] { return MPI_Wtime(); });
 }
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
 
 int MpiSession::rank() const { return state_->rank; }
 int MpiSession::ranks() const { return state_->ranks; }
-std::unique_ptr<Transport> MpiSession::make_transport() { return make_mpi_transport(MPI_COMM_WORLD); }
+std::unique_ptr<Transport> MpiSession::make_transport() {
+  return simulated() ? make_blocking_transport(MPI_COMM_WORLD) : make_mpi_transport(MPI_COMM_WORLD);
+}
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
 
 void MpiSession::abort(int exit_code) {
@@ -34,6 +39,7 @@ void MpiSession::abort(int exit_code) {
 }
 
 bool MpiSession::launched() {
+  if (simulated()) return true;
   // What Open MPI, MPICH's hydra, PMIx and Slurm tell the processes they start.
   constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK",
                                  "MPI_LOCALNRANKS"};

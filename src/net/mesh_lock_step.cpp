@@ -1,16 +1,27 @@
 #include "ringsplat/net/mesh_lock_step.hpp"
 
+#include <cmath>
+
+#include "ringsplat/base/clock.hpp"
+
 namespace ringsplat {
 
 bool LockStep::may_leave(const Header& h) {
   if (h.kind != Kind::payload && h.kind != Kind::token) return true;
+  const bool timed = step_seconds_ > 0;
+  if (timed) now_ = std::llround(std::floor(now_seconds() / step_seconds_));
   if (h.frame != frame_) {
     frame_ = h.frame;
-    frame_start_ = now_;
-    places_.clear();
+    frame_start_ = timed ? now_ + 1 : now_;
+    start_.clear();
   }
-  const int place = places_.try_emplace(h.renderer, static_cast<int>(places_.size())).first->second;
-  return now_ >= frame_start_ + place + h.step;
+  const auto [start, is_new] = start_.try_emplace(h.renderer);
+  if (is_new) {
+    // The front slice's owner makes the train; to the others a token comes in its step.
+    const int held = h.kind == Kind::token ? h.step - 1 : h.step;
+    start->second = held == 0 ? frame_start_ + std::int64_t(start_.size()) - 1 : now_ - held;
+  }
+  return now_ >= start->second + h.step;
 }
 
 void LockStep::record(const Link& link, const Header& header) const {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "node/counting_engine.hpp"
 #include "node/empty_space.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
@@ -27,6 +28,7 @@ struct Gp::Frame {
   std::vector<int> steps;     ///< this GP's traversal steps, ascending
   std::size_t next_step = 0;  ///< into `steps`: the next to encode
   bool encoding = false;
+  std::optional<EncodedSlice> encoded;  ///< complete, while the simulated time for it passes
   std::deque<PreparedSlice> prepared;
   std::map<int, std::vector<HeldToken>>
       waiting_tokens;  ///< step → tokens that came before the slice was ready
@@ -43,6 +45,7 @@ Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceSto
       options_(options),
       slices_(std::move(slices)),
       post_(std::move(post)),
+      debt_(options.simulation.machine ? options.simulation.machine->poll_interval : 1),
       last_time_(now_seconds()),
       trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
@@ -63,7 +66,10 @@ void Gp::begin_frame(const FrameSpec& spec) {
     if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
   if (!frame->steps.empty()) {
     frame->encoder = make_encoder(frame->spec, frame->geometry, layout_.renderers, empty_space_of(spec.reduction.factor));
+    if (const auto& simulation = options_.simulation; simulation.count_only)
+      frame->encoder = make_counting_encoder(std::move(frame->encoder), simulation.voxel_weight);
     if (trace_) frame->encoder->time_stages(&piece_.stages);
+    if (const auto& machine = options_.simulation.machine) debt_.owe(machine->gp.frame);
     if (frame->steps.front() == 0) {
       // All tokens start at the owner of the front slice.
       auto& front = frame->waiting_tokens[0];
@@ -163,7 +169,8 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
            .frame = frame.spec.frame,
            .step = slice.step,
            .renderer = token.renderer,
-           .sequence = token.sequence};
+           .sequence = token.sequence,
+           .region = slice.encoded.passes[std::size_t(token.renderer)]};
   frame.stats.splats_sent += slice.encoded.splats[std::size_t(token.renderer)];
   frame.stats.payload_bytes_sent += Message::body_size(payload);
   ++frame.stats.payloads_sent;
@@ -225,6 +232,7 @@ std::size_t Gp::prepared_slices() const {
 }
 
 bool Gp::encode_some() {
+  if (debt_.pay()) return true;
   // The earliest frame with slices left: a later frame's slices never take the room an earlier one needs.
   const auto found = std::find_if(frames_.begin(), frames_.end(),
                                   [](const auto& f) { return f->next_step < f->steps.size(); });
@@ -237,19 +245,24 @@ bool Gp::encode_some() {
     frame.encoding = true;
   }
   if (trace_) piece_ = {frame.spec.frame, frame.steps[frame.next_step], {}};
-  if (!frame.dropped && !frame.encoder->work()) return true;
+  if (frame.dropped) {
+    frame.encoded.emplace().payloads.resize(std::size_t(layout_.renderers));
+  } else if (!frame.encoded) {
+    if (!frame.encoder->work()) return true;
+    frame.encoded = frame.encoder->finish();
+    if (const auto& machine = options_.simulation.machine)
+      debt_.owe(
+          encoding_seconds(*machine, double(frame.encoded->voxels), double(frame.encoded->visible_voxels)));
+  }
+  if (debt_.pay()) return true;
 
   frame.encoding = false;
   const int step = frame.steps[frame.next_step++];
-  EncodedSlice encoded;
-  if (frame.dropped)
-    encoded.payloads.resize(std::size_t(layout_.renderers));
-  else
-    encoded = frame.encoder->finish();
-  frame.prepared.push_back({step, std::move(encoded), layout_.renderers, {}});
+  frame.prepared.push_back({step, std::move(*frame.encoded), layout_.renderers, {}});
+  frame.encoded.reset();
   PreparedSlice& slice = frame.prepared.back();
   ++frame.stats.slices;
-  frame.stats.passes += slice.encoded.passes;
+  for (const auto passes : slice.encoded.passes) frame.stats.passes += passes;
   frame.stats.visible_voxels += slice.encoded.visible_voxels;
   use_waiting_tokens(frame, slice);
   return true;

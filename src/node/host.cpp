@@ -5,6 +5,7 @@
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/model/charge.hpp"
 #include "ringsplat/node/gp.hpp"
 #include "ringsplat/node/renderer.hpp"
 
@@ -203,9 +204,16 @@ void Host::run() {
             fmt::format("rank {}: nothing moved for {} s: {}", rank(), options_.stall_timeout, waiting_for()),
             "a rank may have died or be very slow; --stall-timeout sets the limit");
       }
-      transport_.wait_next();
+      wait();
     }
   }
+}
+
+void Host::wait() {
+  if (kept_.empty())
+    transport_.wait_next();
+  else
+    charge(lock_step_->nap_seconds());
 }
 
 /// Says what this rank waits for, once, and asks all others to do the same.

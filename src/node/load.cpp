@@ -196,6 +196,25 @@ std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
   return all;
 }
 
+/// The sums over all processes. One process adds them up: with a thousand of them, all counts of all processes are
+/// too much for each to hold.
+std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uint64_t> mine) {
+  std::vector<Block> out(std::size_t(collectives.processes()));
+  out.front().resize(mine.size() * sizeof(mine[0]));
+  std::memcpy(out.front().data(), mine.data(), out.front().size());
+  Block sums = out.front();
+  const auto in = collectives.all_to_all(std::move(out));
+  if (collectives.process() == 0) {
+    std::fill(mine.begin(), mine.end(), 0);
+    for (const Block& one : in)
+      for (std::size_t k = 0, at = 0; k < mine.size() && at < one.size(); ++k) mine[k] += get<std::uint64_t>(one, at);
+    std::memcpy(sums.data(), mine.data(), sums.size());
+  }
+  sums = collectives.broadcast(std::move(sums), 0);
+  std::memcpy(mine.data(), sums.data(), sums.size());
+  return mine;
+}
+
 /// Calls `f(values)` for every slice of one kept axis of every store: each voxel once over all processes.
 template <class F>
 void for_each_slice(const std::map<int, SliceStore>& stores, F&& f) {
@@ -257,8 +276,7 @@ Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& r
   Histogram all = range.empty() ? Histogram(0, 1, bins) : Histogram(range.low, range.high, bins);
   Histogram mine = all;
   for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) { mine.add(s.begin()->second.grid().type, values); });
-  const auto counts = gathered(collectives, mine.counts);
-  for (std::size_t k = 0; k < counts.size(); ++k) all.counts[k % std::size_t(bins)] += counts[k];
+  all.counts = summed(collectives, mine.counts);
   return all;
 }
 

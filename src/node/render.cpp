@@ -74,7 +74,13 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
     return;
   }
   SliceStore slices = scene.stores.empty() ? SliceStore() : std::move(scene.stores.begin()->second);
-  Host(layout, protocol, scene.grid, *wiring.transport, std::move(slices), std::move(director)).run();
+  const SimulationOptions& simulation = protocol.simulation;
+  std::optional<ChargedTransport> charged;
+  if (simulation.machine) charged.emplace(*wiring.transport, *simulation.machine);
+  Transport& transport = charged ? *charged : *wiring.transport;
+  std::optional<LockStep> lock_step;
+  if (simulation.step_seconds > 0) lock_step.emplace(simulation.step_seconds);
+  Host(layout, protocol, scene.grid, transport, std::move(slices), std::move(director), lock_step ? &*lock_step : nullptr).run();
 }
 
 Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec, const Layout& layout, const Wiring& wiring,

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "node/counting_engine.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/process.hpp"
@@ -13,7 +14,8 @@ namespace ringsplat {
 
 Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
     : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
-      painter_(make_painter(index, layout.renderers)), last_time_(now_seconds()),
+      painter_(options.simulation.count_only ? make_counting_painter(index, layout.renderers) : make_painter(index, layout.renderers)),
+      debt_(options.simulation.machine ? options.simulation.machine->poll_interval : 1), last_time_(now_seconds()),
       trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
 void Renderer::begin_frame(const FrameSpec& spec) {
@@ -86,6 +88,11 @@ bool Renderer::advance() {
   if (!frame.begun) {
     painter_->begin_frame(frame.spec, make_geometry(frame.spec, grid_));
     frame.begun = true;
+    if (const auto& machine = options_.simulation.machine) debt_.owe(machine->renderer.frame);
+  }
+  if (!frame.painting && debt_.pay()) {
+    account_time(&NodeStats::drawing);
+    return true;
   }
   if (frame.drawn()) {
     deliver(frame);
@@ -103,10 +110,16 @@ bool Renderer::draw_some(Frame& frame) {
   }
   if (!frame.painting) {
     painter_->begin(found->second.header.step, found->second.body());
+    frame.splats_before = painted_splats();
     frame.painting = true;
   }
   const double begun = last_time_, composited = painter_->composite_seconds();
-  const bool complete = painter_->work();
+  bool complete = frame.painted;
+  if (!complete) {
+    complete = frame.painted = painter_->work();
+    if (complete) owe_drawing(found->second.header, painted_splats() - frame.splats_before);
+  }
+  complete = complete && !debt_.pay();
   account_time(&NodeStats::drawing);
   if (trace_) {
     const double drawn = std::max(begun, last_time_ - (painter_->composite_seconds() - composited));
@@ -121,7 +134,7 @@ bool Renderer::draw_some(Frame& frame) {
 }
 
 void Renderer::finish_payload(Frame& frame) {
-  frame.painting = false;
+  frame.painting = frame.painted = false;
   frame.payloads.erase(frame.next);
   ++frame.next;
   ++frame.stats.payloads_drawn;
@@ -129,11 +142,22 @@ void Renderer::finish_payload(Frame& frame) {
   accept_what_fits(frame);
 }
 
+std::uint64_t Renderer::painted_splats() const {
+  const PaintCounts counts = painter_->counts();
+  return counts.drawn + counts.clipped;
+}
+
+void Renderer::owe_drawing(const Header& payload, std::uint64_t splats) {
+  if (const auto& machine = options_.simulation.machine) debt_.owe(drawing_seconds(*machine, double(splats), double(payload.region)));
+}
+
 void Renderer::deliver(Frame& frame) {
   NodeStats& stats = frame.stats;
   const auto send_tile = [&](int region, Bytes rgba) {
     ++stats.tiles;
     stats.tile_bytes += Message::body_size(rgba);
+    constexpr double bytes_of_pixel = 4 * sizeof(float);
+    if (const auto& machine = options_.simulation.machine) charge(machine->renderer.pixel * double(Message::body_size(rgba)) / bytes_of_pixel);
     Header h{.kind = Kind::tile, .source_role = Role::renderer, .destination_role = Role::frame_buffer, .source = index_, .frame = frame.spec.frame};
     h.region = static_cast<std::uint32_t>(region);
     post_(Message(h, std::move(rgba)));

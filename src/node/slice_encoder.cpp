@@ -68,7 +68,9 @@ EncodedSlice SliceEncoder::finish() {
   EncodedSlice encoded;
   encoded.payloads.resize(std::size_t(renderers_));
   encoded.splats.resize(std::size_t(renderers_));
+  encoded.passes.resize(std::size_t(renderers_));
   encoded.visible_voxels = visible_;
+  encoded.voxels = std::uint64_t(rows_.slice().width) * std::uint64_t(rows_.slice().height);
   std::sort(used_.begin(), used_.end());
   std::vector<std::size_t> sizes(std::size_t(renderers_), 0);
   for (const int region : used_) sizes[std::size_t(Regions::owner(region, renderers_))] += part_bytes(region);
@@ -82,7 +84,7 @@ EncodedSlice SliceEncoder::finish() {
     move_part(region, payload);
     RegionCounts& counts = counts_[std::size_t(region)];
     encoded.splats[owner] += counts.splats;
-    for (const auto bits : counts.passes) encoded.passes += std::uint64_t(std::popcount(bits));
+    for (const auto bits : counts.passes) encoded.passes[owner] += std::uint32_t(std::popcount(bits));
     counts = {};
   }
   used_.clear();

@@ -157,7 +157,7 @@ const Rules& house_rules() {
       {"node", {"base", "volume", "classify", "view", "splat", "screen", "net", "model"}},
       {"truth", {"base", "volume", "classify", "view", "splat", "screen"}},
       {"model", {"base"}},
-      {"mpi", {"base", "net"}},
+      {"mpi", {"base", "net", "model"}},
       {"app",
        {"base", "volume", "classify", "view", "splat", "screen", "net", "node", "truth", "model", "mpi"}},
   };

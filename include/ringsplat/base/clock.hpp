@@ -1,12 +1,12 @@
 #pragma once
-#include <chrono>
 
 namespace ringsplat {
 
-/// Seconds on a clock that never goes back.
-inline double now_seconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
+/// Seconds on a clock that never goes back: the machine's, or the one that replaces it.
+double now_seconds();
+
+/// Replaces the clock of this process by a simulated one. Called before anything is timed; `clock` stays valid.
+void set_clock(double (*clock)());
 
 /// Adds the seconds it lives to a counter.
 class ScopedSeconds {

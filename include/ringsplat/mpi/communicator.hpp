@@ -16,4 +16,9 @@ inline constexpr std::size_t largest_mpi_part = std::size_t{1} << 30;
 std::unique_ptr<Transport> make_mpi_transport(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
 std::unique_ptr<Collectives> make_mpi_collectives(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
 
+/// A transport that waits in MPI itself, for simulated ranks. Throws RunError for a message of more than
+/// `largest_message` bytes, which takes address space but no memory.
+std::unique_ptr<Transport> make_blocking_transport(MPI_Comm comm,
+                                                   std::size_t largest_message = std::size_t{64} << 20);
+
 }  // namespace ringsplat

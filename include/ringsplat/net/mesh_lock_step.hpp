@@ -8,7 +8,7 @@
 namespace ringsplat {
 
 /// Moves all tokens one GP per step, whatever the delays between them: the clock that the proof in mesh.hpp
-/// assumes, for runs in one process. A Renderer's k-th place in the train is that in which the front
+/// assumes, for runs in one process and for simulated ones. A Renderer's k-th place in the train is that in which the front
 /// slice's owner first uses its token. Its payload of traversal step s leaves in step k + s after the
 /// frame's start, its token in the step after.
 class LockStep {
@@ -17,6 +17,9 @@ class LockStep {
   using Observer = std::function<void(std::int64_t step, const Link& link, const Header& header)>;
 
   explicit LockStep(Observer observer = {}) : observer_(std::move(observer)) {}
+  /// A rank's own lock step whose clock is now_seconds(), common to all ranks as under simulation: one step in
+  /// `step_seconds`, longer than a payload and its accept take and a slice's encoding.
+  explicit LockStep(double step_seconds) : step_seconds_(step_seconds) {}
 
   /// True when a message may leave its node now.
   bool may_leave(const Header& header);
@@ -25,12 +28,15 @@ class LockStep {
   void advance() { ++now_; }
   /// Messages that are kept at their nodes until their step.
   int kept = 0;
+  /// How long a rank that keeps messages may sleep before it looks at the clock again.
+  double nap_seconds() const { return step_seconds_ / 64; }
 
  private:
   Observer observer_;
+  double step_seconds_ = 0;
   std::int64_t now_ = 0;
   std::int64_t frame_ = -1, frame_start_ = 0;  ///< of the frame under way; there is only one at a time
-  std::map<int, int> places_;                  ///< in the train, by Renderer
+  std::map<int, std::int64_t> start_;          ///< by Renderer: when its token is at step 0
 };
 
 }  // namespace ringsplat

@@ -49,7 +49,7 @@ struct Header {
   std::int32_t step = 0;       ///< traversal step of tokens, payloads and accepts
   std::int32_t renderer = 0;   ///< whose token, payload or accept this is
   std::uint32_t sequence = 0;  ///< tokens: the next one; payloads, accepts: this one; frame_end: how many
-  std::uint32_t region = 0;    ///< of a tile; the channel of a credit
+  std::uint32_t region = 0;    ///< of a tile; the channel of a credit; the number of a payload's passes
   std::uint64_t bytes = 0;     ///< of the body
 
   NodeId from() const { return {source_role, source}; }

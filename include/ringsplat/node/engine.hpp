@@ -17,8 +17,9 @@ namespace ringsplat {
 struct EncodedSlice {
   std::vector<Bytes> payloads;        ///< one for each Renderer, made in Message::body_buffer(); empty: nothing to draw
   std::vector<std::uint32_t> splats;  ///< in each payload
-  std::uint64_t passes = 0;           ///< non-empty (region, pass) pairs of the slice (Neumann 1992, Fig. 3)
+  std::vector<std::uint32_t> passes;  ///< of each payload: non-empty (region, pass) pairs (Neumann 1992, Fig. 3)
   std::uint64_t visible_voxels = 0;
+  std::uint64_t voxels = 0;           ///< of the slice, transparent ones too
 };
 
 class Encoder {

@@ -39,6 +39,7 @@ class Host {
   void post(Message message);
   void start(Message message);
   bool release_kept();
+  void wait();
   bool take_all();
   void announce(Message message);
   void take(Message message);

@@ -1,8 +1,10 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 
+#include "ringsplat/model/machine.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/node/frame_spec.hpp"
 
@@ -30,6 +32,14 @@ using Post = std::function<void(Message)>;
 
 class Trace;
 
+/// What is different when a run is about time or counts, not about pictures (docs/simulation.md).
+struct SimulationOptions {
+  std::optional<Machine> machine;  ///< whose costs the nodes charge to the simulated clock
+  bool count_only = false;  ///< payloads have their true size but carry only counts, and nothing is drawn
+  double voxel_weight = 1;  ///< with count_only: so many voxels of a slice for which each voxel stands
+  double step_seconds = 0;  ///< above 0: payloads and tokens move in step, one step in so many seconds
+};
+
 struct ProtocolOptions {
   int frames_in_flight = 2;   ///< frames announced and not yet complete
   int slots = 4;              ///< payloads of one frame a Renderer accepts before it has drawn them
@@ -37,6 +47,7 @@ struct ProtocolOptions {
   int look_ahead = 1;         ///< slices a GP prepares before their tokens have passed; 1 is the paper
   double stall_timeout = 60;  ///< seconds without any progress before a run is given up
   Trace* trace = nullptr;     ///< records what the nodes of this process do; must outlive them
+  SimulationOptions simulation;
 };
 
 /// Throws InputError naming the option when a number is below 1 (or the timeout not positive).

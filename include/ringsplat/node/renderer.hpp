@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "ringsplat/model/charge.hpp"
 #include "ringsplat/node/engine.hpp"
 #include "ringsplat/node/node.hpp"
 #include "ringsplat/node/stats.hpp"
@@ -36,6 +37,8 @@ class Renderer final : public Node {
     std::uint32_t next = 0;                     ///< sequence of the payload to draw now
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
     bool painting = false;                      ///< payload `next` is being drawn
+    bool painted = false;                       ///< it is drawn, while the simulated time for it passes
+    std::uint64_t splats_before = 0;            ///< drawn or clipped before this payload
     bool begun = false;
     bool dropped = false;
     NodeStats stats;
@@ -49,6 +52,8 @@ class Renderer final : public Node {
   bool draw_some(Frame& frame);
   void finish_payload(Frame& frame);
   void deliver(Frame& frame);
+  std::uint64_t painted_splats() const;
+  void owe_drawing(const Header& payload, std::uint64_t splats);
   void account_time(double NodeStats::*part);
 
   int index_;
@@ -60,6 +65,7 @@ class Renderer final : public Node {
   std::deque<Frame> frames_;  ///< announced and not yet delivered; the first is being drawn
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;
+  Debt debt_;  ///< simulated seconds of drawing that have not yet passed
   double last_time_;
   NodeTrace* trace_;  ///< null: not recorded
 };

@@ -1,0 +1,31 @@
+#include "app/simulation_options.hpp"
+
+#include <limits>
+
+#include "ringsplat/base/log.hpp"
+#include "ringsplat/model/charge.hpp"
+
+namespace ringsplat::app {
+
+void prepare_simulation(RunOptions& options, Launch& launch) {
+  ProtocolOptions& protocol = options.protocol;
+  SimulationOptions& simulation = protocol.simulation;
+  launch.check_on_all_ranks([&] {
+    if (!options.machine.empty()) simulation.machine = read_machine(options.machine);
+    if (simulation.step_seconds > 0 && !simulated())
+      throw InputError("--step-seconds needs the clock that simulated ranks have in common",
+                       "start it with scripts/simulate.sh, or use --in-step in one process");
+  });
+  if (!simulated()) {
+    if (simulation.machine && launch.rank() == 0)
+      log_warning(
+          "--machine has no effect here: only simulated ranks have a clock to charge (scripts/simulate.sh)");
+    simulation.machine.reset();
+    return;
+  }
+  // The clock leaps while ranks wait, and the simulator itself knows when no rank can go on.
+  protocol.stall_timeout = std::numeric_limits<double>::infinity();
+  if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;
+}
+
+}  // namespace ringsplat::app

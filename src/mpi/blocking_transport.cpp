@@ -1,0 +1,160 @@
+#include <sys/mman.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <deque>
+#include <list>
+#include <new>
+#include <vector>
+
+#include "mpi/checked.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/mpi/communicator.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr int message_tag = 1;
+/// Receives that are always posted, so that as many messages can be on their way to a rank at once. A message
+/// beyond them starts when one of these is over.
+constexpr std::size_t receives = 32;
+
+/// Address space for messages of any size; only what a message touches takes memory.
+class ReceiveBuffers {
+ public:
+  explicit ReceiveBuffers(std::size_t largest) : largest_(largest) {
+    void* const memory = mmap(nullptr, receives * largest_, PROT_READ | PROT_WRITE,
+                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (memory == MAP_FAILED) throw std::bad_alloc();
+    memory_ = static_cast<std::byte*>(memory);
+  }
+  ~ReceiveBuffers() { munmap(memory_, receives * largest_); }
+  ReceiveBuffers(const ReceiveBuffers&) = delete;
+  ReceiveBuffers& operator=(const ReceiveBuffers&) = delete;
+
+  std::byte* at(std::size_t index) const { return memory_ + index * largest_; }
+  /// Gives the memory of a long message back.
+  void forget(std::size_t index, std::size_t used) const {
+    constexpr std::size_t worth_it = 256 << 10;
+    if (used > worth_it) madvise(at(index), used, MADV_DONTNEED);
+  }
+
+ private:
+  std::size_t largest_;
+  std::byte* memory_;
+};
+
+/// Blocks in MPI until a message is here or one has left. For simulated MPI, where every look at an empty
+/// queue costs simulated time, and where the ranks are no threads that could take each other's cores.
+class BlockingTransport final : public Transport {
+ public:
+  BlockingTransport(MPI_Comm comm, std::size_t largest_message)
+      : comm_(comm), largest_(largest_message), buffers_(largest_message), receiving_(receives) {
+    for (std::size_t k = 0; k < receives; ++k) post_receive(k);
+  }
+
+  ~BlockingTransport() override {
+    for (auto& request : receiving_) {
+      MPI_Cancel(&request);
+      MPI_Request_free(&request);
+    }
+    for (auto& sending : sending_) MPI_Request_free(&sending.request);
+  }
+
+  int rank() const override { return comm_.rank(); }
+  int ranks() const override { return comm_.ranks(); }
+
+  void send(int destination, Message message) override {
+    sending_.push_back({std::move(message), MPI_REQUEST_NULL});
+    Sending& sending = sending_.back();
+    const auto block = sending.message.seal();
+    if (block.size() > largest_)
+      throw RunError(
+          fmt::format("a message of {} bytes is too long for a simulated run, which takes up to {}",
+                      block.size(), largest_),
+          "use more Renderers or smaller regions");
+    checked(MPI_Isend(block.data(), static_cast<int>(block.size()), MPI_BYTE, destination, message_tag,
+                      comm_.get(), &sending.request),
+            "MPI_Isend");
+  }
+
+  std::optional<Message> receive() override {
+    if (here_.empty()) {
+      int index = 0, done = 0;
+      MPI_Status status;
+      checked(MPI_Testany(static_cast<int>(receives), receiving_.data(), &index, &done, &status),
+              "MPI_Testany");
+      if (done != 0) take(static_cast<std::size_t>(index), status);
+    }
+    if (here_.empty()) return std::nullopt;
+    Message message = std::move(here_.front());
+    here_.pop_front();
+    return message;
+  }
+
+  bool sends_done() override {
+    sending_.remove_if([](Sending& sending) {
+      int done = 0;
+      checked(MPI_Test(&sending.request, &done, MPI_STATUS_IGNORE), "MPI_Test");
+      return done != 0;
+    });
+    return sending_.empty();
+  }
+
+  void note_progress() override {
+    if (sending_.size() > 16) sends_done();
+  }
+
+  void wait_next() override {
+    std::vector<MPI_Request> any = receiving_;
+    for (const auto& sending : sending_) any.push_back(sending.request);
+    int index = 0;
+    MPI_Status status;
+    checked(MPI_Waitany(static_cast<int>(any.size()), any.data(), &index, &status), "MPI_Waitany");
+    const auto done = static_cast<std::size_t>(index);
+    if (done < receives) {
+      receiving_[done] = any[done];
+      take(done, status);
+    } else {
+      sending_.erase(std::next(sending_.begin(), static_cast<std::ptrdiff_t>(done - receives)));
+    }
+  }
+
+ private:
+  struct Sending {
+    Message message;
+    MPI_Request request;
+  };
+
+  void post_receive(std::size_t index) {
+    checked(MPI_Irecv(buffers_.at(index), static_cast<int>(largest_), MPI_BYTE, MPI_ANY_SOURCE, message_tag,
+                      comm_.get(), &receiving_[index]),
+            "MPI_Irecv");
+  }
+
+  void take(std::size_t index, const MPI_Status& status) {
+    int count = 0;
+    checked(MPI_Get_count(&status, MPI_BYTE, &count), "MPI_Get_count");
+    const std::byte* first = buffers_.at(index);
+    Bytes block(first, first + count);
+    buffers_.forget(index, static_cast<std::size_t>(count));
+    post_receive(index);
+    here_.push_back(Message::from_wire(std::move(block), status.MPI_SOURCE));
+  }
+
+  OwnedComm comm_;
+  std::size_t largest_;
+  ReceiveBuffers buffers_;
+  std::vector<MPI_Request> receiving_;  ///< by buffer; always posted
+  std::list<Sending> sending_;
+  std::deque<Message> here_;
+};
+
+}  // namespace
+
+std::unique_ptr<Transport> make_blocking_transport(MPI_Comm comm, std::size_t largest_message) {
+  return std::make_unique<BlockingTransport>(comm, largest_message);
+}
+
+}  // namespace ringsplat
