@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Runs the program on a simulated machine (SimGrid):
+#
+#   scripts/simulate.sh CONFIG.toml [OPTION...]
+#
+# CONFIG is a --config file of `ringsplat render` whose machine, gps, renderers, topology, mesh and roles say what is simulated; the
+# options that follow are the program's and come first. mpi_configs/simulated has configurations, docs/simulation.md the method.
+# The seconds that are printed, and those in --stats, are seconds of the simulated machine.
+#
+#   RINGSPLAT_LINKS=FILE.csv   also writes what payloads did on each link
+#   RINGSPLAT_BUILD=FOLDER     uses that build and does not build
+set -euo pipefail
+source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
+
+(($# > 0)) || die "say what to simulate: scripts/simulate.sh mpi_configs/simulated/pp5-20+4.toml"
+command -v smpirun >/dev/null || die "SimGrid is not installed: scripts/setup.sh installs it (Debian: libsimgrid-dev)"
+if [[ -n ${RINGSPLAT_BUILD:-} ]]; then
+  build=$RINGSPLAT_BUILD
+else
+  build_ringsplat ringsplat_smpi ringsplat_platform
+fi
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+python3 "$repo/scripts/simulated_job.py" "$work/job" "$work/hosts" "$@" || exit 2
+# RINGSPLAT_* for the platform, and `arguments` for the program.
+source "$work/job"
+
+# Copies of the program, one for each rank, are made there.
+if [[ -w /dev/shm ]]; then export TMPDIR=/dev/shm; fi
+# No host timing anywhere, and a network whose times are hops * latency + bytes / bandwidth.
+exact=(
+  --cfg=smpi/simulate-computation:no --cfg=smpi/wtime:0 --cfg=smpi/test:0 --cfg=smpi/async-small-thresh:0
+  --cfg=network/model:CM02 --cfg=network/crosstraffic:no --cfg=network/TCP-gamma:1e15
+  --cfg=smpi/coll-selector:ompi --cfg=smpi/bcast:binomial_tree
+  --cfg=contexts/stack-size:1024 --log=root.thresh:critical
+)
+status=0
+smpirun -quiet -platform "$build/ringsplat_platform.so" -hostfile "$work/hosts" -np "$RINGSPLAT_RANKS" "${exact[@]}" \
+  "$build/ringsplat_smpi.so" render "${arguments[@]}" >"$work/out" || status=$?
+# What smpirun says itself when a rank fails.
+grep -v -e '^Execution failed' -e '--cfg=' "$work/out" || true
+exit "$status"

@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""Tests of simulated runs:  check_simulation.py CASE --build FOLDER --scratch FOLDER"""
+import argparse
+import csv
+import json
+import os
+import shutil
+import subprocess
+import sys
+
+REPO = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
+HEAD = os.path.join(REPO, "tests/data/head.nrrd")
+PP5 = os.path.join(REPO, "mpi_configs/machines/pixel-planes-5.toml")
+VIEW = ["--size", "256x256", "--elevation", "20", "--azimuth", "30", "--tf", "mr-soft"]
+
+
+class Run:
+    def __init__(self, build, scratch):
+        self.build = build
+        self.scratch = scratch
+
+    def path(self, name):
+        return os.path.join(self.scratch, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+    def program(self, *arguments):
+        subprocess.run([os.path.join(self.build, "ringsplat"), *arguments], check=True, stdout=subprocess.DEVNULL)
+
+    def attempt(self, layout, *arguments, machine=PP5, links=None):
+        """Simulates `layout` (TOML lines); returns what became of it."""
+        config = self.write("job.toml", layout + f'\nmachine = "{machine}"\n')
+        environment = dict(os.environ, RINGSPLAT_BUILD=self.build)
+        if links:
+            environment["RINGSPLAT_LINKS"] = links
+        return subprocess.run([os.path.join(REPO, "scripts/simulate.sh"), config, *arguments], env=environment,
+                              capture_output=True, text=True)
+
+    def simulate(self, *arguments, name="run", **more):
+        """The frames of a simulation that must succeed."""
+        stats = self.path(name + ".json")
+        ended = self.attempt(*arguments, "--stats", stats, **more)
+        if ended.returncode != 0:
+            sys.exit(f"the simulation failed with {ended.returncode}:\n{ended.stdout}{ended.stderr}")
+        with open(stats, encoding="utf-8") as file:
+            return json.load(file)
+
+
+def same(what, a, b):
+    if a != b:
+        sys.exit(f"{what}: {a} is not {b}")
+    print(f"{what}: {a}")
+
+
+def close(what, value, expected, relative):
+    if not abs(value - expected) <= relative * abs(expected):
+        sys.exit(f"{what}: {value} is not within {relative} of {expected}")
+    print(f"{what}: {value}, expected {expected}")
+
+
+def bytes_of(path):
+    with open(path, "rb") as file:
+        return file.read()
+
+
+def image(run):
+    """Sixteen simulated ranks, as a ring and as a mesh, draw the picture that one process draws, bit for bit."""
+    run.program("render", HEAD, "-o", run.path("alone.exr"), *VIEW)
+    layouts = {"ring": "gps = 12\nrenderers = 4", "mesh": 'topology = "mesh"\nmesh = "4x3"\nrenderers = 4',
+               "colocated": 'gps = 16\nrenderers = 16\nroles = "colocated"'}
+    for name, layout in layouts.items():
+        picture = run.path(name + ".exr")
+        run.simulate(layout, HEAD, "-o", picture, *VIEW)
+        same(f"{name} draws the same bits", bytes_of(picture) == bytes_of(run.path("alone.exr")), True)
+
+
+FREE_NETWORK = """name = "free network"
+poll_interval = 1e-3
+[gp]
+visible_voxel = {visible}
+transparent_voxel = {transparent}
+slice = {slice}
+[renderer]
+splat = {splat}
+pass = {a_pass}
+slice = {composite}
+[platform]
+kind = "backbone"
+bandwidth = 1e15
+latency = 0
+"""
+
+
+def seconds(run):
+    """On a machine whose network is free, a frame takes what the descriptions' formulas say."""
+    run.program("synth", "ball", "-o", run.path("ball.nrrd"), "--dims", "24x24x24")
+    view = ["--size", "128x128", "--count-only", "--frames-in-flight", "1"]
+
+    gp_bound = FREE_NETWORK.format(visible=1e-3, transparent=1e-4, slice=0.5, splat=0, a_pass=0, composite=0)
+    frame, = run.simulate("gps = 1\nrenderers = 1", run.path("ball.nrrd"), *view, machine=run.write("gp.toml", gp_bound))
+    visible = frame["total"]["visible_voxels"]
+    close("GP-bound frame", frame["seconds"], 24 * 0.5 + visible * 1e-3 + (24**3 - visible) * 1e-4, 1e-6)
+
+    renderer_bound = FREE_NETWORK.format(visible=0, transparent=0, slice=0, splat=1e-3, a_pass=0.25, composite=2)
+    frame, = run.simulate("gps = 3\nrenderers = 1", run.path("ball.nrrd"), *view,
+                          machine=run.write("renderer.toml", renderer_bound))
+    total = frame["total"]
+    close("Renderer-bound frame", frame["seconds"],
+          total["splats_sent"] * 1e-3 + total["passes"] * 0.25 + total["payloads_sent"] * 2, 1e-6)
+
+
+def determinism(run):
+    """The same command takes the same simulated second, to the last digit."""
+    layout = "gps = 12\nrenderers = 4"
+    runs = [run.simulate(layout, HEAD, "--count-only", "--orbit", "2", *VIEW, name=name) for name in ("one", "two")]
+    for frame, again in zip(*runs):
+        same(f"frame {frame['frame']}", frame["seconds"], again["seconds"])
+        nodes = [[n["seconds"] for n in f["nodes"]] for f in (frame, again)]
+        same("its nodes spend the same seconds", nodes[0] == nodes[1], True)
+
+
+def in_step(run):
+    """In step no link carries two payloads at once, by SimGrid's own account of its links; drifting, some do."""
+    layout = 'topology = "mesh"\nmesh = "4x4"\nrenderers = 8\nrouting = "direct"\nregion = 64'
+    view = ["--count-only", "--frames-in-flight", "1", *VIEW]
+    machine = os.path.join(REPO, "mpi_configs/machines/pixel-planes-5-mesh.toml")
+    used = {}
+    for name, pace in {"in step": ["--step-seconds", "1"], "free": []}.items():
+        links = run.path("links.csv")
+        frame, = run.simulate(layout, HEAD, *view, *pace, machine=machine, links=links)
+        with open(links, encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        overlaps = sum(int(row["overlaps"]) for row in rows)
+        used[name] = (len(rows), sum(int(row["payloads"]) for row in rows), overlaps)
+        print(f"{name}: {len(rows)} links used, {overlaps} overlaps, {frame['total']['payloads_sent']} payloads")
+    same("overlaps in step", used["in step"][2], 0)
+    # The same links carried the same payloads, and the monitor sees overlaps where there are some.
+    same("links and their payloads", used["in step"][:2], used["free"][:2])
+    same("drifting tokens meet", used["free"][2] > 0, True)
+
+
+def count_only(run):
+    """A run that only counts sends the same bytes and takes the same time as one that draws."""
+    layout = "gps = 6\nrenderers = 4"
+    drawn, = run.simulate(layout, HEAD, "-o", run.path("drawn.exr"), *VIEW)
+    counted, = run.simulate(layout, HEAD, "--count-only", *VIEW)
+    for key in ("splats_sent", "splats_drawn", "payload_bytes_received", "passes", "tile_bytes"):
+        expected = drawn["total"][key]
+        if key == "splats_drawn":
+            expected += drawn["total"]["splats_clipped"]
+        same(key, counted["total"][key], expected)
+    same("seconds", counted["seconds"], drawn["seconds"])
+    weighted, = run.simulate(layout, HEAD, "--count-only", "--voxel-weight", "8", *VIEW)
+    same("splats with a weight of 8", weighted["total"]["splats_sent"], 8 * drawn["total"]["splats_sent"])
+
+
+def bad_input(run):
+    """What is wrong is said, by file and field, and ends the simulation with 2."""
+    bad = run.write("bad.toml", open(PP5, encoding="utf-8").read().replace("splat = ", "splats = "))
+    machine_without_mesh = os.path.join(REPO, "mpi_configs/machines/pixel-planes-5-mesh.toml")
+    cases = [(dict(machine=bad), "bad.toml: renderer.splats"), (dict(machine=run.path("none.toml")), "none.toml"),
+             (dict(machine=machine_without_mesh), "mesh")]
+    for machine, words in cases:
+        ended = run.attempt("gps = 2\nrenderers = 1", HEAD, "--count-only", **machine)
+        same(f"exit code when {words} is wrong", ended.returncode, 2)
+        same("it is named", words in ended.stderr, True)
+
+
+def main():
+    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, bad_input)}
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("case", choices=cases)
+    parser.add_argument("--build", required=True)
+    parser.add_argument("--scratch", required=True)
+    arguments = parser.parse_args()
+    shutil.rmtree(arguments.scratch, ignore_errors=True)
+    os.makedirs(arguments.scratch)
+    cases[arguments.case](Run(os.path.abspath(arguments.build), os.path.abspath(arguments.scratch)))
+
+
+if __name__ == "__main__":
+    main()
