@@ -51,14 +51,20 @@ def layout_of(settings, config):
         fail(f"{config}: {error} does not say the layout", "give gps and renderers, or topology, mesh and renderers")
 
 
+def parser_of(*names):
+    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
+    for name in names:
+        parser.add_argument(f"--{name}")
+    return parser
+
+
 def main():
     job, hosts, config, *options = sys.argv[1:]
     settings = read_toml(config)
-    parser = argparse.ArgumentParser(add_help=False, allow_abbrev=False)
-    for name in ("machine", "gps", "renderers", "topology", "mesh", "roles"):
-        parser.add_argument(f"--{name}")
-    given = {key: value for key, value in vars(parser.parse_known_args(options)[0]).items() if value is not None}
-    settings |= given
+    given, _ = parser_of("gps", "renderers", "topology", "mesh", "roles").parse_known_args(options)
+    # The program takes the machine once, by the path that is found here.
+    machine_given, options = parser_of("machine").parse_known_args(options)
+    settings |= {key: value for key, value in (vars(given) | vars(machine_given)).items() if value is not None}
     if "machine" not in settings:
         fail(f"{config} names no machine", 'for instance machine = "mpi_configs/machines/pixel-planes-5.toml"')
     machine = found(settings["machine"], config)
