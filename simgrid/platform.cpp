@@ -9,6 +9,7 @@
 #include <map>
 
 #include "link_monitor.hpp"
+#include "payload_copies.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/model/machine.hpp"
 #include "ringsplat/net/mesh.hpp"
@@ -181,6 +182,7 @@ void load_platform(const simgrid::s4u::Engine&) {
     const Job job = read_job();
     auto* const zone = make_zone(job);
     zone->seal();
+    copy_only_what_counts();
     if (const std::string file = setting("RINGSPLAT_LINKS"); !file.empty())
       watch_links(zone, job.layout, file);
   } catch (const ringsplat::Error& e) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <deque>
 #include <list>
 #include <new>
@@ -136,9 +137,15 @@ class BlockingTransport final : public Transport {
   void take(std::size_t index, const MPI_Status& status) {
     int count = 0;
     checked(MPI_Get_count(&status, MPI_BYTE, &count), "MPI_Get_count");
+    const auto size = static_cast<std::size_t>(count);
     const std::byte* first = buffers_.at(index);
-    Bytes block(first, first + count);
-    buffers_.forget(index, static_cast<std::size_t>(count));
+    Header header;
+    std::memcpy(&header, first, std::min(size, sizeof(Header)));
+    // The rest of a payload that only counts was never written; leaving it alone saves its memory.
+    const std::size_t said = header.counted != 0 ? std::min(size, counted_bytes) : size;
+    Bytes block(size);
+    std::memcpy(block.data(), first, said);
+    buffers_.forget(index, size);
     post_receive(index);
     here_.push_back(Message::from_wire(std::move(block), status.MPI_SOURCE));
   }

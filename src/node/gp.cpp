@@ -164,6 +164,7 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
   Header h{.kind = Kind::payload,
            .source_role = Role::gp,
            .destination_role = Role::renderer,
+           .counted = options_.simulation.count_only,
            .source = index_,
            .destination = token.renderer,
            .frame = frame.spec.frame,

@@ -43,7 +43,7 @@ struct Header {
   std::uint32_t magic = 0x31505352;  // "RSP1"
   Kind kind = Kind::token;
   Role source_role = Role::host, destination_role = Role::host;
-  std::uint8_t reserved = 0;
+  std::uint8_t counted = 0;  ///< 1: a payload of which only the first counted_bytes say anything (simulation)
   std::int32_t source = 0, destination = 0;  ///< index within the role
   std::int64_t frame = 0;
   std::int32_t step = 0;       ///< traversal step of tokens, payloads and accepts
@@ -56,6 +56,7 @@ struct Header {
   NodeId to() const { return {destination_role, destination}; }
 };
 static_assert(sizeof(Header) == 48);
+inline constexpr std::size_t counted_bytes = 64;  ///< of the message, header included
 
 /// A header and its body. `wire` holds room for the header and then the body, so that a
 /// message leaves as one block without a copy; it is empty when there is no body.
