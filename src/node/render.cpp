@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "node/charged_transport.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/process.hpp"
 
