@@ -24,7 +24,7 @@ import matplotlib.pyplot as plt
 
 # An odd number of Renderers spreads a square picture's regions evenly: with a divisor of the regions in a row, each would own columns.
 STRONG = [(9, 7), (33, 31), (129, 127), (769, 255)]
-WEAK = [(256, 9, 7), (512, 65, 63), (1024, 513, 511)]
+WEAK = [(256, 9, 7), (512, 65, 63), (1024, 769, 255)]
 FIELDS = ["study", "voxels", "ranks", "gps", "renderers", "seconds", "gp_computing", "renderer_drawing", "renderer_drawing_most",
           "tokens", "payload_gigabytes"]
 
