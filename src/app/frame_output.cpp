@@ -93,7 +93,7 @@ void FrameOutput::write(const FrameResult& result, const fs::path& file, const M
     log_warning("{}: {}", file.string(), why_nothing_is_visible(result.spec.transfer_function, range_));
   }
   progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats",
-                              drawn ? file.string() : fmt::format("frame {}", index), result.stats.seconds,
+                              drawn ? file.string() : fmt::format("frame {}", result.spec.frame), result.stats.seconds,
                               sum.visible_voxels, sum.splats_sent));
   seconds_.push_back(result.stats.seconds);
   if (!options_.stats.empty()) {

@@ -47,7 +47,7 @@ struct ProtocolOptions {
   int look_ahead = 1;         ///< slices a GP prepares before their tokens have passed; 1 is the paper
   double stall_timeout = 60;  ///< seconds without any progress before a run is given up
   Trace* trace = nullptr;     ///< records what the nodes of this process do; must outlive them
-  SimulationOptions simulation;
+  SimulationOptions simulation = {};
 };
 
 /// Throws InputError naming the option when a number is below 1 (or the timeout not positive).
