@@ -55,7 +55,27 @@ FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, con
       layout_(layout),
       range_(range),
       memory_(std::move(memory)),
-      progress_(progress) {}
+      progress_(progress),
+      writer_([this](FrameResult&& result) {
+        write(result, file_of(result.spec.frame), nullptr);
+        progress_.at(double(seconds_.size()));
+      }) {}
+
+std::size_t FrameOutput::most_held(const RenderOptions& options, std::size_t frames) {
+  const auto in_flight = std::size_t(options.run.protocol.frames_in_flight);
+  if (options.error.truth) return std::max(in_flight, frames);
+  return in_flight + std::min(frames, FrameWriter::room + 1);
+}
+
+void FrameOutput::remember_file(std::int64_t frame, fs::path file) {
+  const std::lock_guard lock(files_mutex_);
+  files_[frame] = std::move(file);
+}
+
+fs::path FrameOutput::file_of(std::int64_t frame) {
+  const std::lock_guard lock(files_mutex_);
+  return files_.extract(frame).mapped();
+}
 
 void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
   fs::path file = output_file(options_, view);
@@ -65,8 +85,8 @@ void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
     kept_.emplace_back(std::move(result), std::move(file));
     progress_.at(double(kept_.size()));
   } else {
-    write(result, file, nullptr);
-    progress_.at(double(seconds_.size()));
+    remember_file(result.spec.frame, std::move(file));
+    writer_.put(std::move(result));
   }
 }
 
@@ -125,6 +145,7 @@ std::string FrameOutput::stats_text() const {
 }
 
 void FrameOutput::finish() {
+  writer_.finish();
   if (!kept_.empty()) measure_kept();
   if (!options_.stats.empty()) write_text(options_.stats, stats_text());
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());

@@ -2,10 +2,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "app/frame_writer.hpp"
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
 #include "app/progress.hpp"
@@ -21,15 +23,15 @@ struct SliceMemory {
 };
 
 /// Where finished frames go: pictures, a line of results each, and the statistics file at the end. Lives on
-/// rank 0.
+/// rank 0, and writes on a thread of its own.
 class FrameOutput {
  public:
   /// All that is passed by reference must outlive it.
   FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
               Progress& progress);
 
-  /// Writes the picture, or keeps it until finish() when its error is to be measured: a truth takes longer
-  /// than other ranks should wait. `view` counts from 0; coarser pictures of a view that is refined carry their
+  /// Has the picture written, or keeps it until finish() when its error is to be measured: a truth takes
+  /// longer than other ranks should wait. Throws RunError when an earlier picture could not be written. `view` counts from 0; coarser pictures of a view that is refined carry their
   /// undersampling factor in their names.
   void take(FrameResult&& result, std::size_t view, int factor);
   /// A refined view's coarse frame, for the statistics: how long after the view was asked for it was there, and how far from
@@ -38,11 +40,16 @@ class FrameOutput {
     double seconds, rmse, largest;  ///< errors in 1/255
   };
   void add_refinement(std::int64_t frame, const RefinementStep& step) { refinements_[frame] = step; }
-  /// Writes --stats and prints the summary.
+  /// Waits for the last picture, writes --stats and prints the summary. Throws RunError when something cannot
+  /// be written.
   void finish();
+  /// Pictures held at once, for those that are rendered with `options` and `frames` in all.
+  static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
  private:
   void write(const FrameResult& result, const std::filesystem::path& file, const MeasuredError* error);
+  void remember_file(std::int64_t frame, std::filesystem::path file);
+  std::filesystem::path file_of(std::int64_t frame);
   void measure_kept();
   std::string stats_text() const;
 
@@ -56,6 +63,9 @@ class FrameOutput {
   std::vector<std::string> stats_;  ///< one JSON object a frame
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
   int empty_frames_ = 0;
+  std::mutex files_mutex_;
+  std::map<std::int64_t, std::filesystem::path> files_;  ///< by frame, of those that the writer has yet to write
+  FrameWriter writer_;  ///< the last: it uses all of the above
 };
 
 /// The file of a view's picture: the output itself, or a numbered one when there may be more than one. `view` counts from 0.

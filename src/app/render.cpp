@@ -101,8 +101,7 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
   for (int gp = 0; gp < layout.gps; ++gp)
     if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
       held += double(slices.predicted[std::size_t(gp)]);
-  const auto in_flight = std::size_t(o.run.protocol.frames_in_flight);
-  const std::size_t kept = o.error.truth ? std::max(in_flight, frames_in_all) : in_flight;
+  const std::size_t kept = FrameOutput::most_held(o, frames_in_all);
   const double frames =
       launch.rank() == 0 ? 4.0 * sizeof(float) * o.frame.width * o.frame.height * double(kept) : 0;
   if (held + frames <= machine) return;

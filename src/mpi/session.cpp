@@ -8,6 +8,7 @@
 #include "mpi/checked.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/model/charge.hpp"
+#include "ringsplat/base/error.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
@@ -19,6 +20,11 @@ struct MpiSession::State {
 MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>()) {
   int provided = 0;
   checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
+  if (provided < MPI_THREAD_FUNNELED) {
+    MPI_Finalize();
+    throw RunError("this MPI allows no thread beside the one that calls it, but pictures are written by one",
+                   "use an MPI library with MPI_THREAD_FUNNELED");
+  }
   MPI_Comm_rank(MPI_COMM_WORLD, &state_->rank);
   MPI_Comm_size(MPI_COMM_WORLD, &state_->ranks);
   if (simulated()) set_clock([] { return MPI_Wtime(); });

@@ -112,6 +112,29 @@ TEST_CASE("an orbit makes numbered frames and a summary") {
   }
 }
 
+TEST_CASE("an orbit's files and lines are those of one process, in order") {
+  const Workshop w;
+  for (const char* ending : {"png", "exr"}) {
+    const std::string name = std::string("turn.") + ending;
+    const auto frame = [&](int k) { return w / ("turn-000" + std::to_string(k) + "." + ending); };
+    w.render(name, {"--orbit", "9"});
+    std::vector<std::string> alone;
+    for (int k = 0; k < 9; ++k) alone.push_back(read_text(frame(k)));
+    const Ended ended = w.render(name, {"--orbit", "9", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
+    const json stats = json::parse(read_text(w / "turn.json"));
+    const auto lines = lines_with(ended.out, "visible voxels");
+    REQUIRE(lines.size() == 9);
+    REQUIRE(stats.size() == 9);
+    for (int k = 0; k < 9; ++k) {
+      const auto at = std::size_t(k);
+      CHECK_THAT(lines[at], Catch::Matchers::StartsWith(frame(k)));
+      CHECK(stats[at].at("file") == frame(k));
+      const bool same_bytes = read_text(frame(k)) == alone[at];
+      CHECK(same_bytes);
+    }
+  }
+}
+
 TEST_CASE("only the slice sets that the views traverse are kept") {
   const Workshop w;
   const auto kept = [&](std::vector<std::string> more) {

@@ -1,0 +1,62 @@
+#include "app/frame_writer.hpp"
+
+#include <utility>
+
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat::app {
+
+FrameWriter::FrameWriter(std::function<void(FrameResult&&)> write) : write_(std::move(write)) {}
+
+FrameWriter::~FrameWriter() { end(); }
+
+void FrameWriter::end() {
+  {
+    const std::lock_guard lock(mutex_);
+    no_more_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void FrameWriter::put(FrameResult&& frame) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return waiting_.size() < room || failure_; });
+  if (failure_) std::rethrow_exception(failure_);
+  if (!thread_.joinable()) thread_ = std::thread([this] { run(); });
+  waiting_.push_back(std::move(frame));
+  changed_.notify_all();
+}
+
+void FrameWriter::finish() {
+  end();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void FrameWriter::run() {
+  // As on the thread that renders: a file's bytes do not depend on which one writes it.
+  flush_denormals();
+  std::unique_lock lock(mutex_);
+  while (true) {
+    changed_.wait(lock, [this] { return !waiting_.empty() || no_more_; });
+    if (waiting_.empty()) return;
+    FrameResult frame = std::move(waiting_.front());
+    waiting_.pop_front();
+    changed_.notify_all();
+    lock.unlock();
+    std::exception_ptr failure;
+    try {
+      write_(std::move(frame));
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    lock.lock();
+    if (!failure) continue;
+    failure_ = failure;
+    waiting_.clear();
+    changed_.notify_all();
+    return;
+  }
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,47 @@
+#pragma once
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+
+#include "ringsplat/node/frame_buffer.hpp"
+
+namespace ringsplat::app {
+
+/// A thread that writes finished frames, in the order in which they come, so that coding pictures holds up
+/// neither the frame buffer nor the other nodes of its rank. Starts with the first frame. Never calls MPI:
+/// one thread of a rank does.
+class FrameWriter {
+ public:
+  /// Frames that may wait, besides the one that is being written.
+  static constexpr std::size_t room = 2;
+
+  /// `write` runs on the thread; what it refers to must outlive this, and others may touch it only after
+  /// finish().
+  explicit FrameWriter(std::function<void(FrameResult&&)> write);
+  /// Writes what still waits, unless writing has failed.
+  ~FrameWriter();
+  FrameWriter(const FrameWriter&) = delete;
+  FrameWriter& operator=(const FrameWriter&) = delete;
+
+  /// Waits while there is no room. Throws what writing an earlier frame threw; nothing is written after it.
+  void put(FrameResult&& frame);
+  /// Returns when all frames are written; throws what writing one of them threw. Nothing can be put after it.
+  void finish();
+
+ private:
+  void run();
+  void end();
+
+  const std::function<void(FrameResult&&)> write_;
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::deque<FrameResult> waiting_;
+  std::exception_ptr failure_;
+  bool no_more_ = false;
+  std::thread thread_;
+};
+
+}  // namespace ringsplat::app
