@@ -168,9 +168,12 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   add_run_options(*render_app, render.run);
   add_error_options(*render_app, render.error);
   render_app->footer(std::string(config_footer) + render_footer);
-  auto* info_app = program.add_subcommand("info", "Say what is in a volume and how much memory its GPs need");
+  auto* info_app = program.add_subcommand("info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest");
   add_volume_options(*info_app, info.volume);
   add_info_options(*info_app, info);
+  add_view_options(*info_app, info.picture);
+  add_picture_options(*info_app, info.picture);
+  add_shortcut_options(*info_app, info.picture);
   auto* compare_app =
       program.add_subcommand("compare", "Compare two pictures; exit with 1 when they differ too much");
   add_compare_options(*compare_app, compare);

@@ -3,9 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <thread>
 
 #include "app/commands.hpp"
+#include "app/frame_output.hpp"
+#include "app/probe.hpp"
 #include "app/progress.hpp"
+#include "app/role_choice.hpp"
 #include "app/watched_source.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/volume/slice_store.hpp"
@@ -141,7 +146,7 @@ std::string to_text(const InfoOptions& o, const Grid& grid, const Contents& c, b
   return text;
 }
 
-std::string to_json_text(const InfoOptions& o, const Grid& grid, const Contents& c, bool concurrent) {
+nlohmann::json to_json(const InfoOptions& o, const Grid& grid, const Contents& c, bool concurrent) {
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
   j["volume"] = o.volume.path;
@@ -164,7 +169,63 @@ std::string to_json_text(const InfoOptions& o, const Grid& grid, const Contents&
                                          {"all_axes_unlit", m.all_plain},
                                          {"one_axis_lit", m.one_lit},
                                          {"one_axis_unlit", m.one_plain}});
-  return j.dump(2) + "\n";
+  return j;
+}
+
+/// What --ranks asks for.
+struct Forecast {
+  FrameCosts costs;
+  RankCosts ranks;
+  std::vector<Prediction> predictions;
+};
+
+Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {
+  const auto cameras = views_of(o.picture);
+  const FrameSpec& frame = o.picture.frame;
+  const auto axes = needed_axes(cameras, source.grid(), frame.width, frame.height);
+  const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
+  Forecast f;
+  progress.begin("measuring a frame", 0);
+  f.costs = measure_frame_costs(source, frame, TransferFunctionChoice(o.picture.transfer_function),
+                                probe_views(cameras), load_options(o.picture, axes));
+  progress.end();
+  f.ranks = usual_rank_costs(o.ranks, cores);
+  f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true));
+  return f;
+}
+
+std::string to_text(const Forecast& f, int ranks) {
+  return fmt::format("\na frame on {} ranks that share {} cores\n  measured here: {}\n{}best: {}\n", ranks,
+                     f.ranks.cores, describe(f.costs), to_table(f.predictions),
+                     describe(f.predictions.front().layout));
+}
+
+nlohmann::json to_json(const Forecast& f) {
+  nlohmann::json layouts = nlohmann::json::array();
+  for (const Prediction& p : f.predictions)
+    layouts.push_back({{"layout", describe(p.layout)},
+                       {"gps", p.layout.gps},
+                       {"renderers", p.layout.renderers},
+                       {"roles", p.layout.placement == Placement::colocated ? "colocated" : "dedicated"},
+                       {"mesh", {p.layout.mesh_columns, p.layout.mesh_rows}},
+                       {"topology", p.layout.topology == Topology::mesh ? "mesh" : "ring"},
+                       {"seconds", p.seconds},
+                       {"gp_seconds", p.gp},
+                       {"renderer_seconds", p.renderer},
+                       {"core_seconds", p.shared},
+                       {"token_seconds", p.tokens},
+                       {"limit", name(p.limit)}});
+  for (auto& layout : layouts)
+    if (layout["topology"] == "ring") layout.erase("mesh");
+  return {{"cores", f.ranks.cores},
+          {"hop_seconds", f.ranks.hop},
+          {"gp_seconds", f.costs.gp},
+          {"gp_frame_seconds", f.costs.frame},
+          {"renderer_seconds", f.costs.renderer()},
+          {"region_seconds", f.costs.region},
+          {"visible_voxels", f.costs.visible_voxels},
+          {"splats", f.costs.splats},
+          {"layouts", layouts}};
 }
 
 std::string list_of_presets() {
@@ -184,7 +245,16 @@ ExitCode run_info(const InfoOptions& o) {
   const auto source = open_volume(o.volume.path, o.volume.raw);
   Progress progress;
   const Contents contents = read_contents(o.volume, progress);
-  fmt::print("{}", (o.json ? to_json_text : to_text)(o, source->grid(), contents, source->concurrent()));
+  std::optional<Forecast> predicted;
+  if (o.ranks > 0) predicted = forecast(o, *source, progress);
+  if (o.json) {
+    auto j = to_json(o, source->grid(), contents, source->concurrent());
+    if (predicted) j["prediction"] = to_json(*predicted);
+    fmt::print("{}\n", j.dump(2));
+  } else {
+    fmt::print("{}{}", to_text(o, source->grid(), contents, source->concurrent()),
+               predicted ? to_text(*predicted, o.ranks) : "");
+  }
   return ExitCode::done;
 }
 

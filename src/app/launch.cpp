@@ -6,6 +6,8 @@
 #include <cstring>
 #include <new>
 
+#include "app/role_choice.hpp"
+
 namespace ringsplat::app {
 namespace {
 
@@ -153,6 +155,24 @@ Layout layout_on_ranks(const RunOptions& o, int ranks) {
 
 }  // namespace
 
+std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks) {
+  if (!over_mpi)
+    throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
+                     "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
+  if (o.topology == Topology::mesh)
+    throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
+                     "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
+  auto layouts = possible_layouts(ranks, false);
+  std::erase_if(layouts, [&](const Layout& l) {
+    return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
+           l.placement != o.placement.value_or(l.placement);
+  });
+  if (layouts.empty())
+    throw InputError(fmt::format("{} ranks cannot be given such roles", ranks),
+                     "use --gps auto alone, or give both numbers");
+  return layouts;
+}
+
 Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
   constexpr int most_in_one_process = 4096;
   const RunOptions o = with_mesh_counts(options);
@@ -160,6 +180,7 @@ Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
   check(Layout{.gps = o.gps.value_or(1), .renderers = o.renderers.value_or(1)});
   if (std::max(o.gps.value_or(1), o.renderers.value_or(1)) > 1 << 24)
     throw InputError("--gps or --renderers is far more than any machine has", "use one rank for each core");
+  if (o.choose_roles) static_cast<void>(layouts_to_choose_from(o, over_mpi, ranks));
   if (!over_mpi) {
     if (ranks > 1)
       throw InputError(
@@ -179,6 +200,7 @@ Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
     throw InputError(
         "--shuffle, --max-delay and --in-step are for the loopback transport, but this run goes over MPI",
         "leave them out, or leave out mpirun");
+  if (o.choose_roles) return layouts_to_choose_from(o, over_mpi, ranks).front();
   const Layout layout = layout_on_ranks(o, ranks);
   check(layout);
   if (layout.ranks() != ranks)

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/options.hpp"
 #include "ringsplat/base/error.hpp"
@@ -53,10 +54,15 @@ class Launch {
   std::unique_ptr<Transport> transport_;
 };
 
+/// Where --gps auto and --renderers auto may choose from: the splits of a ring that the other options allow.
+/// Throws InputError when there is nothing to choose: in one process, in a mesh, by counts that cannot be.
+std::vector<Layout> layouts_to_choose_from(const RunOptions& options, bool over_mpi, int ranks);
+
 /// Which nodes the run has, from the options and the job's number of ranks (in loopback there may be any
 /// number of nodes in the one process). Without options: dedicated, a third of the ranks draw; on a single
-/// rank one GP and one Renderer are colocated. A mesh has as many GPs as its shape says. Throws InputError
-/// when the options do not fit the number of ranks.
+/// rank one GP and one Renderer are colocated. A mesh has as many GPs as its shape says. With
+/// options.choose_roles it is the first that may be chosen. Throws InputError when the options do not fit the
+/// number of ranks.
 Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks);
 
 }  // namespace ringsplat::app

@@ -111,6 +111,13 @@ Size parse_mesh(const std::string& text, const std::string& option) {
   return {(*shape)[0], (*shape)[1]};
 }
 
+int parse_count(const std::string& text, const std::string& option) {
+  const auto count = number<int>(text);
+  if (!count)
+    throw InputError(fmt::format("{} cannot be '{}'", option, text), fmt::format("for instance {} 4", option));
+  return *count;
+}
+
 glm::ivec3 parse_dims(const std::string& text, const std::string& option) {
   const auto dims = one_or_all<int>(text, 3);
   if (!dims || std::any_of(dims->begin(), dims->end(), [](int n) { return n < 1; }))

@@ -20,6 +20,9 @@ Size parse_size(const std::string& text, const std::string& option);
 /// Columns and rows of a mesh: "4x3", or "4" for 4x4.
 Size parse_mesh(const std::string& text, const std::string& option);
 
+/// A whole number; of any sign, since who takes it knows the least.
+int parse_count(const std::string& text, const std::string& option);
+
 /// "256x256x128", or "64" for a cube; all at least 1.
 glm::ivec3 parse_dims(const std::string& text, const std::string& option);
 

@@ -42,6 +42,18 @@ CLI::Option* add_parsed(CLI::App& app, const std::string& name, Target& target, 
   return fallback.empty() ? option : option->default_str(fallback);
 }
 
+/// A number of nodes, or "auto", which sets `choose`.
+CLI::Option* add_count(CLI::App& app, const std::string& name, std::optional<int>& count, bool& choose,
+                       const std::string& form, const std::string& description) {
+  const auto take = [&count, &choose, name](const std::string& text) {
+    if (text == "auto")
+      choose = true;
+    else
+      count = parse_count(text, name);
+  };
+  return app.add_option_function<std::string>(name, take, description)->type_name(form);
+}
+
 ScalarType parse_type(const std::string& text, const std::string&) { return scalar_type_from(text); }
 
 glm::dvec3 vec3(const std::vector<double>& v) { return {v.at(0), v.at(1), v.at(2)}; }
@@ -75,10 +87,10 @@ void add_volume_options(CLI::App& app, VolumeOptions& o) {
 void add_run_options(CLI::App& app, RunOptions& o) {
   group(
       "Ranks",
-      {app.add_option("--gps", o.gps, "Ranks that hold slices and make splats")->type_name("G"),
-       app.add_option("--renderers", o.renderers,
-                      "Ranks that draw; what is left out follows from the launcher's count")
-           ->type_name("R"),
+      {add_count(app, "--gps", o.gps, o.choose_roles, "G|auto",
+                 "Ranks that hold slices and make splats; auto: as many as a measured frame needs"),
+       add_count(app, "--renderers", o.renderers, o.choose_roles, "R|auto",
+                 "Ranks that draw; what is left out follows from the launcher's count"),
        add_choice(
            app, "--roles", o.placement,
            Choices<Placement>{{"dedicated", Placement::dedicated}, {"colocated", Placement::colocated}}, "",
@@ -283,6 +295,13 @@ void add_info_options(CLI::App& app, InfoOptions& o) {
              ->check(CLI::Range(1, 1 << 24)),
          app.add_flag("--json", o.json, "Write JSON"),
          app.add_flag("--presets", o.presets, "List the transfer functions that --tf knows by name")});
+  group("Prediction",
+        {app.add_option("--ranks", o.ranks, "Measure a frame here and predict its time for all ways to give N ranks roles")
+             ->type_name("N")
+             ->check(CLI::Range(1, 4096)),
+         app.add_option("--cores", o.cores, "Cores that the ranks share; without it this machine's")
+             ->type_name("C")
+             ->check(CLI::Range(1, 1 << 24))});
 }
 
 void add_compare_options(CLI::App& app, CompareOptions& o) {
@@ -336,6 +355,8 @@ void refuse_contradictions(const CLI::App& app) {
       {"--progressive", "--undersample", "progressive pictures begin with 4 anyway: leave out --undersample"},
       {"--count-only", "--output", "nothing is drawn that could be written: leave out -o"},
       {"--presets", "--gps", "the presets need no volume: ask for one thing at a time"},
+      {"--tf-out", "--ranks", "a prediction writes no file: use ringsplat render --tf-out"},
+      {"--presets", "--ranks", "the presets need no volume: ask for one thing at a time"},
   };
   const auto given = [&](const char* name) {
     const auto* option = app.get_option_no_throw(name);
@@ -344,10 +365,18 @@ void refuse_contradictions(const CLI::App& app) {
   for (const auto& c : contradictions)
     if (given(c.first) && given(c.second))
       throw InputError(fmt::format("{} and {} contradict each other", c.first, c.second), c.way_out);
+  if (app.get_option_no_throw("--ranks") != nullptr && !given("--ranks"))
+    for (const auto* option : app.get_options())
+      for (const char* heading : {"View", "Picture", "Shortcuts"})
+        if (option->count() > 0 && option->get_group() == heading)
+          throw InputError(fmt::format("{} has no effect without --ranks", option->get_name()),
+                           "add --ranks N to predict the time of such a frame");
   const auto* kernel = app.get_option_no_throw("--kernel");
   if (given("--phases") && (kernel->count() == 0 || kernel->results().front() != "texture"))
     throw InputError("--phases has no effect on kernels that are computed",
                      "leave out --phases or use --kernel texture");
+  if (given("--cores") && !given("--ranks"))
+    throw InputError("--cores has no effect without --ranks", "add --ranks N");
   const auto* shading = app.get_option_no_throw("--shading");
   if (shading == nullptr || shading->count() == 0 || shading->results().front() != "none") return;
   for (const char* name : {"--light", "--ambient", "--diffuse", "--specular", "--exponent"})

@@ -28,6 +28,7 @@ struct VolumeOptions {
 struct RunOptions {
   TransportChoice transport = TransportChoice::automatic;
   std::optional<int> gps, renderers;  ///< what is left out follows from the number of ranks
+  bool choose_roles = false;          ///< one of them is "auto": by what a frame is found to cost
   std::optional<Placement> placement;
   Topology topology = Topology::ring;
   std::optional<Size> mesh;              ///< columns and rows of GPs
@@ -55,6 +56,9 @@ struct InfoOptions {
   VolumeOptions volume;
   int gps = 0;  ///< 0: a few usual numbers
   bool json = false, presets = false;
+  int ranks = 0;         ///< to predict frame times for; 0: none
+  int cores = 0;         ///< that they share; 0: this machine's
+  RenderOptions picture;  ///< what is rendered then
 };
 
 struct CompareOptions {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <set>
 
+#include "app/auto_roles.hpp"
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
@@ -112,11 +113,15 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
                                  : "use a smaller --size");
 }
 
+}  // namespace
+
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes, o.frame.shading == Shading::phong, {}, o.frame.reduction.prefilter};
   for (const Reduction& level : Browsing::levels(o.frame, o.progressive)) load.factors.push_back(level.factor);
   return load;
 }
+
+namespace {
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
            Progress& progress) {
@@ -181,7 +186,7 @@ void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& la
 ExitCode run_render(const RenderOptions& given, Launch& launch) {
   RenderOptions o = given;
   prepare_simulation(o.run, launch);
-  const Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
+  Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(o.run.protocol);
   Plan plan;
   launch.check_on_rank_0([&] { plan = make_plan(o); });
@@ -189,6 +194,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
       open_everywhere(launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); });
   launch.check_on_rank_0([&] { check_frames(o, plan, volume.grid); });
   const LoadOptions options = load_options(o, agree_on_axes(o, plan, volume.grid, launch));
+  if (o.run.choose_roles) layout = choose_roles(o, plan.cameras, volume.grid, options, launch);
   const SliceMemory memory = predict_memory(volume.grid, options, layout.gps);
   launch.check_on_all_ranks([&] { check_memory(o, plan.cameras.size(), memory, layout, launch); });
 

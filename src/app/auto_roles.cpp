@@ -1,0 +1,69 @@
+#include "app/auto_roles.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "app/probe.hpp"
+#include "app/progress.hpp"
+#include "ringsplat/base/log.hpp"
+#include "ringsplat/volume/slice_store.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid, const LoadOptions& load) {
+  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  const auto too_large = [&](const Layout& layout) {
+    return double(SliceStore::bytes_needed(grid, 0, layout.gps, load.kept_axes, load.with_normals)) > machine;
+  };
+  std::vector<Layout> fitting;
+  std::remove_copy_if(layouts.begin(), layouts.end(), std::back_inserter(fitting), too_large);
+  // When none fits, whoever checks the chosen one's memory says so.
+  return fitting.empty() ? layouts : fitting;
+}
+
+void say(const FrameCosts& costs, const RankCosts& ranks, const std::vector<Prediction>& predictions) {
+  const Prediction& best = predictions.front();
+  std::string others;
+  if (predictions.size() > 1)
+    others = fmt::format("; next {} with {:.2f} ms, last {} with {:.2f} ms", describe(predictions[1].layout),
+                         1e3 * predictions[1].seconds, describe(predictions.back().layout),
+                         1e3 * predictions.back().seconds);
+  log_info("measured {}; a message takes {:.1f} us, the ranks share {} core{}", describe(costs),
+           1e6 * ranks.hop, ranks.cores, ranks.cores == 1 ? "" : "s");
+  log_info("chose {}: {:.2f} ms a frame predicted, limited by {}{}", describe(best.layout),
+           1e3 * best.seconds, name(best.limit), others);
+}
+
+}  // namespace
+
+Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
+                    const LoadOptions& load, Launch& launch) {
+  const auto layouts =
+      those_that_fit(layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks()), grid, load);
+  RankCosts ranks;
+  ranks.cores = count_cores(launch.collectives());
+  ranks.hop = measure_hop(*launch.transport());
+  Layout chosen;
+  launch.check_on_rank_0([&] {
+    Progress progress;
+    progress.begin("measuring a frame", 0);
+    const auto source = open_volume(o.volume.path, o.volume.raw);
+    const FrameCosts costs = measure_frame_costs(
+        *source, o.frame, TransferFunctionChoice(o.transfer_function), probe_views(cameras), load);
+    progress.end();
+    const auto predictions = predict_all(costs, ranks, layouts);
+    chosen = predictions.front().layout;
+    say(costs, ranks, predictions);
+  });
+  Block block(sizeof(Layout));
+  std::memcpy(block.data(), &chosen, sizeof(Layout));
+  block = launch.collectives().broadcast(std::move(block), 0);
+  std::memcpy(&chosen, block.data(), sizeof(Layout));
+  return chosen;
+}
+
+}  // namespace ringsplat::app

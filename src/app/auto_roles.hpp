@@ -1,0 +1,17 @@
+#pragma once
+#include <vector>
+
+#include "app/launch.hpp"
+#include "app/options.hpp"
+#include "ringsplat/node/load.hpp"
+
+namespace ringsplat::app {
+
+/// The layout for --gps auto and --renderers auto: rank 0 measures what frames of these views cost, all ranks
+/// what a message costs, and rank 0 says on stderr what it chose and why. Layouts whose GPs cannot hold their
+/// slices are left out. `cameras` are needed on rank 0 only. All ranks call it before the volume is loaded;
+/// all throw the same InputError.
+Layout choose_roles(const RenderOptions& options, const std::vector<Camera>& cameras, const Grid& grid,
+                    const LoadOptions& load, Launch& launch);
+
+}  // namespace ringsplat::app

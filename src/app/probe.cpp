@@ -1,0 +1,270 @@
+#include "app/probe.hpp"
+
+#include <sched.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <limits>
+#include <map>
+#include <string>
+#include <utility>
+
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/node/render.hpp"
+#include "ringsplat/volume/statistics.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+constexpr std::int64_t most_voxels = std::int64_t{1} << 24;
+constexpr int slabs_of_large_volumes = 3;
+/// As many as load_scene has: presets depend on it.
+constexpr int histogram_bins = 1024;
+constexpr int repetitions = 3;
+constexpr double patience = 2;  ///< seconds after which nothing is repeated any more
+constexpr int most_renderers = 1024;
+
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+/// Some z slices, as a volume where they lie in the whole.
+struct Slab {
+  Grid grid;
+  std::vector<std::byte> voxels;
+};
+
+Slab read_slab(VolumeSource& source, int first, int count) {
+  Slab slab{source.grid(), {}};
+  slab.grid.dims.z = count;
+  slab.grid.origin += slab.grid.direction * glm::dvec3(0, 0, slab.grid.spacing.z * first);
+  slab.voxels.resize(slab.grid.bytes());
+  source.read_slices(first, count, slab.voxels);
+  return slab;
+}
+
+std::vector<Slab> read_slabs(VolumeSource& source) {
+  const Grid& grid = source.grid();
+  std::vector<Slab> slabs;
+  if (grid.voxels() <= most_voxels) {
+    slabs.push_back(read_slab(source, 0, grid.dims.z));
+    return slabs;
+  }
+  const auto in_slice = std::int64_t(grid.slice_voxels(Axis::z));
+  const int wanted = int(std::max<std::int64_t>(1, most_voxels / slabs_of_large_volumes / in_slice));
+  const int thick = std::min(wanted, std::max(1, grid.dims.z / slabs_of_large_volumes));
+  const int count = std::min(slabs_of_large_volumes, grid.dims.z);
+  for (int k = 0; k < count; ++k) {
+    const int middle = int((2 * std::int64_t(k) + 1) * grid.dims.z / (2 * count));
+    slabs.push_back(read_slab(source, std::clamp(middle - thick / 2, 0, grid.dims.z - thick), thick));
+  }
+  return slabs;
+}
+
+TransferFunction make_for(const std::vector<Slab>& slabs, const TransferFunctionChoice& choice) {
+  ValueRange range;
+  for (const Slab& slab : slabs) range.add(slab.grid.type, slab.voxels);
+  if (range.empty())
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                     "check the file's --type and --endian");
+  Histogram histogram(range.low, range.high, histogram_bins);
+  for (const Slab& slab : slabs) histogram.add(slab.grid.type, slab.voxels);
+  return choice.make(histogram);
+}
+
+/// The view as a matrix, which shows a part of the volume where it is in the whole.
+Camera fixed_to_world(const Camera& camera, const Grid& grid, int width, int height) {
+  if (camera.matrix) return camera;
+  const ViewTransform view = make_view(camera, lattice_frame(grid), width, height);
+  glm::dmat3 to_lattice = glm::inverse(grid.direction);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) to_lattice[column][row] /= grid.spacing[row];
+  const glm::dmat3 linear = view.linear * to_lattice;
+  const glm::dvec3 offset = view.offset - linear * grid.origin;
+  Camera fixed;
+  fixed.matrix.emplace();
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column)
+      (*fixed.matrix)[4 * row + column] = linear[int(column)][int(row)];
+    (*fixed.matrix)[4 * row + 3] = offset[int(row)];
+  }
+  return fixed;
+}
+
+/// What one view of one slab costs; of several repetitions the quickest.
+struct ViewCosts {
+  double gp = 0, rest = 0, visible_voxels = 0, splats = 0;
+  std::vector<double> renderers;
+  double busy = std::numeric_limits<double>::infinity();
+};
+
+ViewCosts costs_of(const FrameStats& stats, double share) {
+  ViewCosts costs;
+  const NodeStats sum = stats.total();
+  costs.gp = share * sum.computing;
+  costs.visible_voxels = double(sum.visible_voxels);
+  costs.splats = double(sum.splats_sent);
+  costs.busy = costs.gp;
+  for (const NodeStats& r : stats.renderers) {
+    costs.renderers.push_back(share * (r.drawing + r.compositing + r.delivering));
+    costs.busy += costs.renderers.back();
+  }
+  costs.rest = std::max(0.0, share * stats.seconds - costs.busy);
+  return costs;
+}
+
+/// Renders the frames one after another in this process and measures each.
+std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpec>& frames,
+                                    const LoadOptions& load, int renderers) {
+  SoloCollectives solo;
+  const Wiring wiring{solo};
+  const Layout layout{.gps = 1, .renderers = renderers};
+  OpenedVolume volume{slab.grid, true, memory_source(slab.grid, slab.voxels)};
+  Scene scene = load_scene(volume, load, layout, wiring);
+  std::vector<ViewCosts> costs(frames.size());
+  const double until = now_seconds() + patience;
+  std::size_t announced = 0;
+  double cpu = 0, wall = 0;
+  const Director director{[&]() -> std::optional<FrameSpec> {
+                            const std::size_t round = announced / frames.size();
+                            if (round == repetitions || (round > 0 && now_seconds() > until))
+                              return std::nullopt;
+                            cpu = thread_seconds();
+                            wall = now_seconds();
+                            return frames[announced++ % frames.size()];
+                          },
+                          [&](FrameResult&& result) {
+                            const double share = std::min(
+                                1.0, (thread_seconds() - cpu) / std::max(1e-9, now_seconds() - wall));
+                            ViewCosts measured = costs_of(result.stats, share);
+                            ViewCosts& best = costs[(announced - 1) % frames.size()];
+                            if (measured.busy < best.busy) best = std::move(measured);
+                          }};
+  ProtocolOptions protocol;
+  protocol.frames_in_flight = 1;
+  render_frames(std::move(scene), layout, protocol, director, wiring);
+  return costs;
+}
+
+/// Adds to `regions` the Renderers' seconds, `total` in sum; a Renderer's go to its regions alike.
+void add_regions(std::vector<double>& regions, const std::vector<double>& renderers, double total) {
+  double sum = 0;
+  for (const double seconds : renderers) sum += seconds;
+  if (sum <= 0) return;
+  const auto count = renderers.size();
+  for (std::size_t region = 0; region < regions.size(); ++region) {
+    const std::size_t owner = region % count, owned = (regions.size() - owner - 1) / count + 1;
+    regions[region] += total / sum * renderers[owner] / double(owned);
+  }
+}
+
+}  // namespace
+
+std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
+  if (cameras.size() < 12) return {cameras.front()};
+  return {cameras.front(), cameras[cameras.size() / 3], cameras[2 * cameras.size() / 3]};
+}
+
+FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
+                               const std::vector<Camera>& views, const LoadOptions& load) {
+  const Grid grid = source.grid();
+  const std::vector<Slab> slabs = read_slabs(source);
+  frame.transfer_function = make_for(slabs, choice);
+  check(frame);
+  FrameCosts costs;
+  costs.slices = 0;
+  std::vector<FrameSpec> frames;
+  int regions = 1;
+  for (const Camera& camera : views) {
+    frame.camera = camera;
+    const FrameGeometry geometry = make_geometry(frame, grid);
+    costs.slices += double(geometry.slices) / double(views.size());
+    regions = geometry.regions.count();
+    frame.camera = fixed_to_world(camera, grid, frame.width, frame.height);
+    frames.push_back(frame);
+  }
+  costs.region.resize(std::size_t(regions));
+  int slices_read = 0;
+  for (const Slab& slab : slabs) slices_read += slab.grid.dims.z;
+  const double scale = double(grid.dims.z) / slices_read / double(views.size());
+  const double mean = 1.0 / double(slabs.size()) / double(views.size());
+  for (const Slab& slab : slabs) {
+    const auto together = render_views(slab, frames, load, 1);
+    const auto apart = render_views(slab, frames, load, std::min(regions, most_renderers));
+    for (std::size_t k = 0; k < frames.size(); ++k) {
+      costs.gp += scale * together[k].gp;
+      costs.frame += mean * together[k].rest;
+      costs.visible_voxels += scale * together[k].visible_voxels;
+      costs.splats += scale * together[k].splats;
+      add_regions(costs.region, apart[k].renderers, scale * together[k].renderers.front());
+    }
+  }
+  return costs;
+}
+
+double measure_hop(Transport& transport) {
+  const int ranks = transport.ranks(), rank = transport.rank(), next = (rank + 1) % ranks;
+  if (ranks == 1) return 0;
+  const int rounds = std::max(8, 2000 / ranks);
+  const auto pass_on = [&] {
+    transport.send(next, Message({.kind = Kind::token, .source = rank, .destination = next}));
+  };
+  const double begun = now_seconds();
+  if (rank == 0) pass_on();
+  for (int taken = 0; taken < rounds;) {
+    if (!transport.receive()) {
+      transport.wait_next();
+      continue;
+    }
+    transport.note_progress();
+    ++taken;
+    if (rank != 0 || taken < rounds) pass_on();
+  }
+  const double hop = (now_seconds() - begun) / rounds / ranks;
+  while (!transport.sends_done()) transport.wait_next();
+  return hop;
+}
+
+int count_cores(Collectives& collectives) {
+  struct Place {
+    std::array<char, 256> machine{};
+    cpu_set_t cores{};
+  } mine;
+  gethostname(mine.machine.data(), mine.machine.size() - 1);
+  // Launchers bind ranks to cores, so that each rank sees its own only.
+  if (sched_getaffinity(0, sizeof(mine.cores), &mine.cores) != 0)
+    for (long core = 0; core < std::min<long>(sysconf(_SC_NPROCESSORS_ONLN), CPU_SETSIZE); ++core)
+      CPU_SET(std::size_t(core), &mine.cores);
+  Block block(sizeof(Place));
+  std::memcpy(block.data(), &mine, sizeof(Place));
+  struct Machine {
+    int ranks = 0;
+    cpu_set_t cores{};
+  };
+  std::map<std::string, Machine> machines;
+  for (const Block& one : collectives.all_gather(block)) {
+    Place place;
+    std::memcpy(&place, one.data(), sizeof(Place));
+    Machine& machine = machines[place.machine.data()];
+    ++machine.ranks;
+    CPU_OR(&machine.cores, &machine.cores, &place.cores);
+  }
+  int cores = 0;
+  for (const auto& [name, machine] : machines) cores += std::min(machine.ranks, CPU_COUNT(&machine.cores));
+  return std::max(1, cores);
+}
+
+RankCosts usual_rank_costs(int ranks, int cores) {
+  RankCosts costs;
+  costs.cores = cores;
+  if (ranks > cores) costs.hop = 5.4e-6 * ranks / cores;
+  return costs;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,40 @@
+#pragma once
+#include <vector>
+
+#include "app/role_choice.hpp"
+#include "app/transfer_function_option.hpp"
+#include "ringsplat/net/collectives.hpp"
+#include "ringsplat/net/transport.hpp"
+#include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/node/load.hpp"
+#include "ringsplat/volume/source.hpp"
+
+/// What layouts are chosen by, measured.
+namespace ringsplat::app {
+
+/// The views of a run that are worth measuring: the first, and of long runs three, evenly spread.
+std::vector<Camera> probe_views(const std::vector<Camera>& cameras);
+
+/// Renders these views in this process, with a GP and a Renderer and then with a Renderer for each region,
+/// and takes the quickest of a few repetitions. Counts the seconds that this thread has had a core, so that
+/// others who use the machine change little.
+///
+/// A volume of more than 2²⁴ voxels is sampled: three slabs of z slices, whose costs stand for the others'.
+/// So memory is bounded, but a file that has to be decoded in order is decoded once more up to the last slab.
+/// `frame` is what all frames share; its transfer function is made from the voxels read.
+/// Throws InputError: unreadable, no finite value.
+FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
+                               const std::vector<Camera>& views, const LoadOptions& load);
+
+/// Seconds a message takes to the next rank: one goes round all ranks many times. All ranks call it, and do
+/// so while no other message is on its way; the result is rank 0's. Zero on one rank.
+double measure_hop(Transport& transport);
+
+/// Cores that the job's ranks share: on each machine its cores, or as many as there are ranks. Collective.
+int count_cores(Collectives& collectives);
+
+/// What a hop takes where no other rank is there to measure it, from docs/performance.md: 2.5 µs with a core
+/// for each rank; ranks that share cores wait for one.
+RankCosts usual_rank_costs(int ranks, int cores);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,154 @@
+#include "app/role_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "ringsplat/net/mesh.hpp"
+#include "ringsplat/screen/regions.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+std::vector<double> by_renderer(const FrameCosts& costs, int renderers) {
+  std::vector<double> seconds(std::size_t(renderers), 0.0);
+  for (std::size_t region = 0; region < costs.region.size(); ++region)
+    seconds[std::size_t(Regions::owner(int(region), renderers))] += costs.region[region];
+  return seconds;
+}
+
+/// Of the GP's slices, which are as many as those of the GP that has most or one less.
+double gp_seconds(const FrameCosts& costs, int gp, int gps) {
+  const double slices = std::max(0.0, std::ceil((costs.slices - gp) / gps));
+  return costs.frame + costs.gp * slices / std::max(1.0, costs.slices);
+}
+
+int hops(const Layout& mesh, NodeId from, NodeId to) {
+  Route route(mesh, from, to);
+  int count = 0;
+  while (route.next()) ++count;
+  return count;
+}
+
+/// Hops by which a token passes one slice: payload there, accept back, token on.
+double hops_a_slice(const Layout& layout) {
+  if (!layout.routed()) return 3;
+  double payload = 0, token = 0;
+  for (int g = 0; g < layout.gps; ++g) {
+    const NodeId gp{Role::gp, g};
+    token += hops(layout, gp, {Role::gp, (g + 1) % layout.gps});
+    for (int r = 0; r < layout.renderers; ++r) {
+      const NodeId renderer{Role::renderer, r};
+      payload += hops(layout, gp, renderer) + hops(layout, renderer, gp);
+    }
+  }
+  return token / layout.gps + payload / layout.gps / layout.renderers;
+}
+
+}  // namespace
+
+double FrameCosts::renderer() const { return std::accumulate(region.begin(), region.end(), 0.0); }
+
+const char* name(Limit limit) {
+  switch (limit) {
+    case Limit::gps:
+      return "the GPs";
+    case Limit::renderers:
+      return "the Renderers";
+    case Limit::cores:
+      break;
+  }
+  return "the cores";
+}
+
+Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout& layout) {
+  Prediction p;
+  p.layout = layout;
+  const auto renderers = by_renderer(costs, layout.renderers);
+  double longest = 0;
+  if (layout.placement == Placement::colocated) {
+    for (int rank = 0; rank < layout.ranks(); ++rank) {
+      const double gp = rank < layout.gps ? gp_seconds(costs, rank, layout.gps) : 0;
+      const double renderer = rank < layout.renderers ? renderers[std::size_t(rank)] : 0;
+      if (rank > 0 && gp + renderer <= longest) continue;
+      longest = gp + renderer;
+      p.gp = gp;
+      p.renderer = renderer;
+    }
+  } else {
+    p.gp = gp_seconds(costs, 0, layout.gps);
+    p.renderer = *std::max_element(renderers.begin(), renderers.end());
+    longest = std::max(p.gp, p.renderer);
+  }
+  const int cores = std::max(1, std::min(ranks.cores, layout.ranks()));
+  p.shared = (costs.gp + costs.frame * layout.gps + costs.renderer()) / cores;
+  p.limit = p.shared > longest * (1 + 1e-9) ? Limit::cores
+            : p.gp >= p.renderer            ? Limit::gps
+                                            : Limit::renderers;
+  const double hops = costs.slices * hops_a_slice(layout);
+  p.tokens =
+      layout.ranks() == 1 ? 0 : hops * std::max(ranks.hop, layout.renderers * ranks.message_software / cores);
+  p.seconds = std::max(longest, p.shared) + p.tokens;
+  return p;
+}
+
+std::vector<Layout> possible_layouts(int ranks, bool meshes) {
+  std::vector<Layout> layouts;
+  for (int renderers = 1; renderers < ranks; ++renderers)
+    layouts.push_back({.gps = ranks - renderers, .renderers = renderers});
+  layouts.push_back({.gps = ranks, .renderers = ranks, .placement = Placement::colocated});
+  for (int rows = 2; meshes && rows <= ranks / 3; ++rows)
+    for (const int ends : {1, 2}) {
+      const int gps = ranks - ends * rows;
+      if (gps >= 2 * rows && gps % rows == 0) layouts.push_back(mesh_layout(gps / rows, rows, ends * rows));
+    }
+  return layouts;
+}
+
+std::vector<Prediction> predict_all(const FrameCosts& costs, const RankCosts& ranks,
+                                    const std::vector<Layout>& layouts) {
+  std::vector<Prediction> all;
+  for (const Layout& layout : layouts) all.push_back(predict(costs, ranks, layout));
+  const auto order = [](const Prediction& p) {
+    return std::tuple(p.seconds, p.layout.renderers, p.layout.gps, p.layout.placement, p.layout.topology);
+  };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const Prediction& a, const Prediction& b) { return order(a) < order(b); });
+  return all;
+}
+
+std::string describe(const Layout& layout) {
+  const auto some = [](int count, const char* what) {
+    return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
+  };
+  if (layout.topology == Topology::mesh)
+    return fmt::format("mesh of {}x{} + {}", layout.mesh_columns, layout.mesh_rows,
+                       some(layout.renderers, "Renderer"));
+  if (layout.placement == Placement::colocated) return some(layout.ranks(), "colocated rank");
+  return fmt::format("{} + {}", some(layout.gps, "GP"), some(layout.renderers, "Renderer"));
+}
+
+std::string describe(const FrameCosts& costs) {
+  const auto each = [](double seconds, double count) { return count > 0 ? 1e9 * seconds / count : 0.0; };
+  return fmt::format(
+      "{:.0f} visible voxels of {:.1f} ns on a GP, {:.0f} splats of {:.1f} ns on a Renderer, {:.2f} ms a "
+      "frame "
+      "on each GP",
+      costs.visible_voxels, each(costs.gp, costs.visible_voxels), costs.splats,
+      each(costs.renderer(), costs.splats), 1e3 * costs.frame);
+}
+
+std::string to_table(const std::vector<Prediction>& predictions) {
+  std::string text = fmt::format("  {:<28}{:>10}{:>10}{:>12}{:>10}{:>10}   limit\n", "ms a frame",
+                                 "predicted", "GP", "Renderer", "cores", "tokens");
+  for (const Prediction& p : predictions)
+    text += fmt::format("  {:<28}{:>10.2f}{:>10.2f}{:>12.2f}{:>10.2f}{:>10.2f}   {}\n", describe(p.layout),
+                        1e3 * p.seconds, 1e3 * p.gp, 1e3 * p.renderer, 1e3 * p.shared, 1e3 * p.tokens,
+                        name(p.limit));
+  return text;
+}
+
+}  // namespace ringsplat::app

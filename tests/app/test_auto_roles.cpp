@@ -1,0 +1,134 @@
+// Roles chosen by what a frame is measured to cost, as people ask for it.
+#include <nlohmann/json.hpp>
+
+#include "app/probe.hpp"
+#include "app/program_runner.hpp"
+#include "ringsplat/node/render.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+using nlohmann::json;
+
+namespace {
+
+std::string make_volume(const TemporaryFolder& folder) {
+  const std::string volume = folder / "shell.nrrd";
+  REQUIRE(run_program({"synth", "shell", "-o", volume, "--dims", "32x30x28"}).code == 0);
+  return volume;
+}
+
+std::vector<std::string> render(const std::string& volume, const std::string& picture,
+                                const std::vector<std::string>& more) {
+  std::vector<std::string> all{"render", volume, "-o", picture, "--size", "96x64", "--region", "32"};
+  all.insert(all.end(), more.begin(), more.end());
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("chosen roles are said, and give the bits of any others") {
+  const TemporaryFolder folder;
+  const std::string volume = make_volume(folder);
+  REQUIRE(run_program(render(volume, folder / "one.exr", {})).code == 0);
+  const std::string one = read_text(folder / "one.exr");
+  const auto check_choice = [&](const std::vector<std::string>& options, int ranks) {
+    std::vector<std::string> more = options;
+    more.insert(more.end(), {"--stats", folder / "stats.json"});
+    const Ended ended = run_program(render(volume, folder / "auto.exr", more), ranks);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    const bool same_bits = read_text(folder / "auto.exr") == one;
+    CHECK(same_bits);
+    const json layout = json::parse(read_text(folder / "stats.json")).at(0).at("layout");
+    CHECK(layout.at("ranks") == ranks);
+    CHECK(lines_with(ended.err, "info: measured ").size() == 1);
+    const auto lines = lines_with(ended.err, "info: chose ");
+    REQUIRE(lines.size() == 1);
+    const int gps = layout.at("gps").get<int>(), renderers = layout.at("renderers").get<int>();
+    const std::string said = layout.at("roles") == "colocated"
+                                 ? std::to_string(ranks) + " colocated rank"
+                                 : std::to_string(gps) + " GP" + (gps == 1 ? "" : "s") + " + " +
+                                       std::to_string(renderers) + " Renderer";
+    CHECK_THAT(lines.front(), Catch::Matchers::Contains("chose " + said));
+    return layout;
+  };
+  for (const int ranks : {1, 2, 3, 5}) check_choice({"--gps", "auto"}, ranks);
+  CHECK(check_choice({"--renderers", "auto", "--roles", "dedicated"}, 3).at("roles") == "dedicated");
+  CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);
+}
+
+TEST_CASE("roles that cannot be chosen are refused") {
+  const TemporaryFolder folder;
+  const std::string volume = make_volume(folder);
+  const auto refused = [&](const std::vector<std::string>& more, int ranks, const std::string& part) {
+    const Ended ended = run_program(render(volume, folder / "x.exr", more), ranks);
+    INFO(ended.err);
+    CHECK(ended.code == 2);
+    CHECK(lines_with(ended.err, "error:").size() == 1);
+    CHECK_THAT(ended.err, Catch::Matchers::Contains(part));
+  };
+  refused({"--gps", "auto"}, 0, "mpirun -n N");
+  refused({"--gps", "some"}, 0, "--gps cannot be 'some'");
+  refused({"--gps", "auto", "--renderers", "7"}, 3, "3 ranks cannot be given such roles");
+  refused({"--renderers", "auto", "--topology", "mesh", "--mesh", "2x1"}, 3, "has no effect in a mesh");
+  CHECK_FALSE(fs::exists(folder / "x.exr"));
+}
+
+TEST_CASE("info predicts every layout for a number of ranks") {
+  const TemporaryFolder folder;
+  const std::string volume = make_volume(folder);
+  const Ended ended = run_program({"info", volume, "--ranks", "6", "--size", "96", "--json", "--cores", "6"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const json prediction = json::parse(ended.out).at("prediction");
+  CHECK(prediction.at("cores") == 6);
+  CHECK(prediction.at("visible_voxels").get<double>() > 0);
+  const json& layouts = prediction.at("layouts");
+  REQUIRE(layouts.size() == 7);  // 5 + 1 … 1 + 5, colocated, and a mesh of 2x2 with two Renderers
+  double before = 0;
+  for (const json& layout : layouts) {
+    CHECK(layout.at("seconds").get<double>() >= before);
+    before = layout.at("seconds").get<double>();
+  }
+  const std::string text =
+      run_program({"info", volume, "--ranks", "6", "--size", "96", "--azimuth", "30", "--tf", "grey"}).out;
+  for (const char* part : {"a frame on 6 ranks", "mesh of 2x2 + 2 Renderers", "6 colocated ranks", "best: "})
+    CHECK_THAT(text, Catch::Matchers::Contains(part));
+  for (const auto& wrong : std::vector<std::vector<std::string>>{
+           {"--azimuth", "30"}, {"--cores", "2"}, {"--ranks", "0"}, {"--ranks", "2", "--zoom", "0"}}) {
+    std::vector<std::string> arguments{"info", volume};
+    arguments.insert(arguments.end(), wrong.begin(), wrong.end());
+    const Ended refused = run_program(arguments);
+    INFO(wrong.front() << ": " << refused.err);
+    CHECK(refused.code == 2);
+    CHECK_THAT(refused.err, Catch::Matchers::Contains(wrong.size() > 2 ? "zoom" : "--ranks"));
+  }
+}
+
+TEST_CASE("slabs of a large volume stand for the whole") {
+  // 288³ is more than is measured whole. Every slab looks like any other, so the count is exact.
+  Grid grid;
+  grid.dims = glm::ivec3(288);
+  grid.type = ScalarType::uint8;
+  std::vector<std::byte> voxels(grid.bytes());
+  for (std::size_t at = 0; at < voxels.size(); at += 8) voxels[at] = std::byte{100};
+  const auto source = memory_source(grid, voxels);
+  FrameSpec frame;
+  frame.width = frame.height = 64;
+  frame.region_size = 32;
+  frame.shading = Shading::none;
+  frame.opaque_threshold = 0;
+  for (const double elevation : {0.0, 90.0}) {
+    const std::vector<Camera> views{{.azimuth = 10, .elevation = elevation, .zoom = 1}};
+    const auto axes = needed_axes(views, grid, 64, 64);
+    const auto costs =
+        app::measure_frame_costs(*source, frame, app::TransferFunctionChoice("grey"), views, {axes, false});
+    CHECK(costs.slices == 288);
+    CHECK(costs.visible_voxels == Approx(288.0 * 288 * 36));
+    CHECK(costs.splats >= costs.visible_voxels);
+    CHECK(costs.region.size() == 4);
+    CHECK(costs.gp > 0);
+    for (const double seconds : costs.region) CHECK(seconds > 0);
+  }
+}
