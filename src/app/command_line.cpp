@@ -168,7 +168,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   add_run_options(*render_app, render.run);
   add_error_options(*render_app, render.error);
   render_app->footer(std::string(config_footer) + render_footer);
-  auto* info_app = program.add_subcommand("info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest");
+  auto* info_app = program.add_subcommand(
+      "info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest");
   add_volume_options(*info_app, info.volume);
   add_info_options(*info_app, info);
   add_view_options(*info_app, info.picture);

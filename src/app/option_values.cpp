@@ -114,7 +114,8 @@ Size parse_mesh(const std::string& text, const std::string& option) {
 int parse_count(const std::string& text, const std::string& option) {
   const auto count = number<int>(text);
   if (!count)
-    throw InputError(fmt::format("{} cannot be '{}'", option, text), fmt::format("for instance {} 4", option));
+    throw InputError(fmt::format("{} cannot be '{}'", option, text),
+                     fmt::format("for instance {} 4", option));
   return *count;
 }
 

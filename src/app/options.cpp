@@ -296,7 +296,8 @@ void add_info_options(CLI::App& app, InfoOptions& o) {
          app.add_flag("--json", o.json, "Write JSON"),
          app.add_flag("--presets", o.presets, "List the transfer functions that --tf knows by name")});
   group("Prediction",
-        {app.add_option("--ranks", o.ranks, "Measure a frame here and predict its time for all ways to give N ranks roles")
+        {app.add_option("--ranks", o.ranks,
+                        "Measure a frame here and predict its time for all ways to give N ranks roles")
              ->type_name("N")
              ->check(CLI::Range(1, 4096)),
          app.add_option("--cores", o.cores, "Cores that the ranks share; without it this machine's")

@@ -120,7 +120,8 @@ TEST_CASE("an orbit's files and lines are those of one process, in order") {
     w.render(name, {"--orbit", "9"});
     std::vector<std::string> alone;
     for (int k = 0; k < 9; ++k) alone.push_back(read_text(frame(k)));
-    const Ended ended = w.render(name, {"--orbit", "9", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
+    const Ended ended =
+        w.render(name, {"--orbit", "9", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
     const json stats = json::parse(read_text(w / "turn.json"));
     const auto lines = lines_with(ended.out, "visible voxels");
     REQUIRE(lines.size() == 9);
