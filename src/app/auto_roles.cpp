@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 
 #include "app/probe.hpp"
 #include "app/progress.hpp"
@@ -52,8 +53,9 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
     Progress progress;
     progress.begin("measuring a frame", 0);
     const auto source = open_volume(o.volume.path, o.volume.raw);
-    const FrameCosts costs = measure_frame_costs(
-        *source, o.frame, TransferFunctionChoice(o.transfer_function), probe_views(cameras), load);
+    const auto views = probe_views(cameras.empty() ? std::vector{o.frame.camera} : cameras);
+    const FrameCosts costs =
+        measure_frame_costs(*source, o.frame, TransferFunctionChoice(o.transfer_function), views, load);
     progress.end();
     const auto predictions = predict_all(costs, ranks, layouts);
     chosen = predictions.front().layout;
