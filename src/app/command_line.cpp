@@ -167,6 +167,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   add_shortcut_options(*render_app, render);
   add_run_options(*render_app, render.run);
   add_error_options(*render_app, render.error);
+  add_error_budget_options(*render_app, render.budget);
   render_app->footer(std::string(config_footer) + render_footer);
   auto* info_app = program.add_subcommand(
       "info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest");
@@ -195,6 +196,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     if (render_app->parsed()) {
       require_volume(*render_app, render.volume);
       require_output(render);
+      note_fixed_shortcuts(*render_app, render.budget);
+      if (render.budget.max_error) render.error.truth = TruthKind::method;
       line.command = render;
     } else if (info_app->parsed()) {
       if (!info.presets) require_volume(*info_app, info.volume);

@@ -95,9 +95,15 @@ void FrameOutput::measure_kept() {
   truth::Scene scene = make_scene(read_whole(*source));
   for (const auto& [result, file] : kept_) {
     set_frame(scene, result.spec);
+    scene.radius = options_.frame.kernel_radius;  // as asked for: an error budget may have chosen a smaller one
     const MeasuredError error = measure(result.image, scene, options_.error);
     write(result, file, &error);
     progress_.print(to_text(error));
+    if (options_.budget.max_error && error.error.rmse > *options_.budget.max_error) {
+      progress_.clear();
+      log_warning("{}: the error is over --max-error {:g}, which the views of the calibration kept; hint: use a smaller one",
+                  files_.at(std::size_t(result.spec.frame)).string(), *options_.budget.max_error);
+    }
   }
   kept_.clear();
 }

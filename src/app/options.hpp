@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "app/error_budget_options.hpp"
 #include "app/option_values.hpp"
 #include "app/truth_options.hpp"
 #include "ringsplat/net/layout.hpp"
@@ -49,6 +50,7 @@ struct RenderOptions {
   bool keep_all_axes = false;
   std::string output, stats, trace;
   ErrorOptions error;
+  ErrorBudgetOptions budget;
   std::optional<glm::dvec3> background;  ///< linear light
 };
 

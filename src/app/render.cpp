@@ -13,6 +13,7 @@
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
+#include "app/keep_budget.hpp"
 #include "app/output_file.hpp"
 #include "app/simulation_options.hpp"
 #include "app/transfer_function_option.hpp"
@@ -190,8 +191,10 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   check(o.run.protocol);
   Plan plan;
   launch.check_on_rank_0([&] { plan = make_plan(o); });
-  OpenedVolume volume =
-      open_everywhere(launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); });
+  const auto open = [&] {
+    return open_everywhere(launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); });
+  };
+  OpenedVolume volume = open();
   launch.check_on_rank_0([&] { check_frames(o, plan, volume.grid); });
   const LoadOptions options = load_options(o, agree_on_axes(o, plan, volume.grid, launch));
   if (o.run.choose_roles) layout = choose_roles(o, plan.cameras, volume.grid, options, launch);
@@ -206,6 +209,11 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   Scene scene = load(volume, options, layout, wiring, progress);
   FrameSpec frame = o.frame;
   launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, plan, scene); });
+  if (o.budget.max_error &&
+      keep_budget(o, plan.cameras, options.kept_axes, layout, scene, frame, progress, launch)) {
+    volume = open();
+    scene = load(volume, options, layout, wiring, progress);
+  }
 
   const ValueRange range = scene.range;
   FrameOutput output(o, layout, range, memory, progress);

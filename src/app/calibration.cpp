@@ -1,0 +1,106 @@
+#include "app/calibration.hpp"
+
+#include <algorithm>
+
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/node/render.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+constexpr std::size_t most_passes = 5;
+constexpr double patience = 10;  ///< seconds after which no further pass is begun
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Every so many views such that at most `most` remain, the first among them.
+std::vector<Camera> thinned(const std::vector<Camera>& views, std::size_t most) {
+  std::vector<Camera> some;
+  const std::size_t step = (views.size() + most - 1) / most;
+  for (std::size_t k = 0; k < views.size(); k += step) some.push_back(views[k]);
+  return some;
+}
+
+}  // namespace
+
+std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
+                                      const Grid& grid, int width, int height) {
+  const bool by_matrix =
+      std::any_of(run.begin(), run.end(), [](const Camera& c) { return c.matrix.has_value(); });
+  if (by_matrix) return thinned(run, 4);
+  double zoom = 0;
+  for (const Camera& camera : run) zoom = std::max(zoom, camera.zoom);
+  std::vector<Camera> views;
+  for (const auto& [azimuth, elevation] :
+       {std::pair{0.0, 0.0}, {35.0, -20.0}, {90.0, 0.0}, {115.0, -25.0}, {0.0, 90.0}, {40.0, -60.0}}) {
+    const Camera camera{.azimuth = azimuth, .elevation = elevation, .zoom = zoom};
+    const auto needed = needed_axes({camera}, grid, width, height);
+    if (std::equal(needed.begin(), needed.end(), kept_axes.begin(),
+                   [](bool n, bool kept) { return kept || !n; }))
+      views.push_back(camera);
+  }
+  return views.empty() ? thinned(run, 1) : views;
+}
+
+Calibration::Calibration(const FrameSpec& reference, std::vector<Camera> views,
+                         std::vector<Shortcuts> settings, const VolumeOptions& volume,
+                         const ErrorOptions& error)
+    : reference_(reference),
+      views_(std::move(views)),
+      settings_(std::move(settings)),
+      pixels_(truth::random_pixels(reference.width, reference.height, error.pixels, error.seed)),
+      measurements_(frames_a_pass()) {
+  truth::Scene scene = make_scene(read_whole(*open_volume(volume.path, volume.raw)));
+  for (const Camera& camera : views_) {
+    reference_.camera = camera;
+    set_frame(scene, reference_);
+    truths_.push_back(evaluate(scene, {.truth = TruthKind::method}, pixels_));
+  }
+}
+
+Director Calibration::director() {
+  return {[this] { return next_frame(); }, [this](FrameResult&& result) { take(std::move(result)); }};
+}
+
+/// The first frame of all is not measured: it still allocates.
+std::optional<FrameSpec> Calibration::next_frame() {
+  if (frames_asked_ == 1) started_ = now_seconds();
+  const std::size_t at = frames_asked_ == 0 ? 0 : frames_asked_ - 1;
+  const std::size_t pass = at / frames_a_pass(), in_pass = at % frames_a_pass();
+  if (in_pass == 0 && pass > 0 && (pass == most_passes || now_seconds() - started_ > patience))
+    return std::nullopt;
+  ++frames_asked_;
+  FrameSpec frame = with(reference_, settings_[in_pass % settings_.size()]);
+  frame.camera = views_[in_pass / settings_.size()];
+  return frame;
+}
+
+void Calibration::take(FrameResult&& result) {
+  if (frames_done_++ == 0) return;
+  const std::size_t in_pass = (frames_done_ - 2) % frames_a_pass();
+  Measurements& m = measurements_[in_pass];
+  if (m.seconds.empty())
+    m.error = truth::sampled_error(result.image, pixels_, truths_[in_pass / settings_.size()]);
+  m.seconds.push_back(result.stats.seconds);
+}
+
+std::vector<MeasuredShortcuts> Calibration::measured() const {
+  std::vector<MeasuredShortcuts> all;
+  for (std::size_t s = 0; s < settings_.size(); ++s) {
+    MeasuredShortcuts sum{settings_[s]};
+    for (std::size_t v = 0; v < views_.size(); ++v) {
+      const Measurements& m = measurements_[v * settings_.size() + s];
+      sum.seconds += median(m.seconds) / double(views_.size());
+      sum.rmse = std::max(sum.rmse, m.error.rmse);
+      sum.rmse_high = std::max(sum.rmse_high, m.error.rmse_high);
+    }
+    all.push_back(sum);
+  }
+  return all;
+}
+
+}  // namespace ringsplat::app

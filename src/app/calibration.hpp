@@ -1,0 +1,55 @@
+#pragma once
+#include <vector>
+
+#include "app/error_budget.hpp"
+#include "app/measured_error.hpp"
+#include "app/options.hpp"
+#include "ringsplat/node/frame_buffer.hpp"
+
+namespace ringsplat::app {
+
+/// Two views for each kept slice set, one straight on, where all slices err in the same places,
+/// and one oblique, at the largest zoom of the run's
+/// views, where the volume fills most of the picture. Views given by matrices are taken as they are, up to
+/// four of them, as is the first view where no such direction fits.
+std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
+                                      const Grid& grid, int width, int height);
+
+/// Measures time and error of each setting: renders every view with each of them in turn, as often as some
+/// seconds allow, at most five times. Rank 0 only.
+class Calibration {
+ public:
+  /// Evaluates the method's truth of `reference` at a seeded sample of pixels of each view, for which it
+  /// reads the volume. Throws InputError as read_whole does.
+  Calibration(const FrameSpec& reference, std::vector<Camera> views, std::vector<Shortcuts> settings,
+              const VolumeOptions& volume, const ErrorOptions& error);
+
+  /// To be run with one frame in flight: a frame's time is then its own. Refers to this object.
+  Director director();
+
+  std::size_t views() const { return views_.size(); }
+  std::size_t frames() const { return frames_done_; }
+  /// When the director has no more frames.
+  std::vector<MeasuredShortcuts> measured() const;
+
+ private:
+  struct Measurements {
+    std::vector<double> seconds;
+    truth::SampledError error;
+  };
+
+  std::size_t frames_a_pass() const { return views_.size() * settings_.size(); }
+  std::optional<FrameSpec> next_frame();
+  void take(FrameResult&& result);
+
+  FrameSpec reference_;
+  std::vector<Camera> views_;
+  std::vector<Shortcuts> settings_;
+  std::vector<truth::Pixel> pixels_;
+  std::vector<std::vector<truth::Rgba>> truths_;  ///< by view
+  std::vector<Measurements> measurements_;        ///< by view, then setting
+  std::size_t frames_asked_ = 0, frames_done_ = 0;
+  double started_ = 0;
+};
+
+}  // namespace ringsplat::app

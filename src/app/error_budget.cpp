@@ -1,0 +1,76 @@
+#include "app/error_budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+namespace ringsplat::app {
+namespace {
+
+/// Not among them: kernels from tables, fixed point and other normalisations, none of which is ever both
+/// cheaper and nearer to the truth of the method that was asked for (docs/accuracy.md, "Speed against
+/// error").
+constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
+constexpr Precision precisions[] = {Precision::float32, Precision::half, Precision::u8};
+constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
+
+constexpr double same_time = 1.03;
+
+const char* word(Precision precision) {
+  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
+}
+
+}  // namespace
+
+FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
+  frame.opaque_threshold = shortcuts.opaque_threshold;
+  frame.precision = shortcuts.precision;
+  frame.kernel_radius = shortcuts.radius;
+  return frame;
+}
+
+std::string to_text(const Shortcuts& s) {
+  return fmt::format("--opaque-threshold {} --precision {} --radius {}", s.opaque_threshold,
+                     word(s.precision), s.radius);
+}
+
+std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
+  std::vector<double> thresholds{frame.opaque_threshold}, widths{frame.kernel_radius};
+  std::vector<Precision> forms{frame.precision};
+  if (!o.fixed_opaque_threshold)
+    thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
+  if (!o.fixed_radius)
+    std::copy_if(std::begin(smaller_radii), std::end(smaller_radii), std::back_inserter(widths),
+                 [&](double radius) { return radius < frame.kernel_radius; });
+  if (!o.fixed_precision && frame.payload == PayloadForm::runs)
+    forms.assign(std::begin(precisions), std::end(precisions));
+  std::vector<Shortcuts> all;
+  for (const double radius : widths)
+    for (const Precision precision : forms)
+      for (const double threshold : thresholds) all.push_back({threshold, precision, radius});
+  return all;
+}
+
+std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> measured, double max_error) {
+  std::optional<double> least;
+  for (const auto& m : measured)
+    if (m.rmse_high <= max_error) least = std::min(least.value_or(m.seconds), m.seconds);
+  if (!least) return std::nullopt;
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    const auto& m = measured[k];
+    if (!(m.rmse_high <= max_error && m.seconds <= *least * same_time)) continue;
+    if (!best || m.rmse_high < measured[*best].rmse_high) best = k;
+  }
+  return best;
+}
+
+std::size_t most_exact(std::span<const MeasuredShortcuts> measured) {
+  const auto best = std::min_element(measured.begin(), measured.end(), [](const auto& a, const auto& b) {
+    return a.rmse_high != b.rmse_high ? a.rmse_high < b.rmse_high : a.seconds < b.seconds;
+  });
+  return std::size_t(best - measured.begin());
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,19 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <optional>
+
+namespace ringsplat::app {
+
+struct ErrorBudgetOptions {
+  std::optional<double> max_error;  ///< RMSE in 1/255 against the method's truth; nothing: choose nothing
+  /// What the user has said, which then is no longer to be chosen.
+  bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false;
+};
+
+void add_error_budget_options(CLI::App& app, ErrorBudgetOptions& options);
+
+/// Takes down which settings a parsed subcommand's user has fixed. Throws InputError when another option
+/// leaves the budget without effect.
+void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& options);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,104 @@
+#include "app/keep_budget.hpp"
+
+#include <fmt/format.h>
+
+#include <memory>
+
+#include "app/calibration.hpp"
+#include "app/calibration_cache.hpp"
+#include "app/option_values.hpp"
+#include "ringsplat/base/clock.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+bool agree_on(bool mine, Launch& launch) {
+  return launch.collectives().broadcast(Block{std::byte(mine ? 1 : 0)}, 0).at(0) != std::byte(0);
+}
+
+/// What could be given up for more exactness.
+std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
+  std::vector<std::string> fixed;
+  if (o.fixed_opaque_threshold && frame.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
+  if (o.fixed_precision && frame.precision != Precision::float32) fixed.push_back("--precision");
+  const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
+  return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
+}
+
+MeasuredShortcuts choose(const std::vector<MeasuredShortcuts>& measured, const ErrorBudgetOptions& o,
+                         const FrameSpec& frame) {
+  if (const auto chosen = cheapest_within(measured, *o.max_error)) return measured[*chosen];
+  const MeasuredShortcuts& best = measured[most_exact(measured)];
+  throw InputError(fmt::format("this scene cannot keep --max-error {:g}: the most exact setting, {}, has "
+                               "{:.3g}/255 rms (95 %: up to {:.3g})",
+                               *o.max_error, to_text(best.shortcuts), best.rmse, best.rmse_high),
+                   hint_for(o, frame, best.rmse_high));
+}
+
+std::string to_text(const MeasuredShortcuts& chosen, const MeasuredShortcuts& exact) {
+  return fmt::format(
+      "{}: {:.3g}/255 rms (95 %: up to {:.3g}), {:.4f} s a frame; the most exact setting {:.4f} s",
+      to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds, exact.seconds);
+}
+
+/// The calibration's frames. Every input was checked before, so what is wrong here ends the job.
+void render_calibration(const RenderOptions& o, const Layout& layout, Scene scene, Calibration* calibration,
+                        Launch& launch) {
+  ProtocolOptions protocol = o.run.protocol;
+  protocol.frames_in_flight = 1;
+  try {
+    render_frames(std::move(scene), layout, protocol, calibration ? calibration->director() : Director{},
+                  launch.wiring(o.run.loopback));
+  } catch (const InputError& e) {
+    throw RunError(e.what());
+  }
+}
+
+/// Where rank 0 finds and keeps its measurements; the file is empty when there is no place for it.
+struct Place {
+  std::string key;
+  std::filesystem::path file;
+};
+
+}  // namespace
+
+bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
+                 const std::array<bool, 3>& kept_axes, const Layout& layout, Scene& scene, FrameSpec& frame,
+                 Progress& progress, Launch& launch) {
+  const auto settings = candidates(frame, o.budget);
+  std::vector<Camera> views;
+  std::optional<std::vector<MeasuredShortcuts>> measured;
+  Place place;
+  if (launch.rank() == 0) {
+    views = calibration_views(cameras, kept_axes, scene.grid, frame.width, frame.height);
+    place.key = calibration_key(o, frame, layout, scene.histogram, views);
+    if (const auto folder = cache_folder()) {
+      place.file = calibration_file(*folder, place.key);
+      measured = read_calibration(place.file, place.key, settings);
+    }
+  }
+  const bool known = agree_on(measured.has_value(), launch);
+  if (!known) {
+    progress.begin("calibrating", 0);
+    const double start = now_seconds();
+    std::unique_ptr<Calibration> calibration;
+    launch.check_on_rank_0(
+        [&] { calibration = std::make_unique<Calibration>(frame, views, settings, o.volume, o.error); });
+    render_calibration(o, layout, std::move(scene), calibration.get(), launch);
+    progress.end();
+    if (calibration) {
+      measured = calibration->measured();
+      progress.print(fmt::format("calibrated {} settings on {} views: {} frames in {:.1f} s", settings.size(),
+                                 views.size(), calibration->frames(), now_seconds() - start));
+      if (!place.file.empty()) write_calibration(place.file, place.key, *measured);
+    }
+  }
+  launch.check_on_rank_0([&] {
+    const MeasuredShortcuts chosen = choose(*measured, o.budget, frame);
+    frame = with(frame, chosen.shortcuts);
+    progress.print(to_text(chosen, measured->front()));
+  });
+  return !known;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,257 @@
+// What an error budget chooses, from given measurements and from a program's own.
+#include <algorithm>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "app/calibration_cache.hpp"
+#include "app/error_budget.hpp"
+#include "app/program_runner.hpp"
+#include "ringsplat/app/image_io.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app;
+using app_test::Ended;
+using app_test::lines_with;
+using app_test::read_text;
+using app_test::run_program;
+using app_test::TemporaryFolder;
+using nlohmann::json;
+namespace fs = std::filesystem;
+
+namespace {
+
+MeasuredShortcuts measured(double radius, double seconds, double rmse_high) {
+  return {{0, Precision::float32, radius}, seconds, 0.9 * rmse_high, rmse_high};
+}
+
+/// The cache of the runs in it is a folder that goes with it; so is their volume.
+class Workshop {
+ public:
+  explicit Workshop(const std::string& volume = "gaussians") {
+    setenv("XDG_CACHE_HOME", cache().c_str(), 1);
+    REQUIRE(run_program({"synth", volume, "--dims", "24x24x24", "-o", this->volume()}).code == 0);
+  }
+  ~Workshop() { unsetenv("XDG_CACHE_HOME"); }
+  std::string operator/(const std::string& name) const { return folder_ / name; }
+  std::string volume() const { return folder_ / "volume.nrrd"; }
+  std::string cache() const { return folder_ / "cache"; }
+  fs::path calibration() const { return *fs::directory_iterator(cache() + "/ringsplat"); }
+  std::size_t calibrations() const { return app_test::files_in(cache() + "/ringsplat"); }
+
+  Ended render(const std::vector<std::string>& more, int ranks = 0) const {
+    std::vector<std::string> all{"render", volume(), "-o", folder_ / "x.exr", "--stats", stats()};
+    const std::vector<std::string> usual{"--size", "64x48",     "--tf", "grey",        "--shading",
+                                         "none",   "--azimuth", "20",   "--elevation", "10"};
+    for (std::size_t k = 0; k < usual.size(); k += 2)
+      if (std::find(more.begin(), more.end(), usual[k]) == more.end())
+        all.insert(all.end(), {usual[k], usual[k + 1]});
+    all.insert(all.end(), more.begin(), more.end());
+    return run_program(all, ranks);
+  }
+  std::string stats() const { return folder_ / "stats.json"; }
+  json frame() const { return json::parse(read_text(stats())).at(0); }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+bool calibrated(const Ended& ended) { return !lines_with(ended.out, "calibrated").empty(); }
+
+}  // namespace
+
+TEST_CASE("the cheapest within the budget is chosen, by the upper end of its interval") {
+  const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5), measured(1.4, 2.0, 1.0),
+                          measured(1.2, 1.0, 2.0)};
+  CHECK(cheapest_within(table, 10) == 3);
+  CHECK(cheapest_within(table, 2.0) == 3);
+  CHECK(cheapest_within(table, 1.9) == 2);  // its measured error alone, 1.8, would do
+  CHECK(cheapest_within(table, 0.99) == 1);
+  CHECK(cheapest_within(table, 0.01) == 0);
+  CHECK_FALSE(cheapest_within(table, 0.009).has_value());
+  CHECK_FALSE(cheapest_within({}, 1).has_value());
+  CHECK(most_exact(table) == 0);
+}
+
+TEST_CASE("what takes the same time up to its measurement is chosen by its error") {
+  const std::vector table{measured(1.6, 1.02, 0.01), measured(1.5, 1.0, 0.5), measured(1.4, 1.04, 0.001)};
+  CHECK(cheapest_within(table, 1) == 0);
+  CHECK(most_exact(table) == 2);
+  CHECK(most_exact(std::vector{measured(1.6, 2, 0.1), measured(1.5, 1, 0.1)}) == 1);
+}
+
+TEST_CASE("only what the user left open is to be chosen") {
+  FrameSpec frame;
+  const auto all = candidates(frame, {});
+  CHECK(all.front() == Shortcuts{0, Precision::float32, frame.kernel_radius});
+  CHECK(all.size() == 4 * 3 * 4);
+  ErrorBudgetOptions options;
+  options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold = true;
+  frame.kernel_radius = 1.3;
+  frame.precision = Precision::half;
+  frame.opaque_threshold = 0.25;
+  CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, Precision::half, 1.3}});
+  options.fixed_opaque_threshold = false;
+  CHECK(candidates(frame, options).size() == 4);
+  FrameSpec words;
+  words.payload = PayloadForm::words;
+  for (const Shortcuts& s : candidates(words, {})) {
+    CHECK(s.precision == Precision::float32);
+    CHECK_NOTHROW(check(with(words, s).kernel, s.radius));
+  }
+}
+
+TEST_CASE("a calibration is read back for its own key and settings only") {
+  const TemporaryFolder folder;
+  const fs::path file = folder / "new/calibration.json";
+  const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5)};
+  const std::vector settings{table[0].shortcuts, table[1].shortcuts};
+  CHECK_FALSE(read_calibration(file, R"({"a": 1})", settings).has_value());
+  write_calibration(file, R"({"a": 1})", table);
+  CHECK(app_test::files_in(file.parent_path()) == 1);
+  const auto back = read_calibration(file, R"({"a": 1})", settings);
+  REQUIRE(back.has_value());
+  for (std::size_t k = 0; k < 2; ++k) {
+    CHECK((*back)[k].shortcuts == table[k].shortcuts);
+    CHECK((*back)[k].seconds == table[k].seconds);
+    CHECK((*back)[k].rmse == table[k].rmse);
+    CHECK((*back)[k].rmse_high == table[k].rmse_high);
+  }
+  CHECK_FALSE(read_calibration(file, R"({"a": 2})", settings).has_value());
+  CHECK_FALSE(read_calibration(file, R"({"a": 1})", {settings[1], settings[0]}).has_value());
+  CHECK_FALSE(read_calibration(file, R"({"a": 1})", {settings[0]}).has_value());
+}
+
+TEST_CASE("a budget is kept, and a smaller one is never met by a larger error") {
+  const Workshop w;
+  for (const double budget : {5.0, 0.6, 0.3, 0.01}) {
+    const Ended ended = w.render({"--max-error", std::to_string(budget)});
+    INFO(budget << ": " << ended.out << ended.err);
+    REQUIRE(ended.code == 0);
+    CHECK(ended.err.empty());
+    const json error = w.frame().at("error");
+    CHECK(error.at("truth") == "method");
+    CHECK(error.at("rmse").get<double>() <= budget);
+    CHECK(error.at("rmse").get<double>() > 0);
+    CHECK(calibrated(ended) == (budget == 5.0));  // it serves every budget
+  }
+  CHECK(w.calibrations() == 1);
+}
+
+TEST_CASE("a tight budget leaves the exact setting") {
+  const Workshop w;
+  const Ended ended = w.render({"--max-error", "0.0001"});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const json settings = w.frame().at("settings");
+  CHECK(settings.at("radius") == 1.6);
+  CHECK(settings.at("precision") == "float");
+  CHECK_THAT(ended.out, Catch::Matchers::Contains("--precision float --radius 1.6"));
+}
+
+TEST_CASE("a budget that cannot be kept ends the run before a picture, with what could be") {
+  const Workshop w;
+  for (const int ranks : {0, 3}) {
+    const Ended ended = w.render({"--max-error", "1e-9"}, ranks);
+    CHECK(ended.code == 2);
+    REQUIRE(lines_with(ended.err, "error:").size() == 1);
+    CHECK_THAT(ended.err, Catch::Matchers::Contains("cannot keep --max-error 1e-09") &&
+                              Catch::Matchers::Contains("hint:"));
+    CHECK_FALSE(fs::exists(w / "x.exr"));
+  }
+  // With eight bits fixed, what cannot be kept is their doing.
+  const Ended fixed = w.render({"--max-error", "0.01", "--precision", "u8"});
+  CHECK(fixed.code == 2);
+  CHECK_THAT(fixed.err, Catch::Matchers::Contains("leave out --precision"));
+}
+
+TEST_CASE("what the user gives is kept, and the error is against what the user asked for") {
+  const Workshop w;
+  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0"})
+              .code == 0);
+  const json settings = w.frame().at("settings");
+  CHECK(settings.at("radius") == 1.5);
+  CHECK(settings.at("precision") == "half");
+  CHECK(settings.at("opaque_threshold") == 0);
+  // Its own truth has that radius too; against the default's the error is above 0.2.
+  CHECK(w.frame().at("error").at("rmse").get<double>() < 0.01);
+}
+
+TEST_CASE("ranks agree on a budget's choice and keep it from run to run") {
+  const Workshop w("shell");
+  const std::vector<std::string> budget{"--max-error", "1",       "--tf", "mr-surface", "--shading",
+                                        "phong",       "--orbit", "3",    "-o",         w / "turn.exr"};
+  std::vector<std::string> words{"render", w.volume(), "--size", "64x48", "--stats", w.stats()};
+  words.insert(words.end(), budget.begin(), budget.end());
+  const Ended first = run_program(words, 3);
+  INFO(first.out << first.err);
+  REQUIRE(first.code == 0);
+  CHECK(calibrated(first));
+  const json frames = json::parse(read_text(w.stats()));
+  REQUIRE(frames.size() == 3);
+  CHECK(frames[0].at("layout").at("ranks") == 3);
+  for (const json& frame : frames) {
+    CHECK(frame.at("settings").at("radius") == frames[0].at("settings").at("radius"));
+    CHECK(frame.at("error").at("rmse").get<double>() <= 1);
+  }
+  const std::string picture = read_text(w / "turn-0001.exr");
+  const Ended second = run_program(words, 3);
+  REQUIRE(second.code == 0);
+  CHECK_FALSE(calibrated(second));
+  CHECK((read_text(w / "turn-0001.exr") == picture));
+  // Other ranks have other costs.
+  CHECK(calibrated(run_program(words, 2)));
+  CHECK(w.calibrations() == 2);
+}
+
+TEST_CASE("another transfer function, size or file is calibrated anew") {
+  const Workshop w;
+  REQUIRE(calibrated(w.render({"--max-error", "1"})));
+  CHECK(calibrated(w.render({"--max-error", "1", "--tf", "mr-soft"})));
+  CHECK(calibrated(w.render({"--max-error", "1", "--size", "32"})));
+  CHECK(calibrated(w.render({"--max-error", "1", "--radius", "1.6"})));
+  CHECK_FALSE(calibrated(w.render({"--max-error", "1"})));
+  REQUIRE(run_program({"synth", "ball", "--dims", "24x24x24", "-o", w.volume()}).code == 0);
+  CHECK(calibrated(w.render({"--max-error", "1"})));
+}
+
+TEST_CASE("a calibration that is damaged is made again, with a warning") {
+  const Workshop w;
+  REQUIRE(w.render({"--max-error", "1"}).code == 0);
+  const fs::path file = w.calibration();
+  const std::string good = read_text(file);
+  json wrong = json::parse(good);
+  wrong["measured"][3]["seconds"] = -1;
+  for (const std::string& damaged :
+       {good.substr(0, good.size() / 2), std::string(), std::string("[]"), wrong.dump()}) {
+    app_test::write_text(file, damaged);
+    const Ended ended = w.render({"--max-error", "1"});
+    INFO(ended.err);
+    CHECK(ended.code == 0);
+    CHECK(calibrated(ended));
+    REQUIRE(lines_with(ended.err, "warning:").size() == 1);
+    CHECK_THAT(ended.err, Catch::Matchers::Contains(file.string()));
+    CHECK_FALSE(calibrated(w.render({"--max-error", "1"})));
+    CHECK(w.calibrations() == 1);
+  }
+}
+
+TEST_CASE("a cache that cannot be written costs no more than the next calibration") {
+  const Workshop w;
+  app_test::write_text(w.cache(), "in the way");
+  const Ended ended = w.render({"--max-error", "1"});
+  CHECK(ended.code == 0);
+  CHECK(lines_with(ended.err, "warning:").size() == 1);
+  CHECK(calibrated(w.render({"--max-error", "1"})));
+}
+
+TEST_CASE("a budget that means nothing is refused") {
+  const Workshop w;
+  for (const char* value : {"0", "-1", "nan", "inf", "few"}) {
+    INFO(value);
+    CHECK(w.render({"--max-error", value}).code == 2);
+  }
+  const Ended ended = w.render({"--max-error", "1", "--error", "field"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Catch::Matchers::Contains("--error") && Catch::Matchers::Contains("hint:"));
+}
