@@ -116,7 +116,7 @@ void FrameOutput::write(const FrameResult& result, const fs::path& file, const M
   const NodeStats sum = result.stats.total();
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
-    log_warning("{}: {}", file.string(), why_nothing_is_visible(result.spec.transfer_function, range_));
+    log_warning("{}: {}", file.string(), why_nothing_is_visible(result.spec.transfer_function, range_, sum.visible_voxels));
   }
   progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats",
                               drawn ? file.string() : fmt::format("frame {}", result.spec.frame), result.stats.seconds,

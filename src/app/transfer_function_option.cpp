@@ -58,11 +58,17 @@ TransferFunction TransferFunctionChoice::make(const Histogram& histogram) const 
   return from_file_ ? *from_file_ : preset(preset_, histogram);
 }
 
-std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range) {
+std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
+                                   std::uint64_t visible_voxels) {
   if (!tf.visible_within(range.low, range.high))
     return fmt::format(
         "the picture is empty: transfer function '{}' is opaque {}, but the volume's values run from {:g} to "
         "{:g}; hint: try --tf auto",
+        tf.name, visible_range(tf), range.low, range.high);
+  if (visible_voxels == 0)
+    return fmt::format(
+        "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the volume's "
+        "run from {:g} to {:g}; hint: ringsplat info shows the histogram, or try --tf auto",
         tf.name, visible_range(tf), range.low, range.high);
   return fmt::format(
       "the picture is empty: no visible voxel lies in it (values from {:g} to {:g}, transfer function '{}' "

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -19,7 +20,9 @@ class TransferFunctionChoice {
   std::optional<TransferFunction> from_file_;
 };
 
-/// Why a frame without a splat shows nothing, and what to do about it.
-std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range);
+/// Why a frame without a splat shows nothing, and what to do about it: the transfer function and the volume's
+/// values do not meet, no voxel has one of those values where they do, or all `visible_voxels` are outside.
+std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
+                                   std::uint64_t visible_voxels);
 
 }  // namespace ringsplat::app

@@ -179,15 +179,39 @@ TEST_CASE("a configuration file gives options and the command line overrides the
   CHECK(stats.at("settings").at("opacity_correction") == false);
 }
 
-TEST_CASE("an empty picture says why") {
+TEST_CASE("a picture with nothing in it is the background, takes no payload and says why") {
   const Workshop w;
-  write_text(
-      w / "high.json",
-      R"([{"Name": "high", "RGBPoints": [300, 1, 1, 1, 400, 1, 1, 1], "Points": [300, 0, 0.5, 0, 400, 1, 0.5, 0]}])");
-  const Ended ended = w.render("x.png", {"--tf", w / "high.json"});
-  REQUIRE(lines_with(ended.err, "warning").size() == 1);
-  CHECK_THAT(ended.err,
-             Catch::Matchers::Contains("from 300 to 400") && Catch::Matchers::Contains("0 to 255"));
+  const auto opaque_between = [&](int from, int to) {
+    const std::string middle = std::to_string((from + to) / 2), low = std::to_string(from), high = std::to_string(to);
+    write_text(w / "tf.json", R"([{"Name": "some", "RGBPoints": [0, 1, 1, 1, 400, 1, 1, 1], "Points": [)" + low +
+                                  ", 0, 0.5, 0, " + middle + ", 1, 0.5, 0, " + high + ", 0, 0.5, 0]}]");
+  };
+  const auto check_empty = [&](const std::vector<std::string>& more, const char* why, int ranks) {
+    const Ended ended = w.render("x.exr", more, ranks);
+    INFO(ended.err);
+    CHECK(lines_with(ended.err, "warning").size() == 1);
+    CHECK_THAT(ended.err, Catch::Matchers::Contains(why) && Catch::Matchers::Contains("hint:"));
+    const Image image = read_image(w / "x.exr").image;
+    REQUIRE(image.width == 96);
+    for (int y = 0; y < image.height; ++y)
+      for (int x = 0; x < image.width; ++x)
+        for (int c = 0; c < 4; ++c)
+          if (image.pixel(x, y)[c] != float(c == 0 || c == 3)) FAIL("pixel " << x << ", " << y << " is not red");
+    const json total = json::parse(read_text(w / "s.json")).at(0).at("total");
+    for (const char* sum : {"payloads_sent", "payload_bytes_sent", "splats_sent", "tiles", "tile_bytes"})
+      CHECK(total.at(sum) == 0);
+  };
+  const std::vector<std::string> red{"--background", "1,0,0", "--stats", w / "s.json"};
+  auto with_tf = red, outside = red;
+  with_tf.insert(with_tf.end(), {"--tf", w / "tf.json"});
+  outside.insert(outside.end(), {"--matrix", "1", "0", "0", "1e4", "0", "1", "0", "0", "0", "0", "1", "0"});
+  for (const int ranks : {0, 3}) {
+    opaque_between(300, 400);
+    check_empty(with_tf, "is opaque from 300 to 400, but the volume's values run from 0 to 255", ranks);
+    opaque_between(120, 122);
+    check_empty(with_tf, "is opaque from 120 to 122, and no voxel has such a value", ranks);
+    check_empty(outside, "no visible voxel lies in it", ranks);
+  }
 }
 
 TEST_CASE("compare tells equal pictures from different ones") {
