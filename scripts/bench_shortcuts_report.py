@@ -1,0 +1,75 @@
+#!/usr/bin/env python3
+"""What scripts/bench_shortcuts.sh needs computed:
+
+bench_shortcuts_report.py front-matrix INFO_JSON SIZE N    a --path file with N times the view from in front that fills SIZE pixels
+bench_shortcuts_report.py tables FOLDER ROW...             Markdown tables from the --stats lines in FOLDER
+"""
+import json
+import math
+import statistics
+import sys
+from pathlib import Path
+
+
+def front_matrix(info: dict, size: int) -> list[float]:
+    """World to screen as azimuth = elevation = 0 has it at zoom 1: the box's bounding sphere fits the picture. The
+    upper left quarter of that picture is then the same matrix with half the size."""
+    scale = size / math.hypot(*info["size"])
+    steps = list(zip(info["directions"], info["spacing"], info["dims"]))
+    middle = [o + sum(d[k] * s * (n - 1) / 2 for d, s, n in steps) for k, o in enumerate(info["origin"])]
+    right = [scale, 0.0, 0.0, size / 2 - scale * middle[0]]
+    down = [0.0, 0.0, -scale, size / 2 + scale * middle[2]]
+    return [*right, *down, 0.0, scale, 0.0, -scale * middle[1]]
+
+
+def frames(folder: Path, name: str) -> list[dict]:
+    return [json.loads(line) for line in (folder / f"{name}.jsonl").read_text().splitlines()]
+
+
+def milliseconds(folder: Path, name: str, field: str) -> float:
+    """The median, without each run's first frame, which still allocates."""
+    return 1e3 * statistics.median(f[field] for f in frames(folder, name) if f["frame"] > 0)
+
+
+def rms(folder: Path, name: str) -> float:
+    return math.sqrt(statistics.mean(f["error"]["rmse"] ** 2 for f in frames(folder, name)))
+
+
+def shortcuts(folder: Path, rows: list[str]) -> None:
+    for function in ("soft", "surface"):
+        base = milliseconds(folder, f"{function}-{rows[0]}", "period")
+        print(f"| {function} | ms a frame | ms between frames | times as fast | MB a frame | RMSE, 1/255 | largest |\n|---|---|---|---|---|---|---|")
+        for row in rows:
+            name = f"{function}-{row}"
+            period = milliseconds(folder, name, "period")
+            megabytes = statistics.median(f["total"]["payload_bytes_sent"] for f in frames(folder, name)) / 1e6
+            largest = max(f["error"]["largest"] for f in frames(folder, f"error-{name}"))
+            print(
+                f"| {row.replace('-', ' ')} | {milliseconds(folder, name, 'seconds'):.1f} | {period:.1f} | {base / period:.2f} "
+                f"| {megabytes:.1f} | {rms(folder, f'error-{name}'):.3g} | {largest:.3g} |"
+            )
+        print()
+
+
+def held(folder: Path) -> None:
+    def ratio(what: str, a: str, b: str, bound: str) -> None:
+        first, second = (milliseconds(folder, f"held-{n}", "seconds") for n in (a, b))
+        print(f"| {what} | {first:.1f} | {second:.1f} | {first / second:.2f} | {bound} |")
+
+    print("| | ms a frame | of | ratio | bound |\n|---|---|---|---|---|")
+    ratio("surface, of soft", "surface", "2-colocated", "at most 0.33")
+    ratio("in a box twice as large, of the volume alone", "padded", "2-colocated", "at most 1.10")
+    ratio("one process, of 2 colocated ranks", "one-process", "2-colocated", "at least 1.7")
+    ratio("16 colocated ranks, of 2", "16-colocated", "2-colocated", "at most 1.33")
+    part, whole = (milliseconds(folder, f"held-front-{size}", "seconds") for size in (256, 512))
+    few, many = (frames(folder, f"held-front-{size}")[0]["total"]["splats_drawn"] for size in (256, 512))
+    print(f"| a quarter of the picture, of the whole | {part:.1f} | {whole:.1f} | {part / whole:.2f} | its splats: {few / many:.2f} |")
+
+
+if __name__ == "__main__":
+    if sys.argv[1] == "front-matrix":
+        view = json.dumps({"matrix": front_matrix(json.loads(sys.argv[2]), int(sys.argv[3]))})
+        print("\n".join([view] * int(sys.argv[4])))
+    else:
+        shortcuts(Path(sys.argv[2]), sys.argv[3:])
+        held(Path(sys.argv[2]))
