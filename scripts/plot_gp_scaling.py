@@ -32,7 +32,7 @@ def mean(values):
 
 
 def measure(name, volume, gps, renderers):
-    settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "frames-in-flight": 1,
+    settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "frames-in-flight": 1, "payload": "words",
                 "size": f"{SIZES[renderers]}x{SIZES[renderers]}"}
     frame = simulate(settings, *volume, "--count-only", "--shading", "none")[0]
     drawing = [n["seconds"]["drawing"] for n in nodes(frame, "Renderer")]

@@ -10,7 +10,7 @@ from simulation import PIXEL_PLANES_5, PaperVolumes, build, nodes, simulate
 
 def frame(volume, gps, renderers, size):
     """One frame as the paper times it: nothing of the next is under way."""
-    settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "size": f"{size}x{size}", "frames-in-flight": 1}
+    settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "size": f"{size}x{size}", "frames-in-flight": 1, "payload": "words"}
     return simulate(settings, *volume, "--count-only", "--shading", "none")[0]
 
 
