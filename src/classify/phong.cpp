@@ -27,6 +27,16 @@ void check(const PhongMaterial& m) {
                        "give ambient, diffuse, specular and exponent from 0 up");
 }
 
+/// Every code's normal, decoded once: tables are made anew for every view.
+const std::vector<glm::dvec3>& all_normals() {
+  static const std::vector<glm::dvec3> normals = [] {
+    std::vector<glm::dvec3> decoded(normal_codes, glm::dvec3(0.0));
+    for (std::size_t code = 1; code < normal_codes; ++code) decoded[code] = decode_normal(NormalCode(code));
+    return decoded;
+  }();
+  return normals;
+}
+
 }  // namespace
 
 PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light,
@@ -38,7 +48,7 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
   const double faint = material.exponent > 0 ? std::pow(1e-6, 1.0 / material.exponent) : 0.0;
   entries_.assign(normal_codes, {1.0F, 0.0F});
   for (std::size_t code = 1; code < normal_codes; ++code) {
-    const glm::dvec3 n = decode_normal(NormalCode(code));
+    const glm::dvec3& n = all_normals()[code];
     if (n == glm::dvec3(0.0)) continue;
     const double facing_light = glm::dot(n, light), facing_viewer = glm::dot(n, viewer);
     // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and

@@ -34,7 +34,7 @@ void SliceEncoder::begin(const SliceView& slice) {
 
 bool SliceEncoder::work() {
   // Bounded by what costs: visible voxels, or many transparent ones.
-  constexpr int visible_at_most = 8192, voxels_at_most = 65536;
+  constexpr int visible_at_most = 1024, voxels_at_most = 16384;
   const int height = rows_.empty() ? 0 : rows_.slice().height;
   int visible = 0, voxels = 0;
   while (row_ < height && visible < visible_at_most && voxels < voxels_at_most) {

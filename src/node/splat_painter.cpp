@@ -46,7 +46,7 @@ class SplatPainter final : public Painter {
   }
 
   bool work() override {
-    constexpr std::uint32_t splats_at_most = 8192, chunk_splats = 512;
+    constexpr std::uint32_t splats_at_most = 1024, chunk_splats = 512;
     for (std::uint32_t budget = splats_at_most; budget > 0;) {
       SplatChunk chunk;
       if (!reader_->next(std::min(budget, chunk_splats), chunk)) {
