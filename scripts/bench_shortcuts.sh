@@ -39,7 +39,6 @@ row frames-in-flight-2 2 "${none[@]:0:6}" --frames-in-flight 2 --look-ahead 1 "$
 row look-ahead-4 2 "${none[@]:0:6}" --frames-in-flight 1 --look-ahead 4 "${dedicated[@]}"
 row colocated 2 "${none[@]}" "${colocated[@]}"
 all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 2 --look-ahead 4)
-if has_option --threads-per-rank; then row threads-2 1 "${none[@]}" --gps 1 --renderers 1 --roles colocated --threads-per-rank 2; fi
 row all-exact 2 "${all[@]}" "${colocated[@]}"
 row all-u8 2 "${all[@]}" --precision u8 "${colocated[@]}"
 if has_option --undersample; then

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <utility>
 #include <vector>
 
 #include "node/payload_reader.hpp"
@@ -29,6 +30,7 @@ class RunReader final : public PayloadReader {
     body_ = body;
     at_ = group_end_ = 0;
     runs_left_ = 0;
+    row_ = ~0U;
     run_ = {};
     int last = -1;
     for (std::size_t at = 0; at < body.size();) {
@@ -138,7 +140,7 @@ class RunReader final : public PayloadReader {
     }
     if (!take(body_, at_, run_)) return false;
     --runs_left_;
-    dda_.begin_row(slice_, int(run_.row));
+    if (std::exchange(row_, run_.row) != run_.row) dda_.begin_row(slice_, int(run_.row));
     return true;
   }
 
@@ -151,6 +153,7 @@ class RunReader final : public PayloadReader {
   RunGroup group_{};
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< where the bases' lattice begins
   std::uint32_t runs_left_ = 0;
+  std::uint32_t row_ = ~0U;  ///< that the DDA is at
   VoxelRun run_{};  ///< what is left of the run
   RunPlaces places_;
   std::vector<Splat> splats_;

@@ -47,11 +47,11 @@ class SliceEncoder : public Encoder {
   /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
   bool hidden(int region, const PixelWindow& window) const {
     const OpaqueTiles& tiles = opaque_[std::size_t(region)];
-    if (tiles.opaque() == 0) return false;
+    if (!tiles.worth_asking()) return false;
     const PixelRect rect = geometry_.regions.rect(region);
     return tiles.hides(window.x0 - rect.x0, window.y0 - rect.y0, window.x1 - rect.x0, window.y1 - rect.y0);
   }
-  bool knows_opaque(int region) const { return opaque_[std::size_t(region)].opaque() > 0; }
+  bool knows_opaque(int region) const { return opaque_[std::size_t(region)].worth_asking(); }
 
   const FrameGeometry& geometry_;
   RowClassifier rows_;

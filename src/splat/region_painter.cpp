@@ -160,15 +160,17 @@ struct RegionPainter::State {
   /// The splats that are not wholly under opaque tiles, in `seen`.
   std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top, std::span<const std::byte> splats) {
     const KernelReach reach = kernel_reach(footprint);
-    seen.clear();
+    seen.resize(splats.size());
+    std::size_t kept = 0;
     for (std::size_t at = 0; at + sizeof(Splat) <= splats.size(); at += sizeof(Splat)) {
-      const auto bytes = splats.subspan(at, sizeof(Splat));
       Splat splat;
-      std::memcpy(&splat, bytes.data(), sizeof splat);
+      std::memcpy(&splat, splats.data() + at, sizeof splat);
       const PixelWindow window = pixel_window({left + splat.anchor_x, top + splat.anchor_y, 0, 0}, reach);
-      if (!tiles.hides(window.x0, window.y0, window.x1, window.y1)) seen.insert(seen.end(), bytes.begin(), bytes.end());
+      // Written in any case and kept behind those that are seen: no branch to mispredict.
+      std::memcpy(seen.data() + kept, &splat, sizeof splat);
+      kept += tiles.hides(window.x0, window.y0, window.x1, window.y1) ? 0 : sizeof splat;
     }
-    return seen;
+    return std::span<const std::byte>(seen).first(kept);
   }
 
   /// Calls use(slice floats, image floats, count) for every row's touched pixels, widened to whole blocks.
@@ -217,7 +219,7 @@ DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::sp
   if (!s.prepared) s.prepare();
   if (!s.pending) s.slice.origin = s.memory->reserve(s.slice_floats) + s.origin;
   const std::int64_t left = std::int64_t{base_x} - s.x0, top = std::int64_t{base_y} - s.y0;
-  const auto visible = s.tiles.opaque() > 0 ? s.without_hidden(left, top, splats) : splats;
+  const auto visible = s.tiles.worth_asking() ? s.without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
   auto counts = s.draw(run);
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);

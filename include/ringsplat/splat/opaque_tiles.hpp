@@ -19,6 +19,8 @@ class OpaqueTiles {
   int columns() const { return columns_; }
   int rows() const { return rows_; }
   int opaque() const { return count_; }  ///< how many are
+  /// False while so few are opaque that asking for every splat takes longer than drawing what they hide.
+  bool worth_asking() const { return count_ > 0 && 8 * count_ >= columns_ * rows_; }
   bool is_opaque(int column, int row) const { return opaque_[at(column, row)] != 0; }
   void set_opaque(int column, int row) {
     count_ += opaque_[at(column, row)] == 0;
