@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <utility>
 #include <vector>
 
@@ -30,7 +29,7 @@ class RunReader final : public PayloadReader {
     body_ = body;
     at_ = group_end_ = 0;
     runs_left_ = 0;
-    row_ = ~0U;
+    row_ = placed_ = nothing;
     run_ = {};
     int last = -1;
     for (std::size_t at = 0; at < body.size();) {
@@ -44,72 +43,62 @@ class RunReader final : public PayloadReader {
 
   bool next(std::uint32_t most, SplatChunk& chunk) override {
     if (run_.count == 0 && !next_run()) return false;
-    splats_.clear();
     chunk = {group_.region, 0, 0, {}};
-    bool based = false;
-    while (splats_.size() + chunk.off_screen < most && (run_.count > 0 || (runs_left_ > 0 && next_run()))) {
-      const Piece piece = next_piece();
-      if (!piece.on_screen()) {
-        chunk.off_screen += piece.count;
-      } else {
-        if (based && (chunk.base_x != piece.base_x || chunk.base_y != piece.base_y)) break;
-        based = true;
-        chunk.base_x = static_cast<std::int32_t>(piece.base_x);
-        chunk.base_y = static_cast<std::int32_t>(piece.base_y);
-        append_splats(piece);
-      }
-      voxel_at_ += piece.count * sizeof(Voxel);
-      run_.first += piece.count;
-      run_.count -= piece.count;
+    splats_.resize(most);
+    filled_ = 0;
+    while (filled_ + chunk.off_screen < most && (run_.count > 0 || (runs_left_ > 0 && next_run()))) {
+      const std::uint32_t wanted = std::min<std::uint32_t>(run_.count, most - std::uint32_t(filled_ + chunk.off_screen));
+      if (!append_splats(wanted, chunk)) break;
     }
-    chunk.splats = std::as_bytes(std::span(splats_));
+    chunk.base_x = static_cast<std::int32_t>(corner_x_ + base_x_);
+    chunk.base_y = static_cast<std::int32_t>(corner_y_ + base_y_);
+    chunk.splats = std::as_bytes(std::span(splats_).first(filled_));
     return true;
   }
 
  private:
-  /// The first voxels of a run whose anchors lie within 256 × 256 pixels from one base.
-  struct Piece {
-    std::uint32_t count;
-    std::int64_t base_x, base_y;
-    bool on_screen() const {
-      constexpr std::int64_t far = std::int64_t{1} << 30;
-      return std::abs(base_x) < far && std::abs(base_y) < far;
-    }
-  };
+  /// Places the columns round the run's first voxel, unless they are placed: runs are short, and rows have several.
+  void place_block() {
+    const std::uint32_t first = run_.first / RunPlaces::capacity * RunPlaces::capacity;
+    if (std::exchange(placed_, first) == first) return;
+    const int count = int(std::min<std::uint32_t>(RunPlaces::capacity, width_ - first));
+    place_run(geometry_.footprint, dda_, first, count, corner_x_, corner_y_, places_);
+  }
 
+  /// Appends at most `wanted` of the run's voxels; false when the next one needs another base.
+  ///
   /// Bases lie on a lattice of 256 pixels that begins before the region's corner by the kernels' reach, so that regions
-  /// of up to 250 pixels have one. Anchors are monotone along a run: its ends tell.
-  Piece next_piece() const {
-    const Piece front = base_of(run_.first);
-    std::uint32_t count = std::min<std::uint32_t>(run_.count, RunPlaces::capacity);
-    for (; count > 1; count = (count + 1) / 2) {
-      const Piece back = base_of(run_.first + count - 1);
-      if (back.base_x == front.base_x && back.base_y == front.base_y) break;
-      if (count == 2) return front;
-    }
-    return {count, front.base_x, front.base_y};
-  }
-
-  Piece base_of(std::uint32_t column) const {
-    const glm::dvec3 position = dda_.position(column);
-    const auto base = [](std::int64_t pixel, std::int64_t corner) { return corner + ((pixel - corner) & ~std::int64_t{255}); };
-    return {1, base(anchor_pixel(position.x), corner_x_), base(anchor_pixel(position.y), corner_y_)};
-  }
-
-  void append_splats(const Piece& piece) {
-    const Footprint& footprint = geometry_.footprint;
-    place_run(footprint, dda_, run_.first, int(piece.count), piece.base_x, piece.base_y, places_);
-    const std::size_t first = splats_.size();
-    splats_.resize(first + piece.count);
-    for (std::size_t k = 0; k < piece.count; ++k) {
+  /// of up to 250 pixels have one.
+  bool append_splats(std::uint32_t wanted, SplatChunk& chunk) {
+    place_block();
+    const std::uint32_t first = run_.first - placed_, end = std::min<std::uint32_t>(first + wanted, RunPlaces::capacity);
+    std::uint32_t k = first;
+    for (; k < end; ++k) {
+      const std::int32_t x = places_.anchor_x[k], y = places_.anchor_y[k];
+      if (is_far(x) || is_far(y)) {
+        ++chunk.off_screen;
+        continue;
+      }
+      if (filled_ == 0) {
+        base_x_ = x & ~255;
+        base_y_ = y & ~255;
+      } else if ((x & ~255) != base_x_ || (y & ~255) != base_y_) {
+        break;
+      }
       Voxel voxel;
-      std::memcpy(&voxel, body_.data() + voxel_at_ + k * sizeof voxel, sizeof voxel);
+      std::memcpy(&voxel, body_.data() + voxel_at_ + (k - first) * sizeof voxel, sizeof voxel);
       const VoxelColour colour = unpack(voxel);
-      splats_[first + k] = {places_.a[k], places_.b[k], places_.c[k], weighted_opacity(footprint, colour.opacity),
-                            colour.red, colour.green, colour.blue, static_cast<std::uint8_t>(places_.anchor_x[k]),
-                            static_cast<std::uint8_t>(places_.anchor_y[k])};
+      splats_[filled_++] = {places_.a[k], places_.b[k], places_.c[k], weighted_opacity(geometry_.footprint, colour.opacity),
+                            colour.red, colour.green, colour.blue, static_cast<std::uint8_t>(x & 255), static_cast<std::uint8_t>(y & 255)};
     }
+    voxel_at_ += (k - first) * sizeof(Voxel);
+    run_.first += k - first;
+    run_.count -= k - first;
+    return k == end;
   }
+
+  /// No kernel reaches so far.
+  static bool is_far(std::int32_t anchor) { return anchor > (1 << 30) || anchor < -(1 << 30); }
 
   /// Moves `at` behind the group; false when it is not whole or a run leaves the slice.
   bool check_runs(const RunGroup& group, std::size_t& at) const {
@@ -135,12 +124,16 @@ class RunReader final : public PayloadReader {
       const KernelReach reach = kernel_reach(geometry_.footprint);
       corner_x_ = rect.x0 - reach.x - 1;
       corner_y_ = rect.y0 - reach.y - 1;
+      placed_ = nothing;
       voxel_at_ = at_ + group_.runs * sizeof(VoxelRun);
       group_end_ = voxel_at_ + group_.voxels * sizeof(Voxel);
     }
     if (!take(body_, at_, run_)) return false;
     --runs_left_;
-    if (std::exchange(row_, run_.row) != run_.row) dda_.begin_row(slice_, int(run_.row));
+    if (std::exchange(row_, run_.row) != run_.row) {
+      dda_.begin_row(slice_, int(run_.row));
+      placed_ = nothing;
+    }
     return true;
   }
 
@@ -153,10 +146,14 @@ class RunReader final : public PayloadReader {
   RunGroup group_{};
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< where the bases' lattice begins
   std::uint32_t runs_left_ = 0;
-  std::uint32_t row_ = ~0U;  ///< that the DDA is at
+  static constexpr std::uint32_t nothing = ~0U;
+  std::uint32_t row_ = nothing;     ///< that the DDA is at
+  std::uint32_t placed_ = nothing;  ///< first of the columns in places_
   VoxelRun run_{};  ///< what is left of the run
   RunPlaces places_;
+  std::int32_t base_x_ = 0, base_y_ = 0;  ///< of the chunk, from the corner
   std::vector<Splat> splats_;
+  std::size_t filled_ = 0;  ///< of splats_
 };
 
 }  // namespace

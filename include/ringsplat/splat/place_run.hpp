@@ -15,8 +15,7 @@ struct RunPlaces {
 };
 
 /// Places the voxels of columns first … first + count − 1 (at most RunPlaces::capacity) of the DDA's row: the same bits as
-/// anchor() and coefficients() give, voxel by voxel. Their anchors must lie within 2^31 pixels from the base, and the base within 2^40
-/// from the screen.
+/// anchor() and coefficients() give, voxel by voxel. Anchors further than 2^31 pixels from the base stay at that.
 void place_run(const Footprint& footprint, const SliceDda& dda, std::uint32_t first, int count, std::int64_t base_x, std::int64_t base_y,
                RunPlaces& places);
 
