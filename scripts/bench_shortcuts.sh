@@ -16,8 +16,6 @@ printf '20 10\n75 -15\n40 65\n' >"$work/truth_views.txt"
 python3 "$repo/scripts/pad_volume.py" "$head" "$work/padded.nrrd"
 python3 "$repo/scripts/bench_shortcuts_report.py" front-matrix "$("$build/ringsplat" info "$head" --json)" 512 8 >"$work/front.txt"
 
-has_option() { "$build/ringsplat" render --help | grep -q -- "$1 "; }
-
 # The rows of the table: a name, how many ranks, and options that come after those that switch all shortcuts off.
 none=(--opaque-threshold 0 --payload words --precision float --frames-in-flight 1 --look-ahead 1)
 dedicated=(--gps 1 --renderers 1)
@@ -41,12 +39,10 @@ row colocated 2 "${none[@]}" "${colocated[@]}"
 all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 2 --look-ahead 4)
 row all-exact 2 "${all[@]}" "${colocated[@]}"
 row all-u8 2 "${all[@]}" --precision u8 "${colocated[@]}"
-if has_option --undersample; then
-  row undersample-2 2 "${none[@]}" --undersample 2 "${dedicated[@]}"
-  row undersample-2-prefiltered 2 "${none[@]}" --undersample 2 --prefilter "${dedicated[@]}"
-  row undersample-4 2 "${none[@]}" --undersample 4 "${dedicated[@]}"
-  row all-undersample-2 2 "${all[@]}" --undersample 2 --prefilter "${colocated[@]}"
-fi
+row undersample-2 2 "${none[@]}" --undersample 2 "${dedicated[@]}"
+row undersample-2-prefiltered 2 "${none[@]}" --undersample 2 --prefilter "${dedicated[@]}"
+row undersample-4 2 "${none[@]}" --undersample 4 "${dedicated[@]}"
+row all-undersample-2 2 "${all[@]}" --undersample 2 --prefilter "${colocated[@]}"
 
 # shellcheck disable=SC2086  # a row's options are words
 table_row() { # FUNCTION ROW
