@@ -102,7 +102,7 @@ void FrameOutput::measure_kept() {
     if (options_.budget.max_error && error.error.rmse > *options_.budget.max_error) {
       progress_.clear();
       log_warning("{}: the error is over --max-error {:g}, which the views of the calibration kept; hint: use a smaller one",
-                  files_.at(std::size_t(result.spec.frame)).string(), *options_.budget.max_error);
+                  file.string(), *options_.budget.max_error);
     }
   }
   kept_.clear();
