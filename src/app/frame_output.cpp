@@ -56,8 +56,8 @@ FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, con
       range_(range),
       memory_(std::move(memory)),
       progress_(progress),
-      writer_([this](FrameResult&& result) {
-        write(result, file_of(result.spec.frame), nullptr);
+      writer_([this](FinishedFrame&& frame) {
+        write(frame, nullptr);
         progress_.at(double(seconds_.size()));
       }) {}
 
@@ -67,37 +67,27 @@ std::size_t FrameOutput::most_held(const RenderOptions& options, std::size_t fra
   return in_flight + std::min(frames, FrameWriter::room + 1);
 }
 
-void FrameOutput::remember_file(std::int64_t frame, fs::path file) {
-  const std::lock_guard lock(files_mutex_);
-  files_[frame] = std::move(file);
-}
-
-fs::path FrameOutput::file_of(std::int64_t frame) {
-  const std::lock_guard lock(files_mutex_);
-  return files_.extract(frame).mapped();
-}
-
 void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
   fs::path file = output_file(options_, view);
   if (options_.progressive && factor > 1)
     file.replace_filename(fmt::format("{}-u{}{}", file.stem().string(), factor, file.extension().string()));
   if (options_.error.truth) {
-    kept_.emplace_back(std::move(result), std::move(file));
+    kept_.push_back({std::move(result), std::move(file)});
     progress_.at(double(kept_.size()));
   } else {
-    remember_file(result.spec.frame, std::move(file));
-    writer_.put(std::move(result));
+    writer_.put({std::move(result), std::move(file)});
   }
 }
 
 void FrameOutput::measure_kept() {
   const auto source = open_volume(options_.volume.path, options_.volume.raw);
   truth::Scene scene = make_scene(read_whole(*source));
-  for (const auto& [result, file] : kept_) {
+  for (const FinishedFrame& frame : kept_) {
+    const auto& [result, file] = frame;
     set_frame(scene, result.spec);
     scene.radius = options_.frame.kernel_radius;  // as asked for: an error budget may have chosen a smaller one
     const MeasuredError error = measure(result.image, scene, options_.error);
-    write(result, file, &error);
+    write(frame, &error);
     progress_.print(to_text(error));
     if (options_.budget.max_error && error.error.rmse > *options_.budget.max_error) {
       progress_.clear();
@@ -108,7 +98,8 @@ void FrameOutput::measure_kept() {
   kept_.clear();
 }
 
-void FrameOutput::write(const FrameResult& result, const fs::path& file, const MeasuredError* error) {
+void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
+  const auto& [result, file] = frame;
   const bool drawn = !options_.run.protocol.simulation.count_only;
   if (drawn)
     write_image(result.image, file, options_.background,

@@ -2,9 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "app/frame_writer.hpp"
@@ -47,9 +45,7 @@ class FrameOutput {
   static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
  private:
-  void write(const FrameResult& result, const std::filesystem::path& file, const MeasuredError* error);
-  void remember_file(std::int64_t frame, std::filesystem::path file);
-  std::filesystem::path file_of(std::int64_t frame);
+  void write(const FinishedFrame& frame, const MeasuredError* error);
   void measure_kept();
   std::string stats_text() const;
 
@@ -58,13 +54,11 @@ class FrameOutput {
   const ValueRange& range_;
   SliceMemory memory_;
   Progress& progress_;
-  std::vector<std::pair<FrameResult, std::filesystem::path>> kept_;  ///< whose error is to be measured
+  std::vector<FinishedFrame> kept_;  ///< whose error is to be measured
   std::vector<double> seconds_;
   std::vector<std::string> stats_;  ///< one JSON object a frame
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
   int empty_frames_ = 0;
-  std::mutex files_mutex_;
-  std::map<std::int64_t, std::filesystem::path> files_;  ///< by frame, of those that the writer has yet to write
   FrameWriter writer_;  ///< the last: it uses all of the above
 };
 

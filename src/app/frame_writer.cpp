@@ -6,7 +6,7 @@
 
 namespace ringsplat::app {
 
-FrameWriter::FrameWriter(std::function<void(FrameResult&&)> write) : write_(std::move(write)) {}
+FrameWriter::FrameWriter(std::function<void(FinishedFrame&&)> write) : write_(std::move(write)) {}
 
 FrameWriter::~FrameWriter() { end(); }
 
@@ -19,7 +19,7 @@ void FrameWriter::end() {
   if (thread_.joinable()) thread_.join();
 }
 
-void FrameWriter::put(FrameResult&& frame) {
+void FrameWriter::put(FinishedFrame&& frame) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return waiting_.size() < room || failure_; });
   if (failure_) std::rethrow_exception(failure_);
@@ -40,7 +40,7 @@ void FrameWriter::run() {
   while (true) {
     changed_.wait(lock, [this] { return !waiting_.empty() || no_more_; });
     if (waiting_.empty()) return;
-    FrameResult frame = std::move(waiting_.front());
+    FinishedFrame frame = std::move(waiting_.front());
     waiting_.pop_front();
     changed_.notify_all();
     lock.unlock();

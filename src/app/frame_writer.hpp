@@ -2,6 +2,7 @@
 #include <condition_variable>
 #include <deque>
 #include <exception>
+#include <filesystem>
 #include <functional>
 #include <mutex>
 #include <thread>
@@ -9,6 +10,12 @@
 #include "ringsplat/node/frame_buffer.hpp"
 
 namespace ringsplat::app {
+
+/// A frame and the file that its picture goes to.
+struct FinishedFrame {
+  FrameResult result;
+  std::filesystem::path file;
+};
 
 /// A thread that writes finished frames, in the order in which they come, so that coding pictures holds up
 /// neither the frame buffer nor the other nodes of its rank. Starts with the first frame. Never calls MPI:
@@ -20,14 +27,14 @@ class FrameWriter {
 
   /// `write` runs on the thread; what it refers to must outlive this, and others may touch it only after
   /// finish().
-  explicit FrameWriter(std::function<void(FrameResult&&)> write);
+  explicit FrameWriter(std::function<void(FinishedFrame&&)> write);
   /// Writes what still waits, unless writing has failed.
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;
 
   /// Waits while there is no room. Throws what writing an earlier frame threw; nothing is written after it.
-  void put(FrameResult&& frame);
+  void put(FinishedFrame&& frame);
   /// Returns when all frames are written; throws what writing one of them threw. Nothing can be put after it.
   void finish();
 
@@ -35,10 +42,10 @@ class FrameWriter {
   void run();
   void end();
 
-  const std::function<void(FrameResult&&)> write_;
+  const std::function<void(FinishedFrame&&)> write_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::deque<FrameResult> waiting_;
+  std::deque<FinishedFrame> waiting_;
   std::exception_ptr failure_;
   bool no_more_ = false;
   std::thread thread_;

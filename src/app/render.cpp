@@ -83,9 +83,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
 }
 
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
-  SliceMemory memory{load.kept_axes, {}};
-  for (int gp = 0; gp < gps; ++gp)
-    memory.predicted.push_back(0);
+  SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(gps), 0)};
   for (const int factor : load.factors) {
     const Grid level = reduced_grid(grid, {factor, load.prefilter});
     for (int gp = 0; gp < gps; ++gp)

@@ -48,6 +48,11 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
   return needed;
 }
 
+LoadOptions load_options(const FrameSpec& spec, const Grid& grid) {
+  return {needed_axes({spec.camera}, grid, spec.width, spec.height), spec.shading == Shading::phong, {spec.reduction.factor},
+          spec.reduction.prefilter};
+}
+
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring) {
   check_wiring(layout, wiring);
   Scene scene;
@@ -97,12 +102,7 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
     error = e.what();
   }
   agree(wiring.collectives, error);
-  LoadOptions load;
-  load.kept_axes = needed_axes({spec.camera}, grid, spec.width, spec.height);
-  load.with_normals = spec.shading == Shading::phong;
-  load.factors = {spec.reduction.factor};
-  load.prefilter = spec.reduction.prefilter;
-  Scene scene = load_scene(volume, load, layout, wiring);
+  Scene scene = load_scene(volume, load_options(spec, grid), layout, wiring);
   Image image;
   bool asked = false;
   Director director{[&]() -> std::optional<FrameSpec> { return std::exchange(asked, true) ? std::nullopt : std::optional(spec); },

@@ -11,10 +11,10 @@ using namespace ringsplat::app;
 
 namespace {
 
-FrameResult numbered(std::int64_t frame) {
-  FrameResult result;
-  result.spec.frame = frame;
-  return result;
+FinishedFrame numbered(std::int64_t frame) {
+  FinishedFrame finished;
+  finished.result.spec.frame = frame;
+  return finished;
 }
 
 }  // namespace
@@ -22,9 +22,9 @@ FrameResult numbered(std::int64_t frame) {
 TEST_CASE("frames are written in order by another thread") {
   std::vector<std::int64_t> written;
   bool other_thread = true;
-  FrameWriter writer([&, caller = std::this_thread::get_id()](FrameResult&& result) {
+  FrameWriter writer([&, caller = std::this_thread::get_id()](FinishedFrame&& frame) {
     other_thread = other_thread && std::this_thread::get_id() != caller;
-    written.push_back(result.spec.frame);
+    written.push_back(frame.result.spec.frame);
   });
   for (int k = 0; k < 50; ++k) writer.put(numbered(k));
   writer.finish();
@@ -36,7 +36,7 @@ TEST_CASE("frames are written in order by another thread") {
 TEST_CASE("no more frames wait than there is room for") {
   std::atomic<bool> may_write = false;
   std::atomic<int> put = 0, written = 0;
-  FrameWriter writer([&](FrameResult&&) {
+  FrameWriter writer([&](FinishedFrame&&) {
     while (!may_write) std::this_thread::yield();
     ++written;
   });
@@ -59,8 +59,8 @@ TEST_CASE("no more frames wait than there is room for") {
 
 TEST_CASE("what writing throws comes out, and nothing is written after it") {
   std::atomic<int> written = 0;
-  const auto fail_at_2 = [&](FrameResult&& result) {
-    if (result.spec.frame == 2) throw RunError("the disk is full");
+  const auto fail_at_2 = [&](FinishedFrame&& frame) {
+    if (frame.result.spec.frame == 2) throw RunError("the disk is full");
     ++written;
   };
   SECTION("in the middle") {
@@ -82,10 +82,10 @@ TEST_CASE("what writing throws comes out, and nothing is written after it") {
 TEST_CASE("a run that ends early has its complete frames written") {
   int written = 0;
   {
-    FrameWriter writer([&](FrameResult&&) { ++written; });
+    FrameWriter writer([&](FinishedFrame&&) { ++written; });
     for (int k = 0; k < 3; ++k) writer.put(numbered(k));
   }
   CHECK(written == 3);
-  const FrameWriter unused([&](FrameResult&&) { ++written; });
+  const FrameWriter unused([&](FinishedFrame&&) { ++written; });
   CHECK(written == 3);
 }

@@ -57,12 +57,7 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
     VolumeSource& s_;
   };
   OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<Borrowed>(source)};
-  LoadOptions load;
-  load.kept_axes = needed_axes({spec.camera}, volume.grid, spec.width, spec.height);
-  load.with_normals = spec.shading == Shading::phong;
-  load.factors = {spec.reduction.factor};
-  load.prefilter = spec.reduction.prefilter;
-  Scene scene = load_scene(volume, load, layout, wiring);
+  Scene scene = load_scene(volume, load_options(spec, volume.grid), layout, wiring);
   FrameResult result;
   bool asked = false;
   Director director{[&]() -> std::optional<FrameSpec> {

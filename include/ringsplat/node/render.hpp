@@ -28,6 +28,9 @@ struct Wiring {
 /// Which slice sets a list of views traverses.
 std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height);
 
+/// What has to be loaded for one frame.
+LoadOptions load_options(const FrameSpec& spec, const Grid& grid);
+
 /// Deals an opened volume's slices and gathers its range and histogram. All processes call it.
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring);
 
