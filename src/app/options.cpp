@@ -260,6 +260,12 @@ void add_shortcut_options(CLI::App& app, RenderOptions& o) {
              ->type_name("1|2|4")
              ->capture_default_str(),
          app.add_flag("--prefilter", f.reduction.prefilter, "Undersampled voxels are means of the ones that they stand for"),
+         add_choice(app, "--image-plane", f.image_plane,
+                    Choices<ImagePlane>{{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}}, "screen",
+                    "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end"),
+         app.add_option("--samples", f.plane_samples, "In the slices' plane: pixels a voxel along each axis")
+             ->type_name("1|2|4")
+             ->capture_default_str(),
          app.add_option("--opaque-threshold", f.opaque_threshold,
                         "Nothing is added to a pixel through which less light than this comes; 0: everything is")
              ->capture_default_str(),
@@ -376,6 +382,9 @@ void refuse_contradictions(const CLI::App& app) {
   if (given("--phases") && (kernel->count() == 0 || kernel->results().front() != "texture"))
     throw InputError("--phases has no effect on kernels that are computed",
                      "leave out --phases or use --kernel texture");
+  const auto* plane = app.get_option_no_throw("--image-plane");
+  if (given("--samples") && (plane->count() == 0 || plane->results().front() != "slices"))
+    throw InputError("--samples has no effect on the screen, whose pixels --size counts", "leave out --samples or use --image-plane slices");
   if (given("--cores") && !given("--ranks"))
     throw InputError("--cores has no effect without --ranks", "add --ranks N");
   const auto* shading = app.get_option_no_throw("--shading");

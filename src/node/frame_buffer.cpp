@@ -9,6 +9,7 @@
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/node/trace.hpp"
+#include "ringsplat/splat/warp_image.hpp"
 
 namespace ringsplat {
 
@@ -66,7 +67,8 @@ bool FrameBuffer::announce_next() {
   spec->frame = next_frame_++;
   Frame frame;
   frame.geometry = make_geometry(*spec, grid_);
-  frame.image = Image(spec->width, spec->height);
+  frame.image = Image(frame.geometry.width, frame.geometry.height);
+  frame.filled = {frame.image.width, frame.image.height, -1, -1};
   frame.tile_here.resize(std::size_t(frame.geometry.regions.count()));
   frame.gp_reported.resize(std::size_t(layout_.gps));
   frame.renderer_reported.resize(std::size_t(layout_.renderers));
@@ -132,6 +134,9 @@ void FrameBuffer::take_tile(Frame& frame, const Message& message) {
   for (int y = 0; y < rect.height(); ++y)
     std::memcpy(frame.image.pixel(rect.x0, rect.y0 + y), message.body().data() + std::size_t(y) * row_bytes,
                 row_bytes);
+  PixelWindow& filled = frame.filled;
+  filled = {std::min<std::int64_t>(filled.x0, rect.x0), std::min<std::int64_t>(filled.y0, rect.y0),
+            std::max<std::int64_t>(filled.x1, rect.x1 - 1), std::max<std::int64_t>(filled.y1, rect.y1 - 1)};
   frame.tile_here[h.region] = true;
   ++frame.tiles_here;
 }
@@ -153,6 +158,11 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
 }
 
 void FrameBuffer::complete(Frame&& frame) {
+  if (frame.geometry.warp && !frame.stats.dropped) {
+    Image picture(frame.spec.width, frame.spec.height);
+    warp_image(frame.image, frame.filled, *frame.geometry.warp, picture);
+    frame.image = std::move(picture);
+  }
   const double now = now_seconds();
   frame.stats.seconds = now - frame.announced;
   frame.stats.period = now - std::max(frame.announced, last_completed_);

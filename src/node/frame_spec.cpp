@@ -55,6 +55,8 @@ const char* name(Precision precision) {
   return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
 }
 
+const char* name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
+
 json to_json(const KernelOptions& k) {
   return {{"method", name(k.method)}, {"phases", k.phases}, {"qee_bits", k.qee_bits}, {"normalisation", name(k.normalisation)}};
 }
@@ -76,6 +78,8 @@ json to_json(const FrameSpec& s) {
   return {{"frame", s.frame},
           {"camera", to_json(s.camera)},
           {"size", {s.width, s.height}},
+          {"image_plane", name(s.image_plane)},
+          {"plane_samples", s.plane_samples},
           {"region", s.region_size},
           {"transfer_function", to_json(s.transfer_function)},
           {"shading", s.shading == Shading::phong ? "phong" : "none"},
@@ -97,6 +101,8 @@ FrameSpec frame_spec_from(const json& j) {
   s.camera = camera_from(j.at("camera"));
   s.width = j.at("size").at(0);
   s.height = j.at("size").at(1);
+  s.image_plane = named(j.at("image_plane"), {ImagePlane::screen, ImagePlane::slices});
+  s.plane_samples = j.at("plane_samples");
   s.region_size = j.at("region");
   s.transfer_function = transfer_function_from(j.at("transfer_function"));
   s.shading = j.at("shading") == "phong" ? Shading::phong : Shading::none;
@@ -108,8 +114,8 @@ FrameSpec frame_spec_from(const json& j) {
   s.opacity_correction = j.at("opacity_correction");
   s.opaque_threshold = j.at("opaque_threshold");
   s.reduction = {j.at("undersample"), j.at("prefilter")};
-  s.payload = j.at("payload") == "words" ? PayloadForm::words : PayloadForm::runs;
-  s.precision = j.at("precision") == "float" ? Precision::float32 : j.at("precision") == "half" ? Precision::half : Precision::u8;
+  s.payload = named(j.at("payload"), {PayloadForm::words, PayloadForm::runs});
+  s.precision = named(j.at("precision"), {Precision::float32, Precision::half, Precision::u8});
   return s;
 }
 
@@ -125,6 +131,8 @@ void check(const FrameSpec& spec) {
   if (!(spec.opaque_threshold >= 0 && spec.opaque_threshold < 1))
     throw InputError(fmt::format("--opaque-threshold {} is not a transmittance below 1", spec.opaque_threshold),
                      "give 0 to composite every slice, or a small number such as 0.002");
+  if (spec.plane_samples != 1 && spec.plane_samples != 2 && spec.plane_samples != 4)
+    throw InputError(fmt::format("--samples cannot be {}", spec.plane_samples), "use 1, 2 or 4 pixels a voxel");
   if (spec.reduction.factor != 1 && spec.reduction.factor != 2 && spec.reduction.factor != 4)
     throw InputError(fmt::format("--undersample cannot be {}", spec.reduction.factor), "use 1, 2 or 4");
   if (spec.payload == PayloadForm::words && spec.precision != Precision::float32)
@@ -166,6 +174,14 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
+void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
+  const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, spec.plane_samples, spec.kernel_radius, spec.width, spec.height);
+  g.view = plane.view;
+  g.warp = plane.warp;
+  g.width = plane.width;
+  g.height = plane.height;
+}
+
 }  // namespace
 
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
@@ -179,6 +195,9 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
     g.view = reduced_view(g.view, spec.reduction);
     g.traversal.slice_distance *= spec.reduction.factor;
   }
+  g.width = spec.width;
+  g.height = spec.height;
+  if (spec.image_plane == ImagePlane::slices) lay_into_slices(g, spec);
   g.footprint = make_footprint(g.view, g.traversal.axis, spec.kernel_radius);
   if (spec.kernel.normalisation == Normalisation::none) g.footprint.weight = 1;
   constexpr double widest = 1 << 20;
@@ -186,7 +205,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
     throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * std::max(g.footprint.half.x, g.footprint.half.y)),
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
-  g.regions = Regions(spec.width, spec.height, spec.region_size);
+  g.regions = Regions(g.width, g.height, spec.region_size);
   g.slices = g.grid.slices(g.traversal.axis);
   return g;
 }

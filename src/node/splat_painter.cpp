@@ -26,7 +26,7 @@ class SplatPainter final : public Painter {
     geometry_ = geometry;
     const FrameKernel kernel = make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
     for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
-    reader_ = spec.payload == PayloadForm::words ? make_word_reader() : make_run_reader(spec, geometry_);
+    reader_ = make_reader(spec, kernel);
     told_.clear();
     counts_ = {};
     composite_seconds_ = 0;
@@ -46,20 +46,20 @@ class SplatPainter final : public Painter {
   }
 
   bool work() override {
-    constexpr std::uint32_t splats_at_most = 1024, chunk_splats = 512;
-    for (std::uint32_t budget = splats_at_most; budget > 0;) {
-      SplatChunk chunk;
-      if (!reader_->next(std::min(budget, chunk_splats), chunk)) {
+    constexpr std::int64_t splats_at_most = 1024, chunk_splats = 512;
+    for (std::int64_t budget = splats_at_most; budget > 0;) {
+      const std::optional<int> region = reader_->region();
+      if (!region) {
         composite();
         return true;
       }
-      if (drawing_ != chunk.region) composite();
-      drawing_ = chunk.region;
-      const DrawCounts drawn = painter_of(chunk.region).draw(chunk.base_x, chunk.base_y, chunk.splats);
+      if (drawing_ != region) composite();
+      drawing_ = region;
+      const DrawCounts drawn = reader_->draw(painter_of(*region), std::uint32_t(std::min(budget, chunk_splats)));
       counts_.drawn += drawn.drawn;
-      counts_.clipped += drawn.clipped + chunk.off_screen;
+      counts_.clipped += drawn.clipped;
       counts_.hidden += drawn.hidden;
-      budget -= std::min<std::uint32_t>(budget, std::uint32_t(chunk.splats.size() / sizeof(Splat) + chunk.off_screen));
+      budget -= std::int64_t(drawn.drawn + drawn.clipped + drawn.hidden);
     }
     return false;
   }
@@ -93,6 +93,12 @@ class SplatPainter final : public Painter {
   }
 
  private:
+  std::unique_ptr<PayloadReader> make_reader(const FrameSpec& spec, const FrameKernel& kernel) const {
+    if (spec.payload == PayloadForm::words) return make_word_reader();
+    auto aligned = make_aligned_reader(spec, geometry_, kernel);
+    return aligned ? std::move(aligned) : make_run_reader(spec, geometry_);
+  }
+
   bool same_layout(const Regions& regions) const {
     return regions_.count() == regions.count() && regions_.count() > 0 && regions_.columns() == regions.columns() &&
            regions_.rect(regions.count() - 1) == regions.rect(regions.count() - 1) && regions_.region_size() == regions.region_size();

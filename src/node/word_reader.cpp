@@ -27,16 +27,20 @@ class WordReader final : public PayloadReader {
     }
   }
 
-  bool next(std::uint32_t most, SplatChunk& chunk) override {
+  std::optional<int> region() override {
     while (left_ == 0) {
-      if (!take(body_, at_, group_)) return false;
+      if (!take(body_, at_, group_)) return {};
       left_ = group_.count;
     }
+    return group_.region;
+  }
+
+  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
     const std::uint32_t count = std::min(most, left_);
-    chunk = {group_.region, group_.base_x, group_.base_y, body_.subspan(at_, count * sizeof(Splat))};
-    at_ += count * sizeof(Splat);
+    const auto splats = body_.subspan(at_, count * sizeof(Splat));
+    at_ += splats.size();
     left_ -= count;
-    return true;
+    return painter.draw(group_.base_x, group_.base_y, splats);
   }
 
  private:

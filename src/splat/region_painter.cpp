@@ -11,6 +11,7 @@
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/splat/encode.hpp"
+#include "splat/aligned_row.hpp"
 #include "splat/painter_kernels.hpp"
 
 namespace ringsplat {
@@ -84,6 +85,7 @@ struct RegionPainter::State {
   OpaqueTiles tiles;
   int composites = 0;  ///< since the tiles were brought up to date
   Bytes seen;          ///< the splats not hidden, of the run being drawn
+  std::vector<float> colours;  ///< of the row being drawn
 
   State(int left, int top, int w, int h, std::shared_ptr<SliceMemory> shared)
       : x0(left), y0(top), width(w), height(h), memory(std::move(shared)), tiles(w, h) {}
@@ -107,6 +109,17 @@ struct RegionPainter::State {
     stencil.reset();
     if (small) stencil = make_stencil(footprint, slice.row_floats);
     prepared = true;
+  }
+
+  void begin_drawing() {
+    if (!prepared) prepare();
+    if (!pending) slice.origin = memory->reserve(slice_floats) + origin;
+  }
+
+  void note(const DrawCounts& counts) {
+    if (counts.drawn == 0) return;
+    if (!touched) clear_image();
+    touched = pending = true;
   }
 
   void clear_image() {
@@ -213,20 +226,33 @@ void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshol
   s.composites = 0;
 }
 
+DrawCounts RegionPainter::draw_row(const AlignedSlice& slice, std::uint32_t row, std::uint32_t first, std::span<const VoxelColour> voxels) {
+  auto& s = *state_;
+  s.begin_drawing();
+  const std::int64_t x = slice.anchor_x + std::int64_t{slice.step_x} * first - s.x0, y = slice.anchor_y + std::int64_t{slice.step_y} * row - s.y0;
+  // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
+  const auto within = [&](std::int64_t column) { return column >= -slice.reach_x - 1 && column < s.width + slice.reach_x; };
+  std::int64_t begin = 0, end = std::int64_t(voxels.size());
+  while (begin < end && !within(x + begin * slice.step_x)) ++begin;
+  while (begin < end && !within(x + (end - 1) * slice.step_x)) --end;
+  if (begin == end || y < -slice.reach_y - 1 || y >= s.height + slice.reach_y) return {0, voxels.size(), 0};
+  const AlignedRow at{int(x + begin * slice.step_x), int(y), voxels.data() + begin, int(end - begin)};
+  auto counts = draw_aligned(s.slice, slice, at, s.colours);
+  counts.clipped += voxels.size() - std::size_t(end - begin);
+  s.note(counts);
+  return counts;
+}
+
 DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
   auto& s = *state_;
   if (splats.size() < sizeof(Splat)) return {};
-  if (!s.prepared) s.prepare();
-  if (!s.pending) s.slice.origin = s.memory->reserve(s.slice_floats) + s.origin;
+  s.begin_drawing();
   const std::int64_t left = std::int64_t{base_x} - s.x0, top = std::int64_t{base_y} - s.y0;
   const auto visible = s.tiles.worth_asking() ? s.without_hidden(left, top, splats) : splats;
   const SplatRun run{visible.data(), visible.size() / sizeof(Splat), left, top};
   auto counts = s.draw(run);
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
-  if (counts.drawn > 0) {
-    if (!s.touched) s.clear_image();
-    s.touched = s.pending = true;
-  }
+  s.note(counts);
   return counts;
 }
 

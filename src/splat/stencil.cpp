@@ -61,6 +61,8 @@ hwy::AlignedFreeUniquePtr<float[]> allocate(std::size_t floats) {
 
 }  // namespace
 
+float quadratic_part(const Footprint& footprint, int x, int y) { return static_cast<float>(form(footprint, x, y)); }
+
 bool has_stencil(const Footprint& footprint) {
   const auto reach = kernel_reach(footprint);
   return 2 * std::max(reach.x, reach.y) + 2 <= largest_stencil_window;
@@ -86,7 +88,7 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
       const int x = blocks[b].x + i, y = blocks[b].y;
       const bool inside = b < real && x <= stencil.reach_x + 1;
       const std::size_t at = b * block_pixels + static_cast<std::size_t>(i);
-      stencil.k[at] = inside ? static_cast<float>(form(footprint, x, y)) : never;
+      stencil.k[at] = inside ? quadratic_part(footprint, x, y) : never;
       stencil.dx[at] = static_cast<float>(x);
       stencil.dy[at] = static_cast<float>(y);
     }

@@ -28,6 +28,9 @@ struct Stencil {
       offset;  ///< [blocks]: floats from the anchor's pixel to the block's first, in the slice buffer
 };
 
+/// K in the pixel (x, y) from the anchor.
+float quadratic_part(const Footprint& footprint, int x, int y);
+
 /// True when a footprint's window is small enough for a stencil.
 bool has_stencil(const Footprint& footprint);
 

@@ -7,6 +7,7 @@
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/node/node.hpp"
 #include "ringsplat/node/stats.hpp"
+#include "ringsplat/splat/encode.hpp"
 
 namespace ringsplat {
 
@@ -57,7 +58,8 @@ class FrameBuffer final : public Node {
   struct Frame {
     FrameSpec spec;
     FrameGeometry geometry;
-    Image image;
+    Image image;         ///< of the image plane
+    PixelWindow filled;  ///< part of it that tiles have filled
     std::vector<bool> tile_here;
     std::vector<bool> gp_reported, renderer_reported;
     int reports_missing = 0;

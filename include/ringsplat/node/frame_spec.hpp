@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "ringsplat/base/bytes.hpp"
@@ -7,6 +8,7 @@
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/screen/regions.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
+#include "ringsplat/view/slice_plane.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/reduced.hpp"
@@ -20,11 +22,18 @@ enum class PayloadForm { words, runs };
 /// Of colours and opacities in runs: 10, 8 or 4 bytes a voxel. float32 draws the same bits as words.
 enum class Precision { float32, half, u8 };
 
+/// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices, sheared along the rays, of which
+/// the frame buffer makes the picture by one warp (Lacroute and Levoy 1994).
+enum class ImagePlane { screen, slices };
+
 /// Everything that decides a frame's pixels, announced by rank 0 to all ranks.
 struct FrameSpec {
   std::int64_t frame = 0;
   Camera camera;
-  int width = 512, height = 512, region_size = 128;  ///< pixels
+  int width = 512, height = 512;  ///< pixels
+  ImagePlane image_plane = ImagePlane::screen;
+  int plane_samples = 1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
+  int region_size = 128;  ///< pixels of the image plane
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
   PhongMaterial material;
@@ -51,11 +60,13 @@ std::string to_json_text(const FrameSpec& spec);
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
 struct FrameGeometry {
   Grid grid;           ///< of the volume as it is rendered: reduced when undersampled
-  ViewTransform view;  ///< of that grid's lattice
+  ViewTransform view;  ///< of that grid's lattice to the image plane
   Traversal traversal;
   Footprint footprint;
-  Regions regions;
-  int slices = 0;  ///< in the traversed set
+  int width = 0, height = 0;  ///< of the image plane, in pixels
+  Regions regions;            ///< of the image plane
+  int slices = 0;             ///< in the traversed set
+  std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
 };
 LatticeFrame lattice_frame(const Grid& grid);
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);

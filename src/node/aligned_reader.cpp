@@ -1,0 +1,58 @@
+#include <algorithm>
+#include <array>
+
+#include "node/payload_reader.hpp"
+#include "node/run_cursor.hpp"
+#include "ringsplat/splat/aligned_slice.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Draws runs as they are: within a slice nothing has to be placed.
+template <class Voxel>
+class AlignedReader final : public PayloadReader {
+ public:
+  AlignedReader(const FrameGeometry& geometry, const FrameKernel& kernel)
+      : geometry_(geometry),
+        kernel_(kernel),
+        cursor_(geometry.grid.slice_width(geometry.traversal.axis), geometry.grid.slice_height(geometry.traversal.axis)) {}
+
+  void begin(int slice, std::span<const std::byte> body, const std::function<bool(int)>& owned) override {
+    cursor_.begin(body, owned);
+    slice_ = *make_aligned_slice(kernel_, geometry_.view, geometry_.traversal.axis, slice);
+  }
+
+  std::optional<int> region() override {
+    if (!cursor_.find()) return {};
+    return cursor_.region();
+  }
+
+  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
+    const VoxelRun run = cursor_.run();
+    const std::uint32_t count = std::min({run.count, most, std::uint32_t(colours_.size())});
+    for (std::uint32_t k = 0; k < count; ++k) colours_[k] = unpack(cursor_.voxel(k));
+    cursor_.skip(count);
+    return painter.draw_row(slice_, run.row, run.first, std::span(colours_).first(count));
+  }
+
+ private:
+  const FrameGeometry& geometry_;
+  FrameKernel kernel_;
+  RunCursor<Voxel> cursor_;
+  AlignedSlice slice_;
+  std::array<VoxelColour, 64> colours_;
+};
+
+}  // namespace
+
+std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry, const FrameKernel& kernel) {
+  if (!make_aligned_slice(kernel, geometry.view, geometry.traversal.axis, 0)) return {};
+  switch (spec.precision) {
+    case Precision::half: return std::make_unique<AlignedReader<HalfVoxel>>(geometry, kernel);
+    case Precision::u8: return std::make_unique<AlignedReader<ByteVoxel>>(geometry, kernel);
+    case Precision::float32: break;
+  }
+  return std::make_unique<AlignedReader<FloatVoxel>>(geometry, kernel);
+}
+
+}  // namespace ringsplat

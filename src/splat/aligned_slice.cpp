@@ -1,0 +1,87 @@
+#include "ringsplat/splat/aligned_slice.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "ringsplat/splat/encode.hpp"
+#include "ringsplat/splat/splat.hpp"
+#include "splat/stencil.hpp"
+
+namespace ringsplat {
+namespace {
+
+bool is_whole_step(double step) { return step == 1 || step == 2 || step == 4; }
+
+/// The pixels of all windows round their anchors, row by row: their weights for one place of the voxel between the pixels.
+class Window {
+ public:
+  Window(const Footprint& footprint, KernelReach reach, double dx, double dy)
+      : reach_x_(int(reach.x)), reach_y_(int(reach.y)), weights_(std::size_t(width()) * std::size_t(height())) {
+    const auto exact = coefficients(footprint, dx, dy);
+    const auto a = static_cast<float>(exact.a), b = static_cast<float>(exact.b), c = static_cast<float>(exact.c);
+    for (int row = 0; row < height(); ++row) {
+      for (int column = 0; column < width(); ++column) {
+        const int x = column - reach_x_, y = row - reach_y_;
+        const float q = std::fma(a, float(x), quadratic_part(footprint, x, y)) + std::fma(b, float(y), c);
+        weights_[at(row, column)] = q > 0 ? q * q : 0.0F;
+      }
+    }
+  }
+  int width() const { return 2 * reach_x_ + 2; }
+  int height() const { return 2 * reach_y_ + 2; }
+  float weight(int row, int column) const { return column < width() ? weights_[at(row, column)] : 0.0F; }
+
+ private:
+  std::size_t at(int row, int column) const { return std::size_t(row) * std::size_t(width()) + std::size_t(column); }
+
+  int reach_x_, reach_y_;
+  std::vector<float> weights_;
+};
+
+void take_weights(const Window& window, AlignedSlice& slice) {
+  slice.first_row = window.height();
+  slice.end_row = 0;
+  for (int row = 0; row < window.height(); ++row) {
+    for (int column = 0; column < window.width(); ++column) {
+      if (!(window.weight(row, column) > 0)) continue;
+      slice.covered.push_back({column - slice.reach_x, row - slice.reach_y});
+      slice.first_row = std::min(slice.first_row, row);
+      slice.end_row = row + 1;
+    }
+  }
+  slice.taps = (window.width() + slice.step_x - 1) / slice.step_x;
+  for (int row = 0; row < window.height(); ++row) {
+    for (int tap = 0; tap < slice.taps; ++tap) {
+      for (int pixel = 0; pixel < block_pixels; ++pixel) {
+        const int column = pixel % slice.step_x + (slice.taps - 1 - tap) * slice.step_x;
+        slice.weights.insert(slice.weights.end(), 4, window.weight(row, column));
+      }
+    }
+  }
+}
+
+}  // namespace
+
+std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view, Axis axis, int slice) {
+  const auto [u, v] = in_plane(axis);
+  const glm::dvec2 along_u(view.linear[u]), along_v(view.linear[v]);
+  const bool aligned = is_whole_step(along_u.x) && along_u.y == 0 && along_v.x == 0 && is_whole_step(along_v.y);
+  if (!aligned || kernel.table || kernel.qee_bits > 0 || !has_stencil(kernel.footprint)) return {};
+  glm::dvec3 first(0.0);
+  first[static_cast<int>(axis)] = slice;
+  const glm::dvec3 position = view.project(first);
+  const Anchored at = anchor(position.x, position.y);
+  const KernelReach reach = kernel_reach(kernel.footprint);
+  AlignedSlice aligned_slice;
+  aligned_slice.step_x = int(along_u.x);
+  aligned_slice.step_y = int(along_v.y);
+  aligned_slice.anchor_x = at.anchor_x;
+  aligned_slice.anchor_y = at.anchor_y;
+  aligned_slice.reach_x = int(reach.x);
+  aligned_slice.reach_y = int(reach.y);
+  aligned_slice.opacity_weight = kernel.footprint.weight;
+  take_weights(Window(kernel.footprint, reach, at.dx, at.dy), aligned_slice);
+  return aligned_slice;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,141 @@
+#include "splat/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/draw_aligned.cpp"
+#include <hwy/foreach_target.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "splat/aligned_row.hpp"
+#include "splat/pixel_vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+#if RINGSPLAT_ONE_BY_ONE
+
+void Premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
+  const float scale = opacity * (1.0F / 65535.0F);
+  for (int k = 0; k < copies; ++k, out += 4) {
+    out[0] = static_cast<float>(voxel.red) * scale;
+    out[1] = static_cast<float>(voxel.green) * scale;
+    out[2] = static_cast<float>(voxel.blue) * scale;
+    out[3] = opacity;
+  }
+}
+
+void AddTaps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
+  for (int i = 0; i < 4 * block_pixels; ++i) {
+    float sum = pixels[i];
+    for (int tap = 0; tap < count; ++tap) sum = std::fma(weights[tap * 4 * block_pixels + i], taps[tap * tap_floats + i], sum);
+    pixels[i] = sum;
+  }
+}
+
+#else
+
+HWY_INLINE void Premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
+  const FourFloats d;
+  const hn::Rebind<std::int32_t, FourFloats> d32;
+  const hn::Rebind<std::uint16_t, FourFloats> d16;
+  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, &voxel.red)));
+  const auto premultiplied = hn::Mul(straight, hn::Set(d, opacity * (1.0F / 65535.0F)));
+  const auto rgba = hn::IfThenElse(hn::Not(hn::FirstN(d, 3)), hn::Set(d, opacity), premultiplied);
+  for (int k = 0; k < copies; ++k) hn::StoreU(rgba, d, out + std::ptrdiff_t{4} * k);
+}
+
+/// Adds `count` taps to a block of pixels, the leftmost voxel's first.
+HWY_INLINE void AddTaps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
+  const Floats d;
+  for (std::size_t at = 0; at < 4 * block_pixels; at += lanes) {
+    auto sum = hn::LoadU(d, pixels + at);
+    for (int tap = 0; tap < count; ++tap) {
+      sum = hn::MulAdd(hn::LoadU(d, weights + tap * 4 * block_pixels + at), hn::LoadU(d, taps + tap * tap_floats + at), sum);
+    }
+    hn::StoreU(sum, d, pixels + at);
+  }
+}
+
+#endif
+
+void SpreadColours(const VoxelColour* voxels, int count, const AlignedSlice& slice, float* colours) {
+  for (int k = 0; k < count; ++k) {
+    const auto opacity = static_cast<float>(static_cast<double>(voxels[k].opacity) * slice.opacity_weight);
+    const bool plausible = std::abs(opacity) < largest_coefficient;
+    Premultiply(voxels[k], plausible ? opacity : 0.0F, slice.step_x, colours + std::ptrdiff_t{4} * k * slice.step_x);
+  }
+}
+
+void ConvolveRow(const SliceBuffer& buffer, const AlignedSlice& slice, const float* colours, int x, int y, int pixels) {
+  const int top = y - slice.reach_y, first = std::max(slice.first_row, -top), end = std::min(slice.end_row, buffer.height - top);
+  const int tap_floats = 4 * slice.step_x, row_weights = slice.taps * 4 * block_pixels;
+  float* corner = buffer.origin + top * buffer.row_floats + (x - slice.reach_x) * std::ptrdiff_t{4};
+  const float* leftmost = colours - (slice.taps - 1) * std::ptrdiff_t{tap_floats};
+  for (int at = 0; at < pixels; at += block_pixels) {
+    const std::ptrdiff_t floats = std::ptrdiff_t{4} * at;
+    for (int row = first; row < end; ++row) {
+      const float* weights = slice.weights.data() + row * row_weights;
+      float* block = corner + row * buffer.row_floats + floats;
+      // Known lengths are unrolled.
+      if (slice.taps == 4)
+        AddTaps(leftmost + floats, 4, tap_floats, weights, block);
+      else
+        AddTaps(leftmost + floats, slice.taps, tap_floats, weights, block);
+    }
+  }
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+namespace {
+
+HWY_EXPORT(SpreadColours);
+HWY_EXPORT(ConvolveRow);
+
+/// Of voxels whose windows all lie within the region every one is drawn; of the others those with a weight above zero inside.
+std::uint64_t count_drawn(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row) {
+  const int last = row.x + (row.count - 1) * slice.step_x;
+  const bool rows_inside = row.y >= slice.reach_y && row.y + slice.reach_y + 1 < buffer.height;
+  if (rows_inside && row.x >= slice.reach_x && last + slice.reach_x + 1 < buffer.width) return std::uint64_t(row.count);
+  std::uint64_t drawn = 0;
+  for (int x = row.x; x <= last; x += slice.step_x) {
+    drawn += std::any_of(slice.covered.begin(), slice.covered.end(),
+                         [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, row.y + at.y); });
+  }
+  return drawn;
+}
+
+/// Windows that reach over the region's edge leave something in its margins.
+void clear_margins(const SliceBuffer& buffer, const AlignedSlice& slice, int y, int left, int end) {
+  for (int row = std::max(y - slice.reach_y, 0); row < std::min(y + slice.reach_y + 2, buffer.height); ++row) {
+    float* pixels = buffer.origin + row * buffer.row_floats;
+    if (left < 0) std::fill(pixels + std::ptrdiff_t{4} * left, pixels, 0.0F);
+    if (end > buffer.width) std::fill(pixels + std::ptrdiff_t{4} * buffer.width, pixels + std::ptrdiff_t{4} * end, 0.0F);
+  }
+}
+
+}  // namespace
+
+DrawCounts draw_aligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, std::vector<float>& scratch) {
+  // Zeros on both sides: as many as the taps of the first and the last block reach beyond the voxels.
+  const int covered = (row.count - 1) * slice.step_x + 2 * slice.reach_x + 2, pixels = (covered + block_pixels - 1) / block_pixels * block_pixels;
+  const int before = (slice.taps - 1) * slice.step_x;
+  scratch.assign(std::size_t(4) * std::size_t(before + std::max(pixels, row.count * slice.step_x)), 0.0F);
+  float* colours = scratch.data() + std::ptrdiff_t{4} * before;
+  HWY_DYNAMIC_DISPATCH(SpreadColours)(row.voxels, row.count, slice, colours);
+  HWY_DYNAMIC_DISPATCH(ConvolveRow)(buffer, slice, colours, row.x, row.y, pixels);
+  const int left = row.x - slice.reach_x;
+  clear_margins(buffer, slice, row.y, left, left + pixels);
+  buffer.runs[row.y + slice.reach_y + 1].include(row.x, row.x + (row.count - 1) * slice.step_x);
+  DrawCounts counts;
+  counts.drawn = count_drawn(buffer, slice, row);
+  counts.clipped = std::uint64_t(row.count) - counts.drawn;
+  return counts;
+}
+
+}  // namespace ringsplat
+#endif

@@ -1,0 +1,142 @@
+#include "splat/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/warp_image.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+#include "ringsplat/splat/warp_image.hpp"
+#include "splat/warp_row.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+#if RINGSPLAT_ONE_BY_ONE
+
+struct Weights {
+  float at[4];
+};
+Weights cubic_weights(float f) {
+  Weights w;
+  for (int k = 0; k < 4; ++k) w.at[k] = std::fma(std::fma(std::fma(cubic[3][k], f, cubic[2][k]), f, cubic[1][k]), f, cubic[0][k]);
+  return w;
+}
+
+void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, float* out) {
+  const Weights wx = cubic_weights(fx), wy = cubic_weights(fy);
+  float product[4][4];
+  for (int column = 0; column < 4; ++column) {
+    for (int k = 0; k < 4; ++k) {
+      const float* tap = taps + 4 * column + k;
+      float sum = wy.at[0] * tap[0];
+      for (int row = 1; row < 4; ++row) sum = std::fma(wy.at[row], tap[row * row_floats], sum);
+      product[column][k] = wx.at[column] * sum;
+    }
+  }
+  float rgba[4];
+  for (int k = 0; k < 4; ++k) rgba[k] = (product[0][k] + product[1][k]) + (product[2][k] + product[3][k]);
+  const float opacity = std::min(std::max(rgba[3], 0.0F), 1.0F);
+  for (int k = 0; k < 4; ++k) out[k] = std::min(std::max(rgba[k], 0.0F), opacity);
+}
+
+#else
+
+using FourFloats = hn::Full128<float>;
+using Four = hn::Vec<FourFloats>;
+
+HWY_INLINE Four cubic_weights(float fraction) {
+  const FourFloats d;
+  const auto f = hn::Set(d, fraction);
+  auto w = hn::MulAdd(hn::Load(d, cubic[3]), f, hn::Load(d, cubic[2]));
+  w = hn::MulAdd(w, f, hn::Load(d, cubic[1]));
+  return hn::MulAdd(w, f, hn::Load(d, cubic[0]));
+}
+
+/// `taps`: the first of four pixels in the first of four rows.
+HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, float* out) {
+  const FourFloats d;
+  const Four wx = cubic_weights(fx), wy = cubic_weights(fy);
+  const Four wy0 = hn::Broadcast<0>(wy), wy1 = hn::Broadcast<1>(wy), wy2 = hn::Broadcast<2>(wy), wy3 = hn::Broadcast<3>(wy);
+  const auto column = [&](int x) HWY_ATTR {
+    const float* tap = taps + std::ptrdiff_t{4} * x;
+    auto sum = hn::Mul(wy0, hn::LoadU(d, tap));
+    sum = hn::MulAdd(wy1, hn::LoadU(d, tap + row_floats), sum);
+    sum = hn::MulAdd(wy2, hn::LoadU(d, tap + 2 * row_floats), sum);
+    return hn::MulAdd(wy3, hn::LoadU(d, tap + 3 * row_floats), sum);
+  };
+  const auto left = hn::Add(hn::Mul(hn::Broadcast<0>(wx), column(0)), hn::Mul(hn::Broadcast<1>(wx), column(1)));
+  const auto right = hn::Add(hn::Mul(hn::Broadcast<2>(wx), column(2)), hn::Mul(hn::Broadcast<3>(wx), column(3)));
+  const auto rgba = hn::Add(left, right);
+  const auto zero = hn::Zero(d);
+  const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
+  hn::StoreU(hn::Min(hn::Max(rgba, zero), opacity), d, out);
+}
+
+#endif
+
+void WarpRow(const WarpedRow& row, float* screen) {
+  for (int x = row.first; x < row.end; ++x) {
+    const double px = std::fma(row.step_x, double(x), row.start_x), py = std::fma(row.step_y, double(x), row.start_y);
+    // The places lie above 0, where truncation is floor.
+    const auto ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py);
+    const float* taps = row.plane + iy * row.row_floats + ix * std::ptrdiff_t{4};
+    InterpolatePixel(taps, row.row_floats, static_cast<float>(px - ix), static_cast<float>(py - iy), screen + std::ptrdiff_t{4} * x);
+  }
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+namespace {
+
+HWY_EXPORT(WarpRow);
+
+/// Narrows columns [first, end) to those with low ≤ start + step · x ≤ high.
+void narrow(double start, double step, double low, double high, double& first, double& end) {
+  if (step == 0) {
+    if (!(start >= low && start <= high)) end = first;
+    return;
+  }
+  const double a = (low - start) / step, b = (high - start) / step;
+  first = std::max(first, std::ceil(std::min(a, b)));
+  end = std::min(end, std::floor(std::max(a, b)) + 1);
+}
+
+bool lies_within(const WarpedRow& row, int x, const PixelWindow& firsts) {
+  const double px = std::fma(row.step_x, double(x), row.start_x), py = std::fma(row.step_y, double(x), row.start_y);
+  return px >= double(firsts.x0) && px < double(firsts.x1 + 1) && py >= double(firsts.y0) && py < double(firsts.y1 + 1);
+}
+
+}  // namespace
+
+void warp_image(const Image& plane, const PixelWindow& filled, const PlaneWarp& warp, Image& screen) {
+  // The first of a place's four taps along each axis: those that see a filled pixel and whose four lie in the image.
+  const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),
+                           std::min<std::int64_t>(filled.x1, plane.width - 4), std::min<std::int64_t>(filled.y1, plane.height - 4)};
+  if (firsts.x0 > firsts.x1 || firsts.y0 > firsts.y1) return;
+  for (int y = 0; y < screen.height; ++y) {
+    // The first tap's centre lies between one and two pixels before the place.
+    const glm::dvec2 start = warp.from_screen({0.5, y + 0.5}) - 1.5;
+    WarpedRow row{plane.rgba.data(), std::ptrdiff_t{4} * plane.width, start.x, start.y, warp.linear[0].x, warp.linear[0].y, 0, 0};
+    double first = 0, end = screen.width;
+    narrow(row.start_x, row.step_x, double(firsts.x0), double(firsts.x1 + 1), first, end);
+    narrow(row.start_y, row.step_y, double(firsts.y0), double(firsts.y1 + 1), first, end);
+    if (!(first < end)) continue;
+    row.first = static_cast<int>(first);
+    row.end = static_cast<int>(end);
+    // Rounding may have let in a column too many at either end.
+    while (row.first < row.end && !lies_within(row, row.first, firsts)) ++row.first;
+    while (row.first < row.end && !lies_within(row, row.end - 1, firsts)) --row.end;
+    HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen.pixel(0, y));
+  }
+}
+
+}  // namespace ringsplat
+#endif

@@ -1,0 +1,140 @@
+#include "ringsplat/splat/aligned_slice.hpp"
+
+#include <random>
+
+#include "splat/painter_kernels.hpp"
+#include "splat/scene.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr int width = 45, height = 38, x0 = 20, y0 = -7;
+constexpr int slice = 3;
+
+/// Slices sheared by fractions of a pixel.
+ViewTransform aligned_view(double step_x, double step_y) {
+  ViewTransform view;
+  view.linear = glm::dmat3(0.0);
+  view.linear[0] = {step_x, 0, 0.3};
+  view.linear[1] = {0, step_y, 0.1};
+  view.linear[2] = {0.40625, -0.28125, 1};
+  view.offset = {11.5, -13.25, 0};
+  return view;
+}
+
+struct Row {
+  std::uint32_t row, first;
+  std::vector<VoxelColour> voxels;
+};
+
+/// Runs before, behind, across and inside the region.
+std::vector<Row> random_runs(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_int_distribution<std::uint32_t> row(0, 50), first(0, 60), count(1, 64), colour(0, 65535);
+  std::uniform_real_distribution<float> opacity(0, 1);
+  std::vector<Row> runs;
+  for (int k = 0; k < 60; ++k) {
+    Row run{row(random), first(random), {}};
+    for (std::uint32_t n = count(random); n > 0; --n)
+      run.voxels.push_back({std::uint16_t(colour(random)), std::uint16_t(colour(random)), std::uint16_t(colour(random)), opacity(random)});
+    runs.push_back(run);
+  }
+  return runs;
+}
+
+struct Painted {
+  std::vector<float> tile;
+  DrawCounts counts;
+};
+
+Painted finish(RegionPainter& painter, const DrawCounts& counts) {
+  painter.composite();
+  return {tile_of(painter, width, height), counts};
+}
+
+void add(DrawCounts& sum, const DrawCounts& counts) {
+  sum.drawn += counts.drawn;
+  sum.clipped += counts.clipped;
+}
+
+Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
+  const auto aligned = make_aligned_slice(kernel, view, Axis::z, slice);
+  REQUIRE(aligned);
+  RegionPainter painter(x0, y0, width, height);
+  painter.begin_frame(kernel);
+  DrawCounts counts;
+  for (const Row& run : runs) add(counts, painter.draw_row(*aligned, run.row, run.first, run.voxels));
+  return finish(painter, counts);
+}
+
+Painted paint_splats(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
+  RegionPainter painter(x0, y0, width, height);
+  painter.begin_frame(kernel);
+  DrawCounts counts;
+  for (const Row& run : runs) {
+    for (std::size_t k = 0; k < run.voxels.size(); ++k) {
+      const glm::dvec3 at = view.project({run.first + double(k), run.row, slice});
+      Placed placed = place(kernel.footprint, at.x, at.y, {0, 0, 0, run.voxels[k].opacity});
+      placed.splat.red = run.voxels[k].red;
+      placed.splat.green = run.voxels[k].green;
+      placed.splat.blue = run.voxels[k].blue;
+      add(counts, draw_all(painter, {placed}));
+    }
+  }
+  return finish(painter, counts);
+}
+
+FrameKernel kernel_of(const ViewTransform& view, double radius) {
+  return make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, {});
+}
+
+}  // namespace
+
+TEST_CASE("rows of voxels draw the bits of their splats, on every instruction set") {
+  for (const auto& [step_x, step_y] : {std::pair{1.0, 1.0}, {2.0, 2.0}, {4.0, 4.0}, {1.0, 2.0}, {4.0, 1.0}}) {
+    for (const double radius : {0.5, 1.0, 1.6, 2.4, 5.0}) {
+      const ViewTransform view = aligned_view(step_x, step_y);
+      const FrameKernel kernel = kernel_of(view, radius);
+      const auto runs = random_runs(unsigned(10 * radius));
+      const Painted splats = paint_splats(kernel, view, runs);
+      REQUIRE(*std::max_element(splats.tile.begin(), splats.tile.end()) > 0.1F);
+      for (const auto& target : vector_targets()) {
+        use_vector_target(target);
+        INFO(target << ", " << step_x << " x " << step_y << " pixels a voxel, radius " << radius);
+        const Painted rows = paint_rows(kernel, view, runs);
+        CHECK(same_bits(rows.tile, splats.tile));
+        CHECK(rows.counts.drawn == splats.counts.drawn);
+        CHECK(rows.counts.clipped == splats.counts.clipped);
+      }
+      use_vector_target("");
+    }
+  }
+}
+
+TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {
+  const auto aligned = [](const ViewTransform& view, const KernelOptions& options = {}, double radius = 1.6) {
+    return make_aligned_slice(make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options), view, Axis::z, 0).has_value();
+  };
+  CHECK(aligned(aligned_view(1, 1)));
+  CHECK_FALSE(aligned(aligned_view(1.5, 1)));
+  CHECK_FALSE(aligned(aligned_view(1, 3)));
+  CHECK_FALSE(aligned(view_of({1.0, 0.1})));
+  CHECK_FALSE(aligned(aligned_view(1, 1), {.method = KernelMethod::texture}));
+  CHECK_FALSE(aligned(aligned_view(1, 1), {.qee_bits = 10}));
+  CHECK_FALSE(aligned(aligned_view(4, 4), {}, 8));
+}
+
+TEST_CASE("a voxel without a plausible opacity adds nothing to a row") {
+  const ViewTransform view = aligned_view(1, 1);
+  const FrameKernel kernel = kernel_of(view, 1.6);
+  Row run{20, 12, std::vector<VoxelColour>(9, {65535, 30000, 100, 0.5F})};
+  run.voxels[4].opacity = 0;
+  const Painted without = paint_rows(kernel, view, {run});
+  for (const float opacity : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30F}) {
+    run.voxels[4].opacity = opacity;
+    CHECK(same_bits(paint_rows(kernel, view, {run}).tile, without.tile));
+  }
+}
