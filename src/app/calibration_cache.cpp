@@ -90,7 +90,7 @@ std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, 
               {"values", {histogram.low, histogram.high, std::hash<std::string>{}(counts)}},
               {"frame", frame},
               {"views", views_json(reference, views)},
-              {"fixed", {o.budget.fixed_opaque_threshold, o.budget.fixed_precision, o.budget.fixed_radius}},
+              {"fixed", {o.budget.fixed_opaque_threshold, o.budget.fixed_precision, o.budget.fixed_radius, o.budget.fixed_image_plane, o.budget.fixed_undersample}},
               {"layout", layout_json(o.run, layout)},
               {"pixels", o.error.pixels},
               {"seed", o.error.seed}}

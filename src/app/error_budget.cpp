@@ -13,12 +13,44 @@ namespace {
 /// error").
 constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
 constexpr Precision precisions[] = {Precision::float32, Precision::half, Precision::u8};
+/// On the screen; in the slices' plane a smaller kernel reaches as many pixels.
 constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
+constexpr int samples_a_voxel[] = {2, 1};
+constexpr int undersampling[] = {2, 4};
 
 constexpr double same_time = 1.03;
 
 const char* word(Precision precision) {
   return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
+}
+
+/// Radii, image planes and levels that go together.
+std::vector<Shortcuts> geometries(const FrameSpec& frame, const ErrorBudgetOptions& o) {
+  const Shortcuts given{frame.opaque_threshold, frame.precision, frame.kernel_radius, frame.image_plane, frame.plane_samples, frame.reduction.factor};
+  std::vector<Shortcuts> all{given};
+  const auto add = [&](auto Shortcuts::*what, auto value) {
+    all.push_back(all.front());
+    all.back().*what = value;
+  };
+  if (!o.fixed_radius && frame.image_plane == ImagePlane::screen) {
+    for (const double radius : smaller_radii)
+      if (radius < frame.kernel_radius) add(&Shortcuts::radius, radius);
+  }
+  Shortcuts coarsest = given;
+  if (!o.fixed_image_plane) {
+    coarsest.plane = ImagePlane::slices;
+    for (const int samples : samples_a_voxel) {
+      coarsest.samples = samples;
+      all.push_back(coarsest);
+    }
+  }
+  if (!o.fixed_undersample) {
+    for (const int factor : undersampling) {
+      coarsest.undersample = factor;
+      all.push_back(coarsest);
+    }
+  }
+  return all;
 }
 
 }  // namespace
@@ -27,28 +59,43 @@ FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
   frame.opaque_threshold = shortcuts.opaque_threshold;
   frame.precision = shortcuts.precision;
   frame.kernel_radius = shortcuts.radius;
+  frame.image_plane = shortcuts.plane;
+  frame.plane_samples = shortcuts.samples;
+  frame.reduction.factor = shortcuts.undersample;
   return frame;
 }
 
+std::vector<int> levels_to_choose_from() {
+  std::vector<int> factors{1};
+  factors.insert(factors.end(), std::begin(undersampling), std::end(undersampling));
+  return factors;
+}
+
 std::string to_text(const Shortcuts& s) {
-  return fmt::format("--opaque-threshold {} --precision {} --radius {}", s.opaque_threshold,
-                     word(s.precision), s.radius);
+  std::string text = fmt::format("--opaque-threshold {} --precision {} --radius {}", s.opaque_threshold,
+                                 word(s.precision), s.radius);
+  if (s.plane == ImagePlane::slices) text += fmt::format(" --image-plane slices --samples {}", s.samples);
+  if (s.undersample > 1) text += fmt::format(" --undersample {}", s.undersample);
+  return text;
 }
 
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  std::vector<double> thresholds{frame.opaque_threshold}, widths{frame.kernel_radius};
+  std::vector<double> thresholds{frame.opaque_threshold};
   std::vector<Precision> forms{frame.precision};
   if (!o.fixed_opaque_threshold)
     thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
-  if (!o.fixed_radius)
-    std::copy_if(std::begin(smaller_radii), std::end(smaller_radii), std::back_inserter(widths),
-                 [&](double radius) { return radius < frame.kernel_radius; });
   if (!o.fixed_precision && frame.payload == PayloadForm::runs)
     forms.assign(std::begin(precisions), std::end(precisions));
   std::vector<Shortcuts> all;
-  for (const double radius : widths)
-    for (const Precision precision : forms)
-      for (const double threshold : thresholds) all.push_back({threshold, precision, radius});
+  for (Shortcuts s : geometries(frame, o)) {
+    for (const Precision precision : forms) {
+      for (const double threshold : thresholds) {
+        s.precision = precision;
+        s.opaque_threshold = threshold;
+        all.push_back(s);
+      }
+    }
+  }
   return all;
 }
 

@@ -14,11 +14,17 @@ struct Shortcuts {
   double opaque_threshold = 0;
   Precision precision = Precision::float32;
   double radius = 1.6;  ///< of the kernel, in lattice distances
+  ImagePlane plane = ImagePlane::screen;
+  int samples = 1;      ///< in the slices' plane
+  int undersample = 1;
   bool operator==(const Shortcuts&) const = default;
 };
 
 /// The frame as `shortcuts` would render it.
 FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts);
+
+/// All factors of undersampling among the candidates, where the user has fixed none.
+std::vector<int> levels_to_choose_from();
 
 /// As options of the command line.
 std::string to_text(const Shortcuts& shortcuts);

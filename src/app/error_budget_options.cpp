@@ -16,9 +16,8 @@ void add_error_budget_options(CLI::App& app, ErrorBudgetOptions& o) {
     o.max_error = value;
   };
   app.add_option_function<double>("--max-error", take,
-                                  "Choose the cheapest --opaque-threshold, --precision and --radius whose "
-                                  "RMSE against the method's truth "
-                                  "stays within this, in 1/255; those given are kept")
+                                  "Choose the cheapest --opaque-threshold, --precision, --radius, --image-plane and "
+                                  "--undersample whose RMSE against the method's truth stays within this, in 1/255; those given are kept")
       ->type_name("RMSE")
       ->group("Error");
 }
@@ -33,6 +32,8 @@ void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& o) {
   o.fixed_opaque_threshold = given("--opaque-threshold");
   o.fixed_precision = given("--precision");
   o.fixed_radius = given("--radius");
+  o.fixed_image_plane = given("--image-plane");
+  o.fixed_undersample = given("--undersample") || given("--progressive");
 }
 
 }  // namespace ringsplat::app

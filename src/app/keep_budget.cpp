@@ -20,6 +20,8 @@ bool agree_on(bool mine, Launch& launch) {
 std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
   std::vector<std::string> fixed;
   if (o.fixed_opaque_threshold && frame.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
+  if (o.fixed_undersample && frame.reduction.factor > 1) fixed.push_back("--undersample");
+  if (o.fixed_image_plane && frame.image_plane == ImagePlane::slices) fixed.push_back("--image-plane");
   if (o.fixed_precision && frame.precision != Precision::float32) fixed.push_back("--precision");
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);

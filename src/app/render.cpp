@@ -12,6 +12,7 @@
 #include "app/auto_roles.hpp"
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
+#include "app/error_budget.hpp"
 #include "app/frame_output.hpp"
 #include "app/keep_budget.hpp"
 #include "app/output_file.hpp"
@@ -117,6 +118,7 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes, o.frame.shading == Shading::phong, {}, o.frame.reduction.prefilter};
   for (const Reduction& level : Browsing::levels(o.frame, o.progressive)) load.factors.push_back(level.factor);
+  if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
   return load;
 }
 

@@ -48,6 +48,9 @@ FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, con
   spec.opacity_correction = setting.opacity_correction;
   spec.shading = setting.shading;
   spec.region_size = setting.region_size;
+  spec.image_plane = setting.image_plane;
+  spec.plane_samples = setting.samples;
+  check(spec);
   return spec;
 }
 

@@ -235,6 +235,10 @@ class Reader {
           one_of(item, {Normalisation::none, Normalisation::constant, Normalisation::exact});
     else if (item.name == "region")
       s.region_size = count(item, 1, 1 << 20);
+    else if (item.name == "image_plane")
+      s.image_plane = one_of(item, {ImagePlane::screen, ImagePlane::slices});
+    else if (item.name == "samples")
+      s.samples = count(item, 1, 4);
     else
       wrong(item, "is no key of a setting");
   }

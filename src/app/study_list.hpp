@@ -22,7 +22,9 @@ struct StudyList {
     KernelOptions kernel = {};
     bool opacity_correction = true;
     Shading shading = Shading::none;
-    int region_size = 128;
+    int region_size = 0;  ///< as FrameSpec's
+    ImagePlane image_plane = ImagePlane::screen;
+    int samples = 1;
   };
   std::vector<Scene> scenes;
   std::vector<Setting> settings;

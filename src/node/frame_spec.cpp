@@ -55,8 +55,6 @@ const char* name(Precision precision) {
   return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
 }
 
-const char* name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
-
 json to_json(const KernelOptions& k) {
   return {{"method", name(k.method)}, {"phases", k.phases}, {"qee_bits", k.qee_bits}, {"normalisation", name(k.normalisation)}};
 }
@@ -121,8 +119,10 @@ FrameSpec frame_spec_from(const json& j) {
 
 }  // namespace
 
+std::string name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
+
 void check(const FrameSpec& spec) {
-  static_cast<void>(Regions(spec.width, spec.height, spec.region_size));
+  static_cast<void>(Regions(spec.width, spec.height, spec.region_size == 0 ? 128 : spec.region_size));
   check(spec.transfer_function, "the transfer function");
   check(spec.kernel, spec.kernel_radius);
   const double light = glm::length(spec.light);
@@ -174,6 +174,15 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
+/// The picture's bits do not depend on it. An image in the slices' plane is small: it should still give several Renderers something to do.
+int region_size(const FrameSpec& spec, const FrameGeometry& g) {
+  if (spec.region_size > 0) return spec.region_size;
+  if (spec.image_plane == ImagePlane::screen) return 128;
+  int size = 64;
+  while (size > 16 && 3 * size > std::max(g.width, g.height)) size /= 2;
+  return size;
+}
+
 void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
   const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, spec.plane_samples, spec.kernel_radius, spec.width, spec.height);
   g.view = plane.view;
@@ -205,7 +214,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
     throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * std::max(g.footprint.half.x, g.footprint.half.y)),
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
-  g.regions = Regions(g.width, g.height, spec.region_size);
+  g.regions = Regions(g.width, g.height, region_size(spec, g));
   g.slices = g.grid.slices(g.traversal.axis);
   return g;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -20,6 +21,9 @@ int steps(double half_width) {
   return static_cast<int>(std::clamp(std::ceil(steps_a_half_width / half_width), 4.0, 2048.0));
 }
 
+/// Of `n` modulo `period`, 0 … period − 1.
+std::int64_t phase_of(std::int64_t n, int period) { return (n % period + period) % period; }
+
 }  // namespace
 
 LatticeSum::LatticeSum(const Footprint& footprint, const glm::dmat2& block)
@@ -28,6 +32,12 @@ LatticeSum::LatticeSum(const Footprint& footprint, const glm::dmat2& block)
   reach_ = {std::hypot(inverse[0][0], inverse[1][0]), std::hypot(inverse[0][1], inverse[1][1])};
   stride_ = glm::max(glm::dvec2(1.0), glm::floor(reach_ / smooth_reach));
   weight_ = footprint.weight * stride_.x * stride_.y;
+  const auto is_whole = [](double step) { return step == 1 || step == 2 || step == most_phases; };
+  if (block[0].y == 0 && block[1].x == 0 && is_whole(block[0].x) && is_whole(block[1].y)) {
+    phases_x_ = static_cast<int>(block[0].x);
+    phases_y_ = static_cast<int>(block[1].y);
+    return;
+  }
   width_ = steps(1 / glm::length(form_[0]));
   height_ = steps(1 / glm::length(form_[1]));
   // A lattice is its own mirror image through a voxel: half of the table is enough.
@@ -52,6 +62,7 @@ double LatticeSum::exact(glm::dvec2 lattice) const {
 }
 
 float LatticeSum::reciprocal(glm::dvec2 lattice) const {
+  if (phases_x_ > 0) return static_cast<float>(1 / exact(lattice));
   float factors[8];
   lattice_factors({.table = table_.data(),
                    .width = width_,
@@ -62,8 +73,27 @@ float LatticeSum::reciprocal(glm::dvec2 lattice) const {
   return factors[0];
 }
 
+void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const {
+  // Summed at the same pixel wherever the row begins, so that its bits are the same.
+  float factors[most_phases];
+  for (int phase = 0; phase < phases_x_; ++phase) {
+    const glm::dvec2 pixel(phase + 0.5, static_cast<double>(phase_of(y, phases_y_)) + 0.5);
+    const glm::dvec2 lattice = to_lattice_ * (pixel - voxel);
+    factors[phase] = reciprocal(lattice - glm::floor(lattice));
+  }
+  auto phase = phase_of(x, phases_x_);
+  for (std::size_t i = 0; i < count; ++i, rgba += 4) {
+    for (int c = 0; c < 4; ++c) rgba[c] *= factors[phase];
+    phase = phase + 1 == phases_x_ ? 0 : phase + 1;
+  }
+}
+
 void LatticeSum::divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
                             glm::dvec2 voxel) const {
+  if (phases_x_ > 0) {
+    divide_by_phases(rgba, count, x, y, voxel);
+    return;
+  }
   const double down = static_cast<double>(y) + 0.5 - voxel.y;
   const LatticeRow row{.table = table_.data(),
                        .width = width_,

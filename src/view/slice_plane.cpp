@@ -20,7 +20,8 @@ double to_multiple(double value, double unit) { return std::nearbyint(value / un
 
 /// Pixels a voxel along one axis whose voxels are `screen_pixels` apart on the screen.
 double sampling(double screen_pixels, int samples) {
-  if (screen_pixels >= samples) return samples;
+  while (samples > 1 && samples > screen_pixels) samples /= 2;
+  if (samples <= screen_pixels) return samples;
   // Rounded up to a number whose products with voxel indices are exact.
   const double unit = std::exp2(std::floor(std::log2(screen_pixels)) - 10);
   return std::ceil(screen_pixels / unit) * unit;

@@ -84,9 +84,10 @@ TEST_CASE("only what the user left open is to be chosen") {
   FrameSpec frame;
   const auto all = candidates(frame, {});
   CHECK(all.front() == Shortcuts{0, Precision::float32, frame.kernel_radius});
-  CHECK(all.size() == 4 * 3 * 4);
+  // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
+  CHECK(all.size() == 4 * 3 * (4 + 2 + 2));
   ErrorBudgetOptions options;
-  options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold = true;
+  options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold = options.fixed_image_plane = options.fixed_undersample = true;
   frame.kernel_radius = 1.3;
   frame.precision = Precision::half;
   frame.opaque_threshold = 0.25;
@@ -98,6 +99,25 @@ TEST_CASE("only what the user left open is to be chosen") {
   for (const Shortcuts& s : candidates(words, {})) {
     CHECK(s.precision == Precision::float32);
     CHECK_NOTHROW(check(with(words, s).kernel, s.radius));
+  }
+}
+
+TEST_CASE("a fixed image plane or level is the only one") {
+  FrameSpec frame;
+  frame.image_plane = ImagePlane::slices;
+  frame.plane_samples = 2;
+  ErrorBudgetOptions options;
+  options.fixed_image_plane = true;
+  for (const Shortcuts& s : candidates(frame, options)) {
+    CHECK(s.plane == ImagePlane::slices);
+    CHECK(s.samples == 2);
+    CHECK(s.radius == frame.kernel_radius);
+  }
+  options.fixed_undersample = true;
+  frame.reduction.factor = 2;
+  for (const Shortcuts& s : candidates(frame, options)) {
+    CHECK(s.undersample == 2);
+    CHECK(with(FrameSpec{}, s).reduction.factor == 2);
   }
 }
 
@@ -167,7 +187,7 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with what
 
 TEST_CASE("what the user gives is kept, and the error is against what the user asked for") {
   const Workshop w;
-  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0"})
+  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0", "--image-plane", "screen", "--undersample", "1"})
               .code == 0);
   const json settings = w.frame().at("settings");
   CHECK(settings.at("radius") == 1.5);
@@ -234,6 +254,26 @@ TEST_CASE("a calibration that is damaged is made again, with a warning") {
     CHECK_FALSE(calibrated(w.render({"--max-error", "1"})));
     CHECK(w.calibrations() == 1);
   }
+}
+
+TEST_CASE("a picture over the budget is named with its error") {
+  const Workshop w;
+  REQUIRE(w.render({"--max-error", "1"}).code == 0);
+  // A calibration that says of the coarsest setting what is not true.
+  json calibration = json::parse(read_text(w.calibration()));
+  json& coarsest = calibration["measured"].back();
+  CHECK_THAT(coarsest.at("setting").get<std::string>(), Catch::Matchers::Contains("--undersample 4"));
+  coarsest["seconds"] = 1e-9;
+  coarsest["rmse"] = coarsest["rmse_high"] = 1e-6;
+  app_test::write_text(w.calibration(), calibration.dump());
+  const Ended ended = w.render({"--max-error", "0.01"});
+  INFO(ended.err);
+  CHECK(ended.code == 0);
+  const auto warnings = lines_with(ended.err, "warning:");
+  REQUIRE(warnings.size() == 1);
+  CHECK_THAT(warnings.front(), Catch::Matchers::Contains("x.exr") && Catch::Matchers::Contains("0.01"));
+  CHECK(w.frame().at("error").at("rmse").get<double>() > 0.01);
+  CHECK(w.frame().at("settings").at("undersample") == 4);
 }
 
 TEST_CASE("a cache that cannot be written costs no more than the next calibration") {

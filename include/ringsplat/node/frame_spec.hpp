@@ -25,6 +25,7 @@ enum class Precision { float32, half, u8 };
 /// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices, sheared along the rays, of which
 /// the frame buffer makes the picture by one warp (Lacroute and Levoy 1994).
 enum class ImagePlane { screen, slices };
+std::string name(ImagePlane plane);
 
 /// Everything that decides a frame's pixels, announced by rank 0 to all ranks.
 struct FrameSpec {
@@ -33,7 +34,7 @@ struct FrameSpec {
   int width = 512, height = 512;  ///< pixels
   ImagePlane image_plane = ImagePlane::screen;
   int plane_samples = 1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
-  int region_size = 128;  ///< pixels of the image plane
+  int region_size = 0;    ///< pixels of the image plane; 0: 128 on the screen, in the slices' plane by its size
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
   PhongMaterial material;

@@ -15,15 +15,18 @@ namespace ringsplat {
 /// Its reciprocal is tabled over one cell and interpolated linearly. The table's steps are 1/512 of the
 /// kernel's half width along each axis, which bounds the interpolation's error at 1.2e-5 of the sum (the
 /// second derivatives of all kernels at a place are 12 / half width² together at most); found are 8e-6.
+///
+/// Where voxels lie a whole number of pixels apart, as in an image in the slices' plane, the sum has few values in a slice, and there is no table:
+/// each is summed for each row.
 class LatticeSum {
  public:
-  /// `block` takes lattice (u, v) to pixels. Costs half a million evaluations of Q², whatever the view.
+  /// `block` takes lattice (u, v) to pixels. Costs half a million evaluations of Q², whatever the view, or none.
   LatticeSum(const Footprint& footprint, const glm::dmat2& block);
 
   /// The sum itself at `lattice`, in double precision. Of kernels more than 64 voxels wide every m-th voxel
   /// counts m times, which changes it by less than 1e-6.
   double exact(glm::dvec2 lattice) const;
-  /// 1 / sum, from the table.
+  /// 1 / sum, from the table if there is one.
   float reciprocal(glm::dvec2 lattice) const;
 
   /// Divides `count` RGBA pixels of a row, from screen pixel (x, y) on, by the sum at their centres. A voxel
@@ -31,6 +34,10 @@ class LatticeSum {
   void divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
 
  private:
+  void divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
+
+  static constexpr int most_phases = 4;
+  int phases_x_ = 0, phases_y_ = 0;  ///< pixels a voxel where they are whole numbers, else 0
   glm::dmat2 to_lattice_{1.0};  ///< from pixels
   glm::dmat2 form_{1.0};        ///< lattice offsets to kernel radii: Q = 1 − |form · offset|²
   double weight_ = 1;           ///< of one kernel that is counted

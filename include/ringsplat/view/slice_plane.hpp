@@ -25,8 +25,8 @@ struct SlicePlane {
   static constexpr int border = 3;
 };
 
-/// `view`: of the lattice to a screen of width × height pixels. `samples`: pixels a voxel along either axis of the slices; fewer where the
-/// screen has fewer, so that the warp never has to leave pixels out. `radius`: of the kernels, in voxels.
+/// `view`: of the lattice to a screen of width × height pixels. `samples`: pixels a voxel along either axis of the slices, a power of two;
+/// halved, or made what it is on the screen if that is below 1, where the screen has fewer, so that the warp never has to leave pixels out. `radius`: of the kernels, in voxels.
 ///
 /// The shear is rounded to 2⁻³⁰ pixels a slice. Positions are then exact in double precision, and those of a slice's voxels differ by whole
 /// pixels exactly where pixels_a_voxel are whole numbers; the last of a thousand slices is shifted by less than 10⁻⁶ pixels.
