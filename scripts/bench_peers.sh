@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
 # Compares with VTK's fixed-point ray caster and VolPack:  scripts/bench_peers.sh [ROUNDS [RENDER OPTION...]]
-# (default 3; nothing else should run; RENDER OPTIONs go to ringsplat)
+# (default 3; nothing else should run; RENDER OPTIONs go to all of ringsplat's runs)
 #
 # The repository's head, 512x512, 24 views that traverse all three slice sets, the opacities of mr-soft (about 32 % of
-# the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded. The programs take turns; figures are
-# medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
+# the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded; ringsplat with two colocated ranks, on the screen and in the
+# plane of the slices. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
 # Prints a Markdown table. VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
@@ -63,10 +63,21 @@ frames() {
   "$@" 2>>"$work/log" | tail -n +2 >>"$list" || { cat "$work/log" >&2; die "$1 failed"; }
 }
 
-# One frame in flight: from the announcement to the last tile, as the others' are from call to return.
+declare -A setting=(
+  [screen]=""
+  [slices]="--image-plane slices"
+  [sharp]="--image-plane slices --radius 1 --normalisation exact"
+)
+
+ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...
+  # shellcheck disable=SC2086  # a setting's options are words
+  run_ranks 2 "$build/ringsplat" render "${volume[@]}" --roles colocated --gps 2 --renderers 2 --size 512 --tf "$work/$2.json" --shading "$3" \
+    --path "$work/$4" ${setting[$1]} "${options[@]}" "${@:5}" >/dev/null
+}
+
+# One frame in flight: from the announcement to the finished picture, as the others' are from call to return.
 ringsplat_frames() {
-  run_ranks 2 "$build/ringsplat" render "${volume[@]}" --roles colocated --gps 2 --renderers 2 --size 512 --path "$work/views.txt" \
-    --tf "$work/$1.json" --shading "$2" --frames-in-flight 1 -o "$work/ringsplat-$1-$2.exr" --stats "$work/one.jsonl" "${options[@]}" >/dev/null
+  ringsplat "$1" "$2" "$3" views.txt --frames-in-flight 1 -o "$work/picture.jpg" --background black --stats "$work/one.jsonl"
   "$peers/venv/bin/python" -c 'import json, sys; [print(json.loads(line)["seconds"]) for line in open(sys.argv[1])]' "$work/one.jsonl"
 }
 
@@ -78,7 +89,10 @@ for ((k = 1; k <= rounds; ++k)); do
   say "round $k of $rounds"
   for function in soft surface; do
     for shading in phong none; do
-      frames ringsplat "$function-$shading" ringsplat_frames "$function" "$shading"
+      for name in "${!setting[@]}"; do
+        frames "$name" "$function-$shading" ringsplat_frames "$name" "$function" "$shading"
+        if [[ -n ${pictures[*]} ]]; then ringsplat "$name" "$function" "$shading" truth_views.txt -o "$work/$name-$function-$shading.exr"; fi
+      done
       frames vtk "$function-$shading" "$peers/venv/bin/python" "$repo/scripts/peers/vtk_frames.py" "$work" "$function" "$shading" "${pictures[@]}"
       frames volpack "$function-$shading" "$peers/volpack_frames" "$work" "$function" "$shading" "${dims[@]}" "${spacing[@]}" 512 "${pictures[@]}"
     done

@@ -36,13 +36,18 @@ row runs-u8 2 "${runs[@]}" --precision u8 "${dedicated[@]}"
 row frames-in-flight-2 2 "${none[@]:0:6}" --frames-in-flight 2 --look-ahead 1 "${dedicated[@]}"
 row look-ahead-4 2 "${none[@]:0:6}" --frames-in-flight 1 --look-ahead 4 "${dedicated[@]}"
 row colocated 2 "${none[@]}" "${colocated[@]}"
-all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 2 --look-ahead 4)
-row all-exact 2 "${all[@]}" "${colocated[@]}"
-row all-u8 2 "${all[@]}" --precision u8 "${colocated[@]}"
+slices=(--image-plane slices)
+row slices-plane 2 "${runs[@]}" "${slices[@]}" "${dedicated[@]}"
+row slices-plane,-2-samples 2 "${runs[@]}" "${slices[@]}" --samples 2 "${dedicated[@]}"
 row undersample-2 2 "${none[@]}" --undersample 2 "${dedicated[@]}"
 row undersample-2-prefiltered 2 "${none[@]}" --undersample 2 --prefilter "${dedicated[@]}"
 row undersample-4 2 "${none[@]}" --undersample 4 "${dedicated[@]}"
-row all-undersample-2 2 "${all[@]}" --undersample 2 --prefilter "${colocated[@]}"
+all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 1)
+row all,-on-the-screen 2 "${all[@]}" "${colocated[@]}"
+row all 2 "${all[@]}" "${slices[@]}" "${colocated[@]}"
+row all,-u8 2 "${all[@]}" "${slices[@]}" --precision u8 "${colocated[@]}"
+row all,-undersample-2 2 "${all[@]}" "${slices[@]}" --undersample 2 "${colocated[@]}"
+row all,-undersample-2-prefiltered 2 "${all[@]}" "${slices[@]}" --undersample 2 --prefilter "${colocated[@]}"
 
 # shellcheck disable=SC2086  # a row's options are words
 table_row() { # FUNCTION ROW
@@ -53,22 +58,28 @@ error_row() {
   render "${row_ranks[$2]}" "error-$1-$2" "$head" --tf "mr-$1" --size 512 --path "$work/truth_views.txt" ${row_options[$2]} --error method
 }
 
-default() { # NAME RANKS OPTION...: a run with the program's own defaults but one frame in flight
+default() { # NAME RANKS OPTION...: a run with the program's own defaults
   local name=$1 ranks=$2
   shift 2
-  render "$ranks" "$name" "$@" --size 512 --frames-in-flight 1 --path "$work/views.txt"
+  render "$ranks" "$name" "$@" --size 512 --path "$work/views.txt"
 }
 
+# What is held to bounds, on the screen and in the slices' plane.
 held_rows() {
-  default held-one-process 0 "$head" --tf mr-soft
-  default held-2-colocated 2 "$head" --tf mr-soft "${colocated[@]}"
-  default held-16-colocated 16 "$head" --tf mr-soft --roles colocated --gps 16 --renderers 16
-  default held-surface 2 "$head" --tf mr-surface "${colocated[@]}"
+  local plane size
   sed 's/$/ 0 2/' "$work/views.txt" >"$work/zoomed.txt"
-  render 2 held-padded "$work/padded.nrrd" --tf mr-soft --size 512 --frames-in-flight 1 --path "$work/zoomed.txt" "${colocated[@]}"
-  local size
-  for size in 512 256; do
-    render 2 "held-front-$size" "$head" --tf mr-soft --size "$size" --frames-in-flight 1 --path "$work/front.txt" "${colocated[@]}"
+  for plane in screen slices; do
+    local in_plane=(--image-plane "$plane" --frames-in-flight 1) name=held-$plane
+    default "$name-one-process" 0 "$head" --tf mr-soft "${in_plane[@]}"
+    default "$name-2-colocated" 2 "$head" --tf mr-soft "${in_plane[@]}" "${colocated[@]}"
+    default "$name-16-colocated" 16 "$head" --tf mr-soft "${in_plane[@]}" --roles colocated --gps 16 --renderers 16
+    default "$name-surface" 2 "$head" --tf mr-surface "${in_plane[@]}" "${colocated[@]}"
+    default "$name-undersampled" 2 "$head" --tf mr-soft "${in_plane[@]}" --undersample 2 "${colocated[@]}"
+    default "$name-prefiltered" 2 "$head" --tf mr-soft "${in_plane[@]}" --undersample 2 --prefilter "${colocated[@]}"
+    render 2 "$name-padded" "$work/padded.nrrd" --tf mr-soft --size 512 "${in_plane[@]}" --path "$work/zoomed.txt" "${colocated[@]}"
+    for size in 512 256; do
+      render 2 "$name-front-$size" "$head" --tf mr-soft --size "$size" "${in_plane[@]}" --path "$work/front.txt" "${colocated[@]}"
+    done
   done
 }
 

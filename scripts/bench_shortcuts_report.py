@@ -52,18 +52,28 @@ def shortcuts(folder: Path, rows: list[str]) -> None:
 
 
 def held(folder: Path) -> None:
-    def ratio(what: str, a: str, b: str, bound: str) -> None:
-        first, second = (milliseconds(folder, f"held-{n}", "seconds") for n in (a, b))
-        print(f"| {what} | {first:.1f} | {second:.1f} | {first / second:.2f} | {bound} |")
+    """Ratios that the project holds to bounds, for both image planes."""
+    planes = ("screen", "slices")
 
-    print("| | ms a frame | of | ratio | bound |\n|---|---|---|---|---|")
+    def time_of(plane: str, name: str) -> float:
+        return milliseconds(folder, f"held-{plane}-{name}", "seconds")
+
+    def ratio(what: str, a: str, b: str, bound: str) -> None:
+        cells = []
+        for plane in planes:
+            first, second = time_of(plane, a), time_of(plane, b)
+            cells.append(f"{first:.1f} of {second:.1f} ms | {first / second:.2f}")
+        print(f"| {what} | {' | '.join(cells)} | {bound} |")
+
+    print("| | screen | ratio | slices' plane | ratio | bound |\n|---|---|---|---|---|---|")
     ratio("surface, of soft", "surface", "2-colocated", "at most 0.33")
     ratio("in a box twice as large, of the volume alone", "padded", "2-colocated", "at most 1.10")
+    ratio("full, of undersampled by 2", "2-colocated", "undersampled", "at least 5")
+    ratio("prefiltered, of skipped", "prefiltered", "undersampled", "at most 1.3")
     ratio("one process, of 2 colocated ranks", "one-process", "2-colocated", "at least 1.7")
     ratio("16 colocated ranks, of 2", "16-colocated", "2-colocated", "at most 1.33")
-    part, whole = (milliseconds(folder, f"held-front-{size}", "seconds") for size in (256, 512))
-    few, many = (frames(folder, f"held-front-{size}")[0]["total"]["splats_drawn"] for size in (256, 512))
-    print(f"| a quarter of the picture, of the whole | {part:.1f} | {whole:.1f} | {part / whole:.2f} | its splats: {few / many:.2f} |")
+    few, many = (frames(folder, f"held-screen-front-{size}")[0]["total"]["splats_drawn"] for size in (256, 512))
+    ratio("a quarter of the picture, of the whole", "front-256", "front-512", f"its splats: {few / many:.2f}")
 
 
 if __name__ == "__main__":

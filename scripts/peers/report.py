@@ -1,7 +1,7 @@
 """Tables of scripts/bench_peers.sh:  report.py FOLDER RINGSPLAT TRUTH_FOLDER TRUTH_VIEW...
 
 Reads the seconds of all frames (PROGRAM-FUNCTION-SHADING.seconds; ringsplat's from its statistics) and compares the
-pictures of some views with the truth.
+pictures of some views with the truth. Ringsplat's pictures are of these views only, the others' of all views.
 """
 import json
 import math
@@ -10,8 +10,14 @@ import subprocess
 import sys
 from pathlib import Path
 
-PROGRAMS = {"ringsplat": ".exr", "vtk": ".pfm", "volpack": ".pfm"}
-NAMES = {"ringsplat": "ringsplat, 2 colocated ranks", "vtk": "VTK fixed-point, all cores", "volpack": "VolPack, one core"}
+NAMES = {
+    "screen": "ringsplat, on the screen",
+    "slices": "ringsplat, in the slices' plane",
+    "sharp": "ringsplat, in the slices' plane, radius 1, exact normalisation",
+    "vtk": "VTK fixed-point, all cores",
+    "volpack": "VolPack, one core",
+}
+PEERS = ("vtk", "volpack")
 
 
 def frame_seconds(folder, program, case):
@@ -27,25 +33,28 @@ def rmse(ringsplat, picture, truth):
 
 
 def error(folder, ringsplat, truths, program, case, views):
-    pictures = [(folder / f"{program}-{case}-{v:04}{PROGRAMS[program]}", truths / f"{case}-{k:04}.exr") for k, v in enumerate(views)]
-    return math.sqrt(statistics.mean(rmse(ringsplat, *pair) ** 2 for pair in pictures))
+    squares = []
+    for k, view in enumerate(views):
+        picture = f"{program}-{case}-{view:04}.pfm" if program in PEERS else f"{program}-{case}-{k:04}.exr"
+        squares.append(rmse(ringsplat, folder / picture, truths / f"{case}-{k:04}.exr") ** 2)
+    return math.sqrt(statistics.mean(squares))
 
 
 def main():
     folder, ringsplat, truths = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
     views = list(map(int, sys.argv[4:]))
     scene = json.loads((folder / "scene.json").read_text())
-    print("| transfer function | shading | program | ms a frame | slower than ringsplat | RMSE, 1/255 |")
+    print("| transfer function | shading | program | ms a frame | times as fast as VTK | RMSE, 1/255 |")
     print("|---|---|---|---|---|---|")
     for function in scene["functions"]:
         for shading in ("phong", "none"):
             case = f"{function}-{shading}"
-            ours = statistics.median(frame_seconds(folder, "ringsplat", case))
-            for program in PROGRAMS:
+            vtk = statistics.median(frame_seconds(folder, "vtk", case))
+            for program in NAMES:
                 median = statistics.median(frame_seconds(folder, program, case))
                 apart = error(folder, ringsplat, truths, program, case, views)
                 visible = f"{100 * scene[function + ' visible']:.1f} %"
-                print(f"| {function}, {visible} | {shading} | {NAMES[program]} | {1e3 * median:.1f} | {median / ours:.2f} | {apart:.2f} |")
+                print(f"| {function}, {visible} | {shading} | {NAMES[program]} | {1e3 * median:.1f} | {vtk / median:.2f} | {apart:.2f} |")
 
 
 if __name__ == "__main__":

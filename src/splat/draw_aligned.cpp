@@ -15,7 +15,7 @@ namespace ringsplat::HWY_NAMESPACE {
 
 #if RINGSPLAT_ONE_BY_ONE
 
-void Premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
+void premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
   const float scale = opacity * (1.0F / 65535.0F);
   for (int k = 0; k < copies; ++k, out += 4) {
     out[0] = static_cast<float>(voxel.red) * scale;
@@ -25,7 +25,7 @@ void Premultiply(const VoxelColour& voxel, float opacity, int copies, float* out
   }
 }
 
-void AddTaps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
+void add_taps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
   for (int i = 0; i < 4 * block_pixels; ++i) {
     float sum = pixels[i];
     for (int tap = 0; tap < count; ++tap) sum = std::fma(weights[tap * 4 * block_pixels + i], taps[tap * tap_floats + i], sum);
@@ -35,7 +35,7 @@ void AddTaps(const float* taps, int count, int tap_floats, const float* weights,
 
 #else
 
-HWY_INLINE void Premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
+HWY_INLINE void premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
   const FourFloats d;
   const hn::Rebind<std::int32_t, FourFloats> d32;
   const hn::Rebind<std::uint16_t, FourFloats> d16;
@@ -46,7 +46,7 @@ HWY_INLINE void Premultiply(const VoxelColour& voxel, float opacity, int copies,
 }
 
 /// Adds `count` taps to a block of pixels, the leftmost voxel's first.
-HWY_INLINE void AddTaps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
+HWY_INLINE void add_taps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
   const Floats d;
   for (std::size_t at = 0; at < 4 * block_pixels; at += lanes) {
     auto sum = hn::LoadU(d, pixels + at);
@@ -59,31 +59,42 @@ HWY_INLINE void AddTaps(const float* taps, int count, int tap_floats, const floa
 
 #endif
 
-void SpreadColours(const VoxelColour* voxels, int count, const AlignedSlice& slice, float* colours) {
-  for (int k = 0; k < count; ++k) {
-    const auto opacity = static_cast<float>(static_cast<double>(voxels[k].opacity) * slice.opacity_weight);
+HWY_INLINE void spread_colours(const AlignedRow& row, const AlignedSlice& slice, float* colours) {
+  for (int k = 0; k < row.count; ++k) {
+    const VoxelColour& voxel = row.voxels[k];
+    const auto opacity = static_cast<float>(static_cast<double>(voxel.opacity) * slice.opacity_weight);
     const bool plausible = std::abs(opacity) < largest_coefficient;
-    Premultiply(voxels[k], plausible ? opacity : 0.0F, slice.step_x, colours + std::ptrdiff_t{4} * k * slice.step_x);
+    premultiply(voxel, plausible ? opacity : 0.0F, slice.step_x, colours + std::ptrdiff_t{4} * k * slice.step_x);
   }
 }
 
-void ConvolveRow(const SliceBuffer& buffer, const AlignedSlice& slice, const float* colours, int x, int y, int pixels) {
-  const int top = y - slice.reach_y, first = std::max(slice.first_row, -top), end = std::min(slice.end_row, buffer.height - top);
-  const int tap_floats = 4 * slice.step_x, row_weights = slice.taps * 4 * block_pixels;
-  float* corner = buffer.origin + top * buffer.row_floats + (x - slice.reach_x) * std::ptrdiff_t{4};
-  const float* leftmost = colours - (slice.taps - 1) * std::ptrdiff_t{tap_floats};
-  for (int at = 0; at < pixels; at += block_pixels) {
-    const std::ptrdiff_t floats = std::ptrdiff_t{4} * at;
-    for (int row = first; row < end; ++row) {
-      const float* weights = slice.weights.data() + row * row_weights;
-      float* block = corner + row * buffer.row_floats + floats;
-      // Known lengths are unrolled.
-      if (slice.taps == 4)
-        AddTaps(leftmost + floats, 4, tap_floats, weights, block);
-      else
-        AddTaps(leftmost + floats, slice.taps, tap_floats, weights, block);
-    }
+/// `taps`: those of the slice, known to the compiler where it matters.
+HWY_INLINE void convolve(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, const float* colours, int pixels, int taps) {
+  const int top = row.y - slice.reach_y, first = std::max(slice.first_row, -top), end = std::min(slice.end_row, buffer.height - top);
+  const int tap_floats = 4 * slice.step_x, row_weights = taps * 4 * block_pixels;
+  float* corner = buffer.origin + top * buffer.row_floats + (row.x - slice.reach_x) * std::ptrdiff_t{4};
+  const float* leftmost = colours - (taps - 1) * std::ptrdiff_t{tap_floats};
+  for (int floats = 0; floats < 4 * pixels; floats += 4 * block_pixels) {
+    const float* weights = slice.weights.data() + first * row_weights;
+    float* block = corner + first * buffer.row_floats + floats;
+    for (int i = first; i < end; ++i, weights += row_weights, block += buffer.row_floats) add_taps(leftmost + floats, taps, tap_floats, weights, block);
   }
+}
+
+/// Returns how many pixels from the first window's on were added to.
+int DrawAligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, float* scratch) {
+  const int before = (slice.taps - 1) * slice.step_x, given = row.count * slice.step_x;
+  const int covered = given - slice.step_x + 2 * slice.reach_x + 2, pixels = (covered + block_pixels - 1) / block_pixels * block_pixels;
+  float* colours = scratch + std::ptrdiff_t{4} * before;
+  // The taps of the first and of the last block reach beyond the voxels.
+  std::fill(scratch, colours, 0.0F);
+  spread_colours(row, slice, colours);
+  std::fill(colours + std::ptrdiff_t{4} * given, colours + std::ptrdiff_t{4} * std::max(pixels, given), 0.0F);
+  if (slice.taps == 4)
+    convolve(buffer, slice, row, colours, pixels, 4);
+  else
+    convolve(buffer, slice, row, colours, pixels, slice.taps);
+  return pixels;
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -93,8 +104,7 @@ HWY_AFTER_NAMESPACE();
 namespace ringsplat {
 namespace {
 
-HWY_EXPORT(SpreadColours);
-HWY_EXPORT(ConvolveRow);
+HWY_EXPORT(DrawAligned);
 
 /// Of voxels whose windows all lie within the region every one is drawn; of the others those with a weight above zero inside.
 std::uint64_t count_drawn(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row) {
@@ -111,6 +121,7 @@ std::uint64_t count_drawn(const SliceBuffer& buffer, const AlignedSlice& slice, 
 
 /// Windows that reach over the region's edge leave something in its margins.
 void clear_margins(const SliceBuffer& buffer, const AlignedSlice& slice, int y, int left, int end) {
+  if (left >= 0 && end <= buffer.width) return;
   for (int row = std::max(y - slice.reach_y, 0); row < std::min(y + slice.reach_y + 2, buffer.height); ++row) {
     float* pixels = buffer.origin + row * buffer.row_floats;
     if (left < 0) std::fill(pixels + std::ptrdiff_t{4} * left, pixels, 0.0F);
@@ -121,13 +132,9 @@ void clear_margins(const SliceBuffer& buffer, const AlignedSlice& slice, int y, 
 }  // namespace
 
 DrawCounts draw_aligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, std::vector<float>& scratch) {
-  // Zeros on both sides: as many as the taps of the first and the last block reach beyond the voxels.
-  const int covered = (row.count - 1) * slice.step_x + 2 * slice.reach_x + 2, pixels = (covered + block_pixels - 1) / block_pixels * block_pixels;
-  const int before = (slice.taps - 1) * slice.step_x;
-  scratch.assign(std::size_t(4) * std::size_t(before + std::max(pixels, row.count * slice.step_x)), 0.0F);
-  float* colours = scratch.data() + std::ptrdiff_t{4} * before;
-  HWY_DYNAMIC_DISPATCH(SpreadColours)(row.voxels, row.count, slice, colours);
-  HWY_DYNAMIC_DISPATCH(ConvolveRow)(buffer, slice, colours, row.x, row.y, pixels);
+  const auto room = std::size_t(4) * std::size_t((row.count + 2 * slice.taps) * slice.step_x + block_pixels);
+  if (scratch.size() < room) scratch.resize(room);
+  const int pixels = HWY_DYNAMIC_DISPATCH(DrawAligned)(buffer, slice, row, scratch.data());
   const int left = row.x - slice.reach_x;
   clear_margins(buffer, slice, row.y, left, left + pixels);
   buffer.runs[row.y + slice.reach_y + 1].include(row.x, row.x + (row.count - 1) * slice.step_x);
