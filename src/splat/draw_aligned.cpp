@@ -106,16 +106,20 @@ namespace {
 
 HWY_EXPORT(DrawAligned);
 
-/// Of voxels whose windows all lie within the region every one is drawn; of the others those with a weight above zero inside.
+bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, int x, int y) {
+  return std::any_of(slice.covered.begin(), slice.covered.end(), [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, y + at.y); });
+}
+
+/// Voxels with a weight above zero inside the region. Those whose columns all lie inside are alike.
 std::uint64_t count_drawn(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row) {
-  const int last = row.x + (row.count - 1) * slice.step_x;
   const bool rows_inside = row.y >= slice.reach_y && row.y + slice.reach_y + 1 < buffer.height;
-  if (rows_inside && row.x >= slice.reach_x && last + slice.reach_x + 1 < buffer.width) return std::uint64_t(row.count);
+  const auto columns_inside = [&](int x) { return x >= slice.reach_x && x + slice.reach_x + 1 < buffer.width; };
+  const auto x_of = [&](int k) { return row.x + k * slice.step_x; };
+  int first = 0, end = row.count;
   std::uint64_t drawn = 0;
-  for (int x = row.x; x <= last; x += slice.step_x) {
-    drawn += std::any_of(slice.covered.begin(), slice.covered.end(),
-                         [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, row.y + at.y); });
-  }
+  for (; first < end && !columns_inside(x_of(first)); ++first) drawn += reaches(buffer, slice, x_of(first), row.y);
+  for (; first < end && !columns_inside(x_of(end - 1)); --end) drawn += reaches(buffer, slice, x_of(end - 1), row.y);
+  if (first < end && (rows_inside || reaches(buffer, slice, x_of(first), row.y))) drawn += std::uint64_t(end - first);
   return drawn;
 }
 
