@@ -26,7 +26,8 @@ const char* word(Precision precision) {
 
 /// Radii, image planes and levels that go together.
 std::vector<Shortcuts> geometries(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  const Shortcuts given{frame.opaque_threshold, frame.precision, frame.kernel_radius, frame.image_plane, frame.plane_samples, frame.reduction.factor};
+  const Shortcuts given{frame.opaque_threshold, frame.precision,     frame.kernel_radius,
+                        frame.image_plane,      frame.plane_samples, frame.reduction.factor};
   std::vector<Shortcuts> all{given};
   const auto add = [&](auto Shortcuts::*what, auto value) {
     all.push_back(all.front());

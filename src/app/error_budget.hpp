@@ -15,7 +15,7 @@ struct Shortcuts {
   Precision precision = Precision::float32;
   double radius = 1.6;  ///< of the kernel, in lattice distances
   ImagePlane plane = ImagePlane::screen;
-  int samples = 1;      ///< in the slices' plane
+  int samples = 1;  ///< in the slices' plane
   int undersample = 1;
   bool operator==(const Shortcuts&) const = default;
 };

@@ -260,7 +260,7 @@ void add_shortcut_options(CLI::App& app, RenderOptions& o) {
          app.add_option("--undersample", f.reduction.factor, "Render a volume of every 2nd or 4th voxel along each axis")
              ->type_name("1|2|4")
              ->capture_default_str(),
-         app.add_flag("--prefilter", f.reduction.prefilter, "Undersampled voxels are means of the ones that they stand for"),
+         app.add_flag("--prefilter", f.reduction.prefilter, "Undersampled voxels are filtered from those that they stand for, not picked"),
          add_choice(app, "--image-plane", f.image_plane,
                     Choices<ImagePlane>{{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}}, "screen",
                     "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end"),

@@ -15,7 +15,8 @@ class AlignedReader final : public PayloadReader {
   AlignedReader(const FrameGeometry& geometry, const FrameKernel& kernel)
       : geometry_(geometry),
         kernel_(kernel),
-        cursor_(geometry.grid.slice_width(geometry.traversal.axis), geometry.grid.slice_height(geometry.traversal.axis)) {}
+        cursor_(geometry.grid.slice_width(geometry.traversal.axis),
+                geometry.grid.slice_height(geometry.traversal.axis)) {}
 
   void begin(int slice, std::span<const std::byte> body, const std::function<bool(int)>& owned) override {
     cursor_.begin(body, owned);
@@ -45,12 +46,16 @@ class AlignedReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry, const FrameKernel& kernel) {
+std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                                   const FrameKernel& kernel) {
   if (!make_aligned_slice(kernel, geometry.view, geometry.traversal.axis, 0)) return {};
   switch (spec.precision) {
-    case Precision::half: return std::make_unique<AlignedReader<HalfVoxel>>(geometry, kernel);
-    case Precision::u8: return std::make_unique<AlignedReader<ByteVoxel>>(geometry, kernel);
-    case Precision::float32: break;
+    case Precision::half:
+      return std::make_unique<AlignedReader<HalfVoxel>>(geometry, kernel);
+    case Precision::u8:
+      return std::make_unique<AlignedReader<ByteVoxel>>(geometry, kernel);
+    case Precision::float32:
+      break;
   }
   return std::make_unique<AlignedReader<FloatVoxel>>(geometry, kernel);
 }

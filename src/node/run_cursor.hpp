@@ -17,7 +17,8 @@ class RunCursor {
   /// `width`, `height`: of the slice, in voxels.
   RunCursor(int width, int height) : width_(std::uint32_t(width)), height_(std::uint32_t(height)) {}
 
-  /// Throws RunError when `body` is no payload of runs in such a slice for regions, ascending, that `owned` is true of.
+  /// Throws RunError when `body` is no payload of runs in such a slice for regions, ascending, that `owned`
+  /// is true of.
   void begin(std::span<const std::byte> body, const std::function<bool(int)>& owned) {
     body_ = body;
     at_ = group_end_ = 0;
@@ -69,7 +70,9 @@ class RunCursor {
     std::uint64_t voxels = 0;
     for (std::uint32_t k = 0; k < group.runs; ++k) {
       VoxelRun run;
-      if (!take(body_, at, run) || run.row >= height_ || run.first >= width_ || run.count == 0 || run.count > width_ - run.first) return false;
+      if (!take(body_, at, run) || run.row >= height_ || run.first >= width_ || run.count == 0 ||
+          run.count > width_ - run.first)
+        return false;
       voxels += run.count;
     }
     if (voxels != group.voxels || (body_.size() - at) / sizeof(Voxel) < group.voxels) return false;
@@ -79,7 +82,8 @@ class RunCursor {
 
   std::uint32_t width_, height_;
   std::span<const std::byte> body_;
-  std::size_t at_ = 0, voxel_at_ = 0, group_end_ = 0;  ///< bytes into the body: the next run, the next voxel, the next group
+  std::size_t at_ = 0, voxel_at_ = 0,
+              group_end_ = 0;  ///< bytes into the body: the next run, the next voxel, the next group
   RunGroup group_{};
   std::uint32_t runs_left_ = 0;
   VoxelRun run_{};

@@ -16,9 +16,10 @@ struct AlignedRow {
   int count;
 };
 
-/// Adds the voxels to the slice buffer as draw_with_stencil does: the same operations in the same order in every pixel, but for
-/// additions of zero. Prepared as for draw_with_stencil. A voxel whose opacity is no number that a footprint can give adds nothing.
-/// `scratch` is only kept to spare its allocation.
-DrawCounts draw_aligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, std::vector<float>& scratch);
+/// Adds the voxels to the slice buffer as draw_with_stencil does: the same operations in the same order in
+/// every pixel, but for additions of zero. Prepared as for draw_with_stencil. A voxel whose opacity is no
+/// number that a footprint can give adds nothing. `scratch` is only kept to spare its allocation.
+DrawCounts draw_aligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row,
+                        std::vector<float>& scratch);
 
 }  // namespace ringsplat

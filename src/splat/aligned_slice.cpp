@@ -12,13 +12,17 @@ namespace {
 
 bool is_whole_step(double step) { return step == 1 || step == 2 || step == 4; }
 
-/// The pixels of all windows round their anchors, row by row: their weights for one place of the voxel between the pixels.
+/// The pixels of all windows round their anchors, row by row: their weights for one place of the voxel
+/// between the pixels.
 class Window {
  public:
   Window(const Footprint& footprint, KernelReach reach, double dx, double dy)
-      : reach_x_(int(reach.x)), reach_y_(int(reach.y)), weights_(std::size_t(width()) * std::size_t(height())) {
+      : reach_x_(int(reach.x)),
+        reach_y_(int(reach.y)),
+        weights_(std::size_t(width()) * std::size_t(height())) {
     const auto exact = coefficients(footprint, dx, dy);
-    const auto a = static_cast<float>(exact.a), b = static_cast<float>(exact.b), c = static_cast<float>(exact.c);
+    const auto a = static_cast<float>(exact.a), b = static_cast<float>(exact.b),
+               c = static_cast<float>(exact.c);
     for (int row = 0; row < height(); ++row) {
       for (int column = 0; column < width(); ++column) {
         const int x = column - reach_x_, y = row - reach_y_;
@@ -32,7 +36,9 @@ class Window {
   float weight(int row, int column) const { return column < width() ? weights_[at(row, column)] : 0.0F; }
 
  private:
-  std::size_t at(int row, int column) const { return std::size_t(row) * std::size_t(width()) + std::size_t(column); }
+  std::size_t at(int row, int column) const {
+    return std::size_t(row) * std::size_t(width()) + std::size_t(column);
+  }
 
   int reach_x_, reach_y_;
   std::vector<float> weights_;
@@ -62,10 +68,12 @@ void take_weights(const Window& window, AlignedSlice& slice) {
 
 }  // namespace
 
-std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view, Axis axis, int slice) {
+std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view,
+                                               Axis axis, int slice) {
   const auto [u, v] = in_plane(axis);
   const glm::dvec2 along_u(view.linear[u]), along_v(view.linear[v]);
-  const bool aligned = is_whole_step(along_u.x) && along_u.y == 0 && along_v.x == 0 && is_whole_step(along_v.y);
+  const bool aligned =
+      is_whole_step(along_u.x) && along_u.y == 0 && along_v.x == 0 && is_whole_step(along_v.y);
   if (!aligned || kernel.table || kernel.qee_bits > 0 || !has_stencil(kernel.footprint)) return {};
   glm::dvec3 first(0.0);
   first[static_cast<int>(axis)] = slice;

@@ -28,7 +28,8 @@ void premultiply(const VoxelColour& voxel, float opacity, int copies, float* out
 void add_taps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
   for (int i = 0; i < 4 * block_pixels; ++i) {
     float sum = pixels[i];
-    for (int tap = 0; tap < count; ++tap) sum = std::fma(weights[tap * 4 * block_pixels + i], taps[tap * tap_floats + i], sum);
+    for (int tap = 0; tap < count; ++tap)
+      sum = std::fma(weights[tap * 4 * block_pixels + i], taps[tap * tap_floats + i], sum);
     pixels[i] = sum;
   }
 }
@@ -51,7 +52,8 @@ HWY_INLINE void add_taps(const float* taps, int count, int tap_floats, const flo
   for (std::size_t at = 0; at < 4 * block_pixels; at += lanes) {
     auto sum = hn::LoadU(d, pixels + at);
     for (int tap = 0; tap < count; ++tap) {
-      sum = hn::MulAdd(hn::LoadU(d, weights + tap * 4 * block_pixels + at), hn::LoadU(d, taps + tap * tap_floats + at), sum);
+      sum = hn::MulAdd(hn::LoadU(d, weights + tap * 4 * block_pixels + at),
+                       hn::LoadU(d, taps + tap * tap_floats + at), sum);
     }
     hn::StoreU(sum, d, pixels + at);
   }
@@ -64,27 +66,32 @@ HWY_INLINE void spread_colours(const AlignedRow& row, const AlignedSlice& slice,
     const VoxelColour& voxel = row.voxels[k];
     const auto opacity = static_cast<float>(static_cast<double>(voxel.opacity) * slice.opacity_weight);
     const bool plausible = std::abs(opacity) < largest_coefficient;
-    premultiply(voxel, plausible ? opacity : 0.0F, slice.step_x, colours + std::ptrdiff_t{4} * k * slice.step_x);
+    premultiply(voxel, plausible ? opacity : 0.0F, slice.step_x,
+                colours + std::ptrdiff_t{4} * k * slice.step_x);
   }
 }
 
 /// `taps`: those of the slice, known to the compiler where it matters.
-HWY_INLINE void convolve(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, const float* colours, int pixels, int taps) {
-  const int top = row.y - slice.reach_y, first = std::max(slice.first_row, -top), end = std::min(slice.end_row, buffer.height - top);
+HWY_INLINE void convolve(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row,
+                         const float* colours, int pixels, int taps) {
+  const int top = row.y - slice.reach_y, first = std::max(slice.first_row, -top),
+            end = std::min(slice.end_row, buffer.height - top);
   const int tap_floats = 4 * slice.step_x, row_weights = taps * 4 * block_pixels;
   float* corner = buffer.origin + top * buffer.row_floats + (row.x - slice.reach_x) * std::ptrdiff_t{4};
   const float* leftmost = colours - (taps - 1) * std::ptrdiff_t{tap_floats};
   for (int floats = 0; floats < 4 * pixels; floats += 4 * block_pixels) {
     const float* weights = slice.weights.data() + first * row_weights;
     float* block = corner + first * buffer.row_floats + floats;
-    for (int i = first; i < end; ++i, weights += row_weights, block += buffer.row_floats) add_taps(leftmost + floats, taps, tap_floats, weights, block);
+    for (int i = first; i < end; ++i, weights += row_weights, block += buffer.row_floats)
+      add_taps(leftmost + floats, taps, tap_floats, weights, block);
   }
 }
 
 /// Returns how many pixels from the first window's on were added to.
 int DrawAligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, float* scratch) {
   const int before = (slice.taps - 1) * slice.step_x, given = row.count * slice.step_x;
-  const int covered = given - slice.step_x + 2 * slice.reach_x + 2, pixels = (covered + block_pixels - 1) / block_pixels * block_pixels;
+  const int covered = given - slice.step_x + 2 * slice.reach_x + 2,
+            pixels = (covered + block_pixels - 1) / block_pixels * block_pixels;
   float* colours = scratch + std::ptrdiff_t{4} * before;
   // The taps of the first and of the last block reach beyond the voxels.
   std::fill(scratch, colours, 0.0F);
@@ -107,35 +114,44 @@ namespace {
 HWY_EXPORT(DrawAligned);
 
 bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, int x, int y) {
-  return std::any_of(slice.covered.begin(), slice.covered.end(), [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, y + at.y); });
+  return std::any_of(slice.covered.begin(), slice.covered.end(),
+                     [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, y + at.y); });
 }
 
 /// Voxels with a weight above zero inside the region. Those whose columns all lie inside are alike.
 std::uint64_t count_drawn(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row) {
   const bool rows_inside = row.y >= slice.reach_y && row.y + slice.reach_y + 1 < buffer.height;
-  const auto columns_inside = [&](int x) { return x >= slice.reach_x && x + slice.reach_x + 1 < buffer.width; };
+  const auto columns_inside = [&](int x) {
+    return x >= slice.reach_x && x + slice.reach_x + 1 < buffer.width;
+  };
   const auto x_of = [&](int k) { return row.x + k * slice.step_x; };
   int first = 0, end = row.count;
   std::uint64_t drawn = 0;
-  for (; first < end && !columns_inside(x_of(first)); ++first) drawn += reaches(buffer, slice, x_of(first), row.y);
-  for (; first < end && !columns_inside(x_of(end - 1)); --end) drawn += reaches(buffer, slice, x_of(end - 1), row.y);
-  if (first < end && (rows_inside || reaches(buffer, slice, x_of(first), row.y))) drawn += std::uint64_t(end - first);
+  for (; first < end && !columns_inside(x_of(first)); ++first)
+    drawn += reaches(buffer, slice, x_of(first), row.y);
+  for (; first < end && !columns_inside(x_of(end - 1)); --end)
+    drawn += reaches(buffer, slice, x_of(end - 1), row.y);
+  if (first < end && (rows_inside || reaches(buffer, slice, x_of(first), row.y)))
+    drawn += std::uint64_t(end - first);
   return drawn;
 }
 
 /// Windows that reach over the region's edge leave something in its margins.
 void clear_margins(const SliceBuffer& buffer, const AlignedSlice& slice, int y, int left, int end) {
   if (left >= 0 && end <= buffer.width) return;
-  for (int row = std::max(y - slice.reach_y, 0); row < std::min(y + slice.reach_y + 2, buffer.height); ++row) {
+  for (int row = std::max(y - slice.reach_y, 0); row < std::min(y + slice.reach_y + 2, buffer.height);
+       ++row) {
     float* pixels = buffer.origin + row * buffer.row_floats;
     if (left < 0) std::fill(pixels + std::ptrdiff_t{4} * left, pixels, 0.0F);
-    if (end > buffer.width) std::fill(pixels + std::ptrdiff_t{4} * buffer.width, pixels + std::ptrdiff_t{4} * end, 0.0F);
+    if (end > buffer.width)
+      std::fill(pixels + std::ptrdiff_t{4} * buffer.width, pixels + std::ptrdiff_t{4} * end, 0.0F);
   }
 }
 
 }  // namespace
 
-DrawCounts draw_aligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row, std::vector<float>& scratch) {
+DrawCounts draw_aligned(const SliceBuffer& buffer, const AlignedSlice& slice, const AlignedRow& row,
+                        std::vector<float>& scratch) {
   const auto room = std::size_t(4) * std::size_t((row.count + 2 * slice.taps) * slice.step_x + block_pixels);
   if (scratch.size() < room) scratch.resize(room);
   const int pixels = HWY_DYNAMIC_DISPATCH(DrawAligned)(buffer, slice, row, scratch.data());

@@ -23,7 +23,8 @@ struct Weights {
 };
 Weights cubic_weights(float f) {
   Weights w;
-  for (int k = 0; k < 4; ++k) w.at[k] = std::fma(std::fma(std::fma(cubic[3][k], f, cubic[2][k]), f, cubic[1][k]), f, cubic[0][k]);
+  for (int k = 0; k < 4; ++k)
+    w.at[k] = std::fma(std::fma(std::fma(cubic[3][k], f, cubic[2][k]), f, cubic[1][k]), f, cubic[0][k]);
   return w;
 }
 
@@ -58,10 +59,12 @@ HWY_INLINE Four cubic_weights(float fraction) {
 }
 
 /// `taps`: the first of four pixels in the first of four rows.
-HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, float* out) {
+HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy,
+                                 float* out) {
   const FourFloats d;
   const Four wx = cubic_weights(fx), wy = cubic_weights(fy);
-  const Four wy0 = hn::Broadcast<0>(wy), wy1 = hn::Broadcast<1>(wy), wy2 = hn::Broadcast<2>(wy), wy3 = hn::Broadcast<3>(wy);
+  const Four wy0 = hn::Broadcast<0>(wy), wy1 = hn::Broadcast<1>(wy), wy2 = hn::Broadcast<2>(wy),
+             wy3 = hn::Broadcast<3>(wy);
   const auto column = [&](int x) HWY_ATTR {
     const float* tap = taps + std::ptrdiff_t{4} * x;
     auto sum = hn::Mul(wy0, hn::LoadU(d, tap));
@@ -69,8 +72,10 @@ HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, f
     sum = hn::MulAdd(wy2, hn::LoadU(d, tap + 2 * row_floats), sum);
     return hn::MulAdd(wy3, hn::LoadU(d, tap + 3 * row_floats), sum);
   };
-  const auto left = hn::Add(hn::Mul(hn::Broadcast<0>(wx), column(0)), hn::Mul(hn::Broadcast<1>(wx), column(1)));
-  const auto right = hn::Add(hn::Mul(hn::Broadcast<2>(wx), column(2)), hn::Mul(hn::Broadcast<3>(wx), column(3)));
+  const auto left =
+      hn::Add(hn::Mul(hn::Broadcast<0>(wx), column(0)), hn::Mul(hn::Broadcast<1>(wx), column(1)));
+  const auto right =
+      hn::Add(hn::Mul(hn::Broadcast<2>(wx), column(2)), hn::Mul(hn::Broadcast<3>(wx), column(3)));
   const auto rgba = hn::Add(left, right);
   const auto zero = hn::Zero(d);
   const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
@@ -81,11 +86,13 @@ HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, f
 
 void WarpRow(const WarpedRow& row, float* screen) {
   for (int x = row.first; x < row.end; ++x) {
-    const double px = std::fma(row.step_x, double(x), row.start_x), py = std::fma(row.step_y, double(x), row.start_y);
+    const double px = std::fma(row.step_x, double(x), row.start_x),
+                 py = std::fma(row.step_y, double(x), row.start_y);
     // The places lie above 0, where truncation is floor.
     const auto ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py);
     const float* taps = row.plane + iy * row.row_floats + ix * std::ptrdiff_t{4};
-    InterpolatePixel(taps, row.row_floats, static_cast<float>(px - ix), static_cast<float>(py - iy), screen + std::ptrdiff_t{4} * x);
+    InterpolatePixel(taps, row.row_floats, static_cast<float>(px - ix), static_cast<float>(py - iy),
+                     screen + std::ptrdiff_t{4} * x);
   }
 }
 
@@ -110,21 +117,32 @@ void narrow(double start, double step, double low, double high, double& first, d
 }
 
 bool lies_within(const WarpedRow& row, int x, const PixelWindow& firsts) {
-  const double px = std::fma(row.step_x, double(x), row.start_x), py = std::fma(row.step_y, double(x), row.start_y);
-  return px >= double(firsts.x0) && px < double(firsts.x1 + 1) && py >= double(firsts.y0) && py < double(firsts.y1 + 1);
+  const double px = std::fma(row.step_x, double(x), row.start_x),
+               py = std::fma(row.step_y, double(x), row.start_y);
+  return px >= double(firsts.x0) && px < double(firsts.x1 + 1) && py >= double(firsts.y0) &&
+         py < double(firsts.y1 + 1);
 }
 
 }  // namespace
 
 void warp_image(const Image& plane, const PixelWindow& filled, const PlaneWarp& warp, Image& screen) {
-  // The first of a place's four taps along each axis: those that see a filled pixel and whose four lie in the image.
+  // The first of a place's four taps along each axis: those that see a filled pixel and whose four lie in the
+  // image.
   const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),
-                           std::min<std::int64_t>(filled.x1, plane.width - 4), std::min<std::int64_t>(filled.y1, plane.height - 4)};
+                           std::min<std::int64_t>(filled.x1, plane.width - 4),
+                           std::min<std::int64_t>(filled.y1, plane.height - 4)};
   if (firsts.x0 > firsts.x1 || firsts.y0 > firsts.y1) return;
   for (int y = 0; y < screen.height; ++y) {
     // The first tap's centre lies between one and two pixels before the place.
     const glm::dvec2 start = warp.from_screen({0.5, y + 0.5}) - 1.5;
-    WarpedRow row{plane.rgba.data(), std::ptrdiff_t{4} * plane.width, start.x, start.y, warp.linear[0].x, warp.linear[0].y, 0, 0};
+    WarpedRow row{plane.rgba.data(),
+                  std::ptrdiff_t{4} * plane.width,
+                  start.x,
+                  start.y,
+                  warp.linear[0].x,
+                  warp.linear[0].y,
+                  0,
+                  0};
     double first = 0, end = screen.width;
     narrow(row.start_x, row.step_x, double(firsts.x0), double(firsts.x1 + 1), first, end);
     narrow(row.start_y, row.step_y, double(firsts.y0), double(firsts.y1 + 1), first, end);

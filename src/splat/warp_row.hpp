@@ -3,7 +3,8 @@
 
 namespace ringsplat {
 
-/// One row of the screen, whose pixel x lies at start + x · step in the plane, counted from the centre of its first tap.
+/// One row of the screen, whose pixel x lies at start + x · step in the plane, counted from the centre of its
+/// first tap.
 struct WarpedRow {
   const float* plane;         ///< RGBA
   std::ptrdiff_t row_floats;  ///< of the plane
@@ -12,6 +13,7 @@ struct WarpedRow {
 };
 
 /// Catmull and Rom's weights of the four taps as polynomials of the fraction: coefficients by power and tap.
-alignas(16) inline constexpr float cubic[4][4] = {{0, 1, 0, 0}, {-0.5F, 0, 0.5F, 0}, {1, -2.5F, 2, -0.5F}, {-0.5F, 1.5F, -1.5F, 0.5F}};
+alignas(16) inline constexpr float cubic[4][4] = {
+    {0, 1, 0, 0}, {-0.5F, 0, 0.5F, 0}, {1, -2.5F, 2, -0.5F}, {-0.5F, 1.5F, -1.5F, 0.5F}};
 
 }  // namespace ringsplat

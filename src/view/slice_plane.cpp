@@ -35,8 +35,10 @@ struct Box {
   }
 };
 
-/// What slices first … last of `extent` voxels cover, with the kernels' reach, when each is `shear` pixels from the one before.
-Box slices_box(const glm::dvec2& extent, int slices, const glm::dvec2& pixels_a_voxel, const glm::dvec2& shear, const glm::dvec2& reach) {
+/// What slices first … last of `extent` voxels cover, with the kernels' reach, when each is `shear` pixels
+/// from the one before.
+Box slices_box(const glm::dvec2& extent, int slices, const glm::dvec2& pixels_a_voxel,
+               const glm::dvec2& shear, const glm::dvec2& reach) {
   Box box;
   for (const double slice : {0.0, double(slices - 1)}) {
     box.include(shear * slice - reach);
@@ -54,8 +56,8 @@ Box screen_box(const PlaneWarp& warp, int width, int height) {
 
 }  // namespace
 
-SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, int samples, double radius, int width,
-                            int height) {
+SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, int samples,
+                            double radius, int width, int height) {
   const auto [u, v] = in_plane(axis);
   const int k = static_cast<int>(axis);
   const glm::dmat2 block(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]));
@@ -73,10 +75,12 @@ SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ive
   const Box slices = slices_box({dims[u], dims[v]}, dims[k], plane.pixels_a_voxel, shear, reach);
   const Box screen = screen_box(plane.warp, width, height);
   const glm::dvec2 low = glm::floor(glm::max(slices.low, screen.low)) - double(SlicePlane::border);
-  const glm::dvec2 size = glm::max(glm::ceil(glm::min(slices.high, screen.high)) + double(SlicePlane::border) - low, glm::dvec2(1.0));
+  const glm::dvec2 size = glm::max(
+      glm::ceil(glm::min(slices.high, screen.high)) + double(SlicePlane::border) - low, glm::dvec2(1.0));
   if (!(std::max(size.x, size.y) <= largest_side))
-    throw InputError(fmt::format("the image in the slices' plane would be {:.3g} x {:.3g} pixels", size.x, size.y),
-                     "use --image-plane screen for this view, or check the volume's spacing");
+    throw InputError(
+        fmt::format("the image in the slices' plane would be {:.3g} x {:.3g} pixels", size.x, size.y),
+        "use --image-plane screen for this view, or check the volume's spacing");
   plane.width = static_cast<int>(size.x);
   plane.height = static_cast<int>(size.y);
   // Voxels of slice 0 lie on pixel centres.

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
+#include <deque>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
@@ -12,101 +16,173 @@
 namespace ringsplat {
 namespace {
 
-/// Sums of the voxels that a reduced slice's voxels are means of.
-class Means {
- public:
-  explicit Means(std::size_t voxels) : sums_(voxels), counts_(voxels) {}
-  void add(std::size_t voxel, double value) {
-    if (std::isnan(value)) return;
-    sums_[voxel] += value;
-    ++counts_[voxel];
-  }
-  template <class T>
-  T mean(std::size_t voxel) const {
-    if constexpr (std::is_floating_point_v<T>)
-      return counts_[voxel] == 0 ? std::numeric_limits<T>::quiet_NaN() : static_cast<T>(sums_[voxel] / counts_[voxel]);
-    else
-      return static_cast<T>(std::llround(sums_[voxel] / counts_[voxel]));
-  }
+template <class T>
+T value_at(const std::byte* values, std::size_t index) {
+  T value;
+  std::memcpy(&value, values + index * sizeof(T), sizeof(T));
+  return value;
+}
 
- private:
-  std::vector<double> sums_;
-  std::vector<int> counts_;
-};
+template <class T>
+void put(T value, std::size_t index, std::span<std::byte> out) {
+  std::memcpy(out.data() + index * sizeof(T), &value, sizeof(T));
+}
 
-class ReducedSource final : public VolumeSource {
+/// Calls `make(T(), z, part)` for each of `count` slices of `grid`, from `first` on.
+template <class Make>
+void for_each_slice(const Grid& grid, int first, int count, std::span<std::byte> out, const Make& make) {
+  const std::size_t bytes = grid.slice_bytes(Axis::z);
+  for (int k = 0; k < count; ++k)
+    visit_type(grid.type,
+               [&](auto zero) { make(zero, first + k, out.subspan(std::size_t(k) * bytes, bytes)); });
+}
+
+/// Every factor-th voxel.
+class SkippingSource final : public VolumeSource {
  public:
-  ReducedSource(VolumeSource& full, const Reduction& reduction)
-      : full_(full), reduction_(reduction), grid_(reduced_grid(full.grid(), reduction)), slice_(full.grid().slice_bytes(Axis::z)) {}
+  SkippingSource(VolumeSource& full, int factor)
+      : full_(full),
+        factor_(factor),
+        grid_(reduced_grid(full.grid(), {factor, false})),
+        slice_(full.grid().slice_bytes(Axis::z)) {}
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
-
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    const std::size_t bytes = grid_.slice_bytes(Axis::z);
-    for (int k = 0; k < count; ++k) {
-      const auto part = out.subspan(std::size_t(k) * bytes, bytes);
-      visit_type(grid_.type, [&](auto zero) {
-        using T = decltype(zero);
-        if (reduction_.prefilter)
-          average<T>(first + k, part);
-        else
-          pick<T>(first + k, part);
-      });
-    }
+    for_each_slice(grid_, first, count, out,
+                   [this](auto zero, int z, auto part) { pick<decltype(zero)>(z, part); });
   }
 
  private:
   template <class T>
-  static T at(const std::byte* values, std::size_t index) {
-    T value;
-    std::memcpy(&value, values + index * sizeof(T), sizeof(T));
-    return value;
-  }
-
-  template <class T>
   void pick(int z, std::span<std::byte> out) {
-    full_.read_slices(z * reduction_.factor, 1, slice_);
+    full_.read_slices(z * factor_, 1, slice_);
     std::size_t to = 0;
     for (int y = 0; y < grid_.dims.y; ++y) {
-      const std::size_t row = std::size_t(y * reduction_.factor) * std::size_t(full_.grid().dims.x);
-      for (int x = 0; x < grid_.dims.x; ++x, ++to) {
-        const T value = at<T>(slice_.data(), row + std::size_t(x * reduction_.factor));
-        std::memcpy(out.data() + to * sizeof(T), &value, sizeof(T));
-      }
-    }
-  }
-
-  template <class T>
-  void average(int z, std::span<std::byte> out) {
-    const glm::ivec3 dims = full_.grid().dims;
-    const int factor = reduction_.factor;
-    Means means(grid_.slice_voxels(Axis::z));
-    for (int full_z = z * factor; full_z < std::min((z + 1) * factor, dims.z); ++full_z) {
-      full_.read_slices(full_z, 1, slice_);
-      std::size_t from = 0;
-      for (int y = 0; y < dims.y; ++y) {
-        const std::size_t row = std::size_t(y / factor) * std::size_t(grid_.dims.x);
-        for (int x = 0; x < dims.x; ++x, ++from) means.add(row + std::size_t(x / factor), static_cast<double>(at<T>(slice_.data(), from)));
-      }
-    }
-    for (std::size_t k = 0; k < grid_.slice_voxels(Axis::z); ++k) {
-      const T value = means.mean<T>(k);
-      std::memcpy(out.data() + k * sizeof(T), &value, sizeof(T));
+      const std::size_t row = std::size_t(y * factor_) * std::size_t(full_.grid().dims.x);
+      for (int x = 0; x < grid_.dims.x; ++x)
+        put(value_at<T>(slice_.data(), row + std::size_t(x * factor_)), to++, out);
     }
   }
 
   VolumeSource& full_;
-  Reduction reduction_;
+  int factor_;
   Grid grid_;
   std::vector<std::byte> slice_;  ///< of the full volume
+};
+
+constexpr int taps = 4;
+/// Half a lattice distance from its voxels a field's value by cubic interpolation: no more blur than the next
+/// level's kernels bring anyway, and what that level cannot hold is gone as with a mean.
+constexpr std::array<double, taps> weights{-1.0 / 16, 9.0 / 16, 9.0 / 16, -1.0 / 16};
+
+/// Half the voxels along each axis.
+class HalvedSource final : public VolumeSource {
+ public:
+  explicit HalvedSource(VolumeSource& full) : full_(full), grid_(reduced_grid(full.grid(), {2, true})) {}
+  explicit HalvedSource(std::unique_ptr<VolumeSource> full) : HalvedSource(*full) {
+    owned_ = std::move(full);
+  }
+
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return full_.concurrent(); }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    for_each_slice(grid_, first, count, out,
+                   [this](auto zero, int z, auto part) { filter<decltype(zero)>(z, part); });
+  }
+
+ private:
+  /// The full volume's slice z, or the nearest there is. Those before z − 4 are forgotten.
+  const std::byte* slice(int z) {
+    const int nearest = std::clamp(z, 0, full_.grid().dims.z - 1);
+    for (const Slice& kept : kept_)
+      if (kept.z == nearest) return kept.values.data();
+    while (!kept_.empty() && (kept_.size() >= taps || kept_.front().z > nearest)) kept_.pop_front();
+    kept_.push_back({nearest, std::vector<std::byte>(full_.grid().slice_bytes(Axis::z))});
+    full_.read_slices(nearest, 1, kept_.back().values);
+    return kept_.back().values.data();
+  }
+
+  template <class T>
+  void filter(int z, std::span<std::byte> out) {
+    std::array<const std::byte*, taps> slices;
+    for (int k = 0; k < taps; ++k) slices[std::size_t(k)] = slice(2 * z - 1 + k);
+    const glm::ivec3 dims = full_.grid().dims;
+    std::vector<double> column(std::size_t(dims.x));
+    std::size_t to = 0;
+    for (int y = 0; y < grid_.dims.y; ++y) {
+      std::fill(column.begin(), column.end(), 0.0);
+      for (int i = 0; i < taps * taps; ++i) {
+        const std::size_t row =
+            std::size_t(std::clamp(2 * y - 1 + i % taps, 0, dims.y - 1)) * std::size_t(dims.x);
+        const double weight = weights[std::size_t(i / taps)] * weights[std::size_t(i % taps)];
+        for (std::size_t x = 0; x < column.size(); ++x)
+          column[x] += weight * static_cast<double>(value_at<T>(slices[std::size_t(i / taps)], row + x));
+      }
+      for (int x = 0; x < grid_.dims.x; ++x, ++to) {
+        double sum = 0;
+        for (int k = 0; k < taps; ++k)
+          sum += weights[std::size_t(k)] * column[std::size_t(std::clamp(2 * x - 1 + k, 0, dims.x - 1))];
+        put(limited<T>(sum, cell<T>(slices, x, y, z)), to, out);
+      }
+    }
+  }
+
+  /// Of the up to eight voxels that one stands for, those that are numbers.
+  struct Cell {
+    double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity(),
+           sum = 0;
+    int count = 0;
+  };
+
+  template <class T>
+  Cell cell(const std::array<const std::byte*, taps>& slices, int x, int y, int z) const {
+    const glm::ivec3 dims = full_.grid().dims;
+    Cell cell;
+    for (int k = 2 * z; k < std::min(2 * z + 2, dims.z); ++k) {
+      for (int j = 2 * y; j < std::min(2 * y + 2, dims.y); ++j) {
+        for (int i = 2 * x; i < std::min(2 * x + 2, dims.x); ++i) {
+          const auto value = static_cast<double>(value_at<T>(
+              slices[std::size_t(k - 2 * z + 1)], std::size_t(j) * std::size_t(dims.x) + std::size_t(i)));
+          if (std::isnan(value)) continue;
+          cell.low = std::min(cell.low, value);
+          cell.high = std::max(cell.high, value);
+          cell.sum += value;
+          ++cell.count;
+        }
+      }
+    }
+    return cell;
+  }
+
+  /// Where a tap is not a number the mean of the cell takes its place.
+  template <class T>
+  static T limited(double filtered, const Cell& cell) {
+    if (cell.count == 0) return static_cast<T>(std::numeric_limits<double>::quiet_NaN());
+    const double value =
+        std::isfinite(filtered) ? std::clamp(filtered, cell.low, cell.high) : cell.sum / cell.count;
+    if constexpr (std::is_floating_point_v<T>)
+      return static_cast<T>(value);
+    else
+      return static_cast<T>(std::llround(value));
+  }
+
+  struct Slice {
+    int z;
+    std::vector<std::byte> values;
+  };
+  std::unique_ptr<VolumeSource> owned_;
+  VolumeSource& full_;
+  Grid grid_;
+  std::deque<Slice> kept_;  ///< ascending
 };
 
 }  // namespace
 
 Grid reduced_grid(const Grid& grid, const Reduction& reduction) {
   if (reduction.factor < 1)
-    throw InputError(fmt::format("--undersample {} is no number of voxels", reduction.factor), "use 1, 2 or 4");
+    throw InputError(fmt::format("--undersample {} is no number of voxels", reduction.factor),
+                     "use 1, 2 or 4");
   Grid reduced = grid;
   reduced.dims = (grid.dims + (reduction.factor - 1)) / reduction.factor;
   reduced.spacing = grid.spacing * double(reduction.factor);
@@ -115,7 +191,12 @@ Grid reduced_grid(const Grid& grid, const Reduction& reduction) {
 }
 
 std::unique_ptr<VolumeSource> reduced_source(VolumeSource& full, const Reduction& reduction) {
-  return std::make_unique<ReducedSource>(full, reduction);
+  if (!reduction.prefilter) return std::make_unique<SkippingSource>(full, reduction.factor);
+  if (reduction.factor != 2 && reduction.factor != 4)
+    throw InputError(fmt::format("--undersample {} has no prefilter", reduction.factor), "use 2 or 4");
+  auto half = std::make_unique<HalvedSource>(full);
+  if (reduction.factor == 2) return half;
+  return std::make_unique<HalvedSource>(std::move(half));
 }
 
 }  // namespace ringsplat

@@ -42,7 +42,8 @@ TEST_CASE("a picture drawn in the slices' plane has the same bits for any ranks,
       REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
       for (const auto& [gps, renderers] : {std::pair{3, 2}, {2, 5}, {8, 4}}) {
         for (const int region : {5, 64}) {
-          INFO(fmt::format("azimuth {}, {} samples, {} + {} nodes, regions of {}", azimuth, samples, gps, renderers, region));
+          INFO(fmt::format("azimuth {}, {} samples, {} + {} nodes, regions of {}", azimuth, samples, gps,
+                           renderers, region));
           spec.region_size = region;
           spec.payload = region == 5 ? PayloadForm::words : PayloadForm::runs;
           CHECK(render_loopback(*source, spec, gps, renderers, shuffled).image == alone);

@@ -39,7 +39,8 @@ std::vector<Row> random_runs(unsigned seed) {
   for (int k = 0; k < 60; ++k) {
     Row run{row(random), first(random), {}};
     for (std::uint32_t n = count(random); n > 0; --n)
-      run.voxels.push_back({std::uint16_t(colour(random)), std::uint16_t(colour(random)), std::uint16_t(colour(random)), opacity(random)});
+      run.voxels.push_back({std::uint16_t(colour(random)), std::uint16_t(colour(random)),
+                            std::uint16_t(colour(random)), opacity(random)});
     runs.push_back(run);
   }
   return runs;
@@ -116,7 +117,10 @@ TEST_CASE("rows of voxels draw the bits of their splats, on every instruction se
 
 TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {
   const auto aligned = [](const ViewTransform& view, const KernelOptions& options = {}, double radius = 1.6) {
-    return make_aligned_slice(make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options), view, Axis::z, 0).has_value();
+    return make_aligned_slice(
+               make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options), view,
+               Axis::z, 0)
+        .has_value();
   };
   CHECK(aligned(aligned_view(1, 1)));
   CHECK_FALSE(aligned(aligned_view(1.5, 1)));
@@ -133,7 +137,8 @@ TEST_CASE("a voxel without a plausible opacity adds nothing to a row") {
   Row run{20, 12, std::vector<VoxelColour>(9, {65535, 30000, 100, 0.5F})};
   run.voxels[4].opacity = 0;
   const Painted without = paint_rows(kernel, view, {run});
-  for (const float opacity : {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30F}) {
+  for (const float opacity :
+       {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), -1e30F}) {
     run.voxels[4].opacity = opacity;
     CHECK(same_bits(paint_rows(kernel, view, {run}).tile, without.tile));
   }

@@ -15,7 +15,8 @@ Image image_of(int width, int height, const std::function<double(double, double)
   Image image(width, height);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x)
-      for (int k = 0; k < 4; ++k) image.pixel(x, y)[k] = float((k == 3 ? 1.0 : 0.25 * (k + 1)) * value(x + 0.5, y + 0.5));
+      for (int k = 0; k < 4; ++k)
+        image.pixel(x, y)[k] = float((k == 3 ? 1.0 : 0.25 * (k + 1)) * value(x + 0.5, y + 0.5));
   return image;
 }
 
@@ -47,7 +48,9 @@ TEST_CASE("a warp that moves nothing gives the image") {
 }
 
 TEST_CASE("the warp's cubic is exact for quadratics") {
-  const auto quadratic = [](double x, double y) { return 0.2 + 0.01 * x + 0.006 * y + 0.0002 * x * x - 0.0003 * x * y + 0.0001 * y * y; };
+  const auto quadratic = [](double x, double y) {
+    return 0.2 + 0.01 * x + 0.006 * y + 0.0002 * x * x - 0.0003 * x * y + 0.0001 * y * y;
+  };
   const Image plane = image_of(40, 36, quadratic);
   Image screen(60, 50);
   warp_image(plane, all_of(plane), turned, screen);
@@ -69,16 +72,19 @@ TEST_CASE("the warp's cubic is exact for quadratics") {
 
 TEST_CASE("the warp's error falls with the third power of the pixel") {
   const auto error = [](int n) {
-    const Image plane = image_of(n, n, [n](double x, double y) { return 0.5 + 0.4 * std::sin(7 * x / n) * std::cos(5 * y / n); });
+    const Image plane = image_of(
+        n, n, [n](double x, double y) { return 0.5 + 0.4 * std::sin(7 * x / n) * std::cos(5 * y / n); });
     const double scale = n / 64.0;
-    const PlaneWarp warp{glm::dmat2(0.9 * scale, 0.1 * scale, -0.1 * scale, 0.9 * scale), {6.05 * scale, 3.3 * scale}};
+    const PlaneWarp warp{glm::dmat2(0.9 * scale, 0.1 * scale, -0.1 * scale, 0.9 * scale),
+                         {6.05 * scale, 3.3 * scale}};
     Image screen(52, 52);
     warp_image(plane, all_of(plane), warp, screen);
     double largest = 0;
     for (int y = 4; y < 48; ++y) {
       for (int x = 4; x < 48; ++x) {
         const glm::dvec2 at = warp.from_screen({x + 0.5, y + 0.5}) / double(n);
-        largest = std::max(largest, std::abs(double(screen.pixel(x, y)[3]) - (0.5 + 0.4 * std::sin(7 * at.x) * std::cos(5 * at.y))));
+        largest = std::max(largest, std::abs(double(screen.pixel(x, y)[3]) -
+                                             (0.5 + 0.4 * std::sin(7 * at.x) * std::cos(5 * at.y))));
       }
     }
     return largest;
@@ -97,7 +103,8 @@ TEST_CASE("what the cubic's lobes bring out of range is clamped") {
   warp_image(plane, all_of(plane), {glm::dmat2(0.25), {0.0, 0.0}}, screen);
   for (std::size_t k = 0; k < screen.rgba.size(); k += 4) {
     REQUIRE((screen.rgba[k + 3] >= 0 && screen.rgba[k + 3] <= 1));
-    for (std::size_t c = 0; c < 3; ++c) REQUIRE((screen.rgba[k + c] >= 0 && screen.rgba[k + c] <= screen.rgba[k + 3]));
+    for (std::size_t c = 0; c < 3; ++c)
+      REQUIRE((screen.rgba[k + c] >= 0 && screen.rgba[k + c] <= screen.rgba[k + 3]));
   }
 }
 
@@ -105,7 +112,8 @@ TEST_CASE("leaving out what is empty leaves the picture as it is") {
   Image plane(40, 40);
   const Image inner = random_image(12, 9, 3);
   for (int y = 0; y < 9; ++y) std::copy_n(inner.pixel(0, y), 48, plane.pixel(14, 20 + y));
-  for (const PlaneWarp& warp : {turned, PlaneWarp{glm::dmat2(0, 0.5, -0.5, 0), {40.0, 0.0}}, PlaneWarp{glm::dmat2(0.7), {0.0, 0.0}}}) {
+  for (const PlaneWarp& warp : {turned, PlaneWarp{glm::dmat2(0, 0.5, -0.5, 0), {40.0, 0.0}},
+                                PlaneWarp{glm::dmat2(0.7), {0.0, 0.0}}}) {
     Image whole(90, 80), part(90, 80);
     warp_image(plane, all_of(plane), warp, whole);
     warp_image(plane, {14, 20, 25, 28}, warp, part);

@@ -32,7 +32,8 @@ Planned plan(const Camera& camera, const LatticeFrame& lattice, int samples = 1)
 
 Camera random_camera(std::mt19937& random, double zoom) {
   std::uniform_real_distribution<double> degrees(-180, 180);
-  return {.azimuth = degrees(random), .elevation = degrees(random) / 2, .roll = degrees(random), .zoom = zoom};
+  return {
+      .azimuth = degrees(random), .elevation = degrees(random) / 2, .roll = degrees(random), .zoom = zoom};
 }
 
 }  // namespace
@@ -43,7 +44,8 @@ TEST_CASE("a voxel's place in the slices' plane is the one its place on the scre
     const auto lattice = lattice_of({40, 33, 27}, {1.0, 0.7, 1.9});
     const auto [screen, axis, plane] = plan(random_camera(random, 3), lattice);
     for (const glm::dvec3 voxel : {glm::dvec3(0), glm::dvec3(39, 32, 26), glm::dvec3(11, 29, 3)}) {
-      const glm::dvec2 place(plane.view.project(voxel)), warped = plane.warp.from_screen(glm::dvec2(screen.project(voxel)));
+      const glm::dvec2 place(plane.view.project(voxel)),
+          warped = plane.warp.from_screen(glm::dvec2(screen.project(voxel)));
       CHECK(std::abs(place.x - warped.x) < 1e-6);
       CHECK(std::abs(place.y - warped.y) < 1e-6);
       CHECK(plane.view.project(voxel).z == screen.project(voxel).z);
@@ -77,7 +79,8 @@ TEST_CASE("the slices' plane holds what the screen shows, and not much more") {
     const glm::dvec2 reach = glm::max(radius * plane.pixels_a_voxel, glm::dvec2(1.0));
     glm::dvec2 low(1e300), high(-1e300);
     for (int corner = 0; corner < 8; ++corner) {
-      const glm::dvec2 place(plane.view.project(glm::dvec3(corner & 1 ? 29 : 0, corner & 2 ? 29 : 0, corner & 4 ? 29 : 0)));
+      const glm::dvec2 place(
+          plane.view.project(glm::dvec3(corner & 1 ? 29 : 0, corner & 2 ? 29 : 0, corner & 4 ? 29 : 0)));
       low = glm::min(low, place - reach);
       high = glm::max(high, place + reach);
     }
@@ -85,8 +88,10 @@ TEST_CASE("the slices' plane holds what the screen shows, and not much more") {
     for (const double x : {0.5, 77.5, width - 0.5}) {
       for (const double y : {0.5, 91.5, height - 0.5}) {
         const glm::dvec2 place = plane.warp.from_screen({x, y});
-        if (glm::any(glm::lessThan(place, low - 2.0)) || glm::any(glm::greaterThan(place, high + 2.0))) continue;
-        CHECK((place.x >= 1.5 && place.x < plane.width - 1.5 && place.y >= 1.5 && place.y < plane.height - 1.5));
+        if (glm::any(glm::lessThan(place, low - 2.0)) || glm::any(glm::greaterThan(place, high + 2.0)))
+          continue;
+        CHECK((place.x >= 1.5 && place.x < plane.width - 1.5 && place.y >= 1.5 &&
+               place.y < plane.height - 1.5));
       }
     }
     CHECK(plane.width <= high.x - low.x + 10);
@@ -95,7 +100,8 @@ TEST_CASE("the slices' plane holds what the screen shows, and not much more") {
 }
 
 TEST_CASE("the slices' plane is never finer than the screen") {
-  const auto [screen, axis, plane] = plan({.azimuth = 20, .elevation = 10}, lattice_of({2000, 1500, 1000}), 2);
+  const auto [screen, axis, plane] =
+      plan({.azimuth = 20, .elevation = 10}, lattice_of({2000, 1500, 1000}), 2);
   const auto [u, v] = in_plane(axis);
   CHECK(plane.pixels_a_voxel.x == Approx(glm::length(glm::dvec2(screen.linear[u]))).epsilon(2e-3));
   CHECK(plane.pixels_a_voxel.y == Approx(glm::length(glm::dvec2(screen.linear[v]))).epsilon(2e-3));
@@ -112,12 +118,14 @@ TEST_CASE("a view that shows a corner has a plane for the corner") {
 TEST_CASE("a view beside the volume has a plane of some pixels, and one too large is refused") {
   const LatticeFrame lattice = lattice_of({20, 20, 20});
   const std::array<double, 12> beside{1, 0, 0, 5000, 0, 0, -1, 5000, 0, 1, 0, 0};
-  const auto [screen, axis, plane] = plan({.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 1, .matrix = beside}, lattice);
+  const auto [screen, axis, plane] =
+      plan({.azimuth = 0, .elevation = 0, .roll = 0, .zoom = 1, .matrix = beside}, lattice);
   CHECK(plane.width >= 1);
   CHECK(plane.height >= 1);
   CHECK(plane.width * plane.height < 5000);
   // Rows and columns nearly parallel on the screen, of a slice millions of voxels wide.
   ViewTransform oblique;
   oblique.linear = glm::dmat3(1, 0, 0, 1, 1e-6, 0, 0, 0, 1);
-  CHECK_THROWS_WITH(make_slice_plane(oblique, Axis::z, {3000000, 3000000, 1}, 1, radius, width, height), Catch::Matchers::Contains("image-plane"));
+  CHECK_THROWS_WITH(make_slice_plane(oblique, Axis::z, {3000000, 3000000, 1}, 1, radius, width, height),
+                    Catch::Matchers::Contains("image-plane"));
 }

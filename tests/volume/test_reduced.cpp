@@ -1,5 +1,6 @@
 #include "ringsplat/volume/reduced.hpp"
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <vector>
@@ -41,27 +42,88 @@ TEST_CASE("a reduced lattice covers the volume, and means lie in the middle of t
   CHECK_THROWS_AS(reduced_grid(grid, {0, false}), InputError);
 }
 
-TEST_CASE("skipping takes every second voxel, prefiltering the mean of eight, without not-a-number") {
+TEST_CASE("skipping takes every second voxel") {
   const Grid grid = float_grid({5, 3, 3});
   std::vector<float> values(45);
   for (std::size_t k = 0; k < values.size(); ++k) values[k] = float(k);
   const auto picked = reduced(grid, values, {2, false});
   CHECK(picked == std::vector<float>{0, 2, 4, 10, 12, 14, 30, 32, 34, 40, 42, 44});
+}
+
+TEST_CASE("prefiltering keeps a cubic field inside the volume, and a mean would not") {
+  const Grid grid = float_grid({24, 20, 22});
+  const auto field = [](double x, double y, double z) {
+    return 5 + x - 0.3 * y * y + 0.002 * x * x * x + 0.04 * x * y - 0.1 * z * z * z + 2 * z;
+  };
+  std::vector<float> values;
+  for (int z = 0; z < 22; ++z)
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 24; ++x) values.push_back(float(field(x, y, z)));
+  for (const int factor : {2, 4}) {
+    const auto filtered = reduced(grid, values, {factor, true});
+    const glm::ivec3 dims = reduced_grid(grid, {factor, true}).dims;
+    const double middle = 0.5 * (factor - 1);
+    for (int z = 1; z < dims.z - 2; ++z)
+      for (int y = 1; y < dims.y - 1; ++y)
+        for (int x = 1; x < dims.x - 1; ++x) {
+          const double expected = field(factor * x + middle, factor * y + middle, factor * z + middle);
+          REQUIRE(double(filtered[std::size_t(x + dims.x * (y + dims.y * z))]) ==
+                  Approx(expected).epsilon(1e-5).margin(1e-3));
+        }
+  }
+}
+
+TEST_CASE("a prefiltered voxel lies within the range of those it stands for") {
+  const Grid grid = float_grid({9, 8, 8});
+  std::vector<float> values(9 * 8 * 8);
+  for (std::size_t k = 0; k < values.size(); ++k)
+    values[k] = k % 9 < 4 ? 0.0F : 1.0F;  // an edge between two cells
+  for (const float value : reduced(grid, values, {2, true})) CHECK((value == 0 || value == 1));
+  // A single bright voxel at the end is all that its cell has.
+  values.assign(values.size(), 0.25F);
+  values.back() = 8;
+  const auto filtered = reduced(grid, values, {2, true});
+  CHECK(filtered.back() > 0.25F);
+  CHECK(filtered.back() <= 8);
+}
+
+TEST_CASE("where not-a-number is near a prefiltered voxel is the mean of its numbers") {
+  const Grid grid = float_grid({5, 3, 3});
+  std::vector<float> values(45);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = float(k);
   values[1] = std::numeric_limits<float>::quiet_NaN();
-  const auto means = reduced(grid, values, {2, true});
-  CHECK(means[0] == Approx((0 + 5 + 6 + 15 + 16 + 20 + 21) / 7.0));
-  CHECK(means[1] == Approx((2 + 3 + 7 + 8 + 17 + 18 + 22 + 23) / 8.0));
-  CHECK(means[2] == Approx((4 + 9 + 19 + 24) / 4.0));
-  CHECK(means.back() == 44);
+  const auto filtered = reduced(grid, values, {2, true});
+  CHECK(filtered[0] == Approx((0 + 5 + 6 + 15 + 16 + 20 + 21) / 7.0));
+  CHECK(filtered[1] == Approx((2 + 3 + 7 + 8 + 17 + 18 + 22 + 23) / 8.0));
+  CHECK(filtered.back() == 44);
   CHECK(std::isnan(reduced(grid, std::vector<float>(45, values[1]), {4, true})[0]));
 }
 
-TEST_CASE("means of integers are rounded to the nearest") {
-  Grid grid = float_grid({2, 1, 1});
+TEST_CASE("prefiltered integers are rounded to the nearest and do not wrap") {
+  Grid grid = float_grid({4, 1, 1});
   grid.type = ScalarType::int16;
-  const std::vector<std::int16_t> values{-32768, -32765};
+  const std::vector<std::int16_t> values{-32768, -32765, 32767, 32766};
   const auto full = memory_source(grid, std::as_bytes(std::span(values)));
-  std::int16_t mean = 0;
-  reduced_source(*full, {2, true})->read_slices(0, 1, std::as_writable_bytes(std::span(&mean, 1)));
-  CHECK((mean == -32766 || mean == -32767));
+  std::array<std::int16_t, 2> filtered{};
+  reduced_source(*full, {2, true})->read_slices(0, 1, std::as_writable_bytes(std::span(filtered)));
+  // The taps reach -32768 · 8/16 − 32765 · 9/16 − 32767/16 and its like; the cells end at their own voxels.
+  CHECK(filtered[0] == -32768);
+  CHECK(filtered[1] == 32767);
+}
+
+TEST_CASE("slices may be read in pieces, from anywhere") {
+  const Grid grid = float_grid({6, 6, 19});
+  std::vector<float> values(6 * 6 * 19);
+  for (std::size_t k = 0; k < values.size(); ++k) values[k] = float((k * 37) % 101);
+  for (const int factor : {2, 4}) {
+    const auto whole = reduced(grid, values, {factor, true});
+    const auto full = memory_source(grid, std::as_bytes(std::span(values)));
+    const auto source = reduced_source(*full, {factor, true});
+    const std::size_t slice = source->grid().slice_voxels(Axis::z);
+    std::vector<float> out(slice);
+    for (const int z : {3, 4, 0, 1, 4}) {
+      source->read_slices(z, 1, std::as_writable_bytes(std::span(out)));
+      CHECK(std::equal(out.begin(), out.end(), whole.begin() + std::ptrdiff_t(std::size_t(z) * slice)));
+    }
+  }
 }

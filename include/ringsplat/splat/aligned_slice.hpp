@@ -7,18 +7,20 @@
 
 namespace ringsplat {
 
-/// What the kernels of a slice have in common where its voxels lie a whole number of pixels apart, as in an image in the slices' plane: all
-/// cover the pixels round their anchors with the same weights, so that drawing a row of voxels is a convolution, as resampling a
-/// scanline is in Lacroute and Levoy 1994 (section 3.1).
+/// What the kernels of a slice have in common where its voxels lie a whole number of pixels apart, as in an
+/// image in the slices' plane: all cover the pixels round their anchors with the same weights, so that
+/// drawing a row of voxels is a convolution, as resampling a scanline is in Lacroute and Levoy 1994
+/// (section 3.1).
 struct AlignedSlice {
   /// Pixels from voxel to voxel, along u, which is right, and along v, which is down: 1, 2 or 4.
   int step_x = 1, step_y = 1;
   std::int64_t anchor_x = 0, anchor_y = 0;  ///< of voxel (0, 0), a pixel of the plane
   int reach_x = 1, reach_y = 1;             ///< as in KernelReach
-  int first_row = 0, end_row = 4;           ///< rows with a weight above zero, of those from reach_y before the anchor on
-  int taps = 4;                             ///< voxels of a row that can reach one pixel
-  /// [rows][taps][4 pixels][4]: the tap-th voxel's weight (the leftmost is the first) in each of four pixels of which the first lies reach_x
-  /// before an anchor; each weight four times, once for each channel.
+  int first_row = 0,
+      end_row = 4;  ///< rows with a weight above zero, of those from reach_y before the anchor on
+  int taps = 4;     ///< voxels of a row that can reach one pixel
+  /// [rows][taps][4 pixels][4]: the tap-th voxel's weight (the leftmost is the first) in each of four pixels
+  /// of which the first lies reach_x before an anchor; each weight four times, once for each channel.
   std::vector<float> weights;
   double opacity_weight = 1;  ///< Footprint::weight
   struct Offset {
@@ -27,8 +29,10 @@ struct AlignedSlice {
   std::vector<Offset> covered;  ///< pixels with a weight above zero, from the anchor
 };
 
-/// Empty where the voxels do not lie so, or kernels are not drawn with a stencil of float32 weights. `view`: of the lattice to the image plane.
-/// The weights are the bits that RegionPainter::draw computes for each splat of the slice.
-std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view, Axis axis, int slice);
+/// Empty where the voxels do not lie so, or kernels are not drawn with a stencil of float32 weights. `view`:
+/// of the lattice to the image plane. The weights are the bits that RegionPainter::draw computes for each
+/// splat of the slice.
+std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view,
+                                               Axis axis, int slice);
 
 }  // namespace ringsplat

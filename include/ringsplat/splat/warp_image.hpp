@@ -5,12 +5,14 @@
 
 namespace ringsplat {
 
-/// Makes the picture of the image in the slices' plane (Lacroute and Levoy 1994, section 2): every pixel of `screen` takes what lies at its
-/// centre's place, interpolated with Catmull and Rom's cubic (Keys 1981, a = −½) in premultiplied colours and opacity; what
-/// the cubic's lobes bring below 0 or above is clamped, opacity to [0, 1] and colours to [0, opacity].
+/// Makes the picture of the image in the slices' plane (Lacroute and Levoy 1994, section 2): every pixel of
+/// `screen` takes what lies at its centre's place, interpolated with Catmull and Rom's cubic (Keys 1981, a =
+/// −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is clamped,
+/// opacity to [0, 1] and colours to [0, opacity].
 ///
-/// `filled`: the pixels of `plane` that are not transparent lie in it. Pixels of `screen` that see none of them stay as they are.
-/// A pixel's operations are the same whatever the vector width, so its bits do not depend on the processor.
+/// `filled`: the pixels of `plane` that are not transparent lie in it. Pixels of `screen` that see none of
+/// them stay as they are. A pixel's operations are the same whatever the vector width, so its bits do not
+/// depend on the processor.
 void warp_image(const Image& plane, const PixelWindow& filled, const PlaneWarp& warp, Image& screen);
 
 }  // namespace ringsplat
