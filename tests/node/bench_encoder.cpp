@@ -1,0 +1,141 @@
+// What a GP's part of a frame takes alone: all slices of a volume, an orbit of views, as the frame loop would
+// have them encoded for one Renderer, with the news of opaque tiles that it would have had. Prints medians
+// over the views of the best of several repetitions, in milliseconds of the thread's time.
+//   bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]
+#include <time.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "node/empty_space.hpp"
+#include "ringsplat/net/message.hpp"
+#include "ringsplat/node/engine.hpp"
+#include "ringsplat/node/render.hpp"
+
+using namespace ringsplat;
+
+namespace {
+
+constexpr int views = 24;
+
+double thread_milliseconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * double(t.tv_sec) + 1e-6 * double(t.tv_nsec);
+}
+
+struct View {
+  FrameSpec spec;
+  FrameGeometry geometry;
+  std::vector<Bytes> news;  ///< after each step
+  std::uint64_t visible = 0, sent = 0;
+  double make = 1e300, encode = 1e300;  ///< milliseconds, the best so far
+};
+
+View make_view_of(const FrameSpec& orbit, const Grid& grid, int view) {
+  View v;
+  v.spec = orbit;
+  v.spec.camera.azimuth = 360.0 * view / views;
+  v.geometry = make_geometry(v.spec, grid);
+  return v;
+}
+
+std::span<const std::byte> body_of(const Bytes& wire) {
+  return wire.empty() ? std::span(wire) : std::span(wire).subspan(sizeof(Header));
+}
+
+EncodedSlice encode_slice(Encoder& encoder, const SliceView& slice) {
+  encoder.begin(slice);
+  while (!encoder.work()) {
+  }
+  return encoder.finish();
+}
+
+/// Draws the frame once, to know what a Renderer says of opaque tiles.
+void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
+  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space);
+  const auto painter = make_painter(0, 1);
+  painter->begin_frame(v.spec, v.geometry);
+  for (int step = 0; step < v.geometry.slices; ++step) {
+    const auto& traversal = v.geometry.traversal;
+    const EncodedSlice slice =
+        encode_slice(*encoder, store.slice(traversal.axis, traversal.slice_at(step, v.geometry.slices)));
+    v.visible += slice.visible_voxels;
+    v.sent += slice.splats[0];
+    Bytes news;
+    if (!slice.payloads[0].empty()) {
+      painter->begin(step, body_of(slice.payloads[0]));
+      while (!painter->work()) {
+      }
+      painter->opaque_news(0, news);
+      encoder->take_opaque_news(body_of(news));
+    }
+    v.news.push_back(std::move(news));
+  }
+}
+
+void measure(View& v, const SliceStore& store, EmptySpace& empty_space) {
+  const double start = thread_milliseconds();
+  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space);
+  const double made = thread_milliseconds();
+  for (int step = 0; step < v.geometry.slices; ++step) {
+    const auto& traversal = v.geometry.traversal;
+    encode_slice(*encoder, store.slice(traversal.axis, traversal.slice_at(step, v.geometry.slices)));
+    encoder->take_opaque_news(body_of(v.news[std::size_t(step)]));
+  }
+  v.make = std::min(v.make, made - start);
+  v.encode = std::min(v.encode, thread_milliseconds() - made);
+}
+
+template <class Figure>
+double median(const std::vector<View>& all, const Figure& figure) {
+  std::vector<double> values;
+  for (const View& v : all) values.push_back(double(figure(v)));
+  std::nth_element(values.begin(), values.begin() + views / 2, values.end());
+  return values[views / 2];
+}
+
+FrameSpec orbit_from(const std::string& form, const std::string& transfer_function,
+                     const Histogram& histogram) {
+  FrameSpec spec;
+  spec.camera.elevation = 25;
+  spec.transfer_function = preset(transfer_function, histogram);
+  if (form == "words") spec.payload = PayloadForm::words;
+  if (form == "half") spec.precision = Precision::half;
+  if (form == "u8") spec.precision = Precision::u8;
+  return spec;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  if (argc < 3)
+    throw std::invalid_argument(
+        "usage: bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]");
+  SoloCollectives solo;
+  OpenedVolume volume = open_everywhere(solo, [&] { return open_volume(argv[1]); });
+  const Scene scene = load_scene(volume, {}, Layout{1, 1, Placement::dedicated}, {solo});
+  const SliceStore& store = scene.stores.at(0);
+  const FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.histogram);
+  const int repetitions = argc > 4 ? std::max(1, std::atoi(argv[4])) : 5;
+  EmptySpace empty_space;
+  std::vector<View> all;
+  for (int view = 0; view < views; ++view) {
+    all.push_back(make_view_of(orbit, scene.grid, view));
+    gather_news(all.back(), store, empty_space);
+  }
+  for (int k = 0; k < repetitions; ++k)
+    for (View& v : all) measure(v, store, empty_space);
+  std::printf(
+      "visible %.0f, sent %.0f, encoder made in %.3f ms, slices encoded in %.2f ms, %.1f ns a splat\n",
+      median(all, [](const View& v) { return v.visible; }), median(all, [](const View& v) { return v.sent; }),
+      median(all, [](const View& v) { return v.make; }), median(all, [](const View& v) { return v.encode; }),
+      median(all, [](const View& v) { return 1e6 * v.encode / double(v.sent); }));
+} catch (const std::exception& e) {
+  std::fprintf(stderr, "%s\n", e.what());
+  return 1;
+}
