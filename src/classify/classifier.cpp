@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "classify/piecewise.hpp"
+#include "classify/runs_where.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -36,32 +37,37 @@ Support support_of(const std::vector<TransferFunction::OpacityPoint>& points) {
   return support;
 }
 
+/// The first and the last value of an integer type within [low, high]; low > high when there is none.
 template <class T>
-T load(const std::byte* row, int i) {
-  T value;
-  std::memcpy(&value, row + sizeof(T) * std::size_t(i), sizeof(T));
-  return value;
+struct Ends {
+  int low, high;
+};
+template <class T>
+Ends<T> ends_within(double low, double high) {
+  const auto bounded = [](double v) {
+    return int(
+        std::clamp(v, double(std::numeric_limits<T>::min()) - 1, double(std::numeric_limits<T>::max()) + 1));
+  };
+  return {std::max(bounded(std::ceil(low)), int(std::numeric_limits<T>::min())),
+          std::min(bounded(std::floor(high)), int(std::numeric_limits<T>::max()))};
 }
 
-/// Writes each position and moves on only behind those that are visible: no branch to mispredict.
-template <class T, class Visible>
-int select(const std::byte* row, int count, std::uint32_t* where, const Visible& visible) {
-  int selected = 0;
-  for (int i = 0; i < count; ++i) {
-    where[selected] = std::uint32_t(i);
-    selected += visible(load<T>(row, i));
-  }
-  return selected;
+/// What VisibleRow needs of a stretch of candidates: appends a run of `count` voxels whose samples
+/// `sample(column)` gives.
+template <class Sample>
+void append_run(VisibleRow& out, std::uint32_t first, std::uint32_t count, const Sample& sample) {
+  if (!out.runs.empty() && out.runs.back().end() == first)
+    out.runs.back().count += count;
+  else
+    out.runs.push_back({first, count, out.visible});
+  ClassifiedSample* to = out.samples.data() + out.visible;
+  for (std::uint32_t k = 0; k < count; ++k) to[k] = sample(first + k);
+  out.visible += count;
 }
 
-template <class Bits>
-int classify_by_table(const std::byte* row, int count, const std::vector<ClassifiedSample>& table,
-                      const std::vector<std::uint8_t>& visible, std::uint32_t* where,
-                      ClassifiedSample* samples) {
-  const std::uint8_t* flags = visible.data();
-  const int selected = select<Bits>(row, count, where, [flags](Bits bits) { return flags[bits]; });
-  for (int k = 0; k < selected; ++k) samples[k] = table[load<Bits>(row, int(where[k]))];
-  return selected;
+void make_room(VisibleRow& out, int voxels) {
+  if (out.samples.size() < out.visible + std::size_t(voxels))
+    out.samples.resize(out.visible + std::size_t(voxels));
 }
 
 }  // namespace
@@ -85,6 +91,12 @@ Classifier::Classifier(const TransferFunction& tf, ScalarType type, double lengt
         table_[bits] = evaluate(static_cast<T>(static_cast<std::make_unsigned_t<T>>(bits)));
         visible_[bits] = table_[bits].opacity > 0;
       }
+      const Ends<T> ends = ends_within<T>(support_low_, support_high_);
+      first_visible_ = ends.low;
+      last_visible_ = ends.high;
+      gaps_ = ends.low > ends.high;
+      for (int value = ends.low; value <= ends.high; ++value)
+        gaps_ = gaps_ || visible_[std::make_unsigned_t<T>(value)] == 0;
     }
   });
 }
@@ -101,25 +113,48 @@ ClassifiedSample Classifier::evaluate(double value) const {
   return {float(colour.x), float(colour.y), float(colour.z), float(corrected(opacity, length_))};
 }
 
-int Classifier::classify_row(const std::byte* row, int count, std::uint32_t* where,
-                             ClassifiedSample* samples) const {
-  return visit_type(type_, [&](auto zero) {
-    using T = decltype(zero);
-    if constexpr (sizeof(T) <= 2) {
-      return classify_by_table<std::make_unsigned_t<T>>(row, count, table_, visible_, where, samples);
-    } else {
-      const double low = support_low_, high = support_high_;
-      const int candidates = select<T>(row, count, where, [low, high](T value) {
-        return int(double(value) >= low) & int(double(value) <= high);
+template <class T>
+void Classifier::classify_by_table(const std::byte* row, int first, int end, VisibleRow& out) const {
+  using Bits = std::make_unsigned_t<T>;
+  const auto append = [&](int run, int count) {
+    append_run(out, std::uint32_t(run), std::uint32_t(count),
+               [&](std::uint32_t column) { return table_[load<Bits>(row, int(column))]; });
+  };
+  if (gaps_) {
+    const std::uint8_t* flags = visible_.data();
+    for_each_run<Bits>(
+        row, first, end, [flags](Bits bits) { return flags[bits]; }, append);
+    return;
+  }
+  const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);
+  for_each_run<Bits>(
+      row, first, end, [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); }, append);
+}
+
+template <class T>
+void Classifier::classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const {
+  const double low = support_low_, high = support_high_;
+  for_each_run<T>(
+      row, first, end,
+      [low, high](T value) { return std::uint8_t(int(double(value) >= low) & int(double(value) <= high)); },
+      [&](int run, int count) {
+        for (int column = run; column < run + count; ++column) {
+          const ClassifiedSample sample = evaluate(double(load<T>(row, column)));
+          if (sample.opacity > 0)
+            append_run(out, std::uint32_t(column), 1, [&](std::uint32_t) { return sample; });
+        }
       });
-      int visible = 0;
-      for (int k = 0; k < candidates; ++k) {
-        where[visible] = where[k];
-        samples[visible] = evaluate(double(load<T>(row, int(where[visible]))));
-        visible += samples[visible].opacity > 0;
-      }
-      return visible;
-    }
+}
+
+void Classifier::classify_row(const std::byte* row, int first, int end, VisibleRow& out) const {
+  if (!(support_low_ <= support_high_)) return;
+  make_room(out, end - first);
+  visit_type(type_, [&](auto zero) {
+    using T = decltype(zero);
+    if constexpr (sizeof(T) <= 2)
+      classify_by_table<T>(row, first, end, out);
+    else
+      classify_one_by_one<T>(row, first, end, out);
   });
 }
 

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
 
+#include "classify/normal_lattice.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -27,11 +30,23 @@ void check(const PhongMaterial& m) {
                        "give ambient, diffuse, specular and exponent from 0 up");
 }
 
+/// Beyond the largest float there is no colour either: 0 times it must stay 0.
+float entry_value(double v) { return float(std::min(v, double(std::numeric_limits<float>::max()))); }
+
 /// Every code's normal, decoded once: tables are made anew for every view.
-const std::vector<glm::dvec3>& all_normals() {
-  static const std::vector<glm::dvec3> normals = [] {
-    std::vector<glm::dvec3> decoded(normal_codes, glm::dvec3(0.0));
-    for (std::size_t code = 1; code < normal_codes; ++code) decoded[code] = decode_normal(NormalCode(code));
+struct Normals {
+  std::vector<double> x, y, z;
+};
+const Normals& all_normals() {
+  static const Normals normals = [] {
+    Normals decoded;
+    for (auto* axis : {&decoded.x, &decoded.y, &decoded.z}) axis->assign(normal_codes, 0.0);
+    for (std::size_t code = 1; code < normal_codes; ++code) {
+      const glm::dvec3 n = decode_normal(NormalCode(code));
+      decoded.x[code] = n.x;
+      decoded.y[code] = n.y;
+      decoded.z[code] = n.z;
+    }
     return decoded;
   }();
   return normals;
@@ -46,19 +61,28 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
   const double light_viewer = glm::dot(light, viewer);
   // Below this the highlight is less than half a step of a 16-bit colour; most powers need not be taken.
   const double faint = material.exponent > 0 ? std::pow(1e-6, 1.0 / material.exponent) : 0.0;
-  entries_.assign(normal_codes, {1.0F, 0.0F});
-  for (std::size_t code = 1; code < normal_codes; ++code) {
-    const glm::dvec3& n = all_normals()[code];
-    if (n == glm::dvec3(0.0)) continue;
-    const double facing_light = glm::dot(n, light), facing_viewer = glm::dot(n, viewer);
-    // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and
-    // viewer on the same side.
-    const double same_side = facing_light * facing_viewer;
-    const double mirrored = same_side > 0 ? 2.0 * same_side - light_viewer : 0.0;
-    const double highlight = mirrored > faint ? std::pow(mirrored, material.exponent) : 0.0;
-    entries_[code] = {float(material.ambient + material.diffuse * std::abs(facing_light)),
-                      float(material.specular * highlight)};
+  entries_.resize(normal_codes);
+  const Normals& n = all_normals();
+  // In blocks: first what a compiler makes vectors of, then the few powers.
+  constexpr std::size_t block = 64;
+  for (std::size_t first = 0; first < normal_codes; first += block) {
+    std::array<double, block> mirrored;
+    for (std::size_t k = 0; k < block; ++k) {
+      const std::size_t code = first + k;
+      const double facing_light = n.x[code] * light.x + n.y[code] * light.y + n.z[code] * light.z;
+      const double facing_viewer = n.x[code] * viewer.x + n.y[code] * viewer.y + n.z[code] * viewer.z;
+      // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and
+      // viewer on the same side.
+      const double same_side = facing_light * facing_viewer, lobe = 2.0 * same_side - light_viewer;
+      mirrored[k] = same_side > 0 ? lobe : 0.0;
+      entries_[code] = {entry_value(material.ambient + material.diffuse * std::abs(facing_light)), 0.0F};
+    }
+    for (std::size_t k = 0; k < block; ++k)
+      if (mirrored[k] > faint)
+        entries_[first + k].add = entry_value(material.specular * std::pow(mirrored[k], material.exponent));
   }
+  entries_[no_normal] = {1.0F, 0.0F};
+  std::fill(entries_.begin() + lattice_codes + 1, entries_.end(), Entry{1.0F, 0.0F});
 }
 
 }  // namespace ringsplat

@@ -9,8 +9,8 @@
 
 namespace ringsplat {
 
-/// The visible voxels of one frame's slices, row by row: classified at once, shaded one by one when they are wanted, since
-/// some turn out to be hidden. Empty space is not read.
+/// The visible voxels of one frame's slices, row by row: classified at once, shaded when they are wanted,
+/// since some turn out to be hidden. Empty space is not read.
 class RowClassifier {
  public:
   RowClassifier(const FrameSpec& spec, const FrameGeometry& geometry);
@@ -23,27 +23,29 @@ class RowClassifier {
   /// Classifies row `row` of the slice; returns how many voxels are visible. What follows speaks of this row.
   int classify(int row);
   int voxels() const { return voxels_; }  ///< read for it
-  /// Columns of the visible voxels, ascending.
-  std::span<const std::uint32_t> columns() const { return std::span(columns_).first(std::size_t(visible_)); }
-  /// Colour and corrected opacity of the k-th visible voxel.
-  ClassifiedSample shaded(int k) const {
-    const ClassifiedSample& sample = samples_[std::size_t(k)];
-    return normals_ != nullptr ? phong_->shade(normals_[columns_[std::size_t(k)]], sample) : sample;
-  }
+  std::uint32_t visible() const { return row_.visible; }
+  /// Runs of visible voxels, by ascending columns, never adjacent.
+  std::span<const VisibleRun> runs() const { return row_.runs; }
+  /// Straight colours, shaded, and corrected opacities of the visible voxels begin … end − 1, counted from
+  /// the row's first. Valid until the next call.
+  std::span<const ClassifiedSample> lit(std::uint32_t begin, std::uint32_t end);
   /// Shades all of the row's visible voxels now.
   void shade_all();
 
  private:
+  void find_normals(int row);
+
   const FrameSpec& spec_;
   const FrameGeometry& geometry_;
   Classifier classifier_;
   std::optional<PhongTable> phong_;  ///< made when the first visible voxel is found
   SliceView slice_;
   const SliceRuns* runs_ = nullptr;
-  const NormalCode* normals_ = nullptr;  ///< of the row
-  int visible_ = 0, voxels_ = 0;
-  std::vector<std::uint32_t> columns_;
-  std::vector<ClassifiedSample> samples_;
+  int voxels_ = 0;
+  VisibleRow row_;
+  bool unlit_ = false;               ///< the row's samples are still to be shaded
+  std::vector<NormalCode> normals_;  ///< of the row's visible voxels
+  std::vector<ClassifiedSample> lit_;
 };
 
 }  // namespace ringsplat

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <glm/vec2.hpp>
 
 #include "node/slice_encoder.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
@@ -7,18 +8,34 @@
 namespace ringsplat {
 namespace {
 
-/// Columns of a row whose positions lie within [low, high] along one screen axis.
-struct ColumnInterval {
-  double first, last;
-  void clip(double start, double step, double low, double high) {
-    if (step == 0) {
-      if (start < low || start > high) last = first - 1;
-      return;
-    }
-    const double a = (low - start) / step, b = (high - start) / step;
-    first = std::max(first, std::min(a, b));
-    last = std::min(last, std::max(a, b));
+/// Half-open range of a row's columns.
+struct Columns {
+  std::uint32_t first, end;
+  bool empty() const { return first >= end; }
+};
+
+/// A row's positions along one screen axis.
+class RowAxis {
+ public:
+  /// `step`: from column to column.
+  explicit RowAxis(double step) : inverse_(1 / step) {}
+  void begin_row(double start) { start_ = start; }
+  /// Those of the columns whose positions lie within [low, high].
+  Columns within(double low, double high, Columns columns) const {
+    if (!std::isfinite(inverse_)) return start_ < low || start_ > high ? Columns{0, 0} : columns;
+    const double a = (low - start_) * inverse_, b = (high - start_) * inverse_;
+    const double first = std::max(std::min(a, b), double(columns.first)),
+                 last = std::min(std::max(a, b), double(columns.end) - 1);
+    if (!(first <= last)) return {0, 0};
+    const auto truncated = static_cast<std::uint32_t>(static_cast<std::int64_t>(first));
+    return {truncated + (double(truncated) < first),
+            static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
   }
+  /// Whether positions fall from column to column.
+  bool falls() const { return inverse_ < 0; }
+
+ private:
+  double inverse_, start_ = 0;
 };
 
 /// Runs of voxels: positions follow from the view and are found again by the Renderer.
@@ -26,73 +43,113 @@ template <class Voxel>
 class RunEncoder final : public SliceEncoder {
  public:
   RunEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
-      : SliceEncoder(spec, geometry, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
+      : SliceEncoder(spec, geometry, renderers, empty_space),
+        x_(geometry.view.linear[in_plane(geometry.traversal.axis).u].x),
+        y_(geometry.view.linear[in_plane(geometry.traversal.axis).u].y),
+        beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51),
+        parts_(std::size_t(geometry.regions.count())) {}
 
  private:
+  /// Written whole right after it grows.
+  template <class T>
+  using Buffer = std::vector<T, UninitialisedAllocator<T>>;
   struct Part {
-    std::vector<VoxelRun> runs;
-    std::vector<Voxel> voxels;
+    Buffer<VoxelRun> runs;
+    Buffer<Voxel> voxels;
   };
 
   void encode_row(int row) override {
-    const auto columns = rows_.columns();
-    const PixelWindow begin = window_of(columns.front()), end = window_of(columns.back());
-    const PixelRect touched = geometry_.regions.touched(std::min(begin.x0, end.x0), std::min(begin.y0, end.y0), std::max(begin.x1, end.x1),
-                                                        std::max(begin.y1, end.y1));
+    const auto runs = rows_.runs();
+    const Columns all{runs.front().first, runs.back().end()};
+    const PixelWindow window = window_of(all.first, all.end - 1);
+    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    x_.begin_row(dda_.row_start().x);
+    y_.begin_row(dda_.row_start().y);
     for (int y = touched.y0; y < touched.y1; ++y) {
-      for (int x = touched.x0; x < touched.x1; ++x) encode_part(y * geometry_.regions.columns() + x, row);
+      const int first_region = y * geometry_.regions.columns();
+      const PixelRect& pixels = rect(first_region);
+      const Columns columns = y_.within(double(pixels.y0) - beyond_.y, double(pixels.y1) + beyond_.y, all);
+      if (columns.empty()) continue;
+      // In the order of the columns, so that the search for runs goes on where it was.
+      next_run_ = std::partition_point(runs.begin(), runs.end(),
+                                       [&](const VisibleRun& run) { return run.end() <= columns.first; });
+      for (int k = 0; k < touched.width(); ++k) {
+        const int x = x_.falls() ? touched.x1 - 1 - k : touched.x0 + k;
+        encode_part(first_region + x, row, columns);
+      }
     }
   }
 
+  /// The row's visible voxels whose windows can meet the region. A voxel too many is clipped by the painter.
+  void encode_part(int region, int row, Columns columns) {
+    const PixelRect& pixels = rect(region);
+    columns = x_.within(double(pixels.x0) - beyond_.x, double(pixels.x1) + beyond_.x, columns);
+    if (!columns.empty()) append(region, row, columns);
+  }
+
+  /// Of the voxels in columns first … last: positions run straight.
+  PixelWindow window_of(std::uint32_t first, std::uint32_t last) const {
+    const PixelWindow a = window_of(first), b = window_of(last);
+    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+  }
   PixelWindow window_of(std::uint32_t column) const {
     const glm::dvec3 position = dda_.position(column);
     return pixel_window(anchor(position.x, position.y), reach_);
   }
 
-  /// The row's visible voxels whose windows can meet the region. A voxel too many is clipped by the painter.
-  void encode_part(int region, int row) {
-    const auto columns = rows_.columns();
-    const PixelRect rect = geometry_.regions.rect(region);
-    const glm::dvec3 start = dda_.position(0), step = geometry_.view.linear[in_plane(geometry_.traversal.axis).u];
-    ColumnInterval interval{double(columns.front()), double(columns.back())};
-    // A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for rounding.
-    constexpr double beyond = 0.51;
-    interval.clip(start.x, step.x, rect.x0 - double(reach_.x) - beyond, rect.x1 + double(reach_.x) + beyond);
-    interval.clip(start.y, step.y, rect.y0 - double(reach_.y) - beyond, rect.y1 + double(reach_.y) + beyond);
-    if (!(interval.first <= interval.last)) return;
-    const auto first = std::lower_bound(columns.begin(), columns.end(), static_cast<std::uint32_t>(std::ceil(interval.first)));
-    const auto last = std::upper_bound(first, columns.end(), static_cast<std::uint32_t>(std::floor(interval.last)));
-    append(region, row, int(first - columns.begin()), int(last - columns.begin()));
-  }
-
-  /// Appends the row's visible voxels begin … end − 1, those that are not hidden, run by run.
-  void append(int region, int row, int begin, int end) {
-    const auto columns = rows_.columns();
+  /// Appends the row's visible voxels in these columns, those that are not hidden, run by run.
+  void append(int region, int row, Columns columns) {
+    const auto end = rows_.runs().end();
+    while (next_run_ != end && next_run_->end() <= columns.first) ++next_run_;
     const bool culling = knows_opaque(region);
-    const auto left_out = [&](int k) { return culling && hidden(region, window_of(columns[std::size_t(k)])); };
-    for (int k = begin; k < end;) {
-      if (left_out(k)) {
-        ++k;
-        continue;
-      }
-      int next = k + 1;
-      while (next < end && columns[std::size_t(next)] == columns[std::size_t(next - 1)] + 1 && !left_out(next)) ++next;
-      append_run(region, row, k, next - k);
-      k = next;
+    kept_begin_ = kept_end_ = 0;
+    for (auto run = next_run_; run != end && run->first < columns.end; ++run) {
+      const std::uint32_t from = std::max(run->first, columns.first), to = std::min(run->end(), columns.end);
+      if (culling)
+        append_seen(region, row, *run, from, to);
+      else
+        append_run(region, row, *run, from, to);
     }
+    pack_kept(region);
   }
 
-  void append_run(int region, int row, int begin, int voxels) {
-    Part& part = parts_[std::size_t(region)];
-    const std::uint32_t first = rows_.columns()[std::size_t(begin)];
-    part.runs.push_back({std::uint32_t(row), first, std::uint32_t(voxels)});
-    const std::size_t at = part.voxels.size();
-    part.voxels.resize(at + std::size_t(voxels));
-    for (int k = 0; k < voxels; ++k) {
-      const ClassifiedSample sample = rows_.shaded(begin + k);
-      pack(sample.r, sample.g, sample.b, sample.opacity, part.voxels[at + std::size_t(k)]);
+  /// Those of a run's columns begin … end − 1 that are not hidden. Halves what is hidden in part only.
+  void append_seen(int region, int row, const VisibleRun& run, std::uint32_t begin, std::uint32_t end) {
+    const OpaqueTiles::Cover cover = this->cover(region, window_of(begin, end - 1));
+    if (cover == OpaqueTiles::Cover::all) return;
+    if (cover == OpaqueTiles::Cover::none || end - begin == 1) {
+      append_run(region, row, run, begin, end);
+      return;
     }
-    count_run(region, int(first), voxels, row);
+    const std::uint32_t middle = begin + (end - begin) / 2;
+    append_seen(region, row, run, begin, middle);
+    append_seen(region, row, run, middle, end);
+  }
+
+  void append_run(int region, int row, const VisibleRun& run, std::uint32_t begin, std::uint32_t end) {
+    auto& runs = parts_[std::size_t(region)].runs;
+    if (!runs.empty() && runs.back().row == std::uint32_t(row) &&
+        runs.back().first + runs.back().count == begin)
+      runs.back().count += end - begin;
+    else
+      runs.push_back({std::uint32_t(row), begin, end - begin});
+    count_run(region, int(begin), int(end - begin));
+    const std::uint32_t sample = run.sample + (begin - run.first);
+    if (sample != kept_end_) {
+      pack_kept(region);
+      kept_begin_ = sample;
+    }
+    kept_end_ = sample + (end - begin);
+  }
+
+  /// Shades and packs the row's samples kept_begin_ … kept_end_ − 1, of runs that the part already has.
+  void pack_kept(int region) {
+    if (kept_begin_ == kept_end_) return;
+    auto& voxels = parts_[std::size_t(region)].voxels;
+    const auto lit = rows_.lit(kept_begin_, kept_end_);
+    const std::size_t at = voxels.size();
+    voxels.resize(at + lit.size());
+    pack(&lit.front().r, lit.size(), voxels.data() + at);
   }
 
   std::size_t part_bytes(int region) const override {
@@ -102,10 +159,13 @@ class RunEncoder final : public SliceEncoder {
 
   void move_part(int region, Bytes& payload) override {
     Part& part = parts_[std::size_t(region)];
-    ringsplat::append(payload, RunGroup{region, std::uint32_t(part.runs.size()), std::uint32_t(part.voxels.size())});
+    ringsplat::append(payload,
+                      RunGroup{region, std::uint32_t(part.runs.size()), std::uint32_t(part.voxels.size())});
     const auto bytes = [&](const auto& values) {
       const auto raw = std::as_bytes(std::span(values));
-      payload.insert(payload.end(), raw.begin(), raw.end());
+      const std::size_t at = payload.size();
+      payload.resize(at + raw.size());
+      std::copy(raw.begin(), raw.end(), payload.begin() + std::ptrdiff_t(at));
     };
     bytes(part.runs);
     bytes(part.voxels);
@@ -113,7 +173,14 @@ class RunEncoder final : public SliceEncoder {
     part.voxels.clear();
   }
 
-  std::vector<Part> parts_;  ///< by region
+  RowAxis x_, y_;
+  /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
+  /// rounding.
+  glm::dvec2 beyond_;
+  std::span<const VisibleRun>::iterator next_run_;  ///< the row's first that later regions can have
+  std::vector<Part> parts_;                         ///< by region
+  std::uint32_t kept_begin_ = 0,
+                kept_end_ = 0;  ///< the row's samples that are still to be packed for a region
 };
 
 }  // namespace
@@ -121,9 +188,12 @@ class RunEncoder final : public SliceEncoder {
 std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                           EmptySpace& empty_space) {
   switch (spec.precision) {
-    case Precision::half: return std::make_unique<RunEncoder<HalfVoxel>>(spec, geometry, renderers, empty_space);
-    case Precision::u8: return std::make_unique<RunEncoder<ByteVoxel>>(spec, geometry, renderers, empty_space);
-    case Precision::float32: break;
+    case Precision::half:
+      return std::make_unique<RunEncoder<HalfVoxel>>(spec, geometry, renderers, empty_space);
+    case Precision::u8:
+      return std::make_unique<RunEncoder<ByteVoxel>>(spec, geometry, renderers, empty_space);
+    case Precision::float32:
+      break;
   }
   return std::make_unique<RunEncoder<FloatVoxel>>(spec, geometry, renderers, empty_space);
 }

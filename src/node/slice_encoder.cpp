@@ -9,7 +9,8 @@
 
 namespace ringsplat {
 
-SliceEncoder::SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
+SliceEncoder::SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
+                           EmptySpace& empty_space)
     : geometry_(geometry),
       rows_(spec, geometry),
       dda_(geometry.view, geometry.traversal.axis, geometry.grid.slice_width(geometry.traversal.axis)),
@@ -21,8 +22,8 @@ SliceEncoder::SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry,
       counts_(std::size_t(geometry.regions.count())) {
   opaque_.reserve(counts_.size());
   for (int region = 0; region < geometry.regions.count(); ++region) {
-    const PixelRect rect = geometry.regions.rect(region);
-    opaque_.emplace_back(rect.width(), rect.height());
+    rects_.push_back(geometry.regions.rect(region));
+    opaque_.emplace_back(rects_.back().width(), rects_.back().height());
   }
 }
 
@@ -41,6 +42,7 @@ bool SliceEncoder::work() {
     const int found = classify_row();
     if (found > 0) {
       dda_.begin_row(rows_.slice().index, row_);
+      row_offset_ = row_ % stride_;
       encode_row(row_);
     }
     visible += found;

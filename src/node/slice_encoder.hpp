@@ -11,11 +11,12 @@
 
 namespace ringsplat {
 
-/// Which passes of a (region, slice) have a splat, a bit each (Neumann 1992, Fig. 3).
-using PassBits = std::array<std::uint64_t, 4>;
+/// Which passes of a (region, slice) have a splat, a bit each (Neumann 1992, Fig. 3): for each row offset, by
+/// column offset.
+using PassBits = std::array<std::uint16_t, 16>;
 
-/// What the paper's payload and runs of voxels have in common: rows are classified, and each region's part of the slice is
-/// gathered by itself and then handed to the Renderer that owns the region.
+/// What the paper's payload and runs of voxels have in common: rows are classified, and each region's part of
+/// the slice is gathered by itself and then handed to the Renderer that owns the region.
 class SliceEncoder : public Encoder {
  public:
   SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space);
@@ -32,26 +33,29 @@ class SliceEncoder : public Encoder {
   virtual void move_part(int region, Bytes& payload) = 0;
   virtual std::size_t part_bytes(int region) const = 0;
 
-  /// Counts splats of a region, of voxels in columns first … first + splats − 1; its part becomes one of the slice's payloads.
-  void count_run(int region, int first, int splats, int row) {
+  /// Counts splats of a region, of this row's voxels in columns first … first + splats − 1; its part becomes
+  /// one of the slice's payloads.
+  void count_run(int region, int first, int splats) {
     RegionCounts& counts = counts_[std::size_t(region)];
     if (counts.splats == 0) used_.push_back(region);
     counts.splats += std::uint32_t(splats);
-    const int row_passes = stride_ * (row % stride_);
-    for (int k = 0, column = first % stride_; k < std::min(splats, stride_); ++k, column = column + 1 == stride_ ? 0 : column + 1) {
-      const auto pass = std::size_t(row_passes + column);
-      counts.passes[pass / 64] |= std::uint64_t{1} << (pass % 64);
-    }
+    std::uint16_t& passes = counts.passes[std::size_t(row_offset_)];
+    if (passes != all_columns())
+      passes |= std::uint16_t(splats < stride_ ? few_columns(first % stride_, splats) : all_columns());
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
-  /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
-  bool hidden(int region, const PixelWindow& window) const {
+  /// Which of the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
+  OpaqueTiles::Cover cover(int region, const PixelWindow& window) const {
     const OpaqueTiles& tiles = opaque_[std::size_t(region)];
-    if (!tiles.worth_asking()) return false;
-    const PixelRect rect = geometry_.regions.rect(region);
-    return tiles.hides(window.x0 - rect.x0, window.y0 - rect.y0, window.x1 - rect.x0, window.y1 - rect.y0);
+    if (!tiles.worth_asking()) return OpaqueTiles::Cover::none;
+    const PixelRect& rect = rects_[std::size_t(region)];
+    return tiles.cover(window.x0 - rect.x0, window.y0 - rect.y0, window.x1 - rect.x0, window.y1 - rect.y0);
+  }
+  bool hidden(int region, const PixelWindow& window) const {
+    return cover(region, window) == OpaqueTiles::Cover::all;
   }
   bool knows_opaque(int region) const { return opaque_[std::size_t(region)].worth_asking(); }
+  const PixelRect& rect(int region) const { return rects_[std::size_t(region)]; }
 
   const FrameGeometry& geometry_;
   RowClassifier rows_;
@@ -65,21 +69,28 @@ class SliceEncoder : public Encoder {
   };
 
   int classify_row();
+  unsigned all_columns() const { return (1U << stride_) - 1; }
+  /// Offsets of consecutive columns, fewer than a stride, the first of which has offset `first`.
+  unsigned few_columns(int first, int columns) const {
+    const unsigned bits = ((1U << columns) - 1) << first;
+    return (bits | bits >> stride_) & all_columns();
+  }
 
   const FrameSpec& spec_;
   EmptySpace& empty_space_;
   int renderers_;
   int stride_;
   std::vector<RegionCounts> counts_;  ///< by region
+  std::vector<PixelRect> rects_;      ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
   std::vector<OpaqueTiles> opaque_;   ///< by region
-  int row_ = 0;
+  int row_ = 0, row_offset_ = 0;      ///< within the stride
   std::uint64_t visible_ = 0;
   StageSeconds* stages_ = nullptr;
 };
 
-std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
-                                           EmptySpace& empty_space);
+std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry,
+                                           int renderers, EmptySpace& empty_space);
 std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                           EmptySpace& empty_space);
 

@@ -13,44 +13,49 @@ struct WordPart {
   SplatGroup head{};
 
   std::byte* grow(std::size_t count) {
-    if (bytes.size() < size + count) bytes.resize(std::max(2 * bytes.size(), size + std::max<std::size_t>(count, 4096)));
+    if (bytes.size() < size + count)
+      bytes.resize(std::max(2 * bytes.size(), size + std::max<std::size_t>(count, 4096)));
     return bytes.data() + std::exchange(size, size + count);
   }
   void close_group() { std::memcpy(bytes.data() + group, &head, sizeof head); }
 };
 
-/// The paper's payload: every splat's quadratic and colour in six words, sorted by region (Neumann 1992, section 3).
+/// The paper's payload: every splat's quadratic and colour in six words, sorted by region (Neumann 1992,
+/// section 3).
 class WordEncoder final : public SliceEncoder {
  public:
   WordEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
       : SliceEncoder(spec, geometry, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
 
  private:
-  void encode_row(int row) override {
-    const auto columns = rows_.columns();
-    for (std::size_t k = 0; k < columns.size(); ++k) place(int(columns[k]), row, int(k));
+  void encode_row(int) override {
+    const auto samples = rows_.lit(0, rows_.visible());
+    for (const VisibleRun& run : rows_.runs())
+      for (std::uint32_t k = 0; k < run.count; ++k) place(int(run.first + k), samples[run.sample + k]);
   }
 
-  /// Makes the voxel's splat and puts it into every region its kernel reaches (one, two or four of them, more when
-  /// kernels are larger than regions).
-  void place(int column, int row, int k) {
+  /// Makes the voxel's splat and puts it into every region its kernel reaches (one, two or four of them, more
+  /// when kernels are larger than regions).
+  void place(int column, const ClassifiedSample& sample) {
     const glm::dvec3 position = dda_.position(std::uint32_t(column));
     const Anchored at = anchor(position.x, position.y);
     const PixelWindow window = pixel_window(at, reach_);
-    if (window.x0 >= inside_.x0 && window.x1 < inside_.x1 && window.y0 >= inside_.y0 && window.y1 < inside_.y1) {
-      put(inside_region_, at, window, column, row, k);
+    if (window.x0 >= inside_.x0 && window.x1 < inside_.x1 && window.y0 >= inside_.y0 &&
+        window.y1 < inside_.y1) {
+      put(inside_region_, at, window, column, sample);
       return;
     }
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
     for (int y = touched.y0; y < touched.y1; ++y)
       for (int x = touched.x0; x < touched.x1; ++x) {
         inside_region_ = y * geometry_.regions.columns() + x;
-        put(inside_region_, at, window, column, row, k);
+        put(inside_region_, at, window, column, sample);
       }
-    if (!touched.empty()) inside_ = geometry_.regions.rect(inside_region_);
+    if (!touched.empty()) inside_ = rect(inside_region_);
   }
 
-  void put(int region, const Anchored& at, const PixelWindow& window, int column, int row, int k) {
+  void put(int region, const Anchored& at, const PixelWindow& window, int column,
+           const ClassifiedSample& sample) {
     if (hidden(region, window)) return;
     WordPart& part = parts_[std::size_t(region)];
     const auto fits = [&] {
@@ -58,25 +63,25 @@ class WordEncoder final : public SliceEncoder {
       return dx >= 0 && dx <= 255 && dy >= 0 && dy <= 255;
     };
     if (!used(region) || !fits()) open_group(region, at);
-    const ClassifiedSample sample = rows_.shaded(k);
-    const Splat splat = make_splat(geometry_.footprint, at.dx, at.dy, sample.r, sample.g, sample.b, sample.opacity,
-                                   static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
+    const Splat splat = make_splat(geometry_.footprint, at.dx, at.dy, sample.r, sample.g, sample.b,
+                                   sample.opacity, static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
     std::memcpy(part.grow(sizeof splat), &splat, sizeof splat);
     ++part.head.count;
-    count_run(region, column, 1, row);
+    count_run(region, column, 1);
   }
 
-  /// A base before the region's corner by the kernel's reach holds all anchors of a region of up to 250 pixels in one group;
-  /// further ones count from a lattice of 256 pixels that starts there.
+  /// A base before the region's corner by the kernel's reach holds all anchors of a region of up to 250
+  /// pixels in one group; further ones count from a lattice of 256 pixels that starts there.
   void open_group(int region, const Anchored& at) {
     WordPart& part = parts_[std::size_t(region)];
     if (used(region)) part.close_group();
-    const PixelRect rect = geometry_.regions.rect(region);
+    const PixelRect& rect = this->rect(region);
     const auto base = [](std::int64_t anchor_pixel, std::int64_t corner) {
       return static_cast<std::int32_t>(corner + ((anchor_pixel - corner) & ~std::int64_t{255}));
     };
-    part.head = {region, base(at.anchor_x, rect.x0 - reach_.x - 1), base(at.anchor_y, rect.y0 - reach_.y - 1), 0};
+    part.head = {region, base(at.anchor_x, rect.x0 - reach_.x - 1), base(at.anchor_y, rect.y0 - reach_.y - 1),
+                 0};
     part.group = part.size;
     part.grow(sizeof(SplatGroup));
   }
@@ -86,7 +91,8 @@ class WordEncoder final : public SliceEncoder {
   void move_part(int region, Bytes& payload) override {
     WordPart& part = parts_[std::size_t(region)];
     part.close_group();
-    payload.insert(payload.end(), part.bytes.begin(), part.bytes.begin() + static_cast<std::ptrdiff_t>(part.size));
+    payload.insert(payload.end(), part.bytes.begin(),
+                   part.bytes.begin() + static_cast<std::ptrdiff_t>(part.size));
     part.size = 0;
   }
 
@@ -97,8 +103,8 @@ class WordEncoder final : public SliceEncoder {
 
 }  // namespace
 
-std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
-                                           EmptySpace& empty_space) {
+std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry,
+                                           int renderers, EmptySpace& empty_space) {
   return std::make_unique<WordEncoder>(spec, geometry, renderers, empty_space);
 }
 

@@ -36,16 +36,28 @@ struct Row {
   std::vector<ClassifiedSample> samples;
 };
 
+/// The visible voxels' columns, one by one; runs ascend and never touch.
+Row to_row(const VisibleRow& visible) {
+  Row row;
+  std::uint32_t next = 0;
+  for (const VisibleRun& run : visible.runs) {
+    REQUIRE(run.count > 0);
+    REQUIRE(run.sample == row.where.size());
+    REQUIRE((next == 0 || run.first > next));
+    next = run.end();
+    for (std::uint32_t column = run.first; column < run.end(); ++column) row.where.push_back(column);
+  }
+  REQUIRE(visible.visible == row.where.size());
+  REQUIRE(visible.samples.size() >= visible.visible);
+  row.samples.assign(visible.samples.begin(), visible.samples.begin() + visible.visible);
+  return row;
+}
+
 template <class T>
 Row classify(const Classifier& classifier, const std::vector<T>& values) {
-  Row row{std::vector<std::uint32_t>(values.size()), std::vector<ClassifiedSample>(values.size())};
-  const int n = classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), int(values.size()),
-                                        row.where.data(), row.samples.data());
-  REQUIRE(n >= 0);
-  REQUIRE(std::size_t(n) <= values.size());
-  row.where.resize(std::size_t(n));
-  row.samples.resize(std::size_t(n));
-  return row;
+  VisibleRow visible;
+  classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 0, int(values.size()), visible);
+  return to_row(visible);
 }
 
 template <class T>
@@ -176,28 +188,55 @@ TEST_CASE("the opacity correction is exact for 1, and keeps the digits of tiny o
 
 TEST_CASE("rows may be empty, of one voxel, and at any address") {
   const Classifier classifier(two_points(0, 0, 1000, 1), ScalarType::int16, 1.1);
-  std::uint32_t where[4];
-  ClassifiedSample samples[4];
-  REQUIRE(classifier.classify_row(nullptr, 0, where, samples) == 0);
+  VisibleRow row;
+  classifier.classify_row(nullptr, 0, 0, row);
+  REQUIRE(row.visible == 0);
   REQUIRE(classify<std::int16_t>(classifier, {7}).where.size() == 1);
   std::byte bytes[9]{};
   const std::int16_t values[4] = {100, -5, 300, 2000};
   std::memcpy(bytes + 1, values, sizeof(values));
-  REQUIRE(classifier.classify_row(bytes + 1, 4, where, samples) == 3);
-  REQUIRE(where[0] == 0);
-  REQUIRE(where[1] == 2);
-  REQUIRE(where[2] == 3);
-  REQUIRE(samples[2].opacity == 1.0F);
+  classifier.classify_row(bytes + 1, 0, 4, row);
+  REQUIRE(to_row(row).where == std::vector<std::uint32_t>{0, 2, 3});
+  REQUIRE(row.samples[2].opacity == 1.0F);
+}
+
+TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole row gives", "", std::uint8_t,
+                   std::int16_t, float) {
+  // Clear at the ends and in the middle; all visible between the ends; nothing clear. Runs longer than a
+  // machine word, too.
+  const double high = std::is_same_v<TestType, float> ? 1000.0 : double(std::numeric_limits<TestType>::max());
+  const auto values = spread<TestType>(900);
+  std::vector<TestType> smooth(900);
+  for (std::size_t i = 0; i < smooth.size(); ++i)
+    smooth[i] = TestType(high * (0.5 + 0.5 * std::sin(double(i) / 60)));
+  for (const auto& tf :
+       {bumpy(0, high), two_points(high / 4, 0, high / 2, 1), two_points(-1e6, 0.5, 1e6, 0.5)}) {
+    const Classifier classifier(tf, type_of<TestType>(), 1.2);
+    for (const auto& row : {values, smooth}) {
+      const Row whole = classify(classifier, row);
+      VisibleRow visible;
+      visible.runs.push_back({7, 9, 0});  // clear() forgets the row before
+      visible.visible = 9;
+      visible.clear();
+      for (const auto& [first, end] :
+           {std::pair(0, 1), {1, 64}, {64, 64}, {64, 130}, {130, 331}, {331, 332}, {332, 900}})
+        classifier.classify_row(reinterpret_cast<const std::byte*>(row.data()), first, end, visible);
+      const Row stretches = to_row(visible);
+      REQUIRE(stretches.where == whole.where);
+      for (std::size_t k = 0; k < whole.samples.size(); ++k)
+        REQUIRE(std::memcmp(&stretches.samples[k], &whole.samples[k], sizeof(ClassifiedSample)) == 0);
+    }
+  }
 }
 
 TEST_CASE("a function that is clear everywhere classifies nothing") {
   for (const auto type : {ScalarType::uint8, ScalarType::float64}) {
     const Classifier classifier(two_points(0, 0, 1, 0), type, 1);
     std::vector<double> values{-infinity, 0, 0.5, 1, infinity, nan_value};
-    std::vector<std::uint32_t> where(64);
-    std::vector<ClassifiedSample> samples(64);
-    REQUIRE(classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 6, where.data(),
-                                    samples.data()) == 0);
+    VisibleRow row;
+    classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 0, 6, row);
+    REQUIRE(row.visible == 0);
+    REQUIRE(row.runs.empty());
   }
 }
 

@@ -1,6 +1,12 @@
+#include "ringsplat/base/vector_config.hpp"
+// Behind what says which instruction sets there are.
+#include <hwy/targets.h>
+
 #include <cmath>
+#include <cstring>
 #include <glm/geometric.hpp>
 #include <limits>
+#include <random>
 #include <vector>
 
 #include "classify/message_of.hpp"
@@ -10,6 +16,16 @@
 using namespace ringsplat;
 
 namespace {
+
+/// Uses one instruction set only, until its end.
+struct OneTarget {
+  explicit OneTarget(std::int64_t target) { use(target); }
+  ~OneTarget() { use(0); }
+  static void use(std::int64_t target) {
+    hwy::SetSupportedTargetsForTest(target);
+    hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+  }
+};
 
 constexpr ClassifiedSample grey{0.25F, 0.5F, 0.125F, 0.7F};
 
@@ -41,8 +57,7 @@ TEST_CASE("the table holds Phong's formula for every normal") {
         same_side ? std::pow(std::max(0.0, glm::dot(reflected, viewer)), material.exponent) : 0.0;
     const double expected =
         0.5 * (material.ambient + material.diffuse * std::abs(nl)) + material.specular * highlight;
-    REQUIRE(table.shade(NormalCode(code), {0.5F, 0, 0, 1}).r ==
-            Approx(std::min(1.0, expected)).margin(1e-6));
+    REQUIRE(table.shade(NormalCode(code), {0.5F, 0, 0, 1}).r == Approx(std::min(1.0, expected)).margin(1e-6));
   }
 }
 
@@ -83,4 +98,34 @@ TEST_CASE("an exponent of 0 makes the highlight even; bad materials and directio
                }),
                "Phong material"));
   REQUIRE(message_of([] { PhongTable({}, {0, 0, 1e-320}, {1e300, 0, 0}); }).empty());
+}
+
+TEST_CASE("many samples are shaded as one by one, bit for bit, by every instruction set") {
+  // The last: beyond the largest float, where 0 times the light must stay 0.
+  for (const auto& material : {PhongMaterial{}, PhongMaterial{.ambient = 0.9, .specular = 3, .exponent = 2.5},
+                               PhongMaterial{.ambient = 1e300}}) {
+    const PhongTable table(material, {0.3, -1, 0.6}, {-0.2, -1, 0.1});
+    std::mt19937 random(11);
+    std::uniform_real_distribution<float> share(0.0F, 1.0F);
+    std::vector<NormalCode> normals{no_normal, 65535};
+    std::vector<ClassifiedSample> samples{grey, {0, 1, 0, 1}};
+    for (int k = 0; k < 3000; ++k) {
+      normals.push_back(NormalCode(random()));
+      samples.push_back({share(random), share(random), k % 5 == 0 ? 0.0F : share(random), share(random)});
+    }
+    for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
+      const OneTarget only(target);
+      INFO(hwy::TargetName(target));
+      std::vector<ClassifiedSample> lit(samples.size()), in_place = samples;
+      table.shade(normals.data(), samples.data(), samples.size(), lit.data());
+      table.shade(normals.data(), in_place.data(), in_place.size(), in_place.data());
+      CHECK(std::memcmp(lit.data(), in_place.data(), lit.size() * sizeof lit[0]) == 0);
+      for (std::size_t k = 0; k < lit.size(); ++k) {
+        const ClassifiedSample expected = table.shade(normals[k], samples[k]);
+        REQUIRE(std::memcmp(&lit[k], &expected, sizeof expected) == 0);
+        REQUIRE((lit[k].r <= 1 && lit[k].opacity == samples[k].opacity));
+        if (samples[k].b == 0 && normals[k] == no_normal) REQUIRE(lit[k].b == 0);
+      }
+    }
+  }
 }

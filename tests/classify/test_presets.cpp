@@ -27,11 +27,9 @@ struct Data {
   }
   /// The share of voxels with an opacity above zero.
   double visible(const TransferFunction& tf) const {
-    std::vector<std::uint32_t> where(values.size());
-    std::vector<ClassifiedSample> samples(values.size());
-    const Classifier classifier(tf, type, 1.0);
-    return classifier.classify_row(bytes().data(), int(values.size()), where.data(), samples.data()) /
-           double(values.size());
+    VisibleRow row;
+    Classifier(tf, type, 1.0).classify_row(bytes().data(), 0, int(values.size()), row);
+    return row.visible / double(values.size());
   }
 };
 

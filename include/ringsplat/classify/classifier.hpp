@@ -8,6 +8,24 @@
 
 namespace ringsplat {
 
+/// Consecutive visible voxels of a row.
+struct VisibleRun {
+  std::uint32_t first, count;  ///< columns
+  std::uint32_t sample;        ///< which of the row's samples is the first one's
+  std::uint32_t end() const { return first + count; }
+};
+
+/// The visible voxels (opacity above zero) of a row. Buffers that only grow, for row after row.
+struct VisibleRow {
+  std::vector<VisibleRun> runs;           ///< by ascending columns, never adjacent
+  std::vector<ClassifiedSample> samples;  ///< of the runs' voxels, run after run: the first `visible` ones
+  std::uint32_t visible = 0;
+  void clear() {
+    runs.clear();
+    visible = 0;
+  }
+};
+
 /// Turns rows of voxels into colour and opacity, for one transfer function and one view.
 ///
 /// The opacity handed out is corrected for the distance the ray runs from slice to slice: 1 − (1 − α)^length,
@@ -19,23 +37,29 @@ class Classifier {
   /// Throws InputError for a transfer function that check() refuses and a length that is not positive.
   Classifier(const TransferFunction& tf, ScalarType type, double length);
 
-  /// The visible voxels (opacity above zero) of a row of `count` scalars in native byte order, any alignment:
-  /// their positions, ascending, into `where`, their samples into `samples` (room for `count` each). Returns
-  /// how many there are. Safe to call from several threads.
-  int classify_row(const std::byte* row, int count, std::uint32_t* where, ClassifiedSample* samples) const;
+  /// Appends the visible voxels among columns first … end − 1 of a row of scalars in native byte order, at
+  /// any address, to `out`, which holds none of these columns or later ones. Safe to call from several
+  /// threads.
+  void classify_row(const std::byte* row, int first, int end, VisibleRow& out) const;
 
   ScalarType type() const { return type_; }
 
  private:
   ClassifiedSample evaluate(double value) const;
+  template <class T>
+  void classify_by_table(const std::byte* row, int first, int end, VisibleRow& out) const;
+  template <class T>
+  void classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const;
 
   TransferFunction tf_;
   ScalarType type_;
   double length_;
-  std::vector<glm::dvec3> linear_;       ///< the colour points in linear light
-  double support_low_, support_high_;    ///< transparent outside; low > high when everything is
-  std::vector<ClassifiedSample> table_;  ///< by the value's bit pattern, 8- and 16-bit types only
-  std::vector<std::uint8_t> visible_;    ///< 1 where the table's opacity is above zero
+  std::vector<glm::dvec3> linear_;            ///< the colour points in linear light
+  double support_low_, support_high_;         ///< transparent outside; low > high when everything is
+  std::vector<ClassifiedSample> table_;       ///< by the value's bit pattern, 8- and 16-bit types only
+  std::vector<std::uint8_t> visible_;         ///< 1 where the table's opacity is above zero
+  int first_visible_ = 0, last_visible_ = 0;  ///< values between which all are visible, unless there are gaps
+  bool gaps_ = true;
 };
 
 }  // namespace ringsplat

@@ -28,13 +28,17 @@ class PhongTable {
             std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
   }
 
-  /// Starts to bring a normal's entry into the cache.
-  void prefetch(NormalCode normal) const { __builtin_prefetch(&entries_[normal]); }
+  /// The same of `count` samples, each by the normal at its place; `lit` may be `samples`. The same bits at
+  /// every vector width.
+  void shade(const NormalCode* normals, const ClassifiedSample* samples, std::size_t count,
+             ClassifiedSample* lit) const;
 
- private:
   struct Entry {
     float scale, add;  ///< colour * scale + add
   };
+  const Entry& entry(NormalCode normal) const { return entries_[normal]; }
+
+ private:
   std::vector<Entry> entries_;
 };
 

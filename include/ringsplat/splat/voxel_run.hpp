@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <glm/gtc/packing.hpp>
@@ -8,8 +9,8 @@
 
 namespace ringsplat {
 
-/// Consecutive visible voxels of a slice's row. Their positions follow from the view, which every rank knows, so a run
-/// says once where it begins and carries only colours and opacities.
+/// Consecutive visible voxels of a slice's row. Their positions follow from the view, which every rank knows,
+/// so a run says once where it begins and carries only colours and opacities.
 struct VoxelRun {
   std::uint32_t row, first, count;
 };
@@ -33,20 +34,12 @@ struct ByteVoxel {  ///< 255 = 1
   std::uint8_t rgba[4];
 };
 
-inline void pack(float red, float green, float blue, float opacity, FloatVoxel& out) {
-  std::memcpy(out.opacity, &opacity, sizeof opacity);
-  out.rgb[0] = quantise_colour(red);
-  out.rgb[1] = quantise_colour(green);
-  out.rgb[2] = quantise_colour(blue);
-}
-inline void pack(float red, float green, float blue, float opacity, HalfVoxel& out) {
-  const std::uint64_t packed = glm::packHalf4x16({red, green, blue, opacity});
-  std::memcpy(out.rgba, &packed, sizeof packed);
-}
-inline void pack(float red, float green, float blue, float opacity, ByteVoxel& out) {
-  const std::uint32_t packed = glm::packUnorm4x8({red, green, blue, opacity});
-  std::memcpy(out.rgba, &packed, sizeof packed);
-}
+/// Makes them of `count` voxels' (red, green, blue, opacity), straight and within [0, 1], into `count`
+/// places. The same bits at every vector width: FloatVoxel's colours by quantise_colour, halves rounded to
+/// nearest even, bytes to nearest.
+void pack(const float* rgba, std::size_t count, FloatVoxel* voxels);
+void pack(const float* rgba, std::size_t count, HalfVoxel* voxels);
+void pack(const float* rgba, std::size_t count, ByteVoxel* voxels);
 
 struct VoxelColour {
   std::uint16_t red, green, blue;  ///< 65535 = 1

@@ -1,0 +1,68 @@
+#pragma once
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <cstring>
+
+namespace ringsplat {
+
+/// The i-th scalar of a row at any address.
+template <class T>
+T load(const std::byte* row, int i) {
+  T value;
+  std::memcpy(&value, row + sizeof(T) * std::size_t(i), sizeof(T));
+  return value;
+}
+
+inline constexpr int mask_bits = 64;
+
+/// Bit i: flags[i], each 0 or 1. Eight bytes at a time go to eight bits by one product, none of whose terms
+/// meet.
+inline std::uint64_t to_mask(const std::array<std::uint8_t, mask_bits>& flags) {
+  constexpr std::uint64_t gather =
+      std::endian::native == std::endian::little ? 0x0102040810204080 : 0x8040201008040201;
+  std::uint64_t mask = 0;
+  for (int i = 0; i < mask_bits; i += 8) {
+    std::uint64_t eight;
+    std::memcpy(&eight, flags.data() + i, sizeof eight);
+    mask |= (eight * gather) >> 56 << i;
+  }
+  return mask;
+}
+
+/// Which of the up to 64 scalars from the `first` on satisfy `wanted`, which gives 0 or 1 and is asked for
+/// all without a branch; so it may also be asked for zeros.
+template <class T, class Wanted>
+std::uint64_t mask_where(const std::byte* row, int first, int count, const Wanted& wanted) {
+  std::array<T, mask_bits> values;
+  const std::byte* from = row + sizeof(T) * std::size_t(first);
+  if (count == mask_bits) {
+    std::memcpy(values.data(), from, sizeof values);
+  } else {
+    values.fill(T{});
+    std::memcpy(values.data(), from, sizeof(T) * std::size_t(count));
+  }
+  std::array<std::uint8_t, mask_bits> flags;
+  for (std::size_t i = 0; i < mask_bits; ++i) flags[i] = wanted(values[i]);
+  const std::uint64_t mask = to_mask(flags);
+  return count == mask_bits ? mask : mask & ((std::uint64_t{1} << count) - 1);
+}
+
+/// Calls take(first, count) for the runs of scalars in columns first … end − 1 that satisfy `wanted`,
+/// ascending. A run may come in several adjacent pieces.
+template <class T, class Wanted, class Take>
+void for_each_run(const std::byte* row, int first, int end, const Wanted& wanted, const Take& take) {
+  for (; first < end; first += mask_bits) {
+    std::uint64_t mask = mask_where<T>(row, first, std::min(mask_bits, end - first), wanted);
+    for (int at = first; mask != 0;) {
+      const int skipped = std::countr_zero(mask), count = std::countr_one(mask >> skipped);
+      at += skipped;
+      take(at, count);
+      at += count;
+      // In two steps, since a shift by all 64 bits is none.
+      mask = mask >> skipped >> (count - 1) >> 1;
+    }
+  }
+}
+
+}  // namespace ringsplat
