@@ -37,6 +37,13 @@ Support support_of(const std::vector<TransferFunction::OpacityPoint>& points) {
   return support;
 }
 
+/// A whole number, or the nearer end of an integer type, `beyond` further out, when it lies behind that.
+template <class T>
+int bounded(double whole, int beyond = 0) {
+  using Limits = std::numeric_limits<T>;
+  return int(std::clamp(whole, double(Limits::min() - beyond), double(Limits::max() + beyond)));
+}
+
 /// The first and the last value of an integer type within [low, high]; low > high when there is none.
 template <class T>
 struct Ends {
@@ -44,16 +51,12 @@ struct Ends {
 };
 template <class T>
 Ends<T> ends_within(double low, double high) {
-  const auto bounded = [](double v) {
-    return int(
-        std::clamp(v, double(std::numeric_limits<T>::min()) - 1, double(std::numeric_limits<T>::max()) + 1));
-  };
-  return {std::max(bounded(std::ceil(low)), int(std::numeric_limits<T>::min())),
-          std::min(bounded(std::floor(high)), int(std::numeric_limits<T>::max()))};
+  using Limits = std::numeric_limits<T>;
+  return {std::max(bounded<T>(std::ceil(low), 1), int(Limits::min())),
+          std::min(bounded<T>(std::floor(high), 1), int(Limits::max()))};
 }
 
-/// What VisibleRow needs of a stretch of candidates: appends a run of `count` voxels whose samples
-/// `sample(column)` gives.
+/// Appends a run of `count` voxels, whose samples `sample(column)` gives.
 template <class Sample>
 void append_run(VisibleRow& out, std::uint32_t first, std::uint32_t count, const Sample& sample) {
   if (!out.runs.empty() && out.runs.back().end() == first)
@@ -84,21 +87,27 @@ Classifier::Classifier(const TransferFunction& tf, ScalarType type, double lengt
   support_high_ = support.high;
   visit_type(type_, [this](auto zero) {
     using T = decltype(zero);
-    if constexpr (sizeof(T) <= 2) {
-      table_.resize(std::size_t(1) << (8 * sizeof(T)));
-      visible_.resize(table_.size());
-      for (std::size_t bits = 0; bits < table_.size(); ++bits) {
-        table_[bits] = evaluate(static_cast<T>(static_cast<std::make_unsigned_t<T>>(bits)));
-        visible_[bits] = table_[bits].opacity > 0;
-      }
-      const Ends<T> ends = ends_within<T>(support_low_, support_high_);
-      first_visible_ = ends.low;
-      last_visible_ = ends.high;
-      gaps_ = ends.low > ends.high;
-      for (int value = ends.low; value <= ends.high; ++value)
-        gaps_ = gaps_ || visible_[std::make_unsigned_t<T>(value)] == 0;
-    }
+    if constexpr (sizeof(T) <= 2) make_table<T>();
   });
+}
+
+template <class T>
+void Classifier::make_table() {
+  // Values before the first points are alike, and so are those from the last points on.
+  const double first = std::min(tf_.colours.front().value, tf_.opacities.front().value);
+  const double last = std::max(tf_.colours.back().value, tf_.opacities.back().value);
+  table_low_ = bounded<T>(std::floor(first) - 1);
+  table_high_ = bounded<T>(std::ceil(last));
+  for (int value = table_low_; value <= table_high_; ++value) {
+    table_.push_back(evaluate(value));
+    visible_.push_back(table_.back().opacity > 0);
+  }
+  const Ends<T> ends = ends_within<T>(support_low_, support_high_);
+  first_visible_ = ends.low;
+  last_visible_ = ends.high;
+  gaps_ = ends.low > ends.high;
+  for (int value = std::max(ends.low, table_low_); value <= std::min(ends.high, table_high_); ++value)
+    gaps_ = gaps_ || visible_[table_index(value)] == 0;
 }
 
 ClassifiedSample Classifier::evaluate(double value) const {
@@ -118,12 +127,11 @@ void Classifier::classify_by_table(const std::byte* row, int first, int end, Vis
   using Bits = std::make_unsigned_t<T>;
   const auto append = [&](int run, int count) {
     append_run(out, std::uint32_t(run), std::uint32_t(count),
-               [&](std::uint32_t column) { return table_[load<Bits>(row, int(column))]; });
+               [&](std::uint32_t column) { return table_[table_index(load<T>(row, int(column)))]; });
   };
   if (gaps_) {
-    const std::uint8_t* flags = visible_.data();
-    for_each_run<Bits>(
-        row, first, end, [flags](Bits bits) { return flags[bits]; }, append);
+    for_each_run<T>(
+        row, first, end, [this](T value) { return visible_[table_index(value)]; }, append);
     return;
   }
   const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);

@@ -138,6 +138,25 @@ TEST_CASE("all values of the 8- and 16-bit types") {
   require_row(bumpy(500, 65535), 1.2, u16);
 }
 
+TEST_CASE(
+    "values beyond a function's first and last points are as these, also where it begins or ends with a "
+    "jump") {
+  std::vector<std::int16_t> values;
+  for (int v = -400; v < 400; ++v) values.push_back(std::int16_t(v));
+  values.push_back(-32768);
+  values.push_back(32767);
+  TransferFunction jumps = two_points(-50.5, 0, 120, 0);
+  jumps.opacities = {{-100, 0.2}, {-100, 0.6}, {0, 0.3}, {99.5, 0.5}, {99.5, 0.1}};
+  jumps.colours.insert(jumps.colours.begin(), {-50.5, {0, 1, 0}});
+  require_row(jumps, 1.4, values);
+  jumps.opacities = {{-100, 0}, {-100, 0.6}, {0, 0.3}, {100, 0.5}, {100, 0}};
+  require_row(jumps, 1.4, values);
+  // All points beyond the type's values, on either side.
+  for (const double far : {-1e6, 1e6})
+    for (const double opacity : {0.0, 0.4})
+      require_row(two_points(far, opacity, far + 10, 0.4 - opacity), 1.4, values);
+}
+
 TEST_CASE("the extreme values of a type are met exactly") {
   REQUIRE(classify<std::int16_t>({two_points(-32768, 0.5, -32767, 0), ScalarType::int16, 1},
                                  {-32767, -32768, 32767})

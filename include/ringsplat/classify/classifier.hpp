@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -29,9 +30,9 @@ struct VisibleRow {
 /// Turns rows of voxels into colour and opacity, for one transfer function and one view.
 ///
 /// The opacity handed out is corrected for the distance the ray runs from slice to slice: 1 − (1 − α)^length,
-/// `length` in unit lengths (1 switches the correction off). 8- and 16-bit integers go through a table of all
-/// their values; wider types are evaluated exactly. Not-a-number is transparent; an infinity lies beyond the
-/// last point of its side and takes that point's colour and opacity.
+/// `length` in unit lengths (1 switches the correction off). 8- and 16-bit integers go through a table of
+/// the values that the function spans; wider types are evaluated exactly. Not-a-number is transparent; an
+/// infinity lies beyond the last point of its side and takes that point's colour and opacity.
 class Classifier {
  public:
   /// Throws InputError for a transfer function that check() refuses and a length that is not positive.
@@ -47,6 +48,11 @@ class Classifier {
  private:
   ClassifiedSample evaluate(double value) const;
   template <class T>
+  void make_table();
+  std::size_t table_index(int value) const {
+    return std::size_t(std::clamp(value, table_low_, table_high_) - table_low_);
+  }
+  template <class T>
   void classify_by_table(const std::byte* row, int first, int end, VisibleRow& out) const;
   template <class T>
   void classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const;
@@ -54,11 +60,14 @@ class Classifier {
   TransferFunction tf_;
   ScalarType type_;
   double length_;
-  std::vector<glm::dvec3> linear_;            ///< the colour points in linear light
-  double support_low_, support_high_;         ///< transparent outside; low > high when everything is
-  std::vector<ClassifiedSample> table_;       ///< by the value's bit pattern, 8- and 16-bit types only
-  std::vector<std::uint8_t> visible_;         ///< 1 where the table's opacity is above zero
-  int first_visible_ = 0, last_visible_ = 0;  ///< values between which all are visible, unless there are gaps
+  std::vector<glm::dvec3> linear_;     ///< the colour points in linear light
+  double support_low_, support_high_;  ///< transparent outside; low > high when everything is
+
+  // Of 8- and 16-bit types only:
+  std::vector<ClassifiedSample> table_;  ///< of values table_low_ … table_high_; those beyond are as the ends
+  std::vector<std::uint8_t> visible_;    ///< 1 where the table's opacity is above zero
+  int table_low_ = 0, table_high_ = 0;
+  int first_visible_ = 0, last_visible_ = 0;  ///< all between are visible, unless there are gaps
   bool gaps_ = true;
 };
 
