@@ -9,8 +9,7 @@
 
 namespace ringsplat {
 
-/// The visible voxels of one frame's slices, row by row: classified at once, shaded when they are wanted,
-/// since some turn out to be hidden. Empty space is not read.
+/// The visible voxels of one frame's slices, row by row: classified and then shaded. Empty space is not read.
 class RowClassifier {
  public:
   RowClassifier(const FrameSpec& spec, const FrameGeometry& geometry);
@@ -22,19 +21,14 @@ class RowClassifier {
 
   /// Classifies row `row` of the slice; returns how many voxels are visible. What follows speaks of this row.
   int classify(int row);
+  void shade();                           ///< once, before samples are asked for
   int voxels() const { return voxels_; }  ///< read for it
-  std::uint32_t visible() const { return row_.visible; }
   /// Runs of visible voxels, by ascending columns, never adjacent.
   std::span<const VisibleRun> runs() const { return row_.runs; }
-  /// Straight colours, shaded, and corrected opacities of the visible voxels begin … end − 1, counted from
-  /// the row's first. Valid until the next call.
-  std::span<const ClassifiedSample> lit(std::uint32_t begin, std::uint32_t end);
-  /// Shades all of the row's visible voxels now.
-  void shade_all();
+  /// Straight colours and corrected opacities of the visible voxels, run after run.
+  std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
 
  private:
-  void find_normals(int row);
-
   const FrameSpec& spec_;
   const FrameGeometry& geometry_;
   Classifier classifier_;
@@ -43,9 +37,7 @@ class RowClassifier {
   const SliceRuns* runs_ = nullptr;
   int voxels_ = 0;
   VisibleRow row_;
-  bool unlit_ = false;               ///< the row's samples are still to be shaded
-  std::vector<NormalCode> normals_;  ///< of the row's visible voxels
-  std::vector<ClassifiedSample> lit_;
+  const NormalCode* normals_ = nullptr;  ///< of the row; null when it needs none
 };
 
 }  // namespace ringsplat

@@ -22,7 +22,7 @@ class RowAxis {
   void begin_row(double start) { start_ = start; }
   /// Those of the columns whose positions lie within [low, high].
   Columns within(double low, double high, Columns columns) const {
-    if (!std::isfinite(inverse_)) return start_ < low || start_ > high ? Columns{0, 0} : columns;
+    if (!std::isfinite(inverse_)) return start_ >= low && start_ <= high ? columns : Columns{0, 0};
     const double a = (low - start_) * inverse_, b = (high - start_) * inverse_;
     const double first = std::max(std::min(a, b), double(columns.first)),
                  last = std::min(std::max(a, b), double(columns.end) - 1);
@@ -97,11 +97,23 @@ class RunEncoder final : public SliceEncoder {
     return pixel_window(anchor(position.x, position.y), reach_);
   }
 
+  /// Of the windows of the voxels in columns first … last, whose positions run straight; wider by a rounding.
+  OpaqueCover::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
+    constexpr double rounding = 1e-6;
+    const PixelRect& pixels = rect(region);
+    const double x = dda_.row_start().x - pixels.x0 - 0.5, y = dda_.row_start().y - pixels.y0 - 0.5;
+    const double xa = x + dda_.steps_x()[first], xb = x + dda_.steps_x()[last];
+    const double ya = y + dda_.steps_y()[first], yb = y + dda_.steps_y()[last];
+    const double before_x = double(reach_.x) + rounding, before_y = double(reach_.y) + rounding;
+    return cover(region).of(std::min(xa, xb) - before_x, std::min(ya, yb) - before_y,
+                            std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
+  }
+
   /// Appends the row's visible voxels in these columns, those that are not hidden, run by run.
   void append(int region, int row, Columns columns) {
     const auto end = rows_.runs().end();
     while (next_run_ != end && next_run_->end() <= columns.first) ++next_run_;
-    const bool culling = knows_opaque(region);
+    const bool culling = cover(region).worth_asking();
     kept_begin_ = kept_end_ = 0;
     for (auto run = next_run_; run != end && run->first < columns.end; ++run) {
       const std::uint32_t from = std::max(run->first, columns.first), to = std::min(run->end(), columns.end);
@@ -115,9 +127,9 @@ class RunEncoder final : public SliceEncoder {
 
   /// Those of a run's columns begin … end − 1 that are not hidden. Halves what is hidden in part only.
   void append_seen(int region, int row, const VisibleRun& run, std::uint32_t begin, std::uint32_t end) {
-    const OpaqueTiles::Cover cover = this->cover(region, window_of(begin, end - 1));
-    if (cover == OpaqueTiles::Cover::all) return;
-    if (cover == OpaqueTiles::Cover::none || end - begin == 1) {
+    const OpaqueCover::Cover seen = cover_of(region, begin, end - 1);
+    if (seen == OpaqueCover::Cover::all) return;
+    if (seen == OpaqueCover::Cover::none || end - begin == 1) {
       append_run(region, row, run, begin, end);
       return;
     }
@@ -142,14 +154,14 @@ class RunEncoder final : public SliceEncoder {
     kept_end_ = sample + (end - begin);
   }
 
-  /// Shades and packs the row's samples kept_begin_ … kept_end_ − 1, of runs that the part already has.
+  /// Packs the row's samples kept_begin_ … kept_end_ − 1, of runs that the part already has.
   void pack_kept(int region) {
     if (kept_begin_ == kept_end_) return;
     auto& voxels = parts_[std::size_t(region)].voxels;
-    const auto lit = rows_.lit(kept_begin_, kept_end_);
+    const auto samples = rows_.samples().subspan(kept_begin_, kept_end_ - kept_begin_);
     const std::size_t at = voxels.size();
-    voxels.resize(at + lit.size());
-    pack(&lit.front().r, lit.size(), voxels.data() + at);
+    voxels.resize(at + samples.size());
+    pack(&samples.front().r, samples.size(), voxels.data() + at);
   }
 
   std::size_t part_bytes(int region) const override {

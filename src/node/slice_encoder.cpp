@@ -19,7 +19,8 @@ SliceEncoder::SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry,
       empty_space_(empty_space),
       renderers_(renderers),
       stride_(pass_stride(spec.kernel_radius)),
-      counts_(std::size_t(geometry.regions.count())) {
+      counts_(std::size_t(geometry.regions.count())),
+      covers_(counts_.size()) {
   opaque_.reserve(counts_.size());
   for (int region = 0; region < geometry.regions.count(); ++region) {
     rects_.push_back(geometry.regions.rect(region));
@@ -53,16 +54,14 @@ bool SliceEncoder::work() {
   return row_ >= height;
 }
 
-/// Shading is one with encoding, unless someone wants to know what each takes.
 int SliceEncoder::classify_row() {
-  if (stages_ == nullptr) return rows_.classify(row_);
   int found;
   {
-    const OptionalSeconds timed(&stages_->classify);
+    const OptionalSeconds timed(stages_ ? &stages_->classify : nullptr);
     found = rows_.classify(row_);
   }
-  const OptionalSeconds timed(&stages_->shade);
-  rows_.shade_all();
+  const OptionalSeconds timed(stages_ ? &stages_->shade : nullptr);
+  rows_.shade();
   return found;
 }
 
@@ -93,7 +92,12 @@ EncodedSlice SliceEncoder::finish() {
   return encoded;
 }
 
-void SliceEncoder::take_opaque_news(std::span<const std::byte> news) { read_opaque_news(news, opaque_); }
+void SliceEncoder::take_opaque_news(std::span<const std::byte> news) {
+  if (news.empty()) return;
+  read_opaque_news(news, opaque_);
+  for (std::size_t region = 0; region < covers_.size(); ++region)
+    if (covers_[region].opaque() != opaque_[region].opaque()) covers_[region].update(opaque_[region]);
+}
 
 std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
                                       EmptySpace& empty_space) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "node/opaque_cover.hpp"
 #include "node/row_classifier.hpp"
 #include "ringsplat/node/engine.hpp"
 #include "ringsplat/splat/encode.hpp"
@@ -44,17 +45,14 @@ class SliceEncoder : public Encoder {
       passes |= std::uint16_t(splats < stride_ ? few_columns(first % stride_, splats) : all_columns());
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
-  /// Which of the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
-  OpaqueTiles::Cover cover(int region, const PixelWindow& window) const {
-    const OpaqueTiles& tiles = opaque_[std::size_t(region)];
-    if (!tiles.worth_asking()) return OpaqueTiles::Cover::none;
-    const PixelRect& rect = rects_[std::size_t(region)];
-    return tiles.cover(window.x0 - rect.x0, window.y0 - rect.y0, window.x1 - rect.x0, window.y1 - rect.y0);
-  }
+  /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
   bool hidden(int region, const PixelWindow& window) const {
-    return cover(region, window) == OpaqueTiles::Cover::all;
+    if (!cover(region).worth_asking()) return false;
+    const PixelRect& pixels = rect(region);
+    return opaque_[std::size_t(region)].hides(window.x0 - pixels.x0, window.y0 - pixels.y0,
+                                              window.x1 - pixels.x0, window.y1 - pixels.y0);
   }
-  bool knows_opaque(int region) const { return opaque_[std::size_t(region)].worth_asking(); }
+  const OpaqueCover& cover(int region) const { return covers_[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return rects_[std::size_t(region)]; }
 
   const FrameGeometry& geometry_;
@@ -84,6 +82,7 @@ class SliceEncoder : public Encoder {
   std::vector<PixelRect> rects_;      ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
   std::vector<OpaqueTiles> opaque_;   ///< by region
+  std::vector<OpaqueCover> covers_;   ///< of them
   int row_ = 0, row_offset_ = 0;      ///< within the stride
   std::uint64_t visible_ = 0;
   StageSeconds* stages_ = nullptr;

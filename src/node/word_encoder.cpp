@@ -29,7 +29,7 @@ class WordEncoder final : public SliceEncoder {
 
  private:
   void encode_row(int) override {
-    const auto samples = rows_.lit(0, rows_.visible());
+    const auto samples = rows_.samples();
     for (const VisibleRun& run : rows_.runs())
       for (std::uint32_t k = 0; k < run.count; ++k) place(int(run.first + k), samples[run.sample + k]);
   }

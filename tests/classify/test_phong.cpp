@@ -100,31 +100,36 @@ TEST_CASE("an exponent of 0 makes the highlight even; bad materials and directio
   REQUIRE(message_of([] { PhongTable({}, {0, 0, 1e-320}, {1e300, 0, 0}); }).empty());
 }
 
-TEST_CASE("many samples are shaded as one by one, bit for bit, by every instruction set") {
+TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, by every instruction set") {
   // The last: beyond the largest float, where 0 times the light must stay 0.
   for (const auto& material : {PhongMaterial{}, PhongMaterial{.ambient = 0.9, .specular = 3, .exponent = 2.5},
                                PhongMaterial{.ambient = 1e300}}) {
     const PhongTable table(material, {0.3, -1, 0.6}, {-0.2, -1, 0.1});
     std::mt19937 random(11);
     std::uniform_real_distribution<float> share(0.0F, 1.0F);
-    std::vector<NormalCode> normals{no_normal, 65535};
-    std::vector<ClassifiedSample> samples{grey, {0, 1, 0, 1}};
-    for (int k = 0; k < 3000; ++k) {
-      normals.push_back(NormalCode(random()));
-      samples.push_back({share(random), share(random), k % 5 == 0 ? 0.0F : share(random), share(random)});
+    std::vector<NormalCode> normals{no_normal, 65535, no_normal};
+    while (normals.size() < 3000) normals.push_back(NormalCode(random()));
+    VisibleRow row;
+    for (std::uint32_t column = 0; column < 2900;
+         column += row.runs.back().count + 1 + std::uint32_t(random() % 4)) {
+      row.runs.push_back({column, 1 + std::uint32_t(random() % 40), row.visible});
+      row.visible += row.runs.back().count;
     }
+    for (std::uint32_t k = 0; k < row.visible; ++k)
+      row.samples.push_back({share(random), share(random), k % 5 == 0 ? 0.0F : share(random), share(random)});
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       const OneTarget only(target);
       INFO(hwy::TargetName(target));
-      std::vector<ClassifiedSample> lit(samples.size()), in_place = samples;
-      table.shade(normals.data(), samples.data(), samples.size(), lit.data());
-      table.shade(normals.data(), in_place.data(), in_place.size(), in_place.data());
-      CHECK(std::memcmp(lit.data(), in_place.data(), lit.size() * sizeof lit[0]) == 0);
-      for (std::size_t k = 0; k < lit.size(); ++k) {
-        const ClassifiedSample expected = table.shade(normals[k], samples[k]);
-        REQUIRE(std::memcmp(&lit[k], &expected, sizeof expected) == 0);
-        REQUIRE((lit[k].r <= 1 && lit[k].opacity == samples[k].opacity));
-        if (samples[k].b == 0 && normals[k] == no_normal) REQUIRE(lit[k].b == 0);
+      VisibleRow lit = row;
+      table.shade(normals.data(), lit);
+      for (const VisibleRun& run : row.runs) {
+        for (std::uint32_t k = 0; k < run.count; ++k) {
+          const ClassifiedSample &before = row.samples[run.sample + k], &after = lit.samples[run.sample + k];
+          const ClassifiedSample expected = table.shade(normals[run.first + k], before);
+          REQUIRE(std::memcmp(&after, &expected, sizeof expected) == 0);
+          REQUIRE((after.r <= 1 && after.opacity == before.opacity));
+          if (before.b == 0 && normals[run.first + k] == no_normal) REQUIRE(after.b == 0);
+        }
       }
     }
   }

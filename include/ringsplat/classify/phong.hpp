@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "ringsplat/classify/classifier.hpp"
 #include "ringsplat/classify/normals.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 
@@ -28,10 +29,9 @@ class PhongTable {
             std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
   }
 
-  /// The same of `count` samples, each by the normal at its place; `lit` may be `samples`. The same bits at
-  /// every vector width.
-  void shade(const NormalCode* normals, const ClassifiedSample* samples, std::size_t count,
-             ClassifiedSample* lit) const;
+  /// Shades a row's visible voxels, each by its own of the row's normals. The same bits at every vector
+  /// width.
+  void shade(const NormalCode* normals, VisibleRow& row) const;
 
   struct Entry {
     float scale, add;  ///< colour * scale + add
