@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstring>
+#include <numeric>
 
 #include "mpi/checked.hpp"
 #include "ringsplat/mpi/communicator.hpp"
@@ -56,6 +57,9 @@ class MpiCollectives final : public Collectives {
     std::vector<std::uint64_t> sizes(peers);
     checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()),
             "MPI_Allgather");
+    std::uint64_t sum = 0;
+    for (const std::uint64_t size : sizes) sum += size;
+    if (sum > 0 && sum <= largest_part_) return all_gather_at_once(mine, sizes, sum);
     std::vector<Block> all(peers);
     for (std::size_t p = 0; p < peers; ++p)
       if (sizes[p] > 0)
@@ -74,6 +78,24 @@ class MpiCollectives final : public Collectives {
   }
 
  private:
+  /// `sum` fits into a message. A broadcast from each process would be as many messages as there are pairs of
+  /// them.
+  std::vector<Block> all_gather_at_once(const Block& mine, const std::vector<std::uint64_t>& sizes,
+                                        std::uint64_t sum) const {
+    std::vector<int> counts(sizes.begin(), sizes.end()), offsets(sizes.size());
+    std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
+    Block joined(sum);
+    checked(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_BYTE, joined.data(), counts.data(),
+                           offsets.data(), MPI_BYTE, comm_.get()),
+            "MPI_Allgatherv");
+    std::vector<Block> all;
+    for (std::size_t p = 0; p < sizes.size(); ++p) {
+      const auto first = joined.begin() + offsets[p];
+      all.emplace_back(first, first + counts[p]);
+    }
+    return all;
+  }
+
   template <class F>
   void in_parts(Block& block, F&& f) const {
     for (std::size_t at = 0; at < block.size(); at += largest_part_)
