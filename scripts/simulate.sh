@@ -8,6 +8,8 @@
 # The seconds that are printed, and those in --stats, are seconds of the simulated machine.
 #
 #   RINGSPLAT_LINKS=FILE.csv   also writes what payloads did on each link
+#   RINGSPLAT_TRANSFERS=FILE.csv   also writes how long each payload was on its way, and would have been alone
+#   RINGSPLAT_UNCONTENDED=1    on links that any number of transfers use at full speed
 #   RINGSPLAT_BUILD=FOLDER     uses that build and does not build
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"

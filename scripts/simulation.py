@@ -28,14 +28,15 @@ def program(*arguments):
     subprocess.run([os.path.join(BUILD, "ringsplat"), *map(str, arguments)], check=True, stdout=subprocess.DEVNULL)
 
 
-def simulate(settings, *arguments, links=None):
-    """Simulates a run; returns the frames of its --stats. `settings` is what a configuration says, as a dictionary."""
+def simulate(settings, *arguments, monitors=None):
+    """Simulates a run; returns the frames of its --stats. `settings` is what a configuration says, as a dictionary, `monitors` what
+    scripts/simulate.sh takes from the environment: links, transfers, uncontended."""
     with tempfile.TemporaryDirectory() as work:
         config, stats = os.path.join(work, "config.toml"), os.path.join(work, "stats.json")
         with open(config, "w", encoding="utf-8") as file:
             for key, value in settings.items():
                 file.write(f"{key} = {json.dumps(value)}\n")
-        environment = dict(os.environ, **({"RINGSPLAT_LINKS": links} if links else {}))
+        environment = dict(os.environ, **{f"RINGSPLAT_{name.upper()}": value for name, value in (monitors or {}).items()})
         ended = subprocess.run([os.path.join(REPO, "scripts/simulate.sh"), config, *map(str, arguments), "--stats", stats],
                                env=environment, capture_output=True, text=True)
         if ended.returncode != 0:

@@ -1,13 +1,16 @@
 #include "link_monitor.hpp"
 
+#include <fmt/format.h>
 #include <simgrid/kernel/resource/NetworkModelIntf.hpp>
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 #include <unordered_set>
 #include <vector>
+
+#include "payload_copies.hpp"
+#include "transfer_log.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {
@@ -22,78 +25,76 @@ struct LinkUse {
   long payloads = 0, overlaps = 0;
   double bytes = 0, busy = 0;
   std::vector<Interval> open;  ///< that may still overlap what starts now
+
+  void add(const Transfer& transfer) {
+    const Interval here{transfer.start + transfer.latency, transfer.start + transfer.alone()};
+    ++payloads;
+    bytes += transfer.bytes;
+    busy += here.end - here.begin;
+    std::erase_if(open, [&](const Interval& other) { return other.end <= transfer.start; });
+    constexpr double rounding = 1e-12;
+    overlaps += std::any_of(open.begin(), open.end(), [&](const Interval& other) {
+      return here.begin < other.end - rounding && other.begin < here.end - rounding;
+    });
+    open.push_back(here);
+  }
 };
 
-class Monitor {
- public:
-  Monitor(const Layout& layout, std::string file) : layout_(layout), file_(std::move(file)) {}
+void write(const std::string& file, const std::string& text) {
+  const std::string beside = file + ".part";
+  std::FILE* const out = std::fopen(beside.c_str(), "w");
+  const bool written = out != nullptr && std::fputs(text.c_str(), out) >= 0;
+  const bool closed = out != nullptr && std::fclose(out) == 0;
+  if (!written || !closed || std::rename(beside.c_str(), file.c_str()) != 0)
+    std::fprintf(stderr, "ringsplat: error: %s cannot be written\n", file.c_str());
+}
 
-  /// SimGrid calls it for every transfer that starts; returns the factor on its latency.
-  double started(double size, const s4u::Host* from, const s4u::Host* to,
-                 const std::vector<s4u::Link*>& links) {
-    if (is_payload(size, from, to)) note(size, links);
-    return 1.0;
-  }
+std::string links_csv(const std::vector<const Transfer*>& payloads) {
+  std::map<std::string, LinkUse> uses;
+  for (const Transfer* payload : payloads)
+    for (const auto* link : payload->links) uses[link->get_name()].add(*payload);
+  std::string text = "link,payloads,bytes,busy_seconds,overlaps\n";
+  for (const auto& [name, use] : uses)
+    text += fmt::format("{},{},{:.0f},{:.9f},{}\n", name, use.payloads, use.bytes, use.busy, use.overlaps);
+  return text;
+}
 
-  void write() const {
-    std::FILE* const out = std::fopen(file_.c_str(), "w");
-    if (out == nullptr) {
-      std::fprintf(stderr, "ringsplat: error: %s cannot be written\n", file_.c_str());
-      return;
-    }
-    std::fprintf(out, "link,payloads,bytes,busy_seconds,overlaps\n");
-    for (const auto& [name, use] : uses_)
-      std::fprintf(out, "%s,%ld,%.0f,%.9f,%ld\n", name.c_str(), use.payloads, use.bytes, use.busy,
-                   use.overlaps);
-    std::fclose(out);
-  }
-
- private:
-  bool is_payload(double size, const s4u::Host* from, const s4u::Host* to) const {
-    // SimGrid adds 16 bytes to a message of its simulated MPI.
-    constexpr double longest_without_body = sizeof(Header) + 16;
-    const auto index = [](const s4u::Host* host) { return std::atoi(host->get_cname() + 1); };
-    return size > longest_without_body && index(from) < layout_.gps && index(to) >= layout_.gps;
-  }
-
-  void note(double size, const std::vector<s4u::Link*>& links) {
-    const double now = s4u::Engine::get_clock();
-    double latency = 0, bandwidth = 1e300;
-    for (const auto* link : links) {
-      latency += link->get_latency();
-      bandwidth = std::min(bandwidth, link->get_bandwidth());
-    }
-    const Interval here{now + latency, now + latency + size / bandwidth};
-    for (const auto* link : links) {
-      LinkUse& use = uses_[link->get_name()];
-      ++use.payloads;
-      use.bytes += size;
-      use.busy += here.end - here.begin;
-      std::erase_if(use.open, [&](const Interval& other) { return other.end <= now; });
-      constexpr double rounding = 1e-12;
-      use.overlaps += std::any_of(use.open.begin(), use.open.end(), [&](const Interval& other) {
-        return here.begin < other.end - rounding && other.begin < here.end - rounding;
-      });
-      use.open.push_back(here);
-    }
-  }
-
-  Layout layout_;
-  std::string file_;
-  std::map<std::string, LinkUse> uses_;
-};
+std::string transfers_csv(const std::vector<const Transfer*>& payloads) {
+  std::string text = "start,bytes,alone,taken\n";
+  for (const Transfer* payload : payloads)
+    text += fmt::format("{:.12g},{:.0f},{:.12g},{:.12g}\n", payload->start, payload->bytes, payload->alone(),
+                        payload->taken);
+  return text;
+}
 
 }  // namespace
 
-void watch_links(s4u::NetZone* zone, const Layout& layout, std::string file) {
+void watch_links(s4u::NetZone* zone, double speedup, MonitorFiles files) {
   // Never freed: SimGrid calls back until the process ends, when statics may be gone.
-  auto* const monitor = new Monitor(layout, std::move(file));
+  auto* const log = new TransferLog(speedup);
   zone->get_network_model()->set_lat_factor_cb(
-      [monitor](double size, const s4u::Host* from, const s4u::Host* to, const std::vector<s4u::Link*>& links,
-                const std::unordered_set<s4u::NetZone*>&) {
-        return monitor->started(size, from, to, links);
+      [log, speedup](double bytes, const s4u::Host*, const s4u::Host*, const std::vector<s4u::Link*>& links,
+                     const std::unordered_set<s4u::NetZone*>&) {
+        const Transfer& transfer = log->started(s4u::Engine::get_clock(), bytes, links);
+        // Ranks of one host may have no latency between them, and no traffic that anything waits for.
+        return speedup > 1 && transfer.latency > 0 ? transfer.alone() / transfer.latency : 1.0;
       });
-  s4u::Engine::on_simulation_end_cb([monitor] { monitor->write(); });
+  using simgrid::kernel::resource::Action;
+  s4u::Link::on_communication_state_change_cb(
+      [log](simgrid::kernel::resource::NetworkAction& transfer, Action::State) {
+        // SimGrid installs no more of this class than its name; its first and only base is Action.
+        const auto& action = reinterpret_cast<const Action&>(transfer);
+        if (action.get_state() == Action::State::FINISHED) log->ended(action);
+      });
+  on_payload_copied([log](std::size_t bytes) {
+    constexpr double added_by_smpi = 16;
+    log->received_payload(s4u::Engine::get_clock(), double(bytes) + added_by_smpi);
+  });
+  s4u::Engine::on_simulation_end_cb([log, files = std::move(files)] {
+    const auto payloads = log->payloads();
+    if (!files.links.empty()) write(files.links, links_csv(payloads));
+    if (!files.transfers.empty()) write(files.transfers, transfers_csv(payloads));
+  });
 }
 
 }  // namespace ringsplat::simgrid_platform
