@@ -1,103 +1,178 @@
 #!/usr/bin/env python3
-"""Strong and weak scaling on simulated clusters, and what tokens alone cost.
+"""Strong and weak scaling on simulated machines, and where tokens are the limit.
 
-    scripts/scaling_study.py -o FOLDER [--most-ranks 1024] [--machine mpi_configs/machines/infiniband-fat-tree.toml]
+    scripts/scaling_study.py -o FOLDER [--most-ranks 1024] [--only STUDY,...]
 
-Writes FOLDER/scaling.csv and FOLDER/scaling.png. A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, whose voxels
-stand for (n / 128)² each (docs/simulation.md). 64 ranks take about half a minute, 1,024 ranks some minutes and 4 GB.
+Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/plot_scaling.py draws it. Studies:
+
+    strong   a cube of 1024³ voxels on ever more ranks, a ring on a fat tree and a mesh
+    weak     a million voxels a rank
+    large    a cube of 4096³ voxels
+    tokens   1024 slices of fewer and fewer voxels, down to none that is visible
+    remedies what helps where tokens are the limit
+
+A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, of 4096³ by one of 256 × 256 × 4096, whose voxels stand for several
+of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ about five, and up to 4 GB.
 """
 import argparse
 import csv
 import os
-import sys
+import statistics
 import tempfile
 
 from simulation import MACHINES, build, nodes, program, simulate, step_function, threshold_for
 
-try:
-    import matplotlib
-except ImportError:
-    sys.exit("this needs matplotlib: apt-get install python3-matplotlib, and the python3 it belongs to")
+FIELDS = ["study", "setting", "topology", "layout", "ranks", "gps", "renderers", "voxels", "slices", "voxels_a_slice", "seconds", "period",
+          "gp_computing", "gp_computing_most", "gp_waiting_for_token", "gp_sending", "renderer_drawing", "renderer_drawing_most", "tokens",
+          "payloads", "payload_gigabytes", "visible_voxels", "splats"]
 
-matplotlib.use("Agg")
-import matplotlib.pyplot as plt
+
+def ring(gps, renderers):
+    return {"topology": "ring", "gps": gps, "renderers": renderers}
+
+
+def mesh(columns, rows, renderers):
+    return {"topology": "mesh", "mesh": f"{columns}x{rows}", "renderers": renderers, "routing": "direct"}
+
 
 # An odd number of Renderers spreads a square picture's regions evenly: with a divisor of the regions in a row, each would own columns.
-STRONG = [(9, 7), (33, 31), (129, 127), (769, 255)]
-WEAK = [(256, 9, 7), (512, 65, 63), (1024, 769, 255)]
-FIELDS = ["study", "voxels", "ranks", "gps", "renderers", "seconds", "gp_computing", "renderer_drawing", "renderer_drawing_most",
-          "tokens", "payload_gigabytes"]
+LARGEST = [ring(769, 255), mesh(32, 30, 60)]
+MIDDLE = [ring(129, 127), mesh(16, 16, 31)]
+STRONG = [ring(9, 7), ring(33, 31), ring(129, 127), mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
+WEAK = [(256, ring(9, 7)), (512, ring(65, 63)), (1024, ring(769, 255)),
+        (256, mesh(4, 3, 5)), (512, mesh(11, 10, 18)), (1024, mesh(32, 30, 60))]
+MACHINE = {"ring": "infiniband-fat-tree.toml", "mesh": "mesh.toml"}
+# Options on top of the others, and how many frames: with more than one, the median of the time between frames counts.
+REMEDIES = {"as it is": ({}, 1), "1 slot": ({"slots": 1}, 1), "16 slots": ({"slots": 16}, 1), "look ahead 4": ({"look-ahead": 4}, 1),
+            "2 frames in flight": ({"frames-in-flight": 2}, 5), "4 frames in flight": ({"frames-in-flight": 4}, 9),
+            "half the slices": ({"undersample": 2}, 1)}
+# Every slice lies flat on the screen, and the cube fills the picture.
+FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--zoom", 1.7]
+
+
+def ranks_of(layout):
+    gps = layout.get("gps")
+    if gps is None:
+        columns, rows = layout["mesh"].split("x")
+        gps = int(columns) * int(rows)
+    return gps, layout["renderers"]
+
+
+def mean(values):
+    return sum(values) / len(values)
 
 
 class Study:
-    def __init__(self, folder, machine):
+    def __init__(self, folder, output, most_ranks):
         self.folder = folder
-        self.machine = machine
+        self.output = output
+        self.most_ranks = most_ranks
+        self.rows = []
 
-    def volume(self, n, visible):
-        """A ball of which 32 % of the cube's voxels are visible, or nothing is, as arguments; made once."""
-        width = f"{n / 128:g}"
-        path = os.path.join(self.folder, f"ball{n}_128x128x{n}_uint8.raw")
-        curve = os.path.join(self.folder, "ball.json")
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def volume(self, n, width, visible):
+        """A ball of 32 % of a box of n slices of width² voxels, a cube in the world, or nothing, as arguments; made once."""
+        base = 128 if n <= 1024 else 256
+        dims, spacing = f"{base}x{base}x{n}", f"{n / base:g}x{n / base:g}x1"
+        path, curve = self.path(f"ball{n}_{dims}_uint8.raw"), self.path("ball.json")
         if not os.path.exists(path):
-            program("synth", "ball", "-o", os.path.join(self.folder, f"ball{n}.raw"), "--dims", f"128x128x{n}", "--spacing", f"{width}x{width}x1")
-            step_function(curve, threshold_for(path, round(0.32 * 128 * 128 * n)))
+            program("synth", "ball", "-o", self.path(f"ball{n}.raw"), "--dims", dims, "--spacing", spacing)
+        if not os.path.exists(curve):
+            step_function(curve, threshold_for(path, round(0.32 * base**2 * n)))
         if not visible:
-            curve = step_function(os.path.join(self.folder, "nothing.json"), 0, opacity=0)
-        weight = (n / 128) ** 2 if visible else 1
-        return [path, "--spacing", f"{width}x{width}x1", "--tf", curve, "--voxel-weight", f"{weight:g}", "--size", f"{n}x{n}"]
+            curve = step_function(self.path("nothing.json"), 0, opacity=0)
+        return [path, "--spacing", spacing, "--tf", curve, "--voxel-weight", f"{(width / base) ** 2:g}", "--size", f"{n}x{n}",
+                "--region", 64 if n <= 1024 else 128, "--radius", 0.5, "--shading", "none", "--count-only"]
 
-    def row(self, study, n, gps, renderers, visible=True):
-        settings = {"machine": self.machine, "gps": gps, "renderers": renderers, "frames-in-flight": 1}
-        # From above every slice lies flat on the screen; zoomed so that the cube fills the picture.
-        view = ["--azimuth", 0, "--elevation", 90, "--zoom", 1.7, "--region", 64, "--radius", 0.5, "--shading", "none", "--count-only"]
-        frame = simulate(settings, *self.volume(n, visible), *view)[0]
-        drawing = [node["seconds"]["drawing"] for node in nodes(frame, "Renderer")]
-        computing = [node["seconds"]["computing"] for node in nodes(frame, "GP")]
-        row = dict(zip(FIELDS, [study, f"{n}^3", gps + renderers, gps, renderers, frame["seconds"], sum(computing) / gps,
-                                sum(drawing) / renderers, max(drawing), frame["total"]["tokens_passed"],
-                                frame["total"]["payload_bytes_sent"] / 1e9]))
-        print(*(f"{v:.4g}" if isinstance(v, float) else v for v in row.values()), flush=True)
-        return row
+    def row(self, study, layout, n, width=None, setting="", visible=True, more=None, frames=1):
+        gps, renderers = ranks_of(layout)
+        if gps + renderers > self.most_ranks:
+            return
+        width = width or n
+        settings = {"machine": os.path.join(MACHINES, MACHINE[layout["topology"]]), "frames-in-flight": 1, **layout, **(more or {})}
+        view = FROM_ABOVE
+        if frames > 1:
+            with open(self.path("views.txt"), "w", encoding="utf-8") as file:
+                file.write("0 90 0 1.7\n" * frames)
+            view = ["--path", self.path("views.txt")]
+        all_frames = simulate(settings, *self.volume(n, width, visible), *view)
+        # The first frames find empty hands, the last ones are alone.
+        period = statistics.median(frame["period"] for frame in all_frames[frames // 3:frames - frames // 3])
+        self.note(self.described(all_frames[frames // 2]) | {
+            "study": study, "setting": setting, "topology": layout["topology"], "layout": layout.get("mesh", gps), "ranks": gps + renderers,
+            "gps": gps, "renderers": renderers, "voxels": n * width**2 if visible else 0, "voxels_a_slice": width**2 if visible else 0,
+            "period": period})
+
+    @staticmethod
+    def described(frame):
+        def seconds(role, part):
+            return [node["seconds"][part] for node in nodes(frame, role)]
+
+        total = frame["total"]
+        return {"slices": frame["traversal"]["slices"], "seconds": frame["seconds"], "gp_computing": mean(seconds("GP", "computing")),
+                "gp_computing_most": max(seconds("GP", "computing")), "gp_waiting_for_token": mean(seconds("GP", "waiting_for_token")),
+                "gp_sending": mean(seconds("GP", "sending")), "renderer_drawing": mean(seconds("Renderer", "drawing")),
+                "renderer_drawing_most": max(seconds("Renderer", "drawing")), "tokens": total["tokens_passed"],
+                "payloads": total["payloads_sent"], "payload_gigabytes": total["payload_bytes_sent"] / 1e9,
+                "visible_voxels": total["visible_voxels"], "splats": total["splats_sent"]}
+
+    def note(self, row):
+        self.rows.append(row)
+        print(*(f"{row[key]:.4g}" if isinstance(row[key], float) else row[key] for key in FIELDS), flush=True)
+        target = os.path.join(self.output, "scaling.csv")
+        with open(target + ".part", "w", newline="", encoding="utf-8") as file:
+            out = csv.DictWriter(file, FIELDS)
+            out.writeheader()
+            out.writerows(self.rows)
+        os.replace(target + ".part", target)
+
+    def strong(self):
+        for layout in STRONG:
+            self.row("strong", layout, 1024)
+
+    def weak(self):
+        for n, layout in WEAK:
+            self.row("weak", layout, n)
+
+    def large(self):
+        for layout in [*LARGEST, *MIDDLE]:
+            self.row("large", layout, 4096)
+
+    def tokens(self):
+        for layout in LARGEST if self.most_ranks >= 1024 else MIDDLE:
+            for width in (512, 256, 128):
+                self.row("tokens", layout, 1024, width)
+            self.row("tokens", layout, 1024, 128, visible=False)
+
+    def remedies(self):
+        for layout in MIDDLE:
+            for setting, (more, frames) in REMEDIES.items():
+                self.row("remedies", layout, 1024, 128, setting, more=more, frames=frames)
 
 
-def draw(rows, path):
-    figure, panel = plt.subplots(figsize=(6, 4), layout="constrained")
-    for study, marker in {"strong": "o", "weak": "s", "tokens": "^"}.items():
-        points = [(r["ranks"], 1e3 * r["seconds"]) for r in rows if r["study"] == study]
-        if points:
-            panel.loglog(*zip(*points), marker=marker, label=study)
-    panel.set(xlabel="ranks", ylabel="milliseconds a frame")
-    panel.grid(alpha=0.3, which="both")
-    panel.legend()
-    figure.savefig(path + ".part.png", dpi=110)
-    os.replace(path + ".part.png", path)
+STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.large]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--output", required=True, help="a folder")
     parser.add_argument("--most-ranks", type=int, default=1024)
-    parser.add_argument("--machine", default=os.path.join(MACHINES, "infiniband-fat-tree.toml"))
+    parser.add_argument("--only", help="some of the studies, with commas between them")
     arguments = parser.parse_args()
+    by_name = {study.__name__: study for study in STUDIES}
+    wanted = arguments.only.split(",") if arguments.only else by_name
+    for name in wanted:
+        if name not in by_name:
+            parser.error(f"--only: there is no study '{name}', but {', '.join(by_name)}")
     os.makedirs(arguments.output, exist_ok=True)
     build()
-    rows = []
     with tempfile.TemporaryDirectory() as folder:
-        study = Study(folder, os.path.abspath(arguments.machine))
-        print(*FIELDS)
-        for gps, renderers in STRONG:
-            if gps + renderers <= arguments.most_ranks:
-                rows.append(study.row("strong", 1024, gps, renderers))
-                rows.append(study.row("tokens", 1024, gps, renderers, visible=False))
-        rows += [study.row("weak", n, g, r) for n, g, r in WEAK if g + r <= arguments.most_ranks]
-    target = os.path.join(arguments.output, "scaling.csv")
-    with open(target + ".part", "w", newline="", encoding="utf-8") as file:
-        out = csv.DictWriter(file, FIELDS)
-        out.writeheader()
-        out.writerows(rows)
-    os.replace(target + ".part", target)
-    draw(rows, os.path.join(arguments.output, "scaling.png"))
+        study = Study(folder, arguments.output, arguments.most_ranks)
+        print(*FIELDS, flush=True)
+        for name in wanted:
+            by_name[name](study)
 
 
 if __name__ == "__main__":
