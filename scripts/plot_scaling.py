@@ -35,12 +35,12 @@ def scaling(panel, rows):
 
 
 def tokens(panel, rows):
-    """Frames of ever smaller slices on the most ranks there are."""
+    """Frames of ever smaller slices."""
     for topology, name in NAMES.items():
-        of = [r for r in rows if r["topology"] == topology and r["study"] in ("strong", "tokens") and float(r["voxels"]) > 0]
-        most = max((int(r["ranks"]) for r in of if r["study"] == "tokens"), default=None)
-        of = [r | {"width": float(r["voxels_a_slice"]) ** 0.5} for r in of if int(r["ranks"]) == most]
+        of = [r | {"width": float(r["voxels_a_slice"]) ** 0.5} for r in rows
+              if r["topology"] == topology and r["study"] == "tokens" and float(r["voxels"]) > 0]
         if of:
+            most = of[0]["ranks"]
             panel.loglog(*points(of, "width", "seconds"), "-o", color=COLOURS[topology], label=f"frame, {name}, {most} ranks")
             panel.loglog(*points(of, "width", "renderer_drawing_most"), ":", color=COLOURS[topology], label="busiest Renderer's drawing")
             panel.set_xticks([r["width"] for r in of], [f"{r['width']:.0f}²" for r in of])

@@ -42,6 +42,9 @@ def found(path, config):
 
 def layout_of(settings, config):
     """Numbers of GPs and Renderers and the mesh, as choose_layout() of the program takes them."""
+    if "auto" in (settings.get("gps"), settings.get("renderers")):
+        fail("gps and renderers cannot be auto here: that measures frames by this machine's clock, not the simulated one",
+             "give both numbers; ringsplat info VOLUME --ranks N --machine FILE predicts the best ones")
     try:
         if settings.get("topology", "ring") == "mesh":
             columns, rows = (int(n) for n in str(settings["mesh"]).split("x"))

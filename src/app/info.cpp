@@ -177,6 +177,7 @@ struct Forecast {
   FrameCosts costs;
   RankCosts ranks;
   std::vector<Prediction> predictions;
+  std::optional<Machine> machine;  ///< that they are for; none: this one
 };
 
 Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {
@@ -185,19 +186,21 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   const auto axes = needed_axes(cameras, source.grid(), frame.width, frame.height);
   const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
   Forecast f;
+  if (!o.machine.empty()) f.machine = read_machine(o.machine);
   progress.begin("measuring a frame", 0);
   f.costs = measure_frame_costs(source, frame, TransferFunctionChoice(o.picture.transfer_function),
-                                probe_views(cameras), load_options(o.picture, axes));
+                                probe_views(cameras), load_options(o.picture, axes),
+                                f.machine ? &*f.machine : nullptr);
   progress.end();
-  f.ranks = usual_rank_costs(o.ranks, cores);
+  f.ranks = f.machine ? described_rank_costs(*f.machine, o.ranks) : usual_rank_costs(o.ranks, cores);
   f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true));
   return f;
 }
 
 std::string to_text(const Forecast& f, int ranks) {
-  return fmt::format("\na frame on {} ranks that share {} cores\n  measured here: {}\n{}best: {}\n", ranks,
-                     f.ranks.cores, describe(f.costs), to_table(f.predictions),
-                     describe(f.predictions.front().layout));
+  return fmt::format("\na frame on {} ranks that share {} cores\n  {}: {}\n{}best: {}\n", ranks,
+                     f.ranks.cores, f.machine ? f.machine->name : "measured here", describe(f.costs),
+                     to_table(f.predictions), describe(f.predictions.front().layout));
 }
 
 nlohmann::json to_json(const Forecast& f) {
@@ -217,7 +220,8 @@ nlohmann::json to_json(const Forecast& f) {
                        {"limit", name(p.limit)}});
   for (auto& layout : layouts)
     if (layout["topology"] == "ring") layout.erase("mesh");
-  return {{"cores", f.ranks.cores},
+  return {{"machine", f.machine ? nlohmann::json(f.machine->name) : nlohmann::json()},
+          {"cores", f.ranks.cores},
           {"hop_seconds", f.ranks.hop},
           {"gp_seconds", f.costs.gp},
           {"gp_frame_seconds", f.costs.frame},

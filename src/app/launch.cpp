@@ -7,6 +7,7 @@
 #include <new>
 
 #include "app/role_choice.hpp"
+#include "ringsplat/model/charge.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -159,6 +160,10 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   if (!over_mpi)
     throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
                      "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
+  if (simulated())
+    throw InputError(
+        "--gps auto and --renderers auto measure frames by this machine's clock, not the simulated one",
+        "give both numbers; ringsplat info VOLUME --ranks N --machine FILE predicts the best ones");
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");

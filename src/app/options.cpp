@@ -309,7 +309,10 @@ void add_info_options(CLI::App& app, InfoOptions& o) {
              ->check(CLI::Range(1, 4096)),
          app.add_option("--cores", o.cores, "Cores that the ranks share; without it this machine's")
              ->type_name("C")
-             ->check(CLI::Range(1, 1 << 24))});
+             ->check(CLI::Range(1, 1 << 24)),
+         app.add_option("--machine", o.machine,
+                        "Predict for a described machine (docs/simulation.md) instead of measuring here")
+             ->type_name("FILE")});
 }
 
 void add_compare_options(CLI::App& app, CompareOptions& o) {
@@ -388,6 +391,11 @@ void refuse_contradictions(const CLI::App& app) {
     throw InputError("--samples has no effect on the screen, whose pixels --size counts", "leave out --samples or use --image-plane slices");
   if (given("--cores") && !given("--ranks"))
     throw InputError("--cores has no effect without --ranks", "add --ranks N");
+  if (given("--machine") && app.get_option_no_throw("--ranks") != nullptr && !given("--ranks"))
+    throw InputError("--machine has no effect without --ranks", "add --ranks N");
+  if (given("--machine") && given("--cores"))
+    throw InputError("--cores has no effect with --machine, whose file says how many there are",
+                     "change platform.hosts and .cores there");
   const auto* shading = app.get_option_no_throw("--shading");
   if (shading == nullptr || shading->count() == 0 || shading->results().front() != "none") return;
   for (const char* name : {"--light", "--ambient", "--diffuse", "--specular", "--exponent"})

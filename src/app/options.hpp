@@ -58,8 +58,9 @@ struct InfoOptions {
   VolumeOptions volume;
   int gps = 0;  ///< 0: a few usual numbers
   bool json = false, presets = false;
-  int ranks = 0;         ///< to predict frame times for; 0: none
-  int cores = 0;         ///< that they share; 0: this machine's
+  int ranks = 0;          ///< to predict frame times for; 0: none
+  int cores = 0;          ///< that they share; 0: this machine's
+  std::string machine;    ///< a file: predict for it; empty: measure here
   RenderOptions picture;  ///< what is rendered then
 };
 

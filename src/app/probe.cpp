@@ -119,9 +119,32 @@ ViewCosts costs_of(const FrameStats& stats, double share) {
   return costs;
 }
 
-/// Renders the frames one after another in this process and measures each.
+/// What the nodes of a described machine spend on what was counted (docs/simulation.md). The passes are
+/// counted by GPs, for all Renderers together; here they go with the splats.
+ViewCosts costs_of(const FrameStats& stats, const Machine& machine, const Grid& grid) {
+  ViewCosts costs;
+  const NodeStats sum = stats.total();
+  const double voxels = double(grid.voxels()), visible = double(sum.visible_voxels);
+  costs.gp = double(sum.slices - 1) * machine.gp.slice + encoding_seconds(machine, voxels, visible);
+  costs.rest = machine.gp.frame;
+  costs.visible_voxels = visible;
+  costs.splats = double(sum.splats_sent);
+  for (const NodeStats& r : stats.renderers) {
+    const double splats = double(r.splats_drawn + r.splats_clipped + r.splats_hidden);
+    const double passes = costs.splats > 0 ? double(sum.passes) * splats / costs.splats : 0;
+    constexpr double bytes_of_pixel = 16;
+    costs.renderers.push_back(
+        drawing_seconds(machine, splats, passes) + (double(r.payloads_drawn) - 1) * machine.renderer.slice +
+        double(r.tile_bytes) / bytes_of_pixel * machine.renderer.pixel + machine.renderer.frame);
+  }
+  costs.busy = 0;  // the first repetition counts
+  return costs;
+}
+
+/// Renders the frames one after another in this process and measures each, or counts what a described machine
+/// would charge.
 std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpec>& frames,
-                                    const LoadOptions& load, int renderers) {
+                                    const LoadOptions& load, int renderers, const Machine* machine) {
   SoloCollectives solo;
   const Wiring wiring{solo};
   const Layout layout{.gps = 1, .renderers = renderers};
@@ -130,24 +153,26 @@ std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpe
   std::vector<ViewCosts> costs(frames.size());
   const double until = now_seconds() + patience;
   std::size_t announced = 0;
+  const std::size_t rounds = machine == nullptr ? repetitions : 1;
   double cpu = 0, wall = 0;
-  const Director director{[&]() -> std::optional<FrameSpec> {
-                            const std::size_t round = announced / frames.size();
-                            if (round == repetitions || (round > 0 && now_seconds() > until))
-                              return std::nullopt;
-                            cpu = thread_seconds();
-                            wall = now_seconds();
-                            return frames[announced++ % frames.size()];
-                          },
-                          [&](FrameResult&& result) {
-                            const double share = std::min(
-                                1.0, (thread_seconds() - cpu) / std::max(1e-9, now_seconds() - wall));
-                            ViewCosts measured = costs_of(result.stats, share);
-                            ViewCosts& best = costs[(announced - 1) % frames.size()];
-                            if (measured.busy < best.busy) best = std::move(measured);
-                          }};
+  const Director director{
+      [&]() -> std::optional<FrameSpec> {
+        const std::size_t round = announced / frames.size();
+        if (round == rounds || (round > 0 && now_seconds() > until)) return std::nullopt;
+        cpu = thread_seconds();
+        wall = now_seconds();
+        return frames[announced++ % frames.size()];
+      },
+      [&](FrameResult&& result) {
+        const double share = std::min(1.0, (thread_seconds() - cpu) / std::max(1e-9, now_seconds() - wall));
+        ViewCosts measured =
+            machine == nullptr ? costs_of(result.stats, share) : costs_of(result.stats, *machine, slab.grid);
+        ViewCosts& best = costs[(announced - 1) % frames.size()];
+        if (measured.busy < best.busy) best = std::move(measured);
+      }};
   ProtocolOptions protocol;
   protocol.frames_in_flight = 1;
+  protocol.simulation.count_only = machine != nullptr;
   render_frames(std::move(scene), layout, protocol, director, wiring);
   return costs;
 }
@@ -172,7 +197,8 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
 }
 
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
-                               const std::vector<Camera>& views, const LoadOptions& load) {
+                               const std::vector<Camera>& views, const LoadOptions& load,
+                               const Machine* machine) {
   const Grid grid = source.grid();
   const std::vector<Slab> slabs = read_slabs(source);
   frame.transfer_function = make_for(slabs, choice);
@@ -195,8 +221,8 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
   const double scale = double(grid.dims.z) / slices_read / double(views.size());
   const double mean = 1.0 / double(slabs.size()) / double(views.size());
   for (const Slab& slab : slabs) {
-    const auto together = render_views(slab, frames, load, 1);
-    const auto apart = render_views(slab, frames, load, std::min(regions, most_renderers));
+    const auto together = render_views(slab, frames, load, 1, machine);
+    const auto apart = render_views(slab, frames, load, std::min(regions, most_renderers), machine);
     for (std::size_t k = 0; k < frames.size(); ++k) {
       costs.gp += scale * together[k].gp;
       costs.frame += mean * together[k].rest;
@@ -264,6 +290,17 @@ RankCosts usual_rank_costs(int ranks, int cores) {
   RankCosts costs;
   costs.cores = cores;
   if (ranks > cores) costs.hop = 5.4e-6 * ranks / cores;
+  return costs;
+}
+
+RankCosts described_rank_costs(const Machine& machine, int ranks) {
+  const auto& platform = machine.platform;
+  constexpr double bytes = 64;  // a header, and what MPI adds
+  RankCosts costs;
+  costs.cores = platform.hosts > 0 ? platform.hosts * platform.cores : ranks;
+  costs.message_software = sending_seconds(machine, bytes) + machine.message.receive;
+  costs.hop = costs.message_software + platform.latency + bytes / platform.bandwidth;
+  costs.token = machine.gp.token;
   return costs;
 }
 

@@ -3,6 +3,7 @@
 
 #include "app/role_choice.hpp"
 #include "app/transfer_function_option.hpp"
+#include "ringsplat/model/machine.hpp"
 #include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/transport.hpp"
 #include "ringsplat/node/frame_spec.hpp"
@@ -21,10 +22,12 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras);
 ///
 /// A volume of more than 2²⁴ voxels is sampled: three slabs of z slices, whose costs stand for the others'.
 /// So memory is bounded, but a file that has to be decoded in order is decoded once more up to the last slab.
-/// `frame` is what all frames share; its transfer function is made from the voxels read.
-/// Throws InputError: unreadable, no finite value.
+/// With a `machine` nothing is measured: what its nodes would spend is charged for what the same frames
+/// count. `frame` is what all frames share; its transfer function is made from the voxels read. Throws
+/// InputError: unreadable, no finite value.
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
-                               const std::vector<Camera>& views, const LoadOptions& load);
+                               const std::vector<Camera>& views, const LoadOptions& load,
+                               const Machine* machine = nullptr);
 
 /// Seconds a message takes to the next rank: one goes round all ranks many times. All ranks call it, and do
 /// so while no other message is on its way; the result is rank 0's. Zero on one rank.
@@ -36,5 +39,9 @@ int count_cores(Collectives& collectives);
 /// What a hop takes where no other rank is there to measure it, from docs/performance.md: 2.5 µs with a core
 /// for each rank; ranks that share cores wait for one.
 RankCosts usual_rank_costs(int ranks, int cores);
+
+/// What a hop takes on a described machine between neighbours on different hosts; its cores, or one for each
+/// rank.
+RankCosts described_rank_costs(const Machine& machine, int ranks);
 
 }  // namespace ringsplat::app

@@ -89,8 +89,10 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
             : p.gp >= p.renderer            ? Limit::gps
                                             : Limit::renderers;
   const double hops = costs.slices * hops_a_slice(layout);
-  p.tokens =
-      layout.ranks() == 1 ? 0 : hops * std::max(ranks.hop, layout.renderers * ranks.message_software / cores);
+  p.tokens = layout.ranks() == 1
+                 ? 0
+                 : hops * std::max(ranks.hop, layout.renderers * ranks.message_software / cores) +
+                       costs.slices * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
   p.seconds = std::max(longest, p.shared) + p.tokens;
   return p;
 }

@@ -24,6 +24,7 @@ struct RankCosts {
   int cores = 1;                   ///< that all ranks share
   double hop = 2.5e-6;             ///< seconds from sending a message to having it
   double message_software = 2e-6;  ///< seconds of a core for one message, on both sides together
+  double token = 0;                ///< seconds of a GP for a token that it passes on, besides messages
 };
 
 enum class Limit { gps, renderers, cores };

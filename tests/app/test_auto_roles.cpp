@@ -1,4 +1,5 @@
 // Roles chosen by what a frame is measured to cost, as people ask for it.
+#include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/probe.hpp"
@@ -95,8 +96,11 @@ TEST_CASE("info predicts every layout for a number of ranks") {
       run_program({"info", volume, "--ranks", "6", "--size", "96", "--azimuth", "30", "--tf", "grey"}).out;
   for (const char* part : {"a frame on 6 ranks", "mesh of 2x2 + 2 Renderers", "6 colocated ranks", "best: "})
     CHECK_THAT(text, Catch::Matchers::Contains(part));
-  for (const auto& wrong : std::vector<std::vector<std::string>>{
-           {"--azimuth", "30"}, {"--cores", "2"}, {"--ranks", "0"}, {"--ranks", "2", "--zoom", "0"}}) {
+  for (const auto& wrong : std::vector<std::vector<std::string>>{{"--azimuth", "30"},
+                                                                 {"--cores", "2"},
+                                                                 {"--machine", "x.toml"},
+                                                                 {"--ranks", "0"},
+                                                                 {"--ranks", "2", "--zoom", "0"}}) {
     std::vector<std::string> arguments{"info", volume};
     arguments.insert(arguments.end(), wrong.begin(), wrong.end());
     const Ended refused = run_program(arguments);
@@ -104,6 +108,51 @@ TEST_CASE("info predicts every layout for a number of ranks") {
     CHECK(refused.code == 2);
     CHECK_THAT(refused.err, Catch::Matchers::Contains(wrong.size() > 2 ? "zoom" : "--ranks"));
   }
+}
+
+TEST_CASE("info predicts for a described machine what its file and the frame's counts say") {
+  const TemporaryFolder folder;
+  const std::string machine = folder / "machine.toml";
+  write_text(machine, R"(name = "round numbers"
+poll_interval = 1
+[gp]
+visible_voxel = 1e-3
+transparent_voxel = 1e-4
+slice = 0.5
+frame = 2
+[renderer]
+splat = 1e-2
+slice = 4
+pixel = 1e-5
+[platform]
+kind = "backbone"
+bandwidth = 1e15
+latency = 0
+)");
+  const std::string volume = make_volume(folder);
+  const Ended ended = run_program(
+      {"info", volume, "--ranks", "2", "--size", "96", "--tf", "grey", "--json", "--machine", machine});
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  const json all = json::parse(ended.out), prediction = all.at("prediction");
+  CHECK(prediction.at("machine") == "round numbers");
+  CHECK(prediction.at("cores") == 2);
+  const double voxels = all.at("voxels"), visible = prediction.at("visible_voxels");
+  const double slices = all.at("dims").at(1);  // seen from the front
+  CHECK(visible > 0);
+  CHECK(prediction.at("gp_seconds").get<double>() ==
+        Approx(slices * 0.5 + visible * 1e-3 + (voxels - visible) * 1e-4));
+  CHECK(prediction.at("gp_frame_seconds") == 2);
+  // What is left are payloads: one for each slice in which something is visible.
+  const double payloads = (prediction.at("renderer_seconds").get<double>() -
+                           prediction.at("splats").get<double>() * 1e-2 - 96 * 96 * 1e-5) /
+                          4;
+  CHECK(payloads == Approx(std::round(payloads)));
+  CHECK(payloads > slices / 2);
+  CHECK(payloads <= slices);
+  const Ended refused = run_program({"info", volume, "--ranks", "2", "--machine", folder / "none.toml"});
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Catch::Matchers::Contains("none.toml"));
 }
 
 TEST_CASE("slabs of a large volume stand for the whole") {

@@ -178,6 +178,17 @@ def bad_input(run):
         ended = run.attempt("gps = 2\nrenderers = 1", HEAD, "--count-only", **machine)
         same(f"exit code when {words} is wrong", ended.returncode, 2)
         same("it is named", words in ended.stderr, True)
+    ended = run.attempt("gps = 2\nrenderers = 1", HEAD, "--count-only", "--gps", "auto")
+    same("exit code when roles are to be measured", ended.returncode, 2)
+    same("it is named", "cannot be auto" in ended.stderr and "info VOLUME --ranks N --machine FILE" in ended.stderr, True)
+    # The program refuses it too, whoever starts it.
+    environment = dict(os.environ, RINGSPLAT_MACHINE=PP5, RINGSPLAT_RANKS="3", RINGSPLAT_GPS="2", RINGSPLAT_RENDERERS="1")
+    ended = subprocess.run(
+        ["smpirun", "-quiet", "-np", "3", "-platform", os.path.join(run.build, "ringsplat_platform.so"), "-hostfile",
+         run.write("hosts", "n0\nn1\nn2\n"), "--log=root.thresh:critical", os.path.join(run.build, "ringsplat_smpi.so"), "render", HEAD,
+         "--count-only", "--machine", PP5, "--gps", "auto"], env=environment, capture_output=True, text=True)
+    same("exit code of the program", ended.returncode, 2)
+    same("it says why", "by this machine's clock" in ended.stderr, True)
 
 
 def main():
