@@ -36,16 +36,16 @@ def scaling(panel, rows):
 
 def tokens(panel, rows):
     """Frames of ever smaller slices."""
-    for topology, name in NAMES.items():
-        of = [r | {"width": float(r["voxels_a_slice"]) ** 0.5} for r in rows
-              if r["topology"] == topology and r["study"] == "tokens" and float(r["voxels"]) > 0]
-        if of:
-            most = of[0]["ranks"]
-            panel.loglog(*points(of, "width", "seconds"), "-o", color=COLOURS[topology], label=f"frame, {name}, {most} ranks")
-            panel.loglog(*points(of, "width", "renderer_drawing_most"), ":", color=COLOURS[topology], label="busiest Renderer's drawing")
-            panel.set_xticks([r["width"] for r in of], [f"{r['width']:.0f}²" for r in of])
+    some = [r | {"width": float(r["voxels_a_slice"]) ** 0.5} for r in rows if r["study"] == "tokens" and float(r["voxels"]) > 0]
+    for colour, machine in zip(("tab:blue", "tab:orange", "tab:green"), sorted({(r["machine"], r["layout"], r["renderers"]) for r in some})):
+        of = [r for r in some if (r["machine"], r["layout"], r["renderers"]) == machine]
+        name = f"{machine[0].removesuffix('.toml')}, {machine[1]} + {machine[2]}"
+        panel.loglog(*points(of, "width", "seconds"), "-o", color=colour, label=name)
+        panel.loglog(*points(of, "width", "renderer_drawing_most"), ":", color=colour, label="its busiest Renderer's drawing")
+    widths = sorted({r["width"] for r in some})
+    panel.set_xticks(widths, [f"{width:.0f}²" for width in widths])
     panel.minorticks_off()
-    panel.set(xlabel="voxels of each of 1024 slices", ylabel="seconds", title="Where tokens are the limit")
+    panel.set(xlabel="voxels of each of 1024 slices", ylabel="seconds a frame", title="Where tokens are the limit")
 
 
 def main():
@@ -59,6 +59,7 @@ def main():
     for panel, draw in zip(panels, (scaling, tokens)):
         draw(panel, rows)
         panel.grid(alpha=0.3, which="both")
+        panel.margins(y=0.3)
         if panel.get_legend_handles_labels()[0]:
             panel.legend(fontsize=8)
     beside = arguments.output + ".part.png"

@@ -12,7 +12,7 @@ Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/p
     remedies what helps where tokens are the limit
 
 A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, of 4096³ by one of 256 × 256 × 4096, whose voxels stand for several
-of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ about five, and up to 4 GB.
+of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ more, and up to 4 GB.
 """
 import argparse
 import csv
@@ -22,7 +22,7 @@ import tempfile
 
 from simulation import MACHINES, build, nodes, program, simulate, step_function, threshold_for
 
-FIELDS = ["study", "setting", "topology", "layout", "ranks", "gps", "renderers", "voxels", "slices", "voxels_a_slice", "seconds", "period",
+FIELDS = ["study", "setting", "machine", "topology", "layout", "ranks", "gps", "renderers", "voxels", "slices", "voxels_a_slice", "seconds", "period",
           "gp_computing", "gp_computing_most", "gp_waiting_for_token", "gp_sending", "renderer_drawing", "renderer_drawing_most", "tokens",
           "payloads", "payload_gigabytes", "visible_voxels", "splats"]
 
@@ -37,14 +37,16 @@ def mesh(columns, rows, renderers):
 
 # An odd number of Renderers spreads a square picture's regions evenly: with a divisor of the regions in a row, each would own columns.
 LARGEST = [ring(769, 255), mesh(32, 30, 60)]
-MIDDLE = [ring(129, 127), mesh(16, 16, 31)]
 STRONG = [ring(9, 7), ring(33, 31), ring(129, 127), mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
 WEAK = [(256, ring(9, 7)), (512, ring(65, 63)), (1024, ring(769, 255)),
         (256, mesh(4, 3, 5)), (512, mesh(11, 10, 18)), (1024, mesh(32, 30, 60))]
+SMALL = [ring(33, 31), mesh(8, 8, 15)]
 MACHINE = {"ring": "infiniband-fat-tree.toml", "mesh": "mesh.toml"}
+# Where a token's hop takes longer than a Renderer spends on a payload.
+SLOW_NETWORK = "ethernet-cluster.toml"
 # Options on top of the others, and how many frames: with more than one, the median of the time between frames counts.
 REMEDIES = {"as it is": ({}, 1), "1 slot": ({"slots": 1}, 1), "16 slots": ({"slots": 16}, 1), "look ahead 4": ({"look-ahead": 4}, 1),
-            "2 frames in flight": ({"frames-in-flight": 2}, 4), "4 frames in flight": ({"frames-in-flight": 4}, 6),
+            "2 frames in flight": ({"frames-in-flight": 2}, 4), "2 frames in flight, look ahead 64": ({"frames-in-flight": 2, "look-ahead": 64}, 4),
             "half the slices": ({"undersample": 2}, 1)}
 # Every slice lies flat on the screen, and the cube fills the picture.
 FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--zoom", 1.7]
@@ -115,7 +117,7 @@ class Study:
         # The first frames find empty hands, the last ones are alone.
         period = statistics.median(frame["period"] for frame in all_frames[frames // 3:frames - frames // 3])
         self.done[job] = self.described(all_frames[frames // 2]) | {
-            "study": study, "setting": setting, "topology": layout["topology"], "layout": layout.get("mesh", gps), "ranks": gps + renderers,
+            "study": study, "setting": setting, "machine": os.path.basename(settings["machine"]), "topology": layout["topology"], "layout": layout.get("mesh", gps), "ranks": gps + renderers,
             "gps": gps, "renderers": renderers, "voxels": n * width**2 if visible else 0, "voxels_a_slice": width**2 if visible else 0,
             "period": period}
         self.note(self.done[job])
@@ -156,15 +158,20 @@ class Study:
             self.row("large", layout, 4096, more={"machine": self.coarser(MACHINE[layout["topology"]])})
 
     def tokens(self):
-        for layout in MIDDLE:
+        for layout, machine in [(SMALL[0], None), (SMALL[0], SLOW_NETWORK), (SMALL[1], None)]:
+            more = {"machine": os.path.join(MACHINES, machine)} if machine else {}
             for width in (1024, 512, 256, 128):
-                self.row("tokens", layout, 1024, width)
-            self.row("tokens", layout, 1024, 128, visible=False)
+                self.row("tokens", layout, 1024, width, more=more)
+            self.row("tokens", layout, 1024, 128, visible=False, more=more)
 
     def remedies(self):
-        for layout in MIDDLE:
-            for setting, (more, frames) in REMEDIES.items():
-                self.row("remedies", layout, 1024, 128, setting, more=more, frames=frames)
+        for setting, (more, frames) in REMEDIES.items():
+            more = more | {"machine": os.path.join(MACHINES, SLOW_NETWORK)}
+            self.row("remedies", SMALL[0], 1024, 128, setting, more=more, frames=frames)
+
+    def large(self):
+        for layout in reversed(LARGEST):
+            self.row("large", layout, 4096, more={"machine": self.coarser(MACHINE[layout["topology"]])})
 
 
 STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.large]
