@@ -11,7 +11,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 required=(
   g++ cmake ninja-build pkg-config ccache     # the build
   libopenmpi-dev openmpi-bin                  # MPI
-  libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev
+  libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev
   libopenimageio-dev                          # pictures
   libinsighttoolkit5-dev                      # volumes
   catch2                                      # tests

@@ -8,6 +8,7 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(TBB CONFIG REQUIRED)
 # Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
 set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
 find_package(ITK REQUIRED COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIOMeta ITKMetaIO ITKIONIFTI ITKNIFTI

@@ -1,8 +1,12 @@
 #include "ringsplat/base/process.hpp"
 
+#include <sched.h>
 #include <sys/resource.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <fstream>
+#include <memory>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -20,6 +24,19 @@ std::string clock_identity() {
   std::string boot;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   return boot;
+}
+
+int allowed_cores() {
+  // The kernel refuses a set smaller than its own, whose size it does not tell.
+  for (int cores = 1024; cores <= 1 << 20; cores *= 2) {
+    const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(cores),
+                                                               [](cpu_set_t* s) { CPU_FREE(s); });
+    if (!set) break;
+    const std::size_t bytes = CPU_ALLOC_SIZE(cores);
+    if (sched_getaffinity(0, bytes, set.get()) == 0) return std::max(1, CPU_COUNT_S(bytes, set.get()));
+    if (errno != EINVAL) break;
+  }
+  return 1;
 }
 
 void flush_denormals() {

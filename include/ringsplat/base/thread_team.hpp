@@ -1,0 +1,33 @@
+#pragma once
+#include <functional>
+#include <memory>
+
+namespace ringsplat {
+
+/// The threads that share one node's work. Idle ones sleep; all teams of a process use the same threads, so
+/// that a team costs little until it runs.
+class ThreadTeam {
+ public:
+  static constexpr int most_threads = 1024;
+
+  /// The calling thread and threads − 1 more. Throws InputError for a number below 1 or above most_threads.
+  explicit ThreadTeam(int threads = 1);
+  ~ThreadTeam();
+  ThreadTeam(ThreadTeam&&) noexcept;
+  ThreadTeam& operator=(ThreadTeam&&) noexcept;
+
+  int size() const { return threads_; }
+
+  /// Calls work(lane) once for every lane 0 … lanes − 1 and returns when all have returned; how many of them
+  /// go on at once is up to the machine, at most size(). A single lane runs on the calling thread. Denormals
+  /// are flushed in lanes that share. When a lane throws, lanes that have not begun may be left out, and what
+  /// it threw goes on to the caller, of several exceptions one.
+  void run(int lanes, const std::function<void(int lane)>& work);
+
+ private:
+  struct State;
+  int threads_;
+  std::unique_ptr<State> state_;  ///< null when alone
+};
+
+}  // namespace ringsplat

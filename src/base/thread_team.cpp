@@ -1,0 +1,59 @@
+#include "ringsplat/base/thread_team.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <optional>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat {
+
+struct ThreadTeam::State {
+  explicit State(int threads) : arena(threads) {
+    // TBB starts no more threads than there are cores unless it is told to; a program's own limit stays.
+    constexpr auto parallelism = tbb::global_control::max_allowed_parallelism;
+    if (tbb::global_control::active_value(parallelism) < std::size_t(threads))
+      limit.emplace(parallelism, std::size_t(threads));
+  }
+  std::optional<tbb::global_control> limit;
+  tbb::task_arena arena;
+  std::atomic<int> handed_over = 0;
+};
+
+ThreadTeam::ThreadTeam(int threads) : threads_(threads) {
+  if (threads < 1 || threads > most_threads)
+    throw InputError(
+        fmt::format("{} threads cannot share a rank's work", threads),
+        fmt::format("--threads-per-rank takes 1 to {}; one for each core of a rank is best", most_threads));
+  if (threads > 1) state_ = std::make_unique<State>(threads);
+}
+
+ThreadTeam::~ThreadTeam() = default;
+ThreadTeam::ThreadTeam(ThreadTeam&&) noexcept = default;
+ThreadTeam& ThreadTeam::operator=(ThreadTeam&&) noexcept = default;
+
+void ThreadTeam::run(int lanes, const std::function<void(int lane)>& work) {
+  if (lanes <= 1 || !state_) {
+    for (int lane = 0; lane < lanes; ++lane) work(lane);
+    return;
+  }
+  // TBB orders all of this by itself, but by fences that ThreadSanitizer does not see.
+  std::atomic<int>& handed_over = state_->handed_over;
+  const auto one = [&](int lane) {
+    handed_over.fetch_add(1, std::memory_order_acq_rel);
+    flush_denormals();
+    work(lane);
+    handed_over.fetch_add(1, std::memory_order_acq_rel);
+  };
+  handed_over.fetch_add(1, std::memory_order_acq_rel);
+  // Statically: a lane tends to meet the same thread again, whose cache has its buffers.
+  state_->arena.execute([&] { tbb::parallel_for(0, lanes, one, tbb::static_partitioner()); });
+  handed_over.fetch_add(1, std::memory_order_acq_rel);
+}
+
+}  // namespace ringsplat
