@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "node/payload_reader.hpp"
 #include "node/run_cursor.hpp"
@@ -18,15 +19,18 @@ class AlignedReader final : public PayloadReader {
         cursor_(geometry.grid.slice_width(geometry.traversal.axis),
                 geometry.grid.slice_height(geometry.traversal.axis)) {}
 
-  void begin(int slice, std::span<const std::byte> body, const std::function<bool(int)>& owned) override {
-    cursor_.begin(body, owned);
-    slice_ = *make_aligned_slice(kernel_, geometry_.view, geometry_.traversal.axis, slice);
+  std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                 const std::function<bool(int)>& owned) const override {
+    return cursor_.parts(body, owned);
   }
 
-  std::optional<int> region() override {
-    if (!cursor_.find()) return {};
-    return cursor_.region();
+  void begin(int slice, const PayloadPart& part) override {
+    if (std::exchange(index_, slice) != slice)
+      slice_ = *make_aligned_slice(kernel_, geometry_.view, geometry_.traversal.axis, slice);
+    cursor_.begin(part);
   }
+
+  bool more() override { return cursor_.find(); }
 
   DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
     const VoxelRun run = cursor_.run();
@@ -40,6 +44,7 @@ class AlignedReader final : public PayloadReader {
   const FrameGeometry& geometry_;
   FrameKernel kernel_;
   RunCursor<Voxel> cursor_;
+  int index_ = -1;  ///< of the slice
   AlignedSlice slice_;
   std::array<VoxelColour, 64> colours_;
 };

@@ -1,8 +1,8 @@
 #pragma once
 #include <functional>
 #include <memory>
-#include <optional>
 #include <span>
+#include <vector>
 
 #include "ringsplat/node/frame_spec.hpp"
 #include "ringsplat/splat/frame_kernel.hpp"
@@ -10,23 +10,35 @@
 
 namespace ringsplat {
 
-/// Takes a payload apart and draws it, region by region in ascending order.
+/// One region's part of a payload.
+struct PayloadPart {
+  int region = 0;
+  std::span<const std::byte> bytes;
+};
+
+/// Takes a payload apart and draws its parts, splat by splat.
 class PayloadReader {
  public:
   virtual ~PayloadReader() = default;
-  /// `body` must stay valid until region() is empty. Looks at all of it before anything is drawn, so that a bad
-  /// message leaves no half-drawn slice; throws RunError when it is no payload for the regions that `owned` is true of.
-  virtual void begin(int slice, std::span<const std::byte> body, const std::function<bool(int region)>& owned) = 0;
-  /// Of the next splats; empty when there are no more.
-  virtual std::optional<int> region() = 0;
-  /// Draws at least one and at most `most` of that region's next splats with its painter.
+  /// The parts of a payload, one for each region, ascending. Looks at all of it before anything is drawn, so
+  /// that a bad message leaves no half-drawn slice; throws RunError when it is no payload for the regions
+  /// that `owned` is true of.
+  virtual std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                         const std::function<bool(int region)>& owned) const = 0;
+  /// Goes to the first splat of a part that parts() gave; its bytes must stay valid until more() is false.
+  virtual void begin(int slice, const PayloadPart& part) = 0;
+  /// True when the part has splats that are not drawn.
+  virtual bool more() = 0;
+  /// Draws at least one and at most `most` of the part's next splats with its region's painter.
   virtual DrawCounts draw(RegionPainter& painter, std::uint32_t most) = 0;
 };
 
 /// For payloads of a frame's form and precision. `geometry` must outlive it.
 std::unique_ptr<PayloadReader> make_word_reader();
 std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry);
-/// For runs in slices whose voxels lie a whole number of pixels apart (splat/aligned_slice.hpp); empty where they do not.
-std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry, const FrameKernel& kernel);
+/// For runs in slices whose voxels lie a whole number of pixels apart (splat/aligned_slice.hpp); empty where
+/// they do not.
+std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                                   const FrameKernel& kernel);
 
 }  // namespace ringsplat

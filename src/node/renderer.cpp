@@ -14,7 +14,9 @@ namespace ringsplat {
 
 Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
     : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
-      painter_(options.simulation.count_only ? make_counting_painter(index, layout.renderers) : make_painter(index, layout.renderers)),
+      threads_(options.threads_per_rank),
+      painter_(options.simulation.count_only ? make_counting_painter(index, layout.renderers)
+                                             : make_painter(index, layout.renderers, threads_)),
       debt_(options.simulation.machine ? options.simulation.machine->poll_interval : 1), last_time_(now_seconds()),
       trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 

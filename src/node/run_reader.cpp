@@ -20,41 +20,41 @@ class RunReader final : public PayloadReader {
         cursor_(int(width_), geometry.grid.slice_height(geometry.traversal.axis)),
         dda_(geometry.view, geometry.traversal.axis, int(width_)) {}
 
-  void begin(int slice, std::span<const std::byte> body, const std::function<bool(int)>& owned) override {
-    slice_ = slice;
-    row_ = placed_ = region_ = nothing;
-    cursor_.begin(body, owned);
+  std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                 const std::function<bool(int)>& owned) const override {
+    return cursor_.parts(body, owned);
   }
 
-  std::optional<int> region() override {
-    if (!cursor_.find()) return {};
-    return cursor_.region();
+  void begin(int slice, const PayloadPart& part) override {
+    if (std::exchange(slice_, slice) != slice) row_ = nothing;
+    placed_ = nothing;
+    const PixelRect rect = geometry_.regions.rect(part.region);
+    const KernelReach reach = kernel_reach(geometry_.footprint);
+    corner_x_ = rect.x0 - reach.x - 1;
+    corner_y_ = rect.y0 - reach.y - 1;
+    cursor_.begin(part);
   }
+
+  bool more() override { return cursor_.find(); }
 
   DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
     splats_.resize(most);
     filled_ = off_screen_ = 0;
-    go_to_region();
-    while (filled_ + off_screen_ < most && cursor_.more_in_group() && cursor_.find()) {
-      if (!append_splats(std::min<std::uint32_t>(cursor_.run().count, most - std::uint32_t(filled_ + off_screen_)))) break;
+    while (filled_ + off_screen_ < most && cursor_.find()) {
+      if (!append_splats(
+              std::min<std::uint32_t>(cursor_.run().count, most - std::uint32_t(filled_ + off_screen_))))
+        break;
     }
-    DrawCounts counts = painter.draw(static_cast<std::int32_t>(corner_x_ + base_x_), static_cast<std::int32_t>(corner_y_ + base_y_),
+    DrawCounts counts = painter.draw(static_cast<std::int32_t>(corner_x_ + base_x_),
+                                     static_cast<std::int32_t>(corner_y_ + base_y_),
                                      std::as_bytes(std::span(splats_).first(filled_)));
     counts.clipped += off_screen_;
     return counts;
   }
 
  private:
-  void go_to_region() {
-    if (std::exchange(region_, std::uint32_t(cursor_.region())) == std::uint32_t(cursor_.region())) return;
-    const PixelRect rect = geometry_.regions.rect(cursor_.region());
-    const KernelReach reach = kernel_reach(geometry_.footprint);
-    corner_x_ = rect.x0 - reach.x - 1;
-    corner_y_ = rect.y0 - reach.y - 1;
-    placed_ = nothing;
-  }
-
-  /// Places the columns round the run's next voxel, unless they are placed: runs are short, and rows have several.
+  /// Places the columns round the run's next voxel, unless they are placed: runs are short, and rows have
+  /// several.
   void place_block() {
     const VoxelRun& run = cursor_.run();
     if (std::exchange(row_, run.row) != run.row) {
@@ -69,11 +69,12 @@ class RunReader final : public PayloadReader {
 
   /// Appends at most `wanted` of the run's voxels; false when the next one needs another base.
   ///
-  /// Bases lie on a lattice of 256 pixels that begins before the region's corner by the kernels' reach, so that regions
-  /// of up to 250 pixels have one.
+  /// Bases lie on a lattice of 256 pixels that begins before the region's corner by the kernels' reach, so
+  /// that regions of up to 250 pixels have one.
   bool append_splats(std::uint32_t wanted) {
     place_block();
-    const std::uint32_t first = cursor_.run().first - placed_, end = std::min<std::uint32_t>(first + wanted, RunPlaces::capacity);
+    const std::uint32_t first = cursor_.run().first - placed_,
+                        end = std::min<std::uint32_t>(first + wanted, RunPlaces::capacity);
     std::uint32_t k = first;
     for (; k < end; ++k) {
       const std::int32_t x = places_.anchor_x[k], y = places_.anchor_y[k];
@@ -88,8 +89,15 @@ class RunReader final : public PayloadReader {
         break;
       }
       const VoxelColour colour = unpack(cursor_.voxel(k - first));
-      splats_[filled_++] = {places_.a[k], places_.b[k], places_.c[k], weighted_opacity(geometry_.footprint, colour.opacity),
-                            colour.red, colour.green, colour.blue, static_cast<std::uint8_t>(x & 255), static_cast<std::uint8_t>(y & 255)};
+      splats_[filled_++] = {places_.a[k],
+                            places_.b[k],
+                            places_.c[k],
+                            weighted_opacity(geometry_.footprint, colour.opacity),
+                            colour.red,
+                            colour.green,
+                            colour.blue,
+                            static_cast<std::uint8_t>(x & 255),
+                            static_cast<std::uint8_t>(y & 255)};
     }
     cursor_.skip(k - first);
     return k == end;
@@ -102,25 +110,28 @@ class RunReader final : public PayloadReader {
   std::uint32_t width_;
   RunCursor<Voxel> cursor_;
   SliceDda dda_;
-  int slice_ = 0;
+  int slice_ = -1;                            ///< that the DDA is in
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< where the bases' lattice begins
   static constexpr std::uint32_t nothing = ~0U;
-  std::uint32_t region_ = nothing;  ///< that the corner is of
-  std::uint32_t row_ = nothing;     ///< that the DDA is at
+  std::uint32_t row_ = nothing;     ///< that the DDA is at, in the slice
   std::uint32_t placed_ = nothing;  ///< first of the columns in places_
   RunPlaces places_;
   std::int32_t base_x_ = 0, base_y_ = 0;  ///< of the splats, from the corner
   std::vector<Splat> splats_;
-  std::uint64_t filled_ = 0, off_screen_ = 0;  ///< of splats_; voxels so far from the region that they cannot reach it
+  std::uint64_t filled_ = 0,
+                off_screen_ = 0;  ///< of splats_; voxels so far from the region that they cannot reach it
 };
 
 }  // namespace
 
 std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry) {
   switch (spec.precision) {
-    case Precision::half: return std::make_unique<RunReader<HalfVoxel>>(geometry);
-    case Precision::u8: return std::make_unique<RunReader<ByteVoxel>>(geometry);
-    case Precision::float32: break;
+    case Precision::half:
+      return std::make_unique<RunReader<HalfVoxel>>(geometry);
+    case Precision::u8:
+      return std::make_unique<RunReader<ByteVoxel>>(geometry);
+    case Precision::float32:
+      break;
   }
   return std::make_unique<RunReader<FloatVoxel>>(geometry);
 }

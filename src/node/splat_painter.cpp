@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <map>
-#include <optional>
+#include <utility>
+#include <vector>
 
 #include "node/opaque_news.hpp"
 #include "node/payload_reader.hpp"
+#include "node/wall_share.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
@@ -16,17 +19,23 @@
 namespace ringsplat {
 namespace {
 
-/// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice behind the image.
+/// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice
+/// behind the image.
 class SplatPainter final : public Painter {
  public:
-  SplatPainter(int renderer, int renderers) : renderer_(renderer), renderers_(renderers) {}
+  SplatPainter(int renderer, int renderers, ThreadTeam& threads)
+      : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
     if (!same_layout(geometry.regions)) lay_out(geometry.regions);
     geometry_ = geometry;
-    const FrameKernel kernel = make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
+    const FrameKernel kernel =
+        make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
     for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
-    reader_ = make_reader(spec, kernel);
+    for (Lane& lane : lanes_) {
+      lane.reader = make_reader(spec, kernel);
+      lane.drawing = nullptr;
+    }
     told_.clear();
     counts_ = {};
     composite_seconds_ = 0;
@@ -37,31 +46,44 @@ class SplatPainter final : public Painter {
       return region >= 0 && region < regions_.count() && slot_of_region_[std::size_t(region)] != not_owned;
     };
     try {
-      reader_->begin(geometry_.traversal.slice_at(step, geometry_.slices), body, owned);
+      parts_ = lanes_.front().reader->parts(body, owned);
     } catch (const RunError& e) {
       throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
     }
-    voxel_ = voxel_of_step(step);
-    drawing_.reset();
+    slice_ = geometry_.traversal.slice_at(step, geometry_.slices);
+    voxel_ = voxel_of_slice();
+    next_part_ = 0;
+    // Waking a thread takes as long as some hundred splats.
+    constexpr std::size_t bytes_worth_a_thread = 4096;
+    lanes_in_use_ = int(std::clamp(std::min(parts_.size(), body.size() / bytes_worth_a_thread),
+                                   std::size_t{1}, lanes_.size()));
+    // Regions may be drawn in any order; when the largest are drawn first, threads finish at about the same
+    // time.
+    if (lanes_in_use_ > 1)
+      std::sort(parts_.begin(), parts_.end(),
+                [](const auto& one, const auto& other) { return one.bytes.size() > other.bytes.size(); });
   }
 
   bool work() override {
-    constexpr std::int64_t splats_at_most = 1024, chunk_splats = 512;
-    for (std::int64_t budget = splats_at_most; budget > 0;) {
-      const std::optional<int> region = reader_->region();
-      if (!region) {
-        composite();
-        return true;
-      }
-      if (drawing_ != region) composite();
-      drawing_ = region;
-      const DrawCounts drawn = reader_->draw(painter_of(*region), std::uint32_t(std::min(budget, chunk_splats)));
-      counts_.drawn += drawn.drawn;
-      counts_.clipped += drawn.clipped;
-      counts_.hidden += drawn.hidden;
-      budget -= std::int64_t(drawn.drawn + drawn.clipped + drawn.hidden);
+    double wall = 0;
+    {
+      const OptionalSeconds timed(lanes_in_use_ > 1 ? &wall : nullptr);
+      threads_.run(lanes_in_use_, [this](int lane) { draw_some(lanes_[std::size_t(lane)]); });
     }
-    return false;
+    bool complete = next_part_ >= parts_.size();
+    double busy = 0, compositing = 0;
+    for (int k = 0; k < lanes_in_use_; ++k) {
+      Lane& lane = lanes_[std::size_t(k)];
+      complete = complete && lane.drawing == nullptr;
+      const PaintCounts counts = std::exchange(lane.counts, {});
+      counts_.drawn += counts.drawn;
+      counts_.clipped += counts.clipped;
+      counts_.hidden += counts.hidden;
+      busy += std::exchange(lane.busy, 0);
+      compositing += std::exchange(lane.compositing, 0);
+    }
+    composite_seconds_ += lanes_in_use_ > 1 ? wall_share(wall, compositing, busy) : compositing;
+    return complete;
   }
 
   void opaque_news(int gp, Bytes& news) override {
@@ -93,6 +115,46 @@ class SplatPainter final : public Painter {
   }
 
  private:
+  /// What a thread draws with. Its slice buffer stays in its processor's cache: a region is composited before
+  /// the next is drawn.
+  struct alignas(64) Lane {
+    std::unique_ptr<PayloadReader> reader;
+    std::shared_ptr<SliceMemory> memory;
+    RegionPainter* drawing = nullptr;  ///< of the part that is not complete yet
+    PaintCounts counts;                ///< and seconds, since the last piece of work
+    double busy = 0, compositing = 0;
+  };
+
+  /// Draws part after part, each whole and by this lane alone: their splats keep their order.
+  void draw_some(Lane& lane) {
+    // Messages wait for the end of a piece, and threads that share it for each other.
+    const std::int64_t splats_at_most = lanes_in_use_ > 1 ? 4096 : 1024, chunk_splats = 512;
+    const OptionalSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
+    for (std::int64_t budget = splats_at_most; budget > 0;) {
+      if (lane.drawing == nullptr && !take_part(lane)) return;
+      if (!lane.reader->more()) {
+        const ScopedSeconds composited(lane.compositing);
+        std::exchange(lane.drawing, nullptr)->composite(voxel_);
+        continue;
+      }
+      const DrawCounts drawn =
+          lane.reader->draw(*lane.drawing, std::uint32_t(std::min(budget, chunk_splats)));
+      lane.counts.drawn += drawn.drawn;
+      lane.counts.clipped += drawn.clipped;
+      lane.counts.hidden += drawn.hidden;
+      budget -= std::int64_t(drawn.drawn + drawn.clipped + drawn.hidden);
+    }
+  }
+
+  bool take_part(Lane& lane) {
+    const std::size_t k = next_part_++;
+    if (k >= parts_.size()) return false;
+    lane.drawing = &painters_[slot_of_region_[std::size_t(parts_[k].region)]];
+    lane.drawing->use(lane.memory);
+    lane.reader->begin(slice_, parts_[k]);
+    return true;
+  }
+
   std::unique_ptr<PayloadReader> make_reader(const FrameSpec& spec, const FrameKernel& kernel) const {
     if (spec.payload == PayloadForm::words) return make_word_reader();
     auto aligned = make_aligned_reader(spec, geometry_, kernel);
@@ -100,39 +162,32 @@ class SplatPainter final : public Painter {
   }
 
   bool same_layout(const Regions& regions) const {
-    return regions_.count() == regions.count() && regions_.count() > 0 && regions_.columns() == regions.columns() &&
-           regions_.rect(regions.count() - 1) == regions.rect(regions.count() - 1) && regions_.region_size() == regions.region_size();
+    return regions_.count() == regions.count() && regions_.count() > 0 &&
+           regions_.columns() == regions.columns() &&
+           regions_.rect(regions.count() - 1) == regions.rect(regions.count() - 1) &&
+           regions_.region_size() == regions.region_size();
   }
 
   void lay_out(const Regions& regions) {
     regions_ = regions;
     painters_.clear();
+    // A painter whose frame was dropped leaves splats in its memory.
+    for (Lane& lane : lanes_) lane.memory = make_slice_memory();
     slot_of_region_.assign(std::size_t(regions.count()), not_owned);
     owned_ = regions.owned(renderer_, renderers_);
-    const auto memory = make_slice_memory();
     for (const int region : owned_) {
       const PixelRect r = regions.rect(region);
       slot_of_region_[std::size_t(region)] = painters_.size();
-      painters_.emplace_back(r.x0, r.y0, r.width(), r.height(), memory);
+      painters_.emplace_back(r.x0, r.y0, r.width(), r.height(), nullptr);
     }
   }
 
-  /// Regions share a slice buffer: one is composited before the next is drawn.
-  void composite() {
-    if (!drawing_) return;
-    const ScopedSeconds timed(composite_seconds_);
-    painter_of(*drawing_).composite(voxel_);
-    drawing_.reset();
-  }
-
   /// Where a voxel of the slice lies on the screen.
-  glm::dvec2 voxel_of_step(int step) const {
+  glm::dvec2 voxel_of_slice() const {
     glm::dvec3 voxel(0.0);
-    voxel[static_cast<int>(geometry_.traversal.axis)] = geometry_.traversal.slice_at(step, geometry_.slices);
+    voxel[static_cast<int>(geometry_.traversal.axis)] = slice_;
     return geometry_.view.project(voxel);
   }
-
-  RegionPainter& painter_of(int region) { return painters_[slot_of_region_[std::size_t(region)]]; }
 
   int renderer_, renderers_;
   FrameGeometry geometry_;
@@ -141,18 +196,22 @@ class SplatPainter final : public Painter {
   std::vector<int> owned_;                   ///< regions, ascending
   std::vector<RegionPainter> painters_;      ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into painters_
-  std::unique_ptr<PayloadReader> reader_;
-  glm::dvec2 voxel_{0.0};                    ///< of the slice
-  std::optional<int> drawing_;             ///< region whose slice buffer is in use
-  std::map<int, std::vector<int>> told_;   ///< by GP: how many opaque tiles of each owned region it knows
+  ThreadTeam& threads_;
+  std::vector<Lane> lanes_;  ///< one for each thread
+  int lanes_in_use_ = 1;     ///< by this payload
+  std::vector<PayloadPart> parts_;
+  std::atomic<std::size_t> next_part_ = 0;
+  int slice_ = 0;
+  glm::dvec2 voxel_{0.0};                 ///< of the slice
+  std::map<int, std::vector<int>> told_;  ///< by GP: how many opaque tiles of each owned region it knows
   PaintCounts counts_;
   double composite_seconds_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Painter> make_painter(int renderer, int renderers) {
-  return std::make_unique<SplatPainter>(renderer, renderers);
+std::unique_ptr<Painter> make_painter(int renderer, int renderers, ThreadTeam& threads) {
+  return std::make_unique<SplatPainter>(renderer, renderers, threads);
 }
 
 }  // namespace ringsplat

@@ -12,27 +12,36 @@ namespace {
 
 class WordReader final : public PayloadReader {
  public:
-  void begin(int, std::span<const std::byte> body, const std::function<bool(int)>& owned) override {
-    body_ = body;
-    at_ = left_ = 0;
-    int last = 0;
-    for (std::size_t at = 0; at < body.size();) {
+  std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                 const std::function<bool(int)>& owned) const override {
+    std::vector<PayloadPart> parts;
+    for (std::size_t at = 0, begin = 0; at < body.size(); begin = at) {
       SplatGroup group;
       const bool whole = take(body, at, group);
-      if (!whole || group.region < last || !owned(group.region) || (body.size() - at) / sizeof(Splat) < group.count)
+      const int last = parts.empty() ? 0 : parts.back().region;
+      if (!whole || group.region < last || !owned(group.region) ||
+          (body.size() - at) / sizeof(Splat) < group.count)
         throw RunError(fmt::format("a payload of {} bytes is not understood at byte {}", body.size(), at),
                        "all ranks must run the same build");
-      last = group.region;
       at += group.count * sizeof(Splat);
+      if (parts.empty() || group.region != last) parts.push_back({group.region, body.subspan(begin, 0)});
+      PayloadPart& part = parts.back();
+      part.bytes = {part.bytes.data(), part.bytes.size() + (at - begin)};
     }
+    return parts;
   }
 
-  std::optional<int> region() override {
+  void begin(int, const PayloadPart& part) override {
+    body_ = part.bytes;
+    at_ = left_ = 0;
+  }
+
+  bool more() override {
     while (left_ == 0) {
-      if (!take(body_, at_, group_)) return {};
+      if (!take(body_, at_, group_)) return false;
       left_ = group_.count;
     }
-    return group_.region;
+    return true;
   }
 
   DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
@@ -44,7 +53,7 @@ class WordReader final : public PayloadReader {
   }
 
  private:
-  std::span<const std::byte> body_;
+  std::span<const std::byte> body_;  ///< of the part
   std::size_t at_ = 0;
   SplatGroup group_{};
   std::uint32_t left_ = 0;  ///< splats of the group

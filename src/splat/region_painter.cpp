@@ -6,6 +6,7 @@
 #include <cstring>
 #include <new>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "ringsplat/base/bytes.hpp"
@@ -213,6 +214,8 @@ RegionPainter::RegionPainter(int x0, int y0, int width, int height, std::shared_
 RegionPainter::~RegionPainter() = default;
 RegionPainter::RegionPainter(RegionPainter&&) noexcept = default;
 RegionPainter& RegionPainter::operator=(RegionPainter&&) noexcept = default;
+
+void RegionPainter::use(std::shared_ptr<SliceMemory> memory) { state_->memory = std::move(memory); }
 
 void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshold) {
   auto& s = *state_;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "ringsplat/base/bytes.hpp"
+#include "ringsplat/base/thread_team.hpp"
 #include "ringsplat/node/frame_spec.hpp"
 #include "ringsplat/node/trace.hpp"
 #include "ringsplat/volume/slice_store.hpp"
@@ -47,12 +48,12 @@ class Painter {
   /// Takes the payload of traversal step `step`; `body` stays valid until work() has returned true.
   /// Throws RunError when the bytes are no payload for this Renderer.
   virtual void begin(int step, std::span<const std::byte> body) = 0;
-  /// A bounded piece of the slice; true once it is drawn and composited.
+  /// A bounded piece of the slice for each thread; true once it is drawn and composited.
   virtual bool work() = 0;
   /// Appends, for GP `gp`, which parts of this Renderer's regions have become opaque since it was last told in this frame.
   virtual void opaque_news(int gp, Bytes& news) = 0;
   virtual PaintCounts counts() const = 0;   ///< of this frame so far
-  virtual double composite_seconds() const = 0;  ///< of this frame so far
+  virtual double composite_seconds() const = 0;  ///< of this frame so far, by the clock on the wall
 
   /// Calls `deliver(region, rgba)` for each region that is not empty: region pixels, row by row, premultiplied RGBA, in
   /// a Message::body_buffer().
@@ -65,7 +66,8 @@ class EmptySpace;
 /// `spec`, `geometry` and `empty_space` must outlive the encoder.
 std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space);
 
-/// A Renderer's painter; begin_frame() forgets the last image and keeps its buffers.
-std::unique_ptr<Painter> make_painter(int renderer, int renderers);
+/// A Renderer's painter; begin_frame() forgets the last image and keeps its buffers. `threads` must outlive it; the image has the same
+/// bits with any number of them.
+std::unique_ptr<Painter> make_painter(int renderer, int renderers, ThreadTeam& threads);
 
 }  // namespace ringsplat

@@ -61,6 +61,7 @@ class Renderer final : public Node {
   ProtocolOptions options_;
   Grid grid_;
   Post post_;
+  ThreadTeam threads_;
   std::unique_ptr<Painter> painter_;
   std::deque<Frame> frames_;  ///< announced and not yet delivered; the first is being drawn
   std::int64_t next_frame_ = 0;

@@ -18,7 +18,7 @@ struct DrawCounts {
 };
 
 /// The memory of one slice buffer. Painters that share one must be used one after the other, each with composite()
-/// before the next one draws: so the buffer stays in the processor's cache.
+/// before the next one draws: so the buffer stays in the processor's cache. Painters that do not share one may be used by several threads at once.
 class SliceMemory;
 std::shared_ptr<SliceMemory> make_slice_memory();
 
@@ -40,6 +40,9 @@ class RegionPainter {
   ~RegionPainter();
   RegionPainter(RegionPainter&&) noexcept;
   RegionPainter& operator=(RegionPainter&&) noexcept;
+
+  /// From now on sums slices into `memory`. Only while it holds none of this painter's: after composite() or begin_frame().
+  void use(std::shared_ptr<SliceMemory> memory);
 
   /// Forgets the last frame's image and takes the frame's kernel.
   void begin_frame(const FrameKernel& kernel, float opaque_threshold = 0);

@@ -1,0 +1,153 @@
+#include <fmt/format.h>
+
+#include "ringsplat/base/error.hpp"
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr std::array team_sizes{1, 2, 3, 8};
+
+FrameSpec oblique_view() {
+  FrameSpec spec;
+  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.width = 300;
+  spec.height = 280;
+  spec.region_size = 32;
+  spec.transfer_function = ramp(20, 255, 0.3);
+  return spec;
+}
+
+LoopbackOptions shuffled(int threads) {
+  return {.seed = std::uint64_t(threads), .reorder = true, .max_delay = 3};
+}
+
+bool has_something(const Image& image) {
+  return *std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F;
+}
+
+}  // namespace
+
+TEST_CASE("the image and the counts are the same whatever the number of threads") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto form : {PayloadForm::runs, PayloadForm::words})
+      for (const int region : {9, 32, 4096}) {
+        FrameSpec spec = oblique_view();
+        spec.image_plane = plane;
+        spec.payload = form;
+        spec.region_size = region;
+        spec.opaque_threshold = 0;  // what is hidden depends on when GPs learn of it
+        const auto alone = render_loopback(*source, spec, 1, 1);
+        REQUIRE(has_something(alone.image));
+        const NodeStats counted = alone.stats.total();
+        for (const int threads : team_sizes) {
+          INFO(fmt::format("plane {}, form {}, regions of {}, {} threads", int(plane), int(form), region,
+                           threads));
+          const auto one =
+              render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {.threads_per_rank = threads});
+          REQUIRE(one.image == alone.image);
+          const NodeStats total = one.stats.total();
+          CHECK(total.splats_drawn == counted.splats_drawn);
+          CHECK(total.splats_clipped == counted.splats_clipped);
+          CHECK(total.splats_sent == counted.splats_sent);
+          CHECK(total.payload_bytes_sent == counted.payload_bytes_sent);
+          CHECK(total.visible_voxels == counted.visible_voxels);
+        }
+      }
+}
+
+TEST_CASE("threads keep the bits on any layout, with messages in any order") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto precision : {Precision::float32, Precision::half, Precision::u8}) {
+      FrameSpec spec = oblique_view();
+      spec.image_plane = plane;
+      spec.precision = precision;
+      const auto alone = render_loopback(*source, spec, 1, 1);
+      REQUIRE(has_something(alone.image));
+      for (const int threads : team_sizes)
+        for (const auto& [gps, renderers] : {std::pair{1, 1}, {3, 2}, {2, 5}})
+          for (const auto placement : {Placement::dedicated, Placement::colocated}) {
+            INFO(fmt::format("plane {}, precision {}, {} threads, {} GPs, {} Renderers, {}", int(plane),
+                             int(precision), threads, gps, renderers,
+                             placement == Placement::dedicated ? "dedicated" : "colocated"));
+            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement,
+                                                {.threads_per_rank = threads});
+            REQUIRE(shared.image == alone.image);
+            // Seconds are those of the clock on the wall: no thread's are counted beside another's.
+            for (const NodeStats& renderer : shared.stats.renderers) {
+              CHECK(renderer.drawing >= 0);
+              CHECK(renderer.compositing >= 0);
+              CHECK(renderer.drawing + renderer.compositing <= shared.stats.seconds + 0.001);
+            }
+          }
+    }
+}
+
+TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const KernelOptions& kernel :
+         {KernelOptions{.normalisation = Normalisation::exact},
+          KernelOptions{.method = KernelMethod::texture}, KernelOptions{.qee_bits = 10}}) {
+      FrameSpec spec = oblique_view();
+      spec.image_plane = plane;
+      spec.kernel = kernel;
+      spec.transfer_function = ramp(1, 20, 1.0);
+      const auto alone = render_loopback(*source, spec, 1, 1);
+      if (plane == ImagePlane::screen) CHECK(alone.stats.total().splats_hidden > 0);
+      for (const int threads : team_sizes)
+        REQUIRE(render_loopback(*source, spec, 2, 2, shuffled(threads), Placement::colocated,
+                                {.threads_per_rank = threads})
+                    .image == alone.image);
+    }
+}
+
+TEST_CASE("frames that are dropped while threads draw them leave nothing behind") {
+  const auto source = synth_source("ball", make_grid({33, 31, 32}));
+  std::vector<FrameSpec> specs(9, oblique_view());
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    specs[k].camera.azimuth = 52.0 * double(k);
+    specs[k].image_plane = k % 2 == 0 ? ImagePlane::screen : ImagePlane::slices;
+  }
+  std::vector<Image> alone;
+  for (const auto& spec : specs) alone.push_back(render_loopback(*source, spec, 1, 1).image);
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    const int threads = team_sizes[seed % team_sizes.size()], patience = int(11 * seed % 120);
+    INFO(fmt::format("seed {}, {} threads", seed, threads));
+    std::size_t asked = 0, kept = 0;
+    std::map<std::int64_t, int> questions;
+    Director director{[&]() -> std::optional<FrameSpec> {
+                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
+                      },
+                      [&](FrameResult&& r) {
+                        kept += r.spec.frame % 3 != 1 ? 1 : 0;
+                        REQUIRE(r.image == alone[std::size_t(r.spec.frame)]);
+                      }};
+    director.unwanted = [&](const FrameSpec& spec) {
+      return spec.frame % 3 == 1 && ++questions[spec.frame] > patience;
+    };
+    SoloCollectives solo;
+    const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = int(seed % 6)}};
+    OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
+    const Layout layout{1 + int(seed % 3), 1 + int(seed % 2)};
+    Scene scene = load_scene(volume, {}, layout, wiring);
+    render_frames(std::move(scene), layout,
+                  {.frames_in_flight = 1 + int(seed % 3), .threads_per_rank = threads}, std::move(director),
+                  wiring);
+    CHECK(kept == 6);
+  }
+}
+
+TEST_CASE("a number of threads that no rank can use is refused with a hint") {
+  for (const int threads : {-1, 0, 1025, 2'000'000'000}) {
+    CHECK_THROWS_AS(check(ProtocolOptions{.threads_per_rank = threads}), InputError);
+    CHECK_THROWS_WITH(check(ProtocolOptions{.threads_per_rank = threads}),
+                      Catch::Matchers::Contains("--threads-per-rank"));
+  }
+  CHECK_NOTHROW(check(ProtocolOptions{.threads_per_rank = 1024}));
+}
