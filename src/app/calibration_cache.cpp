@@ -51,7 +51,8 @@ json layout_json(const RunOptions& run, const Layout& layout) {
           {"mesh", {layout.mesh_columns, layout.mesh_rows, layout.routed()}},
           {"slots", run.protocol.slots},
           {"link_slots", run.protocol.link_slots},
-          {"look_ahead", run.protocol.look_ahead}};
+          {"look_ahead", run.protocol.look_ahead},
+          {"threads_per_rank", run.protocol.threads_per_rank}};
 }
 
 json to_json(const MeasuredShortcuts& m) {

@@ -108,6 +108,10 @@ void add_run_options(CLI::App& app, RunOptions& o) {
                   "In a mesh, messages go along a column and then a row, from neighbour to neighbour, or "
                   "straight to "
                   "their rank"),
+       app.add_option("--threads-per-rank", o.protocol.threads_per_rank,
+                      "Threads that share the work of a rank's Renderer; they send no messages")
+           ->type_name("T")
+           ->capture_default_str(),
        add_choice(app, "--transport", o.transport,
                   Choices<TransportChoice>{{"auto", TransportChoice::automatic},
                                            {"mpi", TransportChoice::mpi},

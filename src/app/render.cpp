@@ -17,6 +17,7 @@
 #include "app/keep_budget.hpp"
 #include "app/output_file.hpp"
 #include "app/simulation_options.hpp"
+#include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "app/watched_source.hpp"
@@ -189,6 +190,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   prepare_simulation(o.run, launch);
   Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(o.run.protocol);
+  warn_of_shared_cores(o.run.protocol.threads_per_rank, launch);
   Plan plan;
   launch.check_on_rank_0([&] { plan = make_plan(o); });
   const auto open = [&] {

@@ -21,7 +21,8 @@ FrameSpec oblique_view(double azimuth) {
 }
 
 /// Renders on the first layout.ranks() ranks of the job; the image is on rank 0.
-Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource& source) {
+Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource& source,
+                      const ProtocolOptions& protocol = {}) {
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm part = MPI_COMM_NULL;
@@ -34,7 +35,7 @@ Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource&
     const Grid grid = source.grid();
     std::vector<std::byte> voxels(rank == 0 ? grid.bytes() : 0);
     if (rank == 0) source.read_slices(0, grid.dims.z, voxels);
-    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()});
+    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()}, protocol);
   }
   MPI_Comm_free(&part);
   return image;
@@ -65,4 +66,29 @@ TEST_CASE("the image has the same bits on any number of ranks as in one process"
         }
   }
   REQUIRE(compared >= 2);
+}
+
+TEST_CASE("threads that share the work of ranks keep the bits") {
+  int rank = 0, ranks = 0, level = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  MPI_Query_thread(&level);
+  REQUIRE(level >= MPI_THREAD_FUNNELED);
+  if (ranks > 3) return;
+  const auto source = synth_source("jack", make_grid({65, 62, 64}));
+  FrameSpec spec = oblique_view(33);
+  spec.width = spec.height = 300;
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto payload : {PayloadForm::runs, PayloadForm::words}) {
+      spec.image_plane = plane;
+      spec.payload = payload;
+      Image alone;
+      if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
+      for (const Layout& layout : {Layout{1, 1}, Layout{2, 2, Placement::colocated}})
+        for (const int threads : {1, 2, 3, 8}) {
+          const Image image = render_on_ranks(layout, spec, *source, {.threads_per_rank = threads});
+          INFO(fmt::format("plane {}, form {}, {} threads on each of {} ranks", int(plane), int(payload), threads, layout.ranks()));
+          REQUIRE((rank != 0 || image == alone));
+        }
+    }
 }
