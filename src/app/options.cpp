@@ -109,7 +109,7 @@ void add_run_options(CLI::App& app, RunOptions& o) {
                   "straight to "
                   "their rank"),
        app.add_option("--threads-per-rank", o.protocol.threads_per_rank,
-                      "Threads that share the work of a rank's Renderer; they send no messages")
+                      "Threads that share the work of a rank's GP and Renderer; they send no messages")
            ->type_name("T")
            ->capture_default_str(),
        add_choice(app, "--transport", o.transport,

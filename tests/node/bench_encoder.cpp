@@ -57,8 +57,8 @@ EncodedSlice encode_slice(Encoder& encoder, const SliceView& slice) {
 
 /// Draws the frame once, to know what a Renderer says of opaque tiles.
 void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
-  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space);
   ThreadTeam alone;
+  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space, alone);
   const auto painter = make_painter(0, 1, alone);
   painter->begin_frame(v.spec, v.geometry);
   for (int step = 0; step < v.geometry.slices; ++step) {
@@ -80,8 +80,9 @@ void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
 }
 
 void measure(View& v, const SliceStore& store, EmptySpace& empty_space) {
+  ThreadTeam alone;
   const double start = thread_milliseconds();
-  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space);
+  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space, alone);
   const double made = thread_milliseconds();
   for (int step = 0; step < v.geometry.slices; ++step) {
     const auto& traversal = v.geometry.traversal;

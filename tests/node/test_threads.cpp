@@ -1,6 +1,10 @@
 #include <fmt/format.h>
 
+#include "node/empty_space.hpp"
+#include "node/row_bounds.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
+#include "ringsplat/node/engine.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 
@@ -29,7 +33,106 @@ bool has_something(const Image& image) {
   return *std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F;
 }
 
+/// Everything an encoder makes of a volume, slice by slice.
+std::vector<EncodedSlice> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers,
+                                     int threads) {
+  SoloCollectives solo;
+  const Grid grid = source.grid();
+  OpenedVolume volume{grid, true, synth_source("ball", grid)};
+  auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
+  const FrameGeometry geometry = make_geometry(spec, grid);
+  ThreadTeam team(threads);
+  EmptySpace empty_space;
+  const auto encoder = make_encoder(spec, geometry, renderers, empty_space, team);
+  std::vector<EncodedSlice> slices;
+  for (int step = 0; step < geometry.slices; ++step) {
+    const int slice = geometry.traversal.slice_at(step, geometry.slices);
+    encoder->begin(stores.at(0).slice(geometry.traversal.axis, slice));
+    while (!encoder->work()) {
+    }
+    slices.push_back(encoder->finish());
+  }
+  return slices;
+}
+
+/// Payloads without the room for a message's header, which holds anything.
+std::vector<Bytes> bodies(EncodedSlice slice) {
+  for (Bytes& payload : slice.payloads)
+    if (!payload.empty()) payload.erase(payload.begin(), payload.begin() + sizeof(Header));
+  return std::move(slice.payloads);
+}
+
 }  // namespace
+
+TEST_CASE("rows are cut into bands of about as many voxels") {
+  const Grid grid = make_grid({128, 128, 3});
+  SoloCollectives solo;
+  OpenedVolume volume{grid, true, synth_source("ball", grid)};
+  auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
+  const SliceView slice = stores.at(0).slice(Axis::z, 1);
+  const SliceRuns runs(BlockRanges(slice), ramp(128, 255, 0.5), slice.width);
+  const auto voxels = [&](int first, int end) {
+    int sum = 0;
+    for (int row = first; row < end; ++row)
+      for (const ColumnRun& run : runs.of_row(row)) sum += run.end - run.first;
+    return sum;
+  };
+  const int all = voxels(0, 128);
+  REQUIRE(all > 3000);
+  REQUIRE(all < 128 * 128);
+  for (const int most : {1, 2, 3, 5, 12}) {
+    const auto bounds = row_bounds(runs, 128, most);
+    REQUIRE(int(bounds.size()) == most + 1);
+    CHECK(bounds.front() == 0);
+    CHECK(bounds.back() == 128);
+    for (std::size_t k = 0; k + 1 < bounds.size(); ++k) {
+      CHECK(bounds[k] < bounds[k + 1]);
+      CHECK(std::abs(voxels(bounds[k], bounds[k + 1]) - all / most) <= 128);
+    }
+  }
+  CHECK(int(row_bounds(runs, 128, 1024).size()) <= all / 256 + 1);  // too few voxels for more
+  CHECK(row_bounds(SliceRuns(BlockRanges(slice), constant_opacity(0.5, 400), slice.width), 128, 4) ==
+        std::vector<int>{0});
+}
+
+TEST_CASE("payloads are the same bytes whatever the number of threads") {
+  const auto source = synth_source("ball", make_grid({70, 61, 24}));
+  struct Form {
+    PayloadForm form;
+    Precision precision;
+  };
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto& [form, precision] :
+         {Form{PayloadForm::words, Precision::float32}, Form{PayloadForm::runs, Precision::float32},
+          Form{PayloadForm::runs, Precision::half}, Form{PayloadForm::runs, Precision::u8}})
+      for (const int region : {40, 4096})
+        for (const double zoom : {1.2, 8.0}) {
+          FrameSpec spec = oblique_view();
+          spec.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
+          spec.width = spec.height = 700;
+          spec.image_plane = plane;
+          spec.payload = form;
+          spec.precision = precision;
+          spec.region_size = region;
+          const auto alone = encode_all(*source, spec, 3, 1);
+          for (const int threads : {2, 3, 8}) {
+            INFO(fmt::format("plane {}, form {}, precision {}, regions of {}, zoom {}, {} threads",
+                             int(plane), int(form), int(precision), region, zoom, threads));
+            const auto shared = encode_all(*source, spec, 3, threads);
+            REQUIRE(shared.size() == alone.size());
+            std::uint64_t visible = 0;
+            for (std::size_t k = 0; k < alone.size(); ++k) {
+              REQUIRE(bodies(shared[k]) == bodies(alone[k]));
+              REQUIRE(shared[k].splats == alone[k].splats);
+              REQUIRE(shared[k].passes == alone[k].passes);
+              REQUIRE(shared[k].visible_voxels == alone[k].visible_voxels);
+              REQUIRE(shared[k].voxels == alone[k].voxels);
+              visible += alone[k].visible_voxels;
+            }
+            REQUIRE(visible > 1000);
+          }
+        }
+}
 
 TEST_CASE("the image and the counts are the same whatever the number of threads") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));

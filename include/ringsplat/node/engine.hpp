@@ -30,10 +30,10 @@ class Encoder {
   /// News from a Renderer's Painter::opaque_news: what lies wholly under opaque pixels need not be sent any more.
   /// Throws RunError when the bytes are no such news.
   virtual void take_opaque_news(std::span<const std::byte> news) = 0;
-  /// A bounded piece of the slice (well under a millisecond); true once the slice is complete.
+  /// A bounded piece of the slice (well under a millisecond of each thread); true once the slice is complete.
   virtual bool work() = 0;
   virtual EncodedSlice finish() = 0;
-  /// From now on adds to `*stages` what classifying and shading take; null, as at first: measures nothing.
+  /// From now on adds to `*stages` what of the time classifying and shading take; null, as at first: measures nothing.
   virtual void time_stages(StageSeconds* stages) = 0;
 };
 
@@ -63,8 +63,9 @@ class Painter {
 /// What an Encoder keeps from frame to frame: where a GP's slices are empty.
 class EmptySpace;
 
-/// `spec`, `geometry` and `empty_space` must outlive the encoder.
-std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space);
+/// `spec`, `geometry`, `empty_space` and `threads` must outlive the encoder. The payloads are the same bytes with any number of threads.
+std::unique_ptr<Encoder> make_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space,
+                                      ThreadTeam& threads);
 
 /// A Renderer's painter; begin_frame() forgets the last image and keeps its buffers. `threads` must outlive it; the image has the same
 /// bits with any number of them.

@@ -57,6 +57,7 @@ class Gp final : public Node {
   SliceStore slices_;
   Post post_;
   std::map<int, std::unique_ptr<EmptySpace>> empty_space_;  ///< by level
+  ThreadTeam threads_;
   std::deque<std::unique_ptr<Frame>> frames_;
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;  ///< of frames not yet announced here

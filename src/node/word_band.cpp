@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <cstring>
+#include <utility>
 
-#include "node/slice_encoder.hpp"
+#include "node/row_band.hpp"
 
 namespace ringsplat {
 namespace {
@@ -22,10 +24,9 @@ struct WordPart {
 
 /// The paper's payload: every splat's quadratic and colour in six words, sorted by region (Neumann 1992,
 /// section 3).
-class WordEncoder final : public SliceEncoder {
+class WordBand final : public RowBand {
  public:
-  WordEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
-      : SliceEncoder(spec, geometry, renderers, empty_space), parts_(std::size_t(geometry.regions.count())) {}
+  explicit WordBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
 
  private:
   void encode_row(int) override {
@@ -88,12 +89,38 @@ class WordEncoder final : public SliceEncoder {
 
   std::size_t part_bytes(int region) const override { return parts_[std::size_t(region)].size; }
 
-  void move_part(int region, Bytes& payload) override {
-    WordPart& part = parts_[std::size_t(region)];
-    part.close_group();
-    payload.insert(payload.end(), part.bytes.begin(),
-                   part.bytes.begin() + static_cast<std::ptrdiff_t>(part.size));
+  void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
+    std::size_t open = 0;  // where the payload's last group of the region begins; behind the message's header
+    for (const auto& band : bands) {
+      auto& self = static_cast<WordBand&>(*band);
+      if (!self.used(region)) continue;
+      WordPart& part = self.parts_[std::size_t(region)];
+      part.close_group();
+      append_part(part, payload, open);
+    }
+  }
+
+  /// A base follows from the anchor alone, so a group that goes on in the next rows' part goes on in the same
+  /// group.
+  static void append_part(WordPart& part, Bytes& payload, std::size_t& open) {
+    SplatGroup first;
+    std::memcpy(&first, part.bytes.data(), sizeof first);
+    const std::size_t joined = open != 0 && continues(payload, open, first) ? sizeof first : 0;
+    const std::size_t at = payload.size() - joined;
+    payload.insert(payload.end(), part.bytes.begin() + std::ptrdiff_t(joined),
+                   part.bytes.begin() + std::ptrdiff_t(part.size));
+    if (joined == 0 || part.group > 0) open = at + part.group;
     part.size = 0;
+  }
+
+  /// When `next` has the base of the group at `open`, adds its splats to that group's count.
+  static bool continues(Bytes& payload, std::size_t open, const SplatGroup& next) {
+    SplatGroup last;
+    std::memcpy(&last, payload.data() + open, sizeof last);
+    if (last.base_x != next.base_x || last.base_y != next.base_y) return false;
+    last.count += next.count;
+    std::memcpy(payload.data() + open, &last, sizeof last);
+    return true;
   }
 
   std::vector<WordPart> parts_;  ///< by region
@@ -103,9 +130,8 @@ class WordEncoder final : public SliceEncoder {
 
 }  // namespace
 
-std::unique_ptr<Encoder> make_word_encoder(const FrameSpec& spec, const FrameGeometry& geometry,
-                                           int renderers, EmptySpace& empty_space) {
-  return std::make_unique<WordEncoder>(spec, geometry, renderers, empty_space);
+std::unique_ptr<RowBand> make_word_band(const EncoderFrame& frame) {
+  return std::make_unique<WordBand>(frame);
 }
 
 }  // namespace ringsplat

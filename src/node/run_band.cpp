@@ -2,7 +2,7 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 
-#include "node/slice_encoder.hpp"
+#include "node/row_band.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
 
 namespace ringsplat {
@@ -40,14 +40,14 @@ class RowAxis {
 
 /// Runs of voxels: positions follow from the view and are found again by the Renderer.
 template <class Voxel>
-class RunEncoder final : public SliceEncoder {
+class RunBand final : public RowBand {
  public:
-  RunEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space)
-      : SliceEncoder(spec, geometry, renderers, empty_space),
-        x_(geometry.view.linear[in_plane(geometry.traversal.axis).u].x),
-        y_(geometry.view.linear[in_plane(geometry.traversal.axis).u].y),
+  explicit RunBand(const EncoderFrame& frame)
+      : RowBand(frame),
+        x_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].x),
+        y_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].y),
         beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51),
-        parts_(std::size_t(geometry.regions.count())) {}
+        parts_(frame.rects.size()) {}
 
  private:
   /// Written whole right after it grows.
@@ -169,20 +169,26 @@ class RunEncoder final : public SliceEncoder {
     return sizeof(RunGroup) + part.runs.size() * sizeof(VoxelRun) + part.voxels.size() * sizeof(Voxel);
   }
 
-  void move_part(int region, Bytes& payload) override {
-    Part& part = parts_[std::size_t(region)];
-    ringsplat::append(payload,
-                      RunGroup{region, std::uint32_t(part.runs.size()), std::uint32_t(part.voxels.size())});
-    const auto bytes = [&](const auto& values) {
-      const auto raw = std::as_bytes(std::span(values));
-      const std::size_t at = payload.size();
-      payload.resize(at + raw.size());
-      std::copy(raw.begin(), raw.end(), payload.begin() + std::ptrdiff_t(at));
+  void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
+    const auto part_of = [region](const std::unique_ptr<RowBand>& band) -> Part& {
+      return static_cast<RunBand&>(*band).parts_[std::size_t(region)];
     };
-    bytes(part.runs);
-    bytes(part.voxels);
-    part.runs.clear();
-    part.voxels.clear();
+    RunGroup group{region, 0, 0};
+    for (const auto& band : bands) {
+      group.runs += std::uint32_t(part_of(band).runs.size());
+      group.voxels += std::uint32_t(part_of(band).voxels.size());
+    }
+    ringsplat::append(payload, group);
+    for (const auto& band : bands) move_values(part_of(band).runs, payload);
+    for (const auto& band : bands) move_values(part_of(band).voxels, payload);
+  }
+
+  static void move_values(auto& values, Bytes& payload) {
+    const auto raw = std::as_bytes(std::span(values));
+    const std::size_t at = payload.size();
+    payload.resize(at + raw.size());
+    std::copy(raw.begin(), raw.end(), payload.begin() + std::ptrdiff_t(at));
+    values.clear();
   }
 
   RowAxis x_, y_;
@@ -197,17 +203,16 @@ class RunEncoder final : public SliceEncoder {
 
 }  // namespace
 
-std::unique_ptr<Encoder> make_run_encoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers,
-                                          EmptySpace& empty_space) {
-  switch (spec.precision) {
+std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame) {
+  switch (frame.spec.precision) {
     case Precision::half:
-      return std::make_unique<RunEncoder<HalfVoxel>>(spec, geometry, renderers, empty_space);
+      return std::make_unique<RunBand<HalfVoxel>>(frame);
     case Precision::u8:
-      return std::make_unique<RunEncoder<ByteVoxel>>(spec, geometry, renderers, empty_space);
+      return std::make_unique<RunBand<ByteVoxel>>(frame);
     case Precision::float32:
       break;
   }
-  return std::make_unique<RunEncoder<FloatVoxel>>(spec, geometry, renderers, empty_space);
+  return std::make_unique<RunBand<FloatVoxel>>(frame);
 }
 
 }  // namespace ringsplat

@@ -1,0 +1,103 @@
+#pragma once
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "node/encoder_frame.hpp"
+#include "node/row_classifier.hpp"
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/node/trace.hpp"
+#include "ringsplat/splat/encode.hpp"
+#include "ringsplat/view/slice_dda.hpp"
+
+namespace ringsplat {
+
+/// Which passes of a (region, slice) have a splat, a bit each (Neumann 1992, Fig. 3): for each row offset, by
+/// column offset.
+using PassBits = std::array<std::uint16_t, 16>;
+
+struct RegionCounts {
+  std::uint32_t splats = 0;
+  PassBits passes{};
+};
+
+/// A band of consecutive rows of a slice, encoded by one thread at a time: rows are classified, and each
+/// region's part is gathered by itself. The parts of all bands, one after another in the order of the rows,
+/// are what one band of all rows makes.
+class RowBand {
+ public:
+  /// `frame` must outlive it.
+  explicit RowBand(const EncoderFrame& frame);
+  virtual ~RowBand() = default;
+
+  /// Rows first … end − 1. `runs` must stay valid until they are done.
+  void begin(const SliceView& slice, const SliceRuns& runs, int first, int end);
+  /// Encodes rows until so many visible, or so many transparent, voxels are done; true once the band is
+  /// complete. Adds what classifying and shading take to `stages` unless that is null.
+  bool work(int visible_at_most, int voxels_at_most, StageSeconds* stages);
+
+  std::uint64_t visible_voxels() const { return visible_; }
+  /// Regions with splats of the slice, in any order.
+  std::span<const int> used_regions() const { return used_; }
+  const RegionCounts& counts(int region) const { return counts_[std::size_t(region)]; }
+  virtual std::size_t part_bytes(int region) const = 0;
+  /// Appends the region's parts of all the slice's `bands`, this one's kind, to a Renderer's payload and
+  /// empties them.
+  virtual void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) = 0;
+  /// Forgets the slice's counts.
+  void clear_counts();
+
+ protected:
+  /// Puts the row's visible voxels into their regions' parts.
+  virtual void encode_row(int row) = 0;
+
+  /// Counts splats of a region, of this row's voxels in columns first … first + splats − 1; its part becomes
+  /// one of the slice's payloads.
+  void count_run(int region, int first, int splats) {
+    RegionCounts& counts = counts_[std::size_t(region)];
+    if (counts.splats == 0) used_.push_back(region);
+    counts.splats += std::uint32_t(splats);
+    std::uint16_t& passes = counts.passes[std::size_t(row_offset_)];
+    if (passes != all_columns())
+      passes |= std::uint16_t(splats < stride_ ? few_columns(first % stride_, splats) : all_columns());
+  }
+  bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
+  /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
+  bool hidden(int region, const PixelWindow& window) const {
+    if (!cover(region).worth_asking()) return false;
+    const PixelRect& pixels = rect(region);
+    return frame_.opaque[std::size_t(region)].hides(window.x0 - pixels.x0, window.y0 - pixels.y0,
+                                                    window.x1 - pixels.x0, window.y1 - pixels.y0);
+  }
+  const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
+  const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }
+
+  const FrameGeometry& geometry_;
+  RowClassifier rows_;
+  SliceDda dda_;
+  KernelReach reach_;
+
+ private:
+  int classify_row(StageSeconds* stages);
+  unsigned all_columns() const { return (1U << stride_) - 1; }
+  /// Offsets of consecutive columns, fewer than a stride, the first of which has offset `first`.
+  unsigned few_columns(int first, int columns) const {
+    const unsigned bits = ((1U << columns) - 1) << first;
+    return (bits | bits >> stride_) & all_columns();
+  }
+
+  const EncoderFrame& frame_;
+  int stride_;
+  std::vector<RegionCounts> counts_;  ///< by region
+  std::vector<int> used_;             ///< regions with splats in this slice
+  int row_ = 0, end_ = 0;
+  int row_offset_ = 0;  ///< within the stride
+  std::uint64_t visible_ = 0;
+};
+
+std::unique_ptr<RowBand> make_word_band(const EncoderFrame& frame);
+std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame);
+
+}  // namespace ringsplat
