@@ -12,7 +12,7 @@ Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/p
     remedies what helps where tokens are the limit
 
 A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, of 4096³ by one of 256 × 256 × 4096, whose voxels stand for several
-of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ more, and up to 4 GB.
+of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ ten and more, and up to 6 GB.
 """
 import argparse
 import csv
