@@ -5,9 +5,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 
 #include "app/output_file.hpp"
@@ -39,11 +42,13 @@ const Format* format_of(const fs::path& file) {
 /// RGBA, or RGB over the background.
 std::vector<float> linear_pixels(const Image& image, const std::optional<glm::dvec3>& background) {
   if (!background) return image.rgba;
-  std::vector<float> rgb;
-  rgb.reserve(image.rgba.size() / 4 * 3);
-  for (std::size_t at = 0; at < image.rgba.size(); at += 4)
+  std::vector<float> rgb(image.rgba.size() / 4 * 3);
+  const glm::vec3 behind(*background);
+  for (std::size_t p = 0; p < image.rgba.size() / 4; ++p) {
+    const float left = 1 - image.rgba[4 * p + 3];
     for (int c = 0; c < 3; ++c)
-      rgb.push_back(image.rgba[at + c] + (1 - image.rgba[at + 3]) * static_cast<float>((*background)[c]));
+      rgb[3 * p + std::size_t(c)] = image.rgba[4 * p + std::size_t(c)] + left * behind[c];
+  }
   return rgb;
 }
 
@@ -52,16 +57,51 @@ std::uint8_t to_byte(float v) {
   return static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0F) * 255.0F + 0.5F : 0.0F);
 }
 
+/// to_byte(OIIO::linear_to_sRGB(v)), the same bytes, without a power for each value: a picture's would take
+/// longer than rendering it.
+class SrgbBytes {
+ public:
+  SrgbBytes() {
+    for (int byte = 1; byte < 256; ++byte) first_[std::size_t(byte)] = first_with(byte);
+    first_[256] = std::numeric_limits<float>::infinity();
+    int byte = 0;
+    for (std::size_t k = 0; k < guess_.size(); ++k) {
+      const float low = float(k) / float(guess_.size() - 1);
+      while (low >= first_[std::size_t(byte) + 1]) ++byte;
+      guess_[k] = static_cast<std::uint8_t>(byte);
+    }
+  }
+  /// `v` in [0, 1]; not-a-number becomes 0.
+  std::uint8_t operator()(float v) const {
+    if (!(v > 0)) return 0;
+    std::size_t byte = guess_[static_cast<std::size_t>(v * float(guess_.size() - 1))];
+    while (v >= first_[byte + 1]) ++byte;
+    return static_cast<std::uint8_t>(byte);
+  }
+
+ private:
+  /// The least number that becomes the byte or a larger one. The bits of floats from 0 up are in their order.
+  static float first_with(int byte) {
+    std::uint32_t below = 0, from = std::bit_cast<std::uint32_t>(1.0F);
+    while (from - below > 1) {
+      const std::uint32_t middle = below + (from - below) / 2;
+      (to_byte(OIIO::linear_to_sRGB(std::bit_cast<float>(middle))) >= byte ? from : below) = middle;
+    }
+    return std::bit_cast<float>(from);
+  }
+
+  std::array<float, 257> first_{};          ///< by byte
+  std::array<std::uint8_t, 4097> guess_{};  ///< the byte of k / 4096
+};
+
 std::vector<std::uint8_t> display_pixels(const std::vector<float>& linear, std::size_t channels) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(linear.size());
+  static const SrgbBytes to_srgb;
+  std::vector<std::uint8_t> bytes(linear.size());
   for (std::size_t at = 0; at < linear.size(); at += channels) {
     const float alpha = channels == 4 ? linear[at + 3] : 1.0F;
-    for (std::size_t c = 0; c < 3; ++c) {
-      const float straight = alpha > 0 ? std::min(linear[at + c] / alpha, 1.0F) : 0.0F;
-      bytes.push_back(to_byte(OIIO::linear_to_sRGB(straight)));
-    }
-    if (channels == 4) bytes.push_back(to_byte(alpha));
+    for (std::size_t c = 0; c < 3; ++c)
+      bytes[at + c] = alpha > 0 ? to_srgb(std::min(linear[at + c] / alpha, 1.0F)) : std::uint8_t{0};
+    if (channels == 4) bytes[at + 3] = to_byte(alpha);
   }
   return bytes;
 }
