@@ -18,7 +18,7 @@ render() {
   local ranks=$1 name=$2 launch=()
   shift 2
   if ((ranks > 0)); then launch=(run_ranks "$ranks"); fi
-  ("${launch[@]}" "$build/ringsplat" render "$@" -o "$work/picture.jpg" --background black --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
+  ("${launch[@]}" "$build/ringsplat" render "$@" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
     { cat "$work/log" >&2; die "a run of $name failed"; }
   cat "$work/one.jsonl" >>"$work/$name.jsonl"
 }

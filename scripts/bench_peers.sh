@@ -77,7 +77,7 @@ ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...
 
 # One frame in flight: from the announcement to the finished picture, as the others' are from call to return.
 ringsplat_frames() {
-  ringsplat "$1" "$2" "$3" views.txt --frames-in-flight 1 -o "$work/picture.jpg" --background black --stats "$work/one.jsonl"
+  ringsplat "$1" "$2" "$3" views.txt --frames-in-flight 1 --stats "$work/one.jsonl"
   "$peers/venv/bin/python" -c 'import json, sys; [print(json.loads(line)["seconds"]) for line in open(sys.argv[1])]' "$work/one.jsonl"
 }
 

@@ -112,11 +112,11 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
   return error.what();
 }
 
-/// A run that only counts has no picture.
+/// A run that only counts has no picture, and one that is only timed needs none.
 void require_output(const RenderOptions& render) {
   const SimulationOptions& simulation = render.run.protocol.simulation;
-  if (render.output.empty() && !simulation.count_only)
-    throw InputError("--output is required: the picture to write",
+  if (render.output.empty() && render.stats.empty() && !simulation.count_only)
+    throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", render.volume.path));
   if (simulation.voxel_weight != 1 && !simulation.count_only)
     throw InputError("--voxel-weight has no effect on pictures", "add --count-only, or leave it out");

@@ -100,22 +100,22 @@ void FrameOutput::measure_kept() {
 
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
   const auto& [result, file] = frame;
-  const bool drawn = !options_.run.protocol.simulation.count_only;
-  if (drawn)
+  const bool drawn = !options_.run.protocol.simulation.count_only, written = !options_.output.empty();
+  const std::string label = written ? file.string() : fmt::format("frame {}", result.spec.frame);
+  if (written)
     write_image(result.image, file, options_.background,
                 picture_settings(result.spec, options_.volume, error));
   const NodeStats sum = result.stats.total();
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
-    log_warning("{}: {}", file.string(), why_nothing_is_visible(result.spec.transfer_function, range_, sum.visible_voxels));
+    log_warning("{}: {}", label, why_nothing_is_visible(result.spec.transfer_function, range_, sum.visible_voxels));
   }
   progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats",
-                              drawn ? file.string() : fmt::format("frame {}", result.spec.frame), result.stats.seconds,
-                              sum.visible_voxels, sum.splats_sent));
+                              label, result.stats.seconds, sum.visible_voxels, sum.splats_sent));
   seconds_.push_back(result.stats.seconds);
   if (!options_.stats.empty()) {
     json j = json::parse(to_json_text(result.stats, result.spec, layout_));
-    j["file"] = file.string();
+    if (written) j["file"] = file.string();
     j["volume"] = options_.volume.path;
     j["memory"] = to_json(memory_);
     if (error != nullptr) {

@@ -284,8 +284,8 @@ void add_shortcut_options(CLI::App& app, RenderOptions& o) {
 void add_render_output_options(CLI::App& app, RenderOptions& o) {
   group("Output",
         {app.add_option("-o,--output", o.output,
-                        "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga; needed unless "
-                        "--count-only")
+                        "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga; not needed "
+                        "with --stats or --count-only")
              ->type_name("FILE"),
          add_parsed(app, "--background", o.background, parse_colour, "COLOUR", "none",
                     "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque"),

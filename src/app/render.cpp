@@ -39,7 +39,7 @@ Plan make_plan(const RenderOptions& o) {
   Plan plan;
   plan.transfer_function.emplace(o.transfer_function);
   plan.cameras = views_of(o);
-  if (!o.run.protocol.simulation.count_only) {
+  if (!o.output.empty()) {
     check_image_name(o.output, "-o", !o.background);
     check_can_write(o.output, "-o");
   }
