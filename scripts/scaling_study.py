@@ -153,10 +153,6 @@ class Study:
         for n, layout in WEAK:
             self.row("weak", layout, n)
 
-    def large(self):
-        for layout in reversed(LARGEST):
-            self.row("large", layout, 4096, more={"machine": self.coarser(MACHINE[layout["topology"]])})
-
     def tokens(self):
         for layout, machine in [(SMALL[0], None), (SMALL[0], SLOW_NETWORK), (SMALL[1], None)]:
             more = {"machine": os.path.join(MACHINES, machine)} if machine else {}
