@@ -4,6 +4,7 @@
 
 #include "node/payload_reader.hpp"
 #include "node/run_cursor.hpp"
+#include "node/voxel_form.hpp"
 #include "ringsplat/splat/aligned_slice.hpp"
 
 namespace ringsplat {
@@ -54,15 +55,7 @@ class AlignedReader final : public PayloadReader {
 std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
                                                    const FrameKernel& kernel) {
   if (!make_aligned_slice(kernel, geometry.view, geometry.traversal.axis, 0)) return {};
-  switch (spec.precision) {
-    case Precision::half:
-      return std::make_unique<AlignedReader<HalfVoxel>>(geometry, kernel);
-    case Precision::u8:
-      return std::make_unique<AlignedReader<ByteVoxel>>(geometry, kernel);
-    case Precision::float32:
-      break;
-  }
-  return std::make_unique<AlignedReader<FloatVoxel>>(geometry, kernel);
+  return make_for_voxels<PayloadReader, AlignedReader>(spec.precision, geometry, kernel);
 }
 
 }  // namespace ringsplat

@@ -68,8 +68,8 @@ class RowBand {
   bool hidden(int region, const PixelWindow& window) const {
     if (!cover(region).worth_asking()) return false;
     const PixelRect& pixels = rect(region);
-    return frame_.opaque[std::size_t(region)].hides(window.x0 - pixels.x0, window.y0 - pixels.y0,
-                                                    window.x1 - pixels.x0, window.y1 - pixels.y0);
+    return cover(region).of(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
+                            double(window.x1 - pixels.x0), double(window.y1 - pixels.y0)) == OpaqueCover::Cover::all;
   }
   const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }

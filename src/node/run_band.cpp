@@ -3,6 +3,7 @@
 #include <glm/vec2.hpp>
 
 #include "node/row_band.hpp"
+#include "node/voxel_form.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
 
 namespace ringsplat {
@@ -204,15 +205,7 @@ class RunBand final : public RowBand {
 }  // namespace
 
 std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame) {
-  switch (frame.spec.precision) {
-    case Precision::half:
-      return std::make_unique<RunBand<HalfVoxel>>(frame);
-    case Precision::u8:
-      return std::make_unique<RunBand<ByteVoxel>>(frame);
-    case Precision::float32:
-      break;
-  }
-  return std::make_unique<RunBand<FloatVoxel>>(frame);
+  return make_for_voxels<RowBand, RunBand>(frame.spec.precision, frame);
 }
 
 }  // namespace ringsplat

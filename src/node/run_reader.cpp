@@ -4,6 +4,7 @@
 
 #include "node/payload_reader.hpp"
 #include "node/run_cursor.hpp"
+#include "node/voxel_form.hpp"
 #include "ringsplat/splat/place_run.hpp"
 #include "ringsplat/view/slice_dda.hpp"
 
@@ -125,15 +126,7 @@ class RunReader final : public PayloadReader {
 }  // namespace
 
 std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry) {
-  switch (spec.precision) {
-    case Precision::half:
-      return std::make_unique<RunReader<HalfVoxel>>(geometry);
-    case Precision::u8:
-      return std::make_unique<RunReader<ByteVoxel>>(geometry);
-    case Precision::float32:
-      break;
-  }
-  return std::make_unique<RunReader<FloatVoxel>>(geometry);
+  return make_for_voxels<PayloadReader, RunReader>(spec.precision, geometry);
 }
 
 }  // namespace ringsplat

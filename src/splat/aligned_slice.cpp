@@ -6,11 +6,10 @@
 #include "ringsplat/splat/encode.hpp"
 #include "ringsplat/splat/splat.hpp"
 #include "splat/stencil.hpp"
+#include "splat/whole_steps.hpp"
 
 namespace ringsplat {
 namespace {
-
-bool is_whole_step(double step) { return step == 1 || step == 2 || step == 4; }
 
 /// The pixels of all windows round their anchors, row by row: their weights for one place of the voxel
 /// between the pixels.
@@ -71,18 +70,16 @@ void take_weights(const Window& window, AlignedSlice& slice) {
 std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view,
                                                Axis axis, int slice) {
   const auto [u, v] = in_plane(axis);
-  const glm::dvec2 along_u(view.linear[u]), along_v(view.linear[v]);
-  const bool aligned =
-      is_whole_step(along_u.x) && along_u.y == 0 && along_v.x == 0 && is_whole_step(along_v.y);
-  if (!aligned || kernel.table || kernel.qee_bits > 0 || !has_stencil(kernel.footprint)) return {};
+  const auto steps = whole_steps({glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v])});
+  if (!steps || kernel.table || kernel.qee_bits > 0 || !has_stencil(kernel.footprint)) return {};
   glm::dvec3 first(0.0);
   first[static_cast<int>(axis)] = slice;
   const glm::dvec3 position = view.project(first);
   const Anchored at = anchor(position.x, position.y);
   const KernelReach reach = kernel_reach(kernel.footprint);
   AlignedSlice aligned_slice;
-  aligned_slice.step_x = int(along_u.x);
-  aligned_slice.step_y = int(along_v.y);
+  aligned_slice.step_x = steps->x;
+  aligned_slice.step_y = steps->y;
   aligned_slice.anchor_x = at.anchor_x;
   aligned_slice.anchor_y = at.anchor_y;
   aligned_slice.reach_x = int(reach.x);

@@ -15,16 +15,6 @@ namespace ringsplat::HWY_NAMESPACE {
 
 #if RINGSPLAT_ONE_BY_ONE
 
-void premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
-  const float scale = opacity * (1.0F / 65535.0F);
-  for (int k = 0; k < copies; ++k, out += 4) {
-    out[0] = static_cast<float>(voxel.red) * scale;
-    out[1] = static_cast<float>(voxel.green) * scale;
-    out[2] = static_cast<float>(voxel.blue) * scale;
-    out[3] = opacity;
-  }
-}
-
 void add_taps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
   for (int i = 0; i < 4 * block_pixels; ++i) {
     float sum = pixels[i];
@@ -35,16 +25,6 @@ void add_taps(const float* taps, int count, int tap_floats, const float* weights
 }
 
 #else
-
-HWY_INLINE void premultiply(const VoxelColour& voxel, float opacity, int copies, float* out) {
-  const FourFloats d;
-  const hn::Rebind<std::int32_t, FourFloats> d32;
-  const hn::Rebind<std::uint16_t, FourFloats> d16;
-  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, &voxel.red)));
-  const auto premultiplied = hn::Mul(straight, hn::Set(d, opacity * (1.0F / 65535.0F)));
-  const auto rgba = hn::IfThenElse(hn::Not(hn::FirstN(d, 3)), hn::Set(d, opacity), premultiplied);
-  for (int k = 0; k < copies; ++k) hn::StoreU(rgba, d, out + std::ptrdiff_t{4} * k);
-}
 
 /// Adds `count` taps to a block of pixels, the leftmost voxel's first.
 HWY_INLINE void add_taps(const float* taps, int count, int tap_floats, const float* weights, float* pixels) {
@@ -66,8 +46,8 @@ HWY_INLINE void spread_colours(const AlignedRow& row, const AlignedSlice& slice,
     const VoxelColour& voxel = row.voxels[k];
     const auto opacity = static_cast<float>(static_cast<double>(voxel.opacity) * slice.opacity_weight);
     const bool plausible = std::abs(opacity) < largest_coefficient;
-    premultiply(voxel, plausible ? opacity : 0.0F, slice.step_x,
-                colours + std::ptrdiff_t{4} * k * slice.step_x);
+    const auto colour = premultiply(&voxel.red, plausible ? opacity : 0.0F);
+    for (int copy = 0; copy < slice.step_x; ++copy, colours += 4) store_pixel(colour, colours);
   }
 }
 

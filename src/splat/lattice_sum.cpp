@@ -7,6 +7,7 @@
 #include <glm/matrix.hpp>
 
 #include "splat/lattice_factors.hpp"
+#include "splat/whole_steps.hpp"
 
 namespace ringsplat {
 
@@ -32,10 +33,9 @@ LatticeSum::LatticeSum(const Footprint& footprint, const glm::dmat2& block)
   reach_ = {std::hypot(inverse[0][0], inverse[1][0]), std::hypot(inverse[0][1], inverse[1][1])};
   stride_ = glm::max(glm::dvec2(1.0), glm::floor(reach_ / smooth_reach));
   weight_ = footprint.weight * stride_.x * stride_.y;
-  const auto is_whole = [](double step) { return step == 1 || step == 2 || step == most_phases; };
-  if (block[0].y == 0 && block[1].x == 0 && is_whole(block[0].x) && is_whole(block[1].y)) {
-    phases_x_ = static_cast<int>(block[0].x);
-    phases_y_ = static_cast<int>(block[1].y);
+  if (const auto steps = whole_steps(block)) {
+    phases_x_ = steps->x;
+    phases_y_ = steps->y;
     return;
   }
   width_ = steps(1 / glm::length(form_[0]));
@@ -75,7 +75,7 @@ float LatticeSum::reciprocal(glm::dvec2 lattice) const {
 
 void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const {
   // Summed at the same pixel wherever the row begins, so that its bits are the same.
-  float factors[most_phases];
+  float factors[most_whole_steps];
   for (int phase = 0; phase < phases_x_; ++phase) {
     const glm::dvec2 pixel(phase + 0.5, static_cast<double>(phase_of(y, phases_y_)) + 0.5);
     const glm::dvec2 lattice = to_lattice_ * (pixel - voxel);

@@ -40,10 +40,14 @@ HWY_INLINE bool is_plausible(const Splat& splat) {
 struct Colour {
   float rgba[4];
 };
-HWY_INLINE Colour load_colour(const Splat& splat) {
-  const float scale = splat.opacity * (1.0F / 65535.0F);
-  return {{static_cast<float>(splat.red) * scale, static_cast<float>(splat.green) * scale,
-           static_cast<float>(splat.blue) * scale, splat.opacity}};
+HWY_INLINE Colour premultiply(const std::uint16_t* rgb, float opacity) {
+  const float scale = opacity * (1.0F / 65535.0F);
+  return {{static_cast<float>(rgb[0]) * scale, static_cast<float>(rgb[1]) * scale,
+           static_cast<float>(rgb[2]) * scale, opacity}};
+}
+HWY_INLINE Colour load_colour(const Splat& splat) { return premultiply(&splat.red, splat.opacity); }
+HWY_INLINE void store_pixel(const Colour& colour, float* pixel) {
+  for (int i = 0; i < 4; ++i) pixel[i] = colour.rgba[i];
 }
 
 HWY_INLINE void add_to(float* pixel, float weight, const Colour& colour) {
@@ -95,16 +99,21 @@ HWY_INLINE bool is_plausible(const Splat& splat) {
   return hn::AllTrue(d, hn::Lt(hn::Abs(words), hn::Set(d, largest_coefficient)));
 }
 
-/// Premultiplied (red, green, blue, opacity), once for each pixel of a vector.
-HWY_INLINE Colour load_colour(const Splat& splat) {
+/// Premultiplied (red, green, blue, opacity). `rgb`: followed by two more bytes that may be read.
+HWY_INLINE hn::Vec<FourFloats> premultiply(const std::uint16_t* rgb, float opacity) {
   const FourFloats d;
   const hn::Rebind<std::int32_t, FourFloats> d32;
   const hn::Rebind<std::uint16_t, FourFloats> d16;
-  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, &splat.red)));
-  const auto premultiplied = hn::Mul(straight, hn::Set(d, splat.opacity * (1.0F / 65535.0F)));
-  const auto is_opacity = hn::Not(hn::FirstN(d, 3));
+  const auto straight = hn::ConvertTo(d, hn::PromoteTo(d32, hn::LoadU(d16, rgb)));
+  const auto premultiplied = hn::Mul(straight, hn::Set(d, opacity * (1.0F / 65535.0F)));
+  return hn::IfThenElse(hn::Not(hn::FirstN(d, 3)), hn::Set(d, opacity), premultiplied);
+}
+HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) { hn::StoreU(colour, FourFloats(), pixel); }
+
+/// A splat's, once for each pixel of a vector.
+HWY_INLINE Colour load_colour(const Splat& splat) {
   HWY_ALIGN float colour[4];
-  hn::Store(hn::IfThenElse(is_opacity, hn::Set(d, splat.opacity), premultiplied), d, colour);
+  hn::Store(premultiply(&splat.red, splat.opacity), FourFloats(), colour);
   return hn::LoadDup128(Floats(), colour);
 }
 

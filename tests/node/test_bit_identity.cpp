@@ -1,28 +1,14 @@
 #include <fmt/format.h>
 
+#include "node/views.hpp"
 #include "support/catch.hpp"
-#include "support/scenes.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
 
-namespace {
-
-FrameSpec oblique_view() {
-  FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = 96;
-  spec.height = 80;
-  spec.region_size = 24;
-  spec.transfer_function = ramp(20, 255, 0.3);
-  return spec;
-}
-
-}  // namespace
-
 TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
   const auto source = synth_source("jack", make_grid({33, 27, 30}));
-  FrameSpec spec = oblique_view();
+  FrameSpec spec = oblique_view(96, 80, 24);
   for (const double azimuth : {33.0, 123.0, 213.0, 303.0}) {
     spec.camera.azimuth = azimuth;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
@@ -37,14 +23,14 @@ TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
 
 TEST_CASE("every kernel has the same bits on any ranks, with regions of any size and in any order") {
   const auto source = synth_source("jack", make_grid({23, 27, 20}));
-  const Image usual = render_loopback(*source, oblique_view(), 1, 1).image;
+  const Image usual = render_loopback(*source, oblique_view(96, 80, 24), 1, 1).image;
   for (const KernelOptions& kernel :
        {KernelOptions{.normalisation = Normalisation::none},
         KernelOptions{.normalisation = Normalisation::exact}, KernelOptions{.method = KernelMethod::texture},
         KernelOptions{.method = KernelMethod::texture, .phases = 1}, KernelOptions{.qee_bits = 10},
         KernelOptions{.method = KernelMethod::texture, .phases = 16, .normalisation = Normalisation::exact},
         KernelOptions{.qee_bits = 4, .normalisation = Normalisation::exact}}) {
-    FrameSpec spec = oblique_view();
+    FrameSpec spec = oblique_view(96, 80, 24);
     spec.kernel = kernel;
     INFO(to_json_text(spec));
     CHECK(decode_frame_spec(encode(spec)).kernel == kernel);
@@ -67,7 +53,7 @@ TEST_CASE("every kernel has the same bits on any ranks, with regions of any size
 
 TEST_CASE("the image has the same bits whatever the order and delay of messages") {
   const auto source = synth_source("jack", make_grid({17, 15, 16}));
-  FrameSpec spec = oblique_view();
+  FrameSpec spec = oblique_view(96, 80, 24);
   spec.width = spec.height = 48;
   spec.region_size = 16;
   const Image alone = render_loopback(*source, spec, 1, 1).image;
@@ -83,7 +69,7 @@ TEST_CASE("the image has the same bits whatever the order and delay of messages"
 
 TEST_CASE("regions leave no seam: any region size gives the same picture") {
   const auto source = synth_source("jack", make_grid({33, 27, 30}));
-  FrameSpec spec = oblique_view();
+  FrameSpec spec = oblique_view(96, 80, 24);
   spec.region_size = 4096;
   const Image whole = render_loopback(*source, spec, 2, 1).image;
   for (const int size : {7, 16, 24, 64, 128}) {
@@ -98,7 +84,7 @@ TEST_CASE("several frames are in flight and each has the bits it has alone") {
   std::vector<FrameSpec> specs;
   std::vector<Image> alone;
   for (int k = 0; k < 7; ++k) {
-    specs.push_back(oblique_view());
+    specs.push_back(oblique_view(96, 80, 24));
     specs.back().camera.azimuth = 52.0 * k;
     specs.back().width = specs.back().height = 40 + 8 * (k % 2);
     alone.push_back(render_loopback(*source, specs.back(), 1, 1).image);

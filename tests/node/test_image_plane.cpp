@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "node/views.hpp"
 #include "support/catch.hpp"
-#include "support/scenes.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -17,12 +17,6 @@ FrameSpec sheared_view(double azimuth, double elevation = 21) {
   spec.region_size = 16;
   spec.transfer_function = ramp(20, 255, 0.9);
   return spec;
-}
-
-double rms_difference(const Image& a, const Image& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.rgba.size(); ++k) sum += std::pow(double(a.rgba[k] - b.rgba[k]), 2);
-  return std::sqrt(sum / double(a.rgba.size()));
 }
 
 }  // namespace

@@ -2,11 +2,11 @@
 
 #include "node/empty_space.hpp"
 #include "node/row_bounds.hpp"
+#include "node/views.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
 #include "ringsplat/node/engine.hpp"
 #include "support/catch.hpp"
-#include "support/scenes.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -14,16 +14,6 @@ using namespace ringsplat::test;
 namespace {
 
 constexpr std::array team_sizes{1, 2, 3, 8};
-
-FrameSpec oblique_view() {
-  FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = 300;
-  spec.height = 280;
-  spec.region_size = 32;
-  spec.transfer_function = ramp(20, 255, 0.3);
-  return spec;
-}
 
 LoopbackOptions shuffled(int threads) {
   return {.seed = std::uint64_t(threads), .reorder = true, .max_delay = 3};
@@ -107,7 +97,7 @@ TEST_CASE("payloads are the same bytes whatever the number of threads") {
           Form{PayloadForm::runs, Precision::half}, Form{PayloadForm::runs, Precision::u8}})
       for (const int region : {40, 4096})
         for (const double zoom : {1.2, 8.0}) {
-          FrameSpec spec = oblique_view();
+          FrameSpec spec = oblique_view(300, 280, 32);
           spec.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
           spec.width = spec.height = 700;
           spec.image_plane = plane;
@@ -139,7 +129,7 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto form : {PayloadForm::runs, PayloadForm::words})
       for (const int region : {9, 32, 4096}) {
-        FrameSpec spec = oblique_view();
+        FrameSpec spec = oblique_view(300, 280, 32);
         spec.image_plane = plane;
         spec.payload = form;
         spec.region_size = region;
@@ -167,7 +157,7 @@ TEST_CASE("threads keep the bits on any layout, with messages in any order") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto precision : {Precision::float32, Precision::half, Precision::u8}) {
-      FrameSpec spec = oblique_view();
+      FrameSpec spec = oblique_view(300, 280, 32);
       spec.image_plane = plane;
       spec.precision = precision;
       const auto alone = render_loopback(*source, spec, 1, 1);
@@ -197,7 +187,7 @@ TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels") {
     for (const KernelOptions& kernel :
          {KernelOptions{.normalisation = Normalisation::exact},
           KernelOptions{.method = KernelMethod::texture}, KernelOptions{.qee_bits = 10}}) {
-      FrameSpec spec = oblique_view();
+      FrameSpec spec = oblique_view(300, 280, 32);
       spec.image_plane = plane;
       spec.kernel = kernel;
       spec.transfer_function = ramp(1, 20, 1.0);
@@ -212,7 +202,7 @@ TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels") {
 
 TEST_CASE("frames that are dropped while threads draw them leave nothing behind") {
   const auto source = synth_source("ball", make_grid({33, 31, 32}));
-  std::vector<FrameSpec> specs(9, oblique_view());
+  std::vector<FrameSpec> specs(9, oblique_view(300, 280, 32));
   for (std::size_t k = 0; k < specs.size(); ++k) {
     specs[k].camera.azimuth = 52.0 * double(k);
     specs[k].image_plane = k % 2 == 0 ? ImagePlane::screen : ImagePlane::slices;

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "node/views.hpp"
 #include "support/catch.hpp"
-#include "support/scenes.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -17,12 +17,6 @@ FrameSpec oblique_view() {
   spec.shading = Shading::none;
   spec.transfer_function = ramp(10, 255, 0.15);
   return spec;
-}
-
-double rms(const Image& a, const Image& b) {
-  double sum = 0;
-  for (std::size_t k = 0; k < a.rgba.size(); ++k) sum += double(a.rgba[k] - b.rgba[k]) * double(a.rgba[k] - b.rgba[k]);
-  return 255 * std::sqrt(sum / double(a.rgba.size()));
 }
 
 }  // namespace
@@ -45,9 +39,9 @@ TEST_CASE("an undersampled picture shows the same volume at the same place, as o
       const auto splats = [](const FrameResult& r) { return double(r.stats.total().visible_voxels); };
       CHECK(splats(skipped) < 1.3 * splats(whole) / (factor * factor * factor));
       // Blobs of 4 to 6 voxels' deviation: a smooth field keeps its picture but for the coarser kernel.
-      CHECK(rms(means.image, whole.image) < (factor == 2 ? 3.0 : 10.0));
-      CHECK(rms(means.image, whole.image) > 0);
-      CHECK(rms(skipped.image, whole.image) < (factor == 2 ? 4.0 : 16.0));
+      CHECK(255 * rms_difference(means.image, whole.image) < (factor == 2 ? 3.0 : 10.0));
+      CHECK(255 * rms_difference(means.image, whole.image) > 0);
+      CHECK(255 * rms_difference(skipped.image, whole.image) < (factor == 2 ? 4.0 : 16.0));
     }
   }
 }

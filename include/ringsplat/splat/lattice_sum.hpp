@@ -36,7 +36,6 @@ class LatticeSum {
  private:
   void divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
 
-  static constexpr int most_phases = 4;
   int phases_x_ = 0, phases_y_ = 0;  ///< pixels a voxel where they are whole numbers, else 0
   glm::dmat2 to_lattice_{1.0};  ///< from pixels
   glm::dmat2 form_{1.0};        ///< lattice offsets to kernel radii: Q = 1 − |form · offset|²
