@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <utility>
 
 #include "node/payload_reader.hpp"
@@ -35,10 +34,9 @@ class AlignedReader final : public PayloadReader {
 
   DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
     const VoxelRun run = cursor_.run();
-    const std::uint32_t count = std::min({run.count, most, std::uint32_t(colours_.size())});
-    for (std::uint32_t k = 0; k < count; ++k) colours_[k] = unpack(cursor_.voxel(k));
-    cursor_.skip(count);
-    return painter.draw_row(slice_, run.row, run.first, std::span(colours_).first(count));
+    const auto voxels = cursor_.voxels().first(std::min(run.count, most));
+    cursor_.skip(std::uint32_t(voxels.size()));
+    return painter.draw_row(slice_, run.row, run.first, voxels);
   }
 
  private:
@@ -47,7 +45,6 @@ class AlignedReader final : public PayloadReader {
   RunCursor<Voxel> cursor_;
   int index_ = -1;  ///< of the slice
   AlignedSlice slice_;
-  std::array<VoxelColour, 64> colours_;
 };
 
 }  // namespace

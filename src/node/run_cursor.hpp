@@ -60,6 +60,10 @@ class RunCursor {
     std::memcpy(&voxel, body_.data() + voxel_at_ + k * sizeof voxel, sizeof voxel);
     return voxel;
   }
+  /// The run's voxels that are left, where they are in the payload.
+  std::span<const Voxel> voxels() const {
+    return {reinterpret_cast<const Voxel*>(body_.data() + voxel_at_), run_.count};
+  }
   void skip(std::uint32_t voxels) {
     voxel_at_ += voxels * sizeof(Voxel);
     run_.first += voxels;

@@ -57,7 +57,7 @@ void take_weights(const Window& window, AlignedSlice& slice) {
   slice.taps = (window.width() + slice.step_x - 1) / slice.step_x;
   for (int row = 0; row < window.height(); ++row) {
     for (int tap = 0; tap < slice.taps; ++tap) {
-      for (int pixel = 0; pixel < block_pixels; ++pixel) {
+      for (int pixel = 0; pixel < tap_floats / 4; ++pixel) {
         const int column = pixel % slice.step_x + (slice.taps - 1 - tap) * slice.step_x;
         slice.weights.insert(slice.weights.end(), 4, window.weight(row, column));
       }

@@ -12,8 +12,8 @@
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/splat/encode.hpp"
-#include "splat/aligned_row.hpp"
 #include "splat/painter_kernels.hpp"
+#include "splat/voxel_rows.hpp"
 
 namespace ringsplat {
 
@@ -86,7 +86,8 @@ struct RegionPainter::State {
   OpaqueTiles tiles;
   int composites = 0;  ///< since the tiles were brought up to date
   Bytes seen;          ///< the splats not hidden, of the run being drawn
-  std::vector<float> colours;  ///< of the row being drawn
+  VoxelRows voxels;
+  const AlignedSlice* aligned = nullptr;  ///< whose voxels the slice buffer holds; null when it holds sums of splats
 
   State(int left, int top, int w, int h, std::shared_ptr<SliceMemory> shared)
       : x0(left), y0(top), width(w), height(h), memory(std::move(shared)), tiles(w, h) {}
@@ -108,7 +109,10 @@ struct RegionPainter::State {
     runs.assign(static_cast<std::size_t>(small ? height + 2 * reach.y + 1 : height), Run{});
     slice.runs = runs.data();
     stencil.reset();
-    if (small) stencil = make_stencil(footprint, slice.row_floats);
+    if (small) {
+      stencil = make_stencil(footprint, slice.row_floats);
+      voxels.prepare(slice, int(left), int(reach.x), int(reach.y));
+    }
     prepared = true;
   }
 
@@ -187,19 +191,36 @@ struct RegionPainter::State {
     return std::span<const std::byte>(seen).first(kept);
   }
 
-  /// Calls use(slice floats, image floats, count) for every row's touched pixels, widened to whole blocks.
+  /// Calls use(sums, x, y, pixels) for every row's touched pixels, widened to whole blocks. The slice buffer is 0 after
+  /// it if `use` leaves its sums so.
   template <class Use>
-  void sweep(Use&& use) {
+  void sweep(const Use& use) {
+    if (aligned) {
+      voxels.convolve(*aligned, use);
+      voxels.clear();
+      return;
+    }
     const auto& touched_runs = runs_of_pixels();
-    for (std::ptrdiff_t y = 0; y < height; ++y) {
+    for (int y = 0; y < height; ++y) {
       const Run& run = touched_runs[static_cast<std::size_t>(y)];
       if (run.empty()) continue;
-      const std::ptrdiff_t first = run.first / block_pixels * block_pixels, end = round_up(run.last + 1);
-      use(slice.origin + y * slice.row_floats + first * floats_a_pixel,
-          image.get() + y * image_row_floats() + first * floats_a_pixel,
-          static_cast<std::size_t>((end - first) * floats_a_pixel));
+      const int first = run.first / block_pixels * block_pixels;
+      use(slice.origin + y * slice.row_floats + first * floats_a_pixel, first, y, int(round_up(run.last + 1)) - first);
     }
     std::fill(runs.begin(), runs.end(), Run{});
+  }
+
+  void forget_slice() {
+    if (!pending) return;
+    if (aligned)
+      voxels.clear();
+    else
+      sweep([](float* sums, int, int, int pixels) { std::fill_n(sums, pixels * floats_a_pixel, 0.0F); });
+    done_with_slice();
+  }
+
+  void done_with_slice() {
+    aligned = nullptr;
     pending = false;
   }
 };
@@ -219,7 +240,7 @@ void RegionPainter::use(std::shared_ptr<SliceMemory> memory) { state_->memory = 
 
 void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshold) {
   auto& s = *state_;
-  if (s.pending) s.sweep([](float* slice, float*, std::size_t floats) { std::fill_n(slice, floats, 0.0F); });
+  s.forget_slice();
   s.footprint = kernel.footprint;
   s.kernel = kernel;
   s.opaque_threshold = opaque_threshold;
@@ -229,7 +250,8 @@ void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshol
   s.composites = 0;
 }
 
-DrawCounts RegionPainter::draw_row(const AlignedSlice& slice, std::uint32_t row, std::uint32_t first, std::span<const VoxelColour> voxels) {
+template <class Voxel>
+DrawCounts RegionPainter::draw_row(const AlignedSlice& slice, std::uint32_t row, std::uint32_t first, std::span<const Voxel> voxels) {
   auto& s = *state_;
   s.begin_drawing();
   const std::int64_t x = slice.anchor_x + std::int64_t{slice.step_x} * first - s.x0, y = slice.anchor_y + std::int64_t{slice.step_y} * row - s.y0;
@@ -239,12 +261,16 @@ DrawCounts RegionPainter::draw_row(const AlignedSlice& slice, std::uint32_t row,
   while (begin < end && !within(x + begin * slice.step_x)) ++begin;
   while (begin < end && !within(x + (end - 1) * slice.step_x)) --end;
   if (begin == end || y < -slice.reach_y - 1 || y >= s.height + slice.reach_y) return {0, voxels.size(), 0};
-  const AlignedRow at{int(x + begin * slice.step_x), int(y), voxels.data() + begin, int(end - begin)};
-  auto counts = draw_aligned(s.slice, slice, at, s.colours);
-  counts.clipped += voxels.size() - std::size_t(end - begin);
+  const std::uint64_t drawn = s.voxels.place(slice, int(x + begin * slice.step_x), int(y), voxels.data() + begin, int(end - begin));
+  s.aligned = &slice;
+  s.pending = true;
+  const DrawCounts counts{drawn, voxels.size() - drawn, 0};
   s.note(counts);
   return counts;
 }
+template DrawCounts RegionPainter::draw_row(const AlignedSlice&, std::uint32_t, std::uint32_t, std::span<const FloatVoxel>);
+template DrawCounts RegionPainter::draw_row(const AlignedSlice&, std::uint32_t, std::uint32_t, std::span<const HalfVoxel>);
+template DrawCounts RegionPainter::draw_row(const AlignedSlice&, std::uint32_t, std::uint32_t, std::span<const ByteVoxel>);
 
 DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
   auto& s = *state_;
@@ -261,14 +287,13 @@ DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::sp
 
 void RegionPainter::composite(glm::dvec2 voxel) {
   auto& s = *state_;
+  if (!s.touched) s.forget_slice();
   if (!s.pending) return;
-  s.sweep([&](float* slice, float* image, std::size_t floats) {
-    if (s.kernel.lattice_sum) {
-      const std::ptrdiff_t at = slice - s.slice.origin;
-      s.kernel.lattice_sum->divide_row(slice, floats / 4, s.x0 + at % s.slice.row_floats / 4, s.y0 + at / s.slice.row_floats, voxel);
-    }
-    composite_row(slice, image, floats, s.opaque_threshold);
+  s.sweep([&](float* sums, int x, int y, int pixels) {
+    if (s.kernel.lattice_sum) s.kernel.lattice_sum->divide_row(sums, std::size_t(pixels), s.x0 + x, s.y0 + y, voxel);
+    composite_row(sums, s.image.get() + y * s.image_row_floats() + x * floats_a_pixel, std::size_t(pixels * floats_a_pixel), s.opaque_threshold);
   });
+  s.done_with_slice();
   // Reading the whole image takes as long as a slice's composition; the news of an opaque tile can wait a little.
   constexpr int now_and_then = 8;
   if (s.opaque_threshold > 0 && ++s.composites % now_and_then == 0) s.find_opaque_tiles();

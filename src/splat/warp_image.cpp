@@ -3,13 +3,13 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/warp_image.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
 #include "ringsplat/splat/warp_image.hpp"
+#include "splat/pixel_vectors-inl.hpp"
 #include "splat/warp_row.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -28,7 +28,9 @@ Weights cubic_weights(float f) {
   return w;
 }
 
-void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, float* out) {
+struct Spread {};
+
+void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, const Spread&, float* out) {
   const Weights wx = cubic_weights(fx), wy = cubic_weights(fy);
   float product[4][4];
   for (int column = 0; column < 4; ++column) {
@@ -47,10 +49,7 @@ void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, fl
 
 #else
 
-using FourFloats = hn::Full128<float>;
-using Four = hn::Vec<FourFloats>;
-
-HWY_INLINE Four cubic_weights(float fraction) {
+HWY_INLINE hn::Vec<FourFloats> cubic_weights(float fraction) {
   const FourFloats d;
   const auto f = hn::Set(d, fraction);
   auto w = hn::MulAdd(hn::Load(d, cubic[3]), f, hn::Load(d, cubic[2]));
@@ -58,25 +57,56 @@ HWY_INLINE Four cubic_weights(float fraction) {
   return hn::MulAdd(w, f, hn::Load(d, cubic[0]));
 }
 
+/// Sums four rows of taps, as many columns at once as a vector has pixels, and weights each column.
+class Columns {
+ public:
+  HWY_INLINE Columns(hn::Vec<FourFloats> wx, hn::Vec<FourFloats> wy) {
+    HWY_ALIGN float x[16], y[4];
+    hn::Store(wx, FourFloats(), x);
+    hn::Store(wy, FourFloats(), y);
+    wx_ = hn::LoadDup128(Floats(), x);
+    for (int row = 0; row < 4; ++row) wy_[row] = hn::Set(Floats(), y[row]);
+  }
+  /// The `part`-th vector of columns from `taps` on.
+  template <int part>
+  HWY_INLINE FloatVector get(const float* taps, std::ptrdiff_t row_floats, const Spread& spread) const {
+    const Floats d;
+    const float* tap = taps + std::size_t{part} * lanes;
+    auto sum = hn::Mul(wy_[0], hn::LoadU(d, tap));
+    for (int row = 1; row < 4; ++row) sum = hn::MulAdd(wy_[row], hn::LoadU(d, tap + row * row_floats), sum);
+    return hn::Mul(spread.get<part>(wx_), sum);
+  }
+
+ private:
+  FloatVector wx_, wy_[4];
+};
+
+/// (c0 + c1) + (c2 + c3) of the columns c.
+HWY_INLINE hn::Vec<FourFloats> sum_columns(const Columns& columns, const float* taps, std::ptrdiff_t row_floats,
+                                           const Spread& spread) {
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Floats> two;
+  const hn::Half<hn::Half<Floats>> one;
+  const auto all = columns.get<0>(taps, row_floats, spread);
+  const auto left = hn::LowerHalf(two, all), right = hn::UpperHalf(two, all);
+  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
+                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
+#elif HWY_MAX_BYTES == 32
+  const hn::Half<Floats> one;
+  const auto left = columns.get<0>(taps, row_floats, spread), right = columns.get<1>(taps, row_floats, spread);
+  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
+                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
+#else
+  return hn::Add(hn::Add(columns.get<0>(taps, row_floats, spread), columns.get<1>(taps, row_floats, spread)),
+                 hn::Add(columns.get<2>(taps, row_floats, spread), columns.get<3>(taps, row_floats, spread)));
+#endif
+}
+
 /// `taps`: the first of four pixels in the first of four rows.
 HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy,
-                                 float* out) {
+                                 const Spread& spread, float* out) {
   const FourFloats d;
-  const Four wx = cubic_weights(fx), wy = cubic_weights(fy);
-  const Four wy0 = hn::Broadcast<0>(wy), wy1 = hn::Broadcast<1>(wy), wy2 = hn::Broadcast<2>(wy),
-             wy3 = hn::Broadcast<3>(wy);
-  const auto column = [&](int x) HWY_ATTR {
-    const float* tap = taps + std::ptrdiff_t{4} * x;
-    auto sum = hn::Mul(wy0, hn::LoadU(d, tap));
-    sum = hn::MulAdd(wy1, hn::LoadU(d, tap + row_floats), sum);
-    sum = hn::MulAdd(wy2, hn::LoadU(d, tap + 2 * row_floats), sum);
-    return hn::MulAdd(wy3, hn::LoadU(d, tap + 3 * row_floats), sum);
-  };
-  const auto left =
-      hn::Add(hn::Mul(hn::Broadcast<0>(wx), column(0)), hn::Mul(hn::Broadcast<1>(wx), column(1)));
-  const auto right =
-      hn::Add(hn::Mul(hn::Broadcast<2>(wx), column(2)), hn::Mul(hn::Broadcast<3>(wx), column(3)));
-  const auto rgba = hn::Add(left, right);
+  const auto rgba = sum_columns(Columns(cubic_weights(fx), cubic_weights(fy)), taps, row_floats, spread);
   const auto zero = hn::Zero(d);
   const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
   hn::StoreU(hn::Min(hn::Max(rgba, zero), opacity), d, out);
@@ -85,13 +115,14 @@ HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, f
 #endif
 
 void WarpRow(const WarpedRow& row, float* screen) {
+  const Spread spread;
   for (int x = row.first; x < row.end; ++x) {
     const double px = std::fma(row.step_x, double(x), row.start_x),
                  py = std::fma(row.step_y, double(x), row.start_y);
     // The places lie above 0, where truncation is floor.
     const auto ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py);
     const float* taps = row.plane + iy * row.row_floats + ix * std::ptrdiff_t{4};
-    InterpolatePixel(taps, row.row_floats, static_cast<float>(px - ix), static_cast<float>(py - iy),
+    InterpolatePixel(taps, row.row_floats, static_cast<float>(px - ix), static_cast<float>(py - iy), spread,
                      screen + std::ptrdiff_t{4} * x);
   }
 }

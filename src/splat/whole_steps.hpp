@@ -3,10 +3,15 @@
 #include <glm/vec2.hpp>
 #include <optional>
 
+#include "splat/stencil.hpp"
+
 namespace ringsplat {
 
 /// The most pixels a voxel that count as whole steps.
 inline constexpr int most_whole_steps = 4;
+
+/// Floats of a tap's weights in AlignedSlice: of a block that begins at any pixel of a step.
+inline constexpr int tap_floats = 4 * (block_pixels + most_whole_steps - 1);
 
 /// Pixels from voxel to voxel along u, which is right, and v, which is down, where both are 1, 2 or 4; empty elsewhere. `block` takes
 /// lattice (u, v) to pixels.

@@ -1,5 +1,6 @@
 #include "ringsplat/splat/aligned_slice.hpp"
 
+#include <cstring>
 #include <random>
 
 #include "splat/painter_kernels.hpp"
@@ -30,18 +31,21 @@ struct Row {
   std::vector<VoxelColour> voxels;
 };
 
-/// Runs before, behind, across and inside the region.
+/// Runs before, behind, across and inside the region, row by row; no voxel twice.
 std::vector<Row> random_runs(unsigned seed) {
   std::mt19937 random(seed);
-  std::uniform_int_distribution<std::uint32_t> row(0, 50), first(0, 60), count(1, 64), colour(0, 65535);
+  std::uniform_int_distribution<std::uint32_t> rows(1, 3), gap(1, 20), count(1, 64), colour(0, 65535);
   std::uniform_real_distribution<float> opacity(0, 1);
   std::vector<Row> runs;
-  for (int k = 0; k < 60; ++k) {
-    Row run{row(random), first(random), {}};
-    for (std::uint32_t n = count(random); n > 0; --n)
-      run.voxels.push_back({std::uint16_t(colour(random)), std::uint16_t(colour(random)),
-                            std::uint16_t(colour(random)), opacity(random)});
-    runs.push_back(run);
+  for (std::uint32_t row = 0; row <= 50; row += rows(random)) {
+    for (std::uint32_t first = gap(random) - 1; first < 60;) {
+      Row run{row, first, {}};
+      for (std::uint32_t n = count(random); n > 0; --n)
+        run.voxels.push_back({std::uint16_t(colour(random)), std::uint16_t(colour(random)),
+                              std::uint16_t(colour(random)), opacity(random)});
+      first += std::uint32_t(run.voxels.size()) + gap(random);
+      runs.push_back(run);
+    }
   }
   return runs;
 }
@@ -61,13 +65,25 @@ void add(DrawCounts& sum, const DrawCounts& counts) {
   sum.clipped += counts.clipped;
 }
 
+std::vector<FloatVoxel> packed(const std::vector<VoxelColour>& voxels) {
+  std::vector<FloatVoxel> out;
+  for (const VoxelColour& voxel : voxels) {
+    FloatVoxel& to = out.emplace_back(FloatVoxel{{}, {voxel.red, voxel.green, voxel.blue}});
+    std::memcpy(to.opacity, &voxel.opacity, sizeof to.opacity);
+  }
+  return out;
+}
+
 Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
   const auto aligned = make_aligned_slice(kernel, view, Axis::z, slice);
   REQUIRE(aligned);
   RegionPainter painter(x0, y0, width, height);
   painter.begin_frame(kernel);
   DrawCounts counts;
-  for (const Row& run : runs) add(counts, painter.draw_row(*aligned, run.row, run.first, run.voxels));
+  for (const Row& run : runs) {
+    const auto voxels = packed(run.voxels);
+    add(counts, painter.draw_row(*aligned, run.row, run.first, std::span<const FloatVoxel>(voxels)));
+  }
   return finish(painter, counts);
 }
 

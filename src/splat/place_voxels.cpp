@@ -1,0 +1,150 @@
+#include "splat/place_voxels.hpp"
+
+#include "splat/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/place_voxels.cpp"
+#include <hwy/foreach_target.h>
+
+#include <bit>
+#include <cmath>
+#include <cstring>
+
+#include "splat/pixel_vectors-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// As a footprint's weight makes a splat's; 0 for what no footprint gives.
+HWY_INLINE float weighted(float opacity, double weight) {
+  const auto product = static_cast<float>(static_cast<double>(opacity) * weight);
+  return std::abs(product) < largest_coefficient ? product : 0.0F;
+}
+
+#if RINGSPLAT_ONE_BY_ONE
+
+template <class Voxel>
+void place(const AlignedSlice& slice, const Voxel* voxels, std::size_t count, float* pixels) {
+  for (std::size_t k = 0; k < count; ++k) {
+    const VoxelColour voxel = unpack(voxels[k]);
+    const auto colour = premultiply(&voxel.red, weighted(voxel.opacity, slice.opacity_weight));
+    for (int copy = 0; copy < slice.step_x; ++copy, pixels += 4) store_pixel(colour, pixels);
+  }
+}
+
+#else
+
+using Pixel = hn::Vec<FourFloats>;
+using FourInts = hn::Full128<std::int32_t>;
+using SixteenBytes = hn::Full128<std::uint8_t>;
+
+/// Reads a voxel's colour, 65535 = 1, and its opacity.
+template <class Voxel>
+class Reader;
+
+/// Reads six bytes beyond the voxel.
+template <>
+class Reader<FloatVoxel> {
+ public:
+  HWY_INLINE Reader() {
+    constexpr std::uint8_t low = std::endian::native == std::endian::little ? 0 : 2, none = 0x80;
+    HWY_ALIGN std::uint8_t order[16];
+    std::memset(order, none, sizeof order);
+    for (std::size_t channel = 0; channel < 3; ++channel)
+      for (std::size_t byte = 0; byte < 2; ++byte)
+        order[4 * channel + low + byte] = std::uint8_t(4 + 2 * channel + byte);
+    for (std::size_t byte = 0; byte < 4; ++byte) order[12 + byte] = std::uint8_t(byte);
+    order_ = hn::Load(SixteenBytes(), order);
+  }
+  HWY_INLINE Pixel read(const FloatVoxel* voxel) const {
+    const FourFloats d;
+    const FourInts i;
+    const auto bytes = hn::LoadU(SixteenBytes(), reinterpret_cast<const std::uint8_t*>(voxel));
+    const auto words = hn::BitCast(i, hn::TableLookupBytesOr0(bytes, order_));
+    return hn::IfThenElse(hn::FirstN(d, 3), hn::ConvertTo(d, words), hn::BitCast(d, words));
+  }
+
+ private:
+  hn::Vec<SixteenBytes> order_;
+};
+
+template <>
+class Reader<HalfVoxel> {
+ public:
+  HWY_INLINE Pixel read(const HalfVoxel* voxel) const {
+    const FourFloats d;
+    const hn::Rebind<hwy::float16_t, FourFloats> halves;
+    const hn::Rebind<std::uint16_t, FourFloats> words;
+    const auto rgba = hn::PromoteTo(d, hn::BitCast(halves, hn::LoadU(words, voxel->rgba)));
+    const auto inside = hn::Min(hn::Max(hn::Zero(d), rgba), hn::Set(d, 1.0F));
+    const auto quantised =
+        hn::ConvertTo(FourInts(), hn::Add(hn::Mul(inside, hn::Set(d, 65535.0F)), hn::Set(d, 0.5F)));
+    return hn::IfThenElse(hn::FirstN(d, 3), hn::ConvertTo(d, quantised), rgba);
+  }
+};
+
+template <>
+class Reader<ByteVoxel> {
+ public:
+  HWY_INLINE Pixel read(const ByteVoxel* voxel) const {
+    const FourFloats d;
+    const hn::Rebind<std::uint8_t, FourFloats> bytes;
+    const auto rgba = hn::ConvertTo(d, hn::PromoteTo(FourInts(), hn::LoadU(bytes, voxel->rgba)));
+    const auto colours = hn::Mul(rgba, hn::Set(d, 257.0F)), opacities = hn::Div(rgba, hn::Set(d, 255.0F));
+    return hn::IfThenElse(hn::FirstN(d, 3), colours, opacities);
+  }
+};
+
+HWY_INLINE void place_one(Pixel voxel, const AlignedSlice& slice, float* pixels) {
+  const FourFloats d;
+  const float opacity = weighted(hn::ExtractLane(voxel, 3), slice.opacity_weight);
+  const auto premultiplied = hn::Mul(voxel, hn::Set(d, opacity * (1.0F / 65535.0F)));
+  const auto colour = hn::IfThenElse(hn::FirstN(d, 3), premultiplied, hn::Set(d, opacity));
+  for (int copy = 0; copy < slice.step_x; ++copy) store_pixel(colour, pixels + std::ptrdiff_t{4} * copy);
+}
+
+template <class Voxel>
+HWY_INLINE void place(const AlignedSlice& slice, const Voxel* voxels, std::size_t count, float* pixels) {
+  const Reader<Voxel> reader;
+  const std::ptrdiff_t step = std::ptrdiff_t{4} * slice.step_x;
+  for (std::size_t k = 0; k + 1 < count; ++k, pixels += step) place_one(reader.read(voxels + k), slice, pixels);
+  // What a reader may read beyond a voxel is there only before the last.
+  HWY_ALIGN std::uint8_t last[16] = {};
+  std::memcpy(last, voxels + (count - 1), sizeof(Voxel));
+  place_one(reader.read(reinterpret_cast<const Voxel*>(last)), slice, pixels);
+}
+
+#endif
+
+void PlaceFloats(const AlignedSlice& slice, const FloatVoxel* voxels, std::size_t count, float* pixels) {
+  place(slice, voxels, count, pixels);
+}
+void PlaceHalves(const AlignedSlice& slice, const HalfVoxel* voxels, std::size_t count, float* pixels) {
+  place(slice, voxels, count, pixels);
+}
+void PlaceBytes(const AlignedSlice& slice, const ByteVoxel* voxels, std::size_t count, float* pixels) {
+  place(slice, voxels, count, pixels);
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+
+HWY_EXPORT(PlaceFloats);
+HWY_EXPORT(PlaceHalves);
+HWY_EXPORT(PlaceBytes);
+
+void place_voxels(const AlignedSlice& slice, const FloatVoxel* voxels, std::size_t count, float* pixels) {
+  HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, voxels, count, pixels);
+}
+void place_voxels(const AlignedSlice& slice, const HalfVoxel* voxels, std::size_t count, float* pixels) {
+  HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, voxels, count, pixels);
+}
+void place_voxels(const AlignedSlice& slice, const ByteVoxel* voxels, std::size_t count, float* pixels) {
+  HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, voxels, count, pixels);
+}
+
+}  // namespace ringsplat
+#endif
