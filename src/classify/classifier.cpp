@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 #include <type_traits>
 
 #include "classify/piecewise.hpp"
-#include "classify/runs_where.hpp"
+#include "classify/mask_where.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -56,21 +57,31 @@ Ends<T> ends_within(double low, double high) {
           std::min(bounded<T>(std::floor(high), 1), int(Limits::max()))};
 }
 
-/// Appends a run of `count` voxels, whose samples `sample(column)` gives.
-template <class Sample>
-void append_run(VisibleRow& out, std::uint32_t first, std::uint32_t count, const Sample& sample) {
-  if (!out.runs.empty() && out.runs.back().end() == first)
-    out.runs.back().count += count;
-  else
-    out.runs.push_back({first, count, out.visible});
-  ClassifiedSample* to = out.samples.data() + out.visible;
-  for (std::uint32_t k = 0; k < count; ++k) to[k] = sample(first + k);
-  out.visible += count;
+/// The block of the column, after those that are there.
+VisibleBlock& block_of(VisibleRow& out, int column) {
+  const auto first = std::uint32_t(column / mask_bits * mask_bits);
+  if (out.blocks.empty() || out.blocks.back().first != first) out.blocks.push_back({first, out.visible, 0});
+  return out.blocks.back();
 }
 
 void make_room(VisibleRow& out, int voxels) {
-  if (out.samples.size() < out.visible + std::size_t(voxels))
-    out.samples.resize(out.visible + std::size_t(voxels));
+  const std::size_t wanted = out.visible + std::size_t(voxels);
+  if (out.samples.size() < wanted) out.samples.resize(wanted);
+  if (out.columns.size() < wanted) out.columns.resize(wanted);
+}
+
+/// Appends the voxels of a block's columns that `mask` has, whose samples `sample(column)` gives.
+template <class Sample>
+void append(VisibleRow& out, int first, std::uint64_t mask, const Sample& sample) {
+  VisibleBlock& block = block_of(out, first);
+  block.mask |= mask;
+  std::uint32_t visible = out.visible;
+  for (; mask != 0; mask &= mask - 1, ++visible) {
+    const std::uint32_t column = block.first + std::uint32_t(std::countr_zero(mask));
+    out.columns[visible] = column;
+    out.samples[visible] = sample(column);
+  }
+  out.visible = visible;
 }
 
 }  // namespace
@@ -125,31 +136,31 @@ ClassifiedSample Classifier::evaluate(double value) const {
 template <class T>
 void Classifier::classify_by_table(const std::byte* row, int first, int end, VisibleRow& out) const {
   using Bits = std::make_unsigned_t<T>;
-  const auto append = [&](int run, int count) {
-    append_run(out, std::uint32_t(run), std::uint32_t(count),
-               [&](std::uint32_t column) { return table_[table_index(load<T>(row, int(column)))]; });
+  const auto take = [&](int block, std::uint64_t mask) {
+    append(out, block, mask,
+           [&](std::uint32_t column) { return table_[table_index(load<T>(row, int(column)))]; });
   };
   if (gaps_) {
-    for_each_run<T>(
-        row, first, end, [this](T value) { return visible_[table_index(value)]; }, append);
+    for_each_mask<T>(
+        row, first, end, [this](T value) { return visible_[table_index(value)]; }, take);
     return;
   }
   const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);
-  for_each_run<Bits>(
-      row, first, end, [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); }, append);
+  for_each_mask<Bits>(
+      row, first, end, [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); }, take);
 }
 
 template <class T>
 void Classifier::classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const {
   const double low = support_low_, high = support_high_;
-  for_each_run<T>(
+  for_each_mask<T>(
       row, first, end,
       [low, high](T value) { return std::uint8_t(int(double(value) >= low) & int(double(value) <= high)); },
-      [&](int run, int count) {
-        for (int column = run; column < run + count; ++column) {
-          const ClassifiedSample sample = evaluate(double(load<T>(row, column)));
+      [&](int block, std::uint64_t mask) {
+        for (; mask != 0; mask &= mask - 1) {
+          const ClassifiedSample sample = evaluate(double(load<T>(row, block + std::countr_zero(mask))));
           if (sample.opacity > 0)
-            append_run(out, std::uint32_t(column), 1, [&](std::uint32_t) { return sample; });
+            append(out, block, mask & -mask, [&](std::uint32_t) { return sample; });
         }
       });
 }

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <utility>
 
 #include "node/payload_reader.hpp"
@@ -32,11 +31,11 @@ class AlignedReader final : public PayloadReader {
 
   bool more() override { return cursor_.find(); }
 
-  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
-    const VoxelRun run = cursor_.run();
-    const auto voxels = cursor_.voxels().first(std::min(run.count, most));
-    cursor_.skip(std::uint32_t(voxels.size()));
-    return painter.draw_row(slice_, run.row, run.first, voxels);
+  /// One block, even if that is a few more than `most`.
+  DrawCounts draw(RegionPainter& painter, std::uint32_t) override {
+    const DrawCounts counts = painter.draw_block(slice_, cursor_.block(), cursor_.voxels());
+    cursor_.skip_block();
+    return counts;
   }
 
  private:

@@ -29,7 +29,7 @@ class PayloadReader {
   virtual void begin(int slice, const PayloadPart& part) = 0;
   /// True when the part has splats that are not drawn.
   virtual bool more() = 0;
-  /// Draws at least one and at most `most` of the part's next splats with its region's painter.
+  /// Draws at least one and about `most` of the part's next splats with its region's painter.
   virtual DrawCounts draw(RegionPainter& painter, std::uint32_t most) = 0;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <memory>
 #include <span>
 #include <vector>
@@ -53,15 +54,16 @@ class RowBand {
   /// Puts the row's visible voxels into their regions' parts.
   virtual void encode_row(int row) = 0;
 
-  /// Counts splats of a region, of this row's voxels in columns first … first + splats − 1; its part becomes
-  /// one of the slice's payloads.
-  void count_run(int region, int first, int splats) {
+  /// Counts splats of a region, of this row's voxels in those columns from `first` on that `mask` has; its part
+  /// becomes one of the slice's payloads.
+  void count(int region, int first, std::uint64_t mask) {
     RegionCounts& counts = counts_[std::size_t(region)];
     if (counts.splats == 0) used_.push_back(region);
-    counts.splats += std::uint32_t(splats);
+    counts.splats += std::uint32_t(std::popcount(mask));
     std::uint16_t& passes = counts.passes[std::size_t(row_offset_)];
-    if (passes != all_columns())
-      passes |= std::uint16_t(splats < stride_ ? few_columns(first % stride_, splats) : all_columns());
+    const unsigned all_columns = (1U << stride_) - 1;
+    for (; mask != 0 && passes != all_columns; mask &= mask - 1)
+      passes |= std::uint16_t(1U << (first + std::countr_zero(mask)) % stride_);
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
   /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
@@ -81,12 +83,6 @@ class RowBand {
 
  private:
   int classify_row(StageSeconds* stages);
-  unsigned all_columns() const { return (1U << stride_) - 1; }
-  /// Offsets of consecutive columns, fewer than a stride, the first of which has offset `first`.
-  unsigned few_columns(int first, int columns) const {
-    const unsigned bits = ((1U << columns) - 1) << first;
-    return (bits | bits >> stride_) & all_columns();
-  }
 
   const EncoderFrame& frame_;
   int stride_;

@@ -18,9 +18,11 @@ class RowClassifier {
   int classify(int row);
   void shade();                           ///< once, before samples are asked for
   int voxels() const { return voxels_; }  ///< read for it
-  /// Runs of visible voxels, by ascending columns, never adjacent.
-  std::span<const VisibleRun> runs() const { return row_.runs; }
-  /// Straight colours and corrected opacities of the visible voxels, run after run.
+  /// Where the row's visible voxels are, by ascending columns.
+  std::span<const VisibleBlock> blocks() const { return row_.blocks; }
+  /// The visible voxels' columns, ascending.
+  std::span<const std::uint32_t> columns() const { return std::span(row_.columns).first(row_.visible); }
+  /// Their straight colours and corrected opacities.
   std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
 
  private:

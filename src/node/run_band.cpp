@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/vec2.hpp>
 
@@ -32,12 +33,24 @@ class RowAxis {
     return {truncated + (double(truncated) < first),
             static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
   }
-  /// Whether positions fall from column to column.
-  bool falls() const { return inverse_ < 0; }
 
  private:
   double inverse_, start_ = 0;
 };
+
+/// The voxels' places in the block that lie in these columns.
+std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  constexpr std::uint32_t width = 64;
+  const std::uint32_t from = columns.first > block.first ? columns.first - block.first : 0,
+                      behind = columns.end < block.first + width ? block.first + width - columns.end : 0;
+  return from < width && behind < width ? block.mask & all << from & all >> behind : 0;
+}
+
+/// Of the block's visible voxels, how many lie before place `bit`.
+std::uint32_t voxels_before(const VisibleBlock& block, int bit) {
+  return std::uint32_t(std::popcount(block.mask & ((std::uint64_t{1} << bit) - 1)));
+}
 
 /// Runs of voxels: positions follow from the view and are found again by the Renderer.
 template <class Voxel>
@@ -55,13 +68,15 @@ class RunBand final : public RowBand {
   template <class T>
   using Buffer = std::vector<T, UninitialisedAllocator<T>>;
   struct Part {
-    Buffer<VoxelRun> runs;
+    Buffer<VoxelBlock> blocks;
     Buffer<Voxel> voxels;
   };
 
   void encode_row(int row) override {
-    const auto runs = rows_.runs();
-    const Columns all{runs.front().first, runs.back().end()};
+    const auto samples = rows_.samples();
+    packed_.resize(samples.size());
+    pack(&samples.front().r, samples.size(), packed_.data());
+    const Columns all{rows_.columns().front(), rows_.columns().back() + 1};
     const PixelWindow window = window_of(all.first, all.end - 1);
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
     x_.begin_row(dda_.row_start().x);
@@ -71,13 +86,7 @@ class RunBand final : public RowBand {
       const PixelRect& pixels = rect(first_region);
       const Columns columns = y_.within(double(pixels.y0) - beyond_.y, double(pixels.y1) + beyond_.y, all);
       if (columns.empty()) continue;
-      // In the order of the columns, so that the search for runs goes on where it was.
-      next_run_ = std::partition_point(runs.begin(), runs.end(),
-                                       [&](const VisibleRun& run) { return run.end() <= columns.first; });
-      for (int k = 0; k < touched.width(); ++k) {
-        const int x = x_.falls() ? touched.x1 - 1 - k : touched.x0 + k;
-        encode_part(first_region + x, row, columns);
-      }
+      for (int x = touched.x0; x < touched.x1; ++x) encode_part(first_region + x, row, columns);
     }
   }
 
@@ -85,7 +94,17 @@ class RunBand final : public RowBand {
   void encode_part(int region, int row, Columns columns) {
     const PixelRect& pixels = rect(region);
     columns = x_.within(double(pixels.x0) - beyond_.x, double(pixels.x1) + beyond_.x, columns);
-    if (!columns.empty()) append(region, row, columns);
+    if (columns.empty()) return;
+    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;
+    if (cover(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
+    if (hidden == OpaqueCover::Cover::all) return;
+    kept_begin_ = kept_end_ = 0;
+    for (const VisibleBlock& block : rows_.blocks()) {
+      std::uint64_t mask = in_columns(block, columns);
+      if (hidden == OpaqueCover::Cover::some) mask = seen_of(region, block.first, mask);
+      if (mask != 0) append(region, row, block, mask);
+    }
+    copy_kept(region);
   }
 
   /// Of the voxels in columns first … last: positions run straight.
@@ -110,77 +129,84 @@ class RunBand final : public RowBand {
                             std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
   }
 
-  /// Appends the row's visible voxels in these columns, those that are not hidden, run by run.
-  void append(int region, int row, Columns columns) {
-    const auto end = rows_.runs().end();
-    while (next_run_ != end && next_run_->end() <= columns.first) ++next_run_;
-    const bool culling = cover(region).worth_asking();
-    kept_begin_ = kept_end_ = 0;
-    for (auto run = next_run_; run != end && run->first < columns.end; ++run) {
-      const std::uint32_t from = std::max(run->first, columns.first), to = std::min(run->end(), columns.end);
-      if (culling)
-        append_seen(region, row, *run, from, to);
-      else
-        append_run(region, row, *run, from, to);
+  /// Those of the row's voxels in columns from `first` on that are not hidden.
+  std::uint64_t seen_of(int region, std::uint32_t first, std::uint64_t mask) const {
+    std::uint64_t seen = 0;
+    for (std::uint64_t left = mask; left != 0;) {
+      const int begin = std::countr_zero(left), count = std::countr_one(left >> begin);
+      seen |= seen_of_run(region, first, begin, begin + count);
+      // In two steps, since a shift by all 64 bits is none.
+      left = left >> (begin + count - 1) >> 1 << (begin + count - 1) << 1;
     }
-    pack_kept(region);
+    return seen;
+  }
+  /// Of a run's places begin … end − 1. Halves what is hidden in part only.
+  std::uint64_t seen_of_run(int region, std::uint32_t first, int begin, int end) const {
+    const OpaqueCover::Cover hidden =
+        cover_of(region, first + std::uint32_t(begin), first + std::uint32_t(end - 1));
+    if (hidden == OpaqueCover::Cover::all) return 0;
+    if (hidden == OpaqueCover::Cover::none || end - begin == 1)
+      return ~std::uint64_t{0} >> (64 - (end - begin)) << begin;
+    const int middle = begin + (end - begin) / 2;
+    return seen_of_run(region, first, begin, middle) | seen_of_run(region, first, middle, end);
   }
 
-  /// Those of a run's columns begin … end − 1 that are not hidden. Halves what is hidden in part only.
-  void append_seen(int region, int row, const VisibleRun& run, std::uint32_t begin, std::uint32_t end) {
-    const OpaqueCover::Cover seen = cover_of(region, begin, end - 1);
-    if (seen == OpaqueCover::Cover::all) return;
-    if (seen == OpaqueCover::Cover::none || end - begin == 1) {
-      append_run(region, row, run, begin, end);
+  std::uint32_t voxels_of(const VisibleBlock& block) const {
+    const bool last = &block == &rows_.blocks().back();
+    return (last ? std::uint32_t(rows_.samples().size()) : (&block)[1].sample) - block.sample;
+  }
+
+  void append(int region, int row, const VisibleBlock& block, std::uint64_t mask) {
+    parts_[std::size_t(region)].blocks.push_back({std::uint32_t(row), block.first, mask});
+    count(region, int(block.first), mask);
+    if (mask == block.mask) {
+      keep(region, block.sample, voxels_of(block));
       return;
     }
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    append_seen(region, row, run, begin, middle);
-    append_seen(region, row, run, middle, end);
-  }
-
-  void append_run(int region, int row, const VisibleRun& run, std::uint32_t begin, std::uint32_t end) {
-    auto& runs = parts_[std::size_t(region)].runs;
-    if (!runs.empty() && runs.back().row == std::uint32_t(row) &&
-        runs.back().first + runs.back().count == begin)
-      runs.back().count += end - begin;
-    else
-      runs.push_back({std::uint32_t(row), begin, end - begin});
-    count_run(region, int(begin), int(end - begin));
-    const std::uint32_t sample = run.sample + (begin - run.first);
-    if (sample != kept_end_) {
-      pack_kept(region);
-      kept_begin_ = sample;
+    while (mask != 0) {
+      const int begin = std::countr_zero(mask);
+      // What the row has between two of its visible voxels does not part them.
+      const std::uint64_t gone = block.mask & ~mask & ~std::uint64_t{0} << begin;
+      const int end = gone == 0 ? 64 : std::countr_zero(gone);
+      const std::uint64_t here = end == 64 ? mask : mask & ((std::uint64_t{1} << end) - 1);
+      keep(region, block.sample + voxels_before(block, begin), std::uint32_t(std::popcount(here)));
+      mask &= ~here;
     }
-    kept_end_ = sample + (end - begin);
   }
 
-  /// Packs the row's samples kept_begin_ … kept_end_ − 1, of runs that the part already has.
-  void pack_kept(int region) {
+  /// The part takes the row's voxels first … first + count − 1.
+  void keep(int region, std::uint32_t first, std::uint32_t count) {
+    if (first != kept_end_) {
+      copy_kept(region);
+      kept_begin_ = first;
+    }
+    kept_end_ = first + count;
+  }
+
+  void copy_kept(int region) {
     if (kept_begin_ == kept_end_) return;
     auto& voxels = parts_[std::size_t(region)].voxels;
-    const auto samples = rows_.samples().subspan(kept_begin_, kept_end_ - kept_begin_);
     const std::size_t at = voxels.size();
-    voxels.resize(at + samples.size());
-    pack(&samples.front().r, samples.size(), voxels.data() + at);
+    voxels.resize(at + (kept_end_ - kept_begin_));
+    std::copy(packed_.data() + kept_begin_, packed_.data() + kept_end_, voxels.data() + at);
   }
 
   std::size_t part_bytes(int region) const override {
     const Part& part = parts_[std::size_t(region)];
-    return sizeof(RunGroup) + part.runs.size() * sizeof(VoxelRun) + part.voxels.size() * sizeof(Voxel);
+    return sizeof(BlockGroup) + part.blocks.size() * sizeof(VoxelBlock) + part.voxels.size() * sizeof(Voxel);
   }
 
   void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
     const auto part_of = [region](const std::unique_ptr<RowBand>& band) -> Part& {
       return static_cast<RunBand&>(*band).parts_[std::size_t(region)];
     };
-    RunGroup group{region, 0, 0};
+    BlockGroup group{region, 0, 0};
     for (const auto& band : bands) {
-      group.runs += std::uint32_t(part_of(band).runs.size());
+      group.blocks += std::uint32_t(part_of(band).blocks.size());
       group.voxels += std::uint32_t(part_of(band).voxels.size());
     }
     ringsplat::append(payload, group);
-    for (const auto& band : bands) move_values(part_of(band).runs, payload);
+    for (const auto& band : bands) move_values(part_of(band).blocks, payload);
     for (const auto& band : bands) move_values(part_of(band).voxels, payload);
   }
 
@@ -196,10 +222,10 @@ class RunBand final : public RowBand {
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
   /// rounding.
   glm::dvec2 beyond_;
-  std::span<const VisibleRun>::iterator next_run_;  ///< the row's first that later regions can have
   std::vector<Part> parts_;                         ///< by region
+  Buffer<Voxel> packed_;            ///< the row's visible voxels
   std::uint32_t kept_begin_ = 0,
-                kept_end_ = 0;  ///< the row's samples that are still to be packed for a region
+                kept_end_ = 0;  ///< of packed_, those that are still to be copied to a part
 };
 
 }  // namespace

@@ -1,9 +1,11 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <bit>
 #include <cstring>
 #include <functional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "node/payload_reader.hpp"
@@ -13,7 +15,7 @@
 
 namespace ringsplat {
 
-/// Takes a payload of runs apart and goes through a part of it, run by run.
+/// Takes a payload of runs apart and goes through a part of it, block by block or run by run.
 template <class Voxel>
 class RunCursor {
  public:
@@ -26,10 +28,10 @@ class RunCursor {
                                  const std::function<bool(int)>& owned) const {
     std::vector<PayloadPart> parts;
     for (std::size_t at = 0, begin = 0; at < body.size(); begin = at) {
-      RunGroup group;
+      BlockGroup group;
       const int last = parts.empty() ? -1 : parts.back().region;
       if (!take(body, at, group) || group.region <= last || !owned(group.region) ||
-          !check_runs(group, body, at))
+          !check_blocks(group, body, at))
         throw RunError(fmt::format("a payload of {} bytes is not understood at byte {}", body.size(), at),
                        "all ranks must run the same build");
       parts.push_back({group.region, body.subspan(begin, at - begin)});
@@ -40,47 +42,56 @@ class RunCursor {
   void begin(const PayloadPart& part) {
     body_ = part.bytes;
     at_ = 0;
-    run_ = {};
-    RunGroup group;
-    runs_left_ = take(body_, at_, group) ? group.runs : 0;
-    voxel_at_ = at_ + runs_left_ * sizeof(VoxelRun);
+    block_ = {};
+    BlockGroup group;
+    blocks_left_ = take(body_, at_, group) ? group.blocks : 0;
+    voxel_at_ = at_ + blocks_left_ * sizeof(VoxelBlock);
   }
 
-  /// Goes to a run with voxels left; false at the part's end.
+  /// Goes to a block with voxels left; false at the part's end.
   bool find() {
-    if (run_.count > 0) return true;
-    if (runs_left_ == 0) return false;
-    --runs_left_;
-    return take(body_, at_, run_);
+    if (block_.mask != 0) return true;
+    if (blocks_left_ == 0) return false;
+    --blocks_left_;
+    return take(body_, at_, block_);
   }
-  /// What is left of the run.
-  const VoxelRun& run() const { return run_; }
+  /// What is left of the block.
+  const VoxelBlock& block() const { return block_; }
+  /// Its next voxels, where they are in the payload.
+  const Voxel* voxels() const { return reinterpret_cast<const Voxel*>(body_.data() + voxel_at_); }
+  void skip_block() {
+    voxel_at_ += std::size_t(std::popcount(std::exchange(block_.mask, 0))) * sizeof(Voxel);
+  }
+
+  std::uint32_t row() const { return block_.row; }
+  /// The first of the block's voxels that are left, and how many follow each other from there.
+  std::uint32_t first() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
+  std::uint32_t count() const {
+    return std::uint32_t(std::countr_one(block_.mask >> std::countr_zero(block_.mask)));
+  }
   Voxel voxel(std::uint32_t k) const {
     Voxel voxel;
     std::memcpy(&voxel, body_.data() + voxel_at_ + k * sizeof voxel, sizeof voxel);
     return voxel;
   }
-  /// The run's voxels that are left, where they are in the payload.
-  std::span<const Voxel> voxels() const {
-    return {reinterpret_cast<const Voxel*>(body_.data() + voxel_at_), run_.count};
-  }
   void skip(std::uint32_t voxels) {
     voxel_at_ += voxels * sizeof(Voxel);
-    run_.first += voxels;
-    run_.count -= voxels;
+    for (; voxels > 0; --voxels) block_.mask &= block_.mask - 1;
   }
 
  private:
-  /// Moves `at` behind the group; false when it is not whole or a run leaves the slice.
-  bool check_runs(const RunGroup& group, std::span<const std::byte> body, std::size_t& at) const {
-    if (group.runs == 0 || (body.size() - at) / sizeof(VoxelRun) < group.runs) return false;
+  /// Moves `at` behind the group; false when it is not whole or a block leaves the slice.
+  bool check_blocks(const BlockGroup& group, std::span<const std::byte> body, std::size_t& at) const {
+    if (group.blocks == 0 || (body.size() - at) / sizeof(VoxelBlock) < group.blocks) return false;
     std::uint64_t voxels = 0;
-    for (std::uint32_t k = 0; k < group.runs; ++k) {
-      VoxelRun run;
-      if (!take(body, at, run) || run.row >= height_ || run.first >= width_ || run.count == 0 ||
-          run.count > width_ - run.first)
+    for (std::uint32_t k = 0; k < group.blocks; ++k) {
+      VoxelBlock block;
+      if (!take(body, at, block) || block.row >= height_ || block.first >= width_ || block.first % 64 != 0 ||
+          block.mask == 0)
         return false;
-      voxels += run.count;
+      const std::uint32_t columns = width_ - block.first;
+      if (columns < 64 && block.mask >> columns != 0) return false;
+      voxels += std::uint64_t(std::popcount(block.mask));
     }
     if (voxels != group.voxels || (body.size() - at) / sizeof(Voxel) < group.voxels) return false;
     at += group.voxels * sizeof(Voxel);
@@ -89,9 +100,9 @@ class RunCursor {
 
   std::uint32_t width_, height_;
   std::span<const std::byte> body_;    ///< of the part
-  std::size_t at_ = 0, voxel_at_ = 0;  ///< bytes into it: the next run, the next voxel
-  std::uint32_t runs_left_ = 0;
-  VoxelRun run_{};
+  std::size_t at_ = 0, voxel_at_ = 0;  ///< bytes into it: the next block, the next voxel
+  std::uint32_t blocks_left_ = 0;
+  VoxelBlock block_{};
 };
 
 }  // namespace ringsplat

@@ -43,7 +43,7 @@ class RunReader final : public PayloadReader {
     filled_ = off_screen_ = 0;
     while (filled_ + off_screen_ < most && cursor_.find()) {
       if (!append_splats(
-              std::min<std::uint32_t>(cursor_.run().count, most - std::uint32_t(filled_ + off_screen_))))
+              std::min<std::uint32_t>(cursor_.count(), most - std::uint32_t(filled_ + off_screen_))))
         break;
     }
     DrawCounts counts = painter.draw(static_cast<std::int32_t>(corner_x_ + base_x_),
@@ -57,12 +57,11 @@ class RunReader final : public PayloadReader {
   /// Places the columns round the run's next voxel, unless they are placed: runs are short, and rows have
   /// several.
   void place_block() {
-    const VoxelRun& run = cursor_.run();
-    if (std::exchange(row_, run.row) != run.row) {
-      dda_.begin_row(slice_, int(run.row));
+    if (std::exchange(row_, cursor_.row()) != cursor_.row()) {
+      dda_.begin_row(slice_, int(cursor_.row()));
       placed_ = nothing;
     }
-    const std::uint32_t first = run.first / RunPlaces::capacity * RunPlaces::capacity;
+    const std::uint32_t first = cursor_.first() / RunPlaces::capacity * RunPlaces::capacity;
     if (std::exchange(placed_, first) == first) return;
     const int count = int(std::min<std::uint32_t>(RunPlaces::capacity, width_ - first));
     place_run(geometry_.footprint, dda_, first, count, corner_x_, corner_y_, places_);
@@ -74,7 +73,7 @@ class RunReader final : public PayloadReader {
   /// that regions of up to 250 pixels have one.
   bool append_splats(std::uint32_t wanted) {
     place_block();
-    const std::uint32_t first = cursor_.run().first - placed_,
+    const std::uint32_t first = cursor_.first() - placed_,
                         end = std::min<std::uint32_t>(first + wanted, RunPlaces::capacity);
     std::uint32_t k = first;
     for (; k < end; ++k) {

@@ -30,9 +30,9 @@ class WordBand final : public RowBand {
 
  private:
   void encode_row(int) override {
+    const auto columns = rows_.columns();
     const auto samples = rows_.samples();
-    for (const VisibleRun& run : rows_.runs())
-      for (std::uint32_t k = 0; k < run.count; ++k) place(int(run.first + k), samples[run.sample + k]);
+    for (std::size_t k = 0; k < columns.size(); ++k) place(int(columns[k]), samples[k]);
   }
 
   /// Makes the voxel's splat and puts it into every region its kernel reaches (one, two or four of them, more
@@ -69,7 +69,7 @@ class WordBand final : public RowBand {
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
     std::memcpy(part.grow(sizeof splat), &splat, sizeof splat);
     ++part.head.count;
-    count_run(region, column, 1);
+    count(region, column, 1);
   }
 
   /// A base before the region's corner by the kernel's reach holds all anchors of a region of up to 250

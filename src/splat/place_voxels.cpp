@@ -24,10 +24,11 @@ HWY_INLINE float weighted(float opacity, double weight) {
 #if RINGSPLAT_ONE_BY_ONE
 
 template <class Voxel>
-void place(const AlignedSlice& slice, const Voxel* voxels, std::size_t count, float* pixels) {
-  for (std::size_t k = 0; k < count; ++k) {
-    const VoxelColour voxel = unpack(voxels[k]);
+void place(const AlignedSlice& slice, std::uint64_t mask, const Voxel* voxels, int x, float* row) {
+  for (; mask != 0; mask &= mask - 1, ++voxels) {
+    const VoxelColour voxel = unpack(*voxels);
     const auto colour = premultiply(&voxel.red, weighted(voxel.opacity, slice.opacity_weight));
+    float* pixels = row + std::ptrdiff_t{4} * (x + std::countr_zero(mask) * slice.step_x);
     for (int copy = 0; copy < slice.step_x; ++copy, pixels += 4) store_pixel(colour, pixels);
   }
 }
@@ -95,35 +96,45 @@ class Reader<ByteVoxel> {
   }
 };
 
-HWY_INLINE void place_one(Pixel voxel, const AlignedSlice& slice, float* pixels) {
+HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) {
   const FourFloats d;
-  const float opacity = weighted(hn::ExtractLane(voxel, 3), slice.opacity_weight);
+  const float opacity = weighted(hn::ExtractLane(voxel, 3), weight);
   const auto premultiplied = hn::Mul(voxel, hn::Set(d, opacity * (1.0F / 65535.0F)));
   const auto colour = hn::IfThenElse(hn::FirstN(d, 3), premultiplied, hn::Set(d, opacity));
-  for (int copy = 0; copy < slice.step_x; ++copy) store_pixel(colour, pixels + std::ptrdiff_t{4} * copy);
+  for (int copy = 0; copy < steps; ++copy) store_pixel(colour, pixels + std::ptrdiff_t{4} * copy);
+}
+
+/// `steps`: the slice's step_x, known to the compiler where it matters.
+template <class Voxel>
+HWY_INLINE void place_steps(int steps, double weight, std::uint64_t mask, const Voxel* voxels, int x, float* row) {
+  const Reader<Voxel> reader;
+  const auto to = [&] { return row + std::ptrdiff_t{4} * (x + std::countr_zero(mask) * steps); };
+  for (std::uint64_t rest = mask & (mask - 1); rest != 0; mask = rest, rest &= rest - 1, ++voxels)
+    place_one(reader.read(voxels), weight, steps, to());
+  // What a reader may read beyond a voxel is there only before the last.
+  HWY_ALIGN std::uint8_t last[16] = {};
+  std::memcpy(last, voxels, sizeof(Voxel));
+  place_one(reader.read(reinterpret_cast<const Voxel*>(last)), weight, steps, to());
 }
 
 template <class Voxel>
-HWY_INLINE void place(const AlignedSlice& slice, const Voxel* voxels, std::size_t count, float* pixels) {
-  const Reader<Voxel> reader;
-  const std::ptrdiff_t step = std::ptrdiff_t{4} * slice.step_x;
-  for (std::size_t k = 0; k + 1 < count; ++k, pixels += step) place_one(reader.read(voxels + k), slice, pixels);
-  // What a reader may read beyond a voxel is there only before the last.
-  HWY_ALIGN std::uint8_t last[16] = {};
-  std::memcpy(last, voxels + (count - 1), sizeof(Voxel));
-  place_one(reader.read(reinterpret_cast<const Voxel*>(last)), slice, pixels);
+HWY_INLINE void place(const AlignedSlice& slice, std::uint64_t mask, const Voxel* voxels, int x, float* row) {
+  if (slice.step_x == 1)
+    place_steps(1, slice.opacity_weight, mask, voxels, x, row);
+  else
+    place_steps(slice.step_x, slice.opacity_weight, mask, voxels, x, row);
 }
 
 #endif
 
-void PlaceFloats(const AlignedSlice& slice, const FloatVoxel* voxels, std::size_t count, float* pixels) {
-  place(slice, voxels, count, pixels);
+void PlaceFloats(const AlignedSlice& slice, std::uint64_t mask, const FloatVoxel* voxels, int x, float* row) {
+  place(slice, mask, voxels, x, row);
 }
-void PlaceHalves(const AlignedSlice& slice, const HalfVoxel* voxels, std::size_t count, float* pixels) {
-  place(slice, voxels, count, pixels);
+void PlaceHalves(const AlignedSlice& slice, std::uint64_t mask, const HalfVoxel* voxels, int x, float* row) {
+  place(slice, mask, voxels, x, row);
 }
-void PlaceBytes(const AlignedSlice& slice, const ByteVoxel* voxels, std::size_t count, float* pixels) {
-  place(slice, voxels, count, pixels);
+void PlaceBytes(const AlignedSlice& slice, std::uint64_t mask, const ByteVoxel* voxels, int x, float* row) {
+  place(slice, mask, voxels, x, row);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -136,14 +147,14 @@ HWY_EXPORT(PlaceFloats);
 HWY_EXPORT(PlaceHalves);
 HWY_EXPORT(PlaceBytes);
 
-void place_voxels(const AlignedSlice& slice, const FloatVoxel* voxels, std::size_t count, float* pixels) {
-  HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, voxels, count, pixels);
+void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const FloatVoxel* voxels, int x, float* row) {
+  HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, mask, voxels, x, row);
 }
-void place_voxels(const AlignedSlice& slice, const HalfVoxel* voxels, std::size_t count, float* pixels) {
-  HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, voxels, count, pixels);
+void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const HalfVoxel* voxels, int x, float* row) {
+  HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, mask, voxels, x, row);
 }
-void place_voxels(const AlignedSlice& slice, const ByteVoxel* voxels, std::size_t count, float* pixels) {
-  HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, voxels, count, pixels);
+void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const ByteVoxel* voxels, int x, float* row) {
+  HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, mask, voxels, x, row);
 }
 
 }  // namespace ringsplat

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <new>
 #include <optional>
@@ -251,26 +252,29 @@ void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshol
 }
 
 template <class Voxel>
-DrawCounts RegionPainter::draw_row(const AlignedSlice& slice, std::uint32_t row, std::uint32_t first, std::span<const Voxel> voxels) {
+DrawCounts RegionPainter::draw_block(const AlignedSlice& slice, const VoxelBlock& block, const Voxel* voxels) {
   auto& s = *state_;
   s.begin_drawing();
-  const std::int64_t x = slice.anchor_x + std::int64_t{slice.step_x} * first - s.x0, y = slice.anchor_y + std::int64_t{slice.step_y} * row - s.y0;
+  const auto given = static_cast<std::uint64_t>(std::popcount(block.mask));
+  const std::int64_t x = slice.anchor_x + std::int64_t{slice.step_x} * block.first - s.x0,
+                     y = slice.anchor_y + std::int64_t{slice.step_y} * block.row - s.y0;
   // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
-  const auto within = [&](std::int64_t column) { return column >= -slice.reach_x - 1 && column < s.width + slice.reach_x; };
-  std::int64_t begin = 0, end = std::int64_t(voxels.size());
-  while (begin < end && !within(x + begin * slice.step_x)) ++begin;
-  while (begin < end && !within(x + (end - 1) * slice.step_x)) --end;
-  if (begin == end || y < -slice.reach_y - 1 || y >= s.height + slice.reach_y) return {0, voxels.size(), 0};
-  const std::uint64_t drawn = s.voxels.place(slice, int(x + begin * slice.step_x), int(y), voxels.data() + begin, int(end - begin));
+  if (y < -slice.reach_y - 1 || y >= s.height + slice.reach_y) return {0, given, 0};
+  const std::uint64_t within =
+      block.mask & places_within(x, slice.step_x, -slice.reach_x - 1, s.width + slice.reach_x - 1);
+  if (within == 0) return {0, given, 0};
+  const std::uint64_t before = block.mask & ((within & -within) - 1);
+  const std::uint64_t drawn =
+      s.voxels.place(slice, int(x), int(y), within, voxels + (before == 0 ? 0 : std::popcount(before)));
   s.aligned = &slice;
   s.pending = true;
-  const DrawCounts counts{drawn, voxels.size() - drawn, 0};
+  const DrawCounts counts{drawn, given - drawn, 0};
   s.note(counts);
   return counts;
 }
-template DrawCounts RegionPainter::draw_row(const AlignedSlice&, std::uint32_t, std::uint32_t, std::span<const FloatVoxel>);
-template DrawCounts RegionPainter::draw_row(const AlignedSlice&, std::uint32_t, std::uint32_t, std::span<const HalfVoxel>);
-template DrawCounts RegionPainter::draw_row(const AlignedSlice&, std::uint32_t, std::uint32_t, std::span<const ByteVoxel>);
+template DrawCounts RegionPainter::draw_block(const AlignedSlice&, const VoxelBlock&, const FloatVoxel*);
+template DrawCounts RegionPainter::draw_block(const AlignedSlice&, const VoxelBlock&, const HalfVoxel*);
+template DrawCounts RegionPainter::draw_block(const AlignedSlice&, const VoxelBlock&, const ByteVoxel*);
 
 DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
   auto& s = *state_;

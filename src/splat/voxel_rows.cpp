@@ -5,6 +5,7 @@
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -35,16 +36,15 @@ void ConvolveBlocks(const BlockSums& in, float* sums) {
 
 #else
 
-/// `rows`, `taps`: those of `in`, known to the compiler where it matters.
-HWY_INLINE void convolve(const BlockSums& in, int rows, int taps, float* HWY_RESTRICT sums) {
+void convolve(const BlockSums& in, float* HWY_RESTRICT sums) {
   const Floats d;
   for (int block = 0; block < in.blocks; ++block) {
     for (std::size_t at = 0; at < 4 * block_pixels; at += lanes) {
       const float* voxels = in.voxels + block * 4 * block_pixels + at;
       const float* weights = in.weights + at;
       auto sum = hn::Zero(d);
-      for (int row = 0; row < rows; ++row, voxels += in.row_floats, weights -= in.weights_floats) {
-        for (int tap = 0; tap < taps; ++tap)
+      for (int row = 0; row < in.rows; ++row, voxels += in.row_floats, weights -= in.weights_floats) {
+        for (int tap = 0; tap < in.taps; ++tap)
           sum = hn::MulAdd(hn::LoadU(d, weights + tap * tap_floats), hn::LoadU(d, voxels + tap * in.voxel_floats), sum);
       }
       hn::Store(sum, d, sums + block * 4 * block_pixels + at);
@@ -52,29 +52,39 @@ HWY_INLINE void convolve(const BlockSums& in, int rows, int taps, float* HWY_RES
   }
 }
 
-/// A small kernel at one pixel a voxel, as most are.
-HWY_INLINE bool convolve_small(const BlockSums& in, float* sums) {
-  if (in.taps != 4) return false;
-  switch (in.rows) {
-    case 1:
-      convolve(in, 1, 4, sums);
-      return true;
-    case 2:
-      convolve(in, 2, 4, sums);
-      return true;
-    case 3:
-      convolve(in, 3, 4, sums);
-      return true;
-    case 4:
-      convolve(in, 4, 4, sums);
-      return true;
-    default:
-      return false;
+/// The same for four taps at one pixel a voxel, as most kernels have: a tap's weight is one number, and all weights
+/// stay in registers.
+template <int rows>
+HWY_INLINE void convolve_rows(const BlockSums& in, float* HWY_RESTRICT sums) {
+  const Floats d;
+  constexpr int taps = 4;
+  FloatVector weights[rows][taps];
+  for (int row = 0; row < rows; ++row)
+    for (int tap = 0; tap < taps; ++tap)
+      weights[row][tap] = hn::Set(d, in.weights[tap * tap_floats - row * in.weights_floats]);
+  for (int at = 0; at < in.blocks * 4 * block_pixels; at += int(lanes)) {
+    const float* voxels = in.voxels + at;
+    auto sum = hn::Zero(d);
+    for (int row = 0; row < rows; ++row, voxels += in.row_floats)
+      for (int tap = 0; tap < taps; ++tap) sum = hn::MulAdd(weights[row][tap], hn::LoadU(d, voxels + 4 * tap), sum);
+    hn::Store(sum, d, sums + at);
   }
 }
 
 void ConvolveBlocks(const BlockSums& in, float* sums) {
-  if (!convolve_small(in, sums)) convolve(in, in.rows, in.taps, sums);
+  const int rows = in.taps == 4 && in.voxel_floats == 4 ? in.rows : 0;
+  switch (rows) {
+    case 1:
+      return convolve_rows<1>(in, sums);
+    case 2:
+      return convolve_rows<2>(in, sums);
+    case 3:
+      return convolve_rows<3>(in, sums);
+    case 4:
+      return convolve_rows<4>(in, sums);
+    default:
+      return convolve(in, sums);
+  }
 }
 
 #endif
@@ -93,50 +103,78 @@ bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, int x, int y)
                      [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, y + at.y); });
 }
 
+void set(std::uint64_t* bits, int place) { bits[place / 64] |= std::uint64_t{1} << place % 64; }
+
+/// ORs 64 bits into a row of bits, the first at `place`; those that would lie before place 0 are not set.
+void put(std::uint64_t* row, std::uint64_t bits, int place) {
+  if (place < 0) {
+    row[0] |= bits >> -place;
+    return;
+  }
+  row += place / 64;
+  row[0] |= bits << place % 64;
+  if (place % 64 > 0 && bits >> (64 - place % 64) != 0) row[1] |= bits >> (64 - place % 64);
+}
+
 }  // namespace
 
 void convolve_blocks(const BlockSums& in, float* sums) { HWY_DYNAMIC_DISPATCH(ConvolveBlocks)(in, sums); }
+
+std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high) {
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  const int shift = std::countr_zero(unsigned(step));
+  const std::int64_t first = std::max<std::int64_t>((low - x + step - 1) >> shift, 0),
+                     last = std::min<std::int64_t>((high - x) >> shift, 63);
+  return first <= last ? all << first & all >> (63 - last) : 0;
+}
 
 void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int reach_y) {
   buffer_ = &buffer;
   left_ = left;
   above_ = reach_y + 1;
-  const int first = left / block_pixels, inside = (buffer.width + block_pixels - 1) / block_pixels,
-            behind = (2 * reach_x + 2 + most_whole_steps) / block_pixels + 1;
-  words_ = std::size_t(first + inside + behind + 63) / 64;
-  blocks_.assign(std::size_t(buffer.height + 2 * reach_y + 1) * words_, 0);
+  const int inside = (buffer.width + block_pixels - 1) / block_pixels * block_pixels,
+            behind = 2 * reach_x + 1 + most_whole_steps;
+  words_ = std::size_t(left + inside + behind) / 64 + 1;
+  filled_.assign(std::size_t(buffer.height + 2 * reach_y + 1) * words_, 0);
+  covered_ = filled_;
   inside_.assign(words_, 0);
-  for (int block = first; block < first + inside; ++block)
-    inside_[std::size_t(block) / 64] |= std::uint64_t{1} << block % 64;
+  for (int pixel = left; pixel < left + inside; ++pixel) set(inside_.data(), pixel);
   top_ = std::numeric_limits<int>::max();
   bottom_ = std::numeric_limits<int>::min();
-  sums_ = hwy::AllocateAligned<float>(std::size_t(inside) * block_pixels * 4);
+  sums_ = hwy::AllocateAligned<float>(std::size_t(inside) * 4);
   if (!sums_) throw std::bad_alloc();
 }
 
-void VoxelRows::mark(int y, int first, int last) {
-  std::uint64_t* const row = row_blocks(y);
-  const auto begin = std::size_t(first + left_) / block_pixels, end = std::size_t(last + left_) / block_pixels;
-  constexpr std::uint64_t all = ~std::uint64_t{0};
-  for (std::size_t word = begin / 64; word <= end / 64; ++word) {
-    const std::uint64_t from = word == begin / 64 ? all << begin % 64 : all,
-                        to = word == end / 64 ? all >> (63 - end % 64) : all;
-    row[word] |= from & to;
+void VoxelRows::mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask) {
+  std::uint64_t *const filled = filled_.data() + at(y), *const covered = covered_.data() + at(y);
+  const int first = x + left_, window = 2 * slice.reach_x + 2;
+  if (slice.step_x == 1) {
+    put(filled, mask, first);
+    // A kernel covers pixels from reach before its anchor to reach + 1 behind it.
+    for (int k = 0; k < window; ++k) put(covered, mask, first - slice.reach_x + k);
+  } else {
+    for (; mask != 0; mask &= mask - 1) {
+      const int place = first + std::countr_zero(mask) * slice.step_x;
+      for (int k = 0; k < slice.step_x; ++k) set(filled, place + k);
+      for (int k = 0; k < window; ++k) set(covered, place - slice.reach_x + k);
+    }
   }
+  anchor_x_ = x;
+  top_ = std::min(top_, y);
+  bottom_ = std::max(bottom_, y + 1);
 }
 
 /// Voxels whose columns all lie inside are alike.
-std::uint64_t VoxelRows::count_drawn(const AlignedSlice& slice, int x, int y, int count) const {
+std::uint64_t VoxelRows::count_drawn(const AlignedSlice& slice, int x, int y, std::uint64_t mask) const {
+  const std::uint64_t inside =
+      mask & places_within(x, slice.step_x, slice.reach_x, buffer_->width - slice.reach_x - 2);
+  const auto x_of_first = [&](std::uint64_t bits) { return x + std::countr_zero(bits) * slice.step_x; };
   const bool rows_inside = y >= slice.reach_y && y + slice.reach_y + 1 < buffer_->height;
-  const auto columns_inside = [&](int column) {
-    return column >= slice.reach_x && column + slice.reach_x + 1 < buffer_->width;
-  };
-  int end = x + count * slice.step_x;
   std::uint64_t drawn = 0;
-  for (; x < end && !columns_inside(x); x += slice.step_x) drawn += reaches(*buffer_, slice, x, y);
-  for (; x < end && !columns_inside(end - slice.step_x); end -= slice.step_x)
-    drawn += reaches(*buffer_, slice, end - slice.step_x, y);
-  if (x < end && (rows_inside || reaches(*buffer_, slice, x, y))) drawn += std::uint64_t((end - x) / slice.step_x);
+  if (inside != 0 && (rows_inside || reaches(*buffer_, slice, x_of_first(inside), y)))
+    drawn = std::uint64_t(std::popcount(inside));
+  for (std::uint64_t edge = mask & ~inside; edge != 0; edge &= edge - 1)
+    drawn += reaches(*buffer_, slice, x_of_first(edge), y);
   return drawn;
 }
 
@@ -146,28 +184,27 @@ VoxelRows::Reaching VoxelRows::reaching(const AlignedSlice& slice, int y) const 
   return {top_ + steps * step, std::min(y + slice.reach_y - slice.first_row + 1, bottom_), step};
 }
 
-void VoxelRows::sum(const AlignedSlice& slice, const Reaching& rows, int y, int block, int count) {
-  const int x = block * block_pixels - left_;
+void VoxelRows::sum(const AlignedSlice& slice, const Reaching& rows, int x, int y, int blocks) {
   const int leftmost = x + slice.reach_x - (slice.taps - 1) * slice.step_x;
   // Steps are powers of two: a remainder of negative numbers too.
   const int phase = (x + slice.reach_x - anchor_x_) & (slice.step_x - 1);
   const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
   const int row = y - rows.first + slice.reach_y;
-  convolve_blocks({pixel(leftmost, rows.first),
-                   rows.step * buffer_->row_floats,
+  convolve_blocks({pixel(leftmost, rows.first), rows.step * buffer_->row_floats,
                    slice.weights.data() + row * row_weights + std::ptrdiff_t{4} * phase,
                    rows.step * row_weights, (rows.end - rows.first + rows.step - 1) / rows.step, slice.taps,
-                   4 * slice.step_x, count},
+                   4 * slice.step_x, blocks},
                   sums_.get());
 }
 
 void VoxelRows::clear() {
   for (int y = top_; y < bottom_; ++y) {
-    std::uint64_t* const row = row_blocks(y);
     for (std::size_t word = 0; word < words_; ++word) {
-      for (std::uint64_t bits = std::exchange(row[word], 0); bits != 0; bits &= bits - 1) {
-        const int block = int(word) * 64 + std::countr_zero(bits);
-        std::memset(pixel(block * block_pixels - left_, y), 0, sizeof(float) * 4 * block_pixels);
+      covered_[at(y) + word] = 0;
+      for (std::uint64_t bits = first_of_blocks(std::exchange(filled_[at(y) + word], 0)); bits != 0;
+           bits &= bits - 1) {
+        const int x = int(word) * 64 + std::countr_zero(bits) - left_;
+        std::memset(pixel(x, y), 0, sizeof(float) * 4 * block_pixels);
       }
     }
   }

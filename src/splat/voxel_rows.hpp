@@ -26,6 +26,17 @@ struct BlockSums {
 /// Writes the blocks' pixels to `sums`, 64-byte aligned.
 void convolve_blocks(const BlockSums& in, float* sums);
 
+/// Those of the 64 places x, x + step, … that lie within [low, high]; a step is 1, 2 or 4.
+std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high);
+
+/// Of every four bits, of a word's first ones on: the first is set where any was.
+inline std::uint64_t first_of_blocks(std::uint64_t bits) {
+  static_assert(block_pixels == 4);
+  bits |= bits >> 1;
+  return (bits | bits >> 2) & 0x1111111111111111;
+}
+inline std::uint64_t whole_blocks(std::uint64_t bits) { return first_of_blocks(bits) * 15; }
+
 /// A region's voxels of one aligned slice, until the slice is complete: premultiplied, each in the slice
 /// buffer at its anchor and in the pixels from there to the next voxel's. Then their kernels are summed pixel
 /// by pixel, from the voxels round it: a pixel is written once, and not once for each of its voxels.
@@ -35,17 +46,14 @@ class VoxelRows {
   /// `left`: its pixels before the region, whole blocks.
   void prepare(const SliceBuffer& buffer, int left, int reach_x, int reach_y);
 
-  /// Puts `count` neighbouring voxels of a row, the first of which has its anchor (x, y) pixels from the region's
-  /// corner, in their places. All their windows meet the region. Each voxel of a slice once, in any order.
-  /// Returns how many have a weight above zero in the region.
+  /// Puts voxels of a row in their places: where `mask`, which is not 0, has bit i, one with the anchor
+  /// (x + i · step_x, y) from the region's corner. All their windows meet the region. Each voxel of a slice
+  /// once, in any order. Returns how many have a weight above zero in the region.
   template <class Voxel>
-  std::uint64_t place(const AlignedSlice& slice, int x, int y, const Voxel* voxels, int count) {
-    place_voxels(slice, voxels, std::size_t(count), pixel(x, y));
-    mark(y, x - slice.reach_x, x + count * slice.step_x + slice.reach_x);
-    anchor_x_ = x;
-    top_ = std::min(top_, y);
-    bottom_ = std::max(bottom_, y + 1);
-    return count_drawn(slice, x, y, count);
+  std::uint64_t place(const AlignedSlice& slice, int x, int y, std::uint64_t mask, const Voxel* voxels) {
+    place_voxels(slice, mask, voxels, x, pixel(0, y));
+    mark(slice, x, y, mask);
+    return count_drawn(slice, x, y, mask);
   }
 
   /// Calls use(sums, x, y, pixels) for the region's pixels that kernels can cover, block by block or several
@@ -58,13 +66,13 @@ class VoxelRows {
     for (int y = std::max(top_ - slice.reach_y, 0); y < end; ++y) {
       const Reaching rows = reaching(slice, y);
       for (std::size_t word = 0; word < words_; ++word) {
-        int block = int(word) * 64;
-        for (std::uint64_t bits = blocks_of(rows, word); bits != 0;) {
+        int bit = int(word) * 64;
+        for (std::uint64_t bits = covered_by(rows, word); bits != 0;) {
           const int skipped = std::countr_zero(bits), count = std::countr_one(bits >> skipped);
-          block += skipped;
-          sum(slice, rows, y, block, count);
-          use(sums_.get(), block * block_pixels - left_, y, count * block_pixels);
-          block += count;
+          bit += skipped;
+          sum(slice, rows, bit - left_, y, count / block_pixels);
+          use(sums_.get(), bit - left_, y, count);
+          bit += count;
           // In two steps, since a shift by all 64 bits is none.
           bits = bits >> skipped >> (count - 1) >> 1;
         }
@@ -81,27 +89,29 @@ class VoxelRows {
     int first, end, step;  ///< anchors' y, from the region's corner
   };
   Reaching reaching(const AlignedSlice& slice, int y) const;
-  std::uint64_t* row_blocks(int anchor_y) { return blocks_.data() + std::size_t(anchor_y + above_) * words_; }
-  std::uint64_t blocks_of(const Reaching& rows, std::size_t word) const {
+  /// The region's blocks with pixels that those rows' kernels can cover, all bits of each.
+  std::uint64_t covered_by(const Reaching& rows, std::size_t word) const {
     std::uint64_t bits = 0;
-    for (int y = rows.first; y < rows.end; y += rows.step) bits |= blocks_[std::size_t(y + above_) * words_ + word];
-    return bits & inside_[word];
+    for (int y = rows.first; y < rows.end; y += rows.step) bits |= covered_[at(y) + word];
+    return whole_blocks(bits) & inside_[word];
   }
-  float* pixel(int x, int y) const { return buffer_->origin + y * buffer_->row_floats + std::ptrdiff_t{4} * x; }
-  /// Columns first … last of row y.
-  void mark(int y, int first, int last);
-  std::uint64_t count_drawn(const AlignedSlice& slice, int x, int y, int count) const;
-  void sum(const AlignedSlice& slice, const Reaching& rows, int y, int block, int count);
+  void sum(const AlignedSlice& slice, const Reaching& rows, int x, int y, int blocks);
+
+  std::size_t at(int y) const { return std::size_t(y + above_) * words_; }
+  float* pixel(int x, int y) const {
+    return buffer_->origin + y * buffer_->row_floats + std::ptrdiff_t{4} * x;
+  }
+  void mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask);
+  std::uint64_t count_drawn(const AlignedSlice& slice, int x, int y, std::uint64_t mask) const;
 
   const SliceBuffer* buffer_ = nullptr;
   int left_ = 0, above_ = 0;  ///< pixels of the buffer before the region; rows of anchors above it
-  std::size_t words_ = 0;     ///< of a row's blocks
-  /// [rows of anchors][words]: a bit for each block, from the left margin's first, that kernels of the row's
-  /// voxels can cover. Their anchors lie there too.
-  std::vector<std::uint64_t> blocks_;
-  std::vector<std::uint64_t> inside_;  ///< [words]: the blocks with pixels of the region
-  int top_ = 0, bottom_ = 0;           ///< rows of anchors top_ … bottom_ − 1, the first of which holds voxels
-  int anchor_x_ = 0;                   ///< of a voxel
+  std::size_t words_ = 0;     ///< of a bit for each pixel of a row, from the left margin's first on
+  /// [rows of anchors][words]: pixels that hold the row's voxels, and those that their kernels can cover.
+  std::vector<std::uint64_t> filled_, covered_;
+  std::vector<std::uint64_t> inside_;  ///< [words]: the region's pixels, whole blocks
+  int top_ = 0, bottom_ = 0;  ///< rows of anchors top_ … bottom_ − 1, the first of which holds voxels
+  int anchor_x_ = 0;          ///< of a voxel
   hwy::AlignedFreeUniquePtr<float[]> sums_;
 };
 

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -36,19 +37,21 @@ struct Row {
   std::vector<ClassifiedSample> samples;
 };
 
-/// The visible voxels' columns, one by one; runs ascend and never touch.
+/// The visible voxels' columns, one by one; blocks ascend.
 Row to_row(const VisibleRow& visible) {
   Row row;
   std::uint32_t next = 0;
-  for (const VisibleRun& run : visible.runs) {
-    REQUIRE(run.count > 0);
-    REQUIRE(run.sample == row.where.size());
-    REQUIRE((next == 0 || run.first > next));
-    next = run.end();
-    for (std::uint32_t column = run.first; column < run.end(); ++column) row.where.push_back(column);
+  for (const VisibleBlock& block : visible.blocks) {
+    REQUIRE(block.mask != 0);
+    REQUIRE(block.sample == row.where.size());
+    REQUIRE((block.first % 64 == 0 && block.first >= next));
+    next = block.first + 64;
+    for (std::uint32_t k = 0; k < 64; ++k)
+      if (block.mask >> k & 1) row.where.push_back(block.first + k);
   }
   REQUIRE(visible.visible == row.where.size());
   REQUIRE(visible.samples.size() >= visible.visible);
+  REQUIRE(std::equal(row.where.begin(), row.where.end(), visible.columns.begin()));
   row.samples.assign(visible.samples.begin(), visible.samples.begin() + visible.visible);
   return row;
 }
@@ -234,7 +237,7 @@ TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole ro
     for (const auto& row : {values, smooth}) {
       const Row whole = classify(classifier, row);
       VisibleRow visible;
-      visible.runs.push_back({7, 9, 0});  // clear() forgets the row before
+      visible.blocks.push_back({0, 0, 511});  // clear() forgets the row before
       visible.visible = 9;
       visible.clear();
       for (const auto& [first, end] :
@@ -255,7 +258,7 @@ TEST_CASE("a function that is clear everywhere classifies nothing") {
     VisibleRow row;
     classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 0, 6, row);
     REQUIRE(row.visible == 0);
-    REQUIRE(row.runs.empty());
+    REQUIRE(row.blocks.empty());
   }
 }
 

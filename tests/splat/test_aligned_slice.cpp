@@ -65,13 +65,29 @@ void add(DrawCounts& sum, const DrawCounts& counts) {
   sum.clipped += counts.clipped;
 }
 
-std::vector<FloatVoxel> packed(const std::vector<VoxelColour>& voxels) {
-  std::vector<FloatVoxel> out;
-  for (const VoxelColour& voxel : voxels) {
-    FloatVoxel& to = out.emplace_back(FloatVoxel{{}, {voxel.red, voxel.green, voxel.blue}});
-    std::memcpy(to.opacity, &voxel.opacity, sizeof to.opacity);
+FloatVoxel packed(const VoxelColour& voxel) {
+  FloatVoxel to{{}, {voxel.red, voxel.green, voxel.blue}};
+  std::memcpy(to.opacity, &voxel.opacity, sizeof to.opacity);
+  return to;
+}
+
+/// The runs' voxels by row and 64 columns, as payloads have them.
+struct Block {
+  VoxelBlock where;
+  std::vector<FloatVoxel> voxels;
+};
+std::vector<Block> to_blocks(const std::vector<Row>& runs) {
+  std::vector<Block> blocks;
+  for (const Row& run : runs) {
+    for (std::size_t k = 0; k < run.voxels.size(); ++k) {
+      const std::uint32_t column = run.first + std::uint32_t(k), first = column / 64 * 64;
+      if (blocks.empty() || blocks.back().where.row != run.row || blocks.back().where.first != first)
+        blocks.push_back({{run.row, first, 0}, {}});
+      blocks.back().where.mask |= std::uint64_t{1} << column % 64;
+      blocks.back().voxels.push_back(packed(run.voxels[k]));
+    }
   }
-  return out;
+  return blocks;
 }
 
 Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
@@ -80,10 +96,8 @@ Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const s
   RegionPainter painter(x0, y0, width, height);
   painter.begin_frame(kernel);
   DrawCounts counts;
-  for (const Row& run : runs) {
-    const auto voxels = packed(run.voxels);
-    add(counts, painter.draw_row(*aligned, run.row, run.first, std::span<const FloatVoxel>(voxels)));
-  }
+  for (const Block& block : to_blocks(runs))
+    add(counts, painter.draw_block(*aligned, block.where, block.voxels.data()));
   return finish(painter, counts);
 }
 

@@ -9,20 +9,21 @@
 
 namespace ringsplat {
 
-/// Consecutive visible voxels of a row.
-struct VisibleRun {
-  std::uint32_t first, count;  ///< columns
-  std::uint32_t sample;        ///< which of the row's samples is the first one's
-  std::uint32_t end() const { return first + count; }
+/// 64 neighbouring columns of a row, some of whose voxels are visible.
+struct VisibleBlock {
+  std::uint32_t first;   ///< column, a multiple of 64
+  std::uint32_t sample;  ///< which of the row's samples is its first visible voxel's
+  std::uint64_t mask;    ///< bit i: column first + i is visible; never 0
 };
 
 /// The visible voxels (opacity above zero) of a row. Buffers that only grow, for row after row.
 struct VisibleRow {
-  std::vector<VisibleRun> runs;           ///< by ascending columns, never adjacent
-  std::vector<ClassifiedSample> samples;  ///< of the runs' voxels, run after run: the first `visible` ones
+  std::vector<VisibleBlock> blocks;       ///< by ascending columns
+  std::vector<std::uint32_t> columns;     ///< of the visible voxels, ascending: the first `visible` ones
+  std::vector<ClassifiedSample> samples;  ///< theirs
   std::uint32_t visible = 0;
   void clear() {
-    runs.clear();
+    blocks.clear();
     visible = 0;
   }
 };

@@ -51,11 +51,11 @@ class RegionPainter {
   /// Sums splats into the slice buffer. `bytes` is count × sizeof(Splat), any alignment.
   /// Splats with a NaN or a coefficient that no footprint can have are counted as clipped.
   DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
-  /// Takes neighbouring voxels of a row of the slice, which composite() will sum: the same bits as draw() of their splats,
-  /// row by row, gives. Each voxel of a slice once; not together with draw() in one slice. `slice` must stay as it is until composite().
-  /// For FloatVoxel, HalfVoxel and ByteVoxel.
+  /// Takes voxels of a row of the slice, which composite() will sum: the same bits as draw() of their splats, row by row, gives.
+  /// Each voxel of a slice once; not together with draw() in one slice. `slice` must stay as it is until composite(). `voxels`:
+  /// those of the block, FloatVoxel, HalfVoxel or ByteVoxel, packed.
   template <class Voxel>
-  DrawCounts draw_row(const AlignedSlice& slice, std::uint32_t row, std::uint32_t first, std::span<const Voxel> voxels);
+  DrawCounts draw_block(const AlignedSlice& slice, const VoxelBlock& block, const Voxel* voxels);
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0, a];
   /// empties the slice buffer. Costs nothing when no splat was drawn since the last call. `voxel`: where a
   /// voxel of the slice lies on the screen; only the exact normalisation asks, and divides a and c first.

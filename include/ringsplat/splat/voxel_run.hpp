@@ -9,16 +9,17 @@
 
 namespace ringsplat {
 
-/// Consecutive visible voxels of a slice's row. Their positions follow from the view, which every rank knows,
-/// so a run says once where it begins and carries only colours and opacities.
-struct VoxelRun {
-  std::uint32_t row, first, count;
+/// Visible voxels of a slice's row, among 64 neighbouring columns. Their positions follow from the view, which
+/// every rank knows, so a bit each says where they are and only their colours and opacities travel.
+struct VoxelBlock {
+  std::uint32_t row, first;  ///< first: column, a multiple of 64
+  std::uint64_t mask;        ///< bit i: the voxel of column first + i; never 0
 };
 
-/// Heads one region's runs of a slice: `runs` VoxelRun, then `voxels` colours.
-struct RunGroup {
+/// Heads one region's voxels of a slice: `blocks` VoxelBlock, then `voxels` colours.
+struct BlockGroup {
   std::int32_t region;
-  std::uint32_t runs, voxels;
+  std::uint32_t blocks, voxels;
 };
 
 /// A voxel's straight linear colour and its opacity, corrected and not yet weighted, as they travel.

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -48,20 +49,15 @@ std::uint64_t mask_where(const std::byte* row, int first, int count, const Wante
   return count == mask_bits ? mask : mask & ((std::uint64_t{1} << count) - 1);
 }
 
-/// Calls take(first, count) for the runs of scalars in columns first … end − 1 that satisfy `wanted`,
-/// ascending. A run may come in several adjacent pieces.
+/// Calls take(block, mask) for the blocks of mask_bits columns, which begin at multiples of that, with scalars in
+/// columns first … end − 1 that satisfy `wanted`, ascending. Bit i of the mask, which is not 0, is column block + i.
 template <class T, class Wanted, class Take>
-void for_each_run(const std::byte* row, int first, int end, const Wanted& wanted, const Take& take) {
-  for (; first < end; first += mask_bits) {
-    std::uint64_t mask = mask_where<T>(row, first, std::min(mask_bits, end - first), wanted);
-    for (int at = first; mask != 0;) {
-      const int skipped = std::countr_zero(mask), count = std::countr_one(mask >> skipped);
-      at += skipped;
-      take(at, count);
-      at += count;
-      // In two steps, since a shift by all 64 bits is none.
-      mask = mask >> skipped >> (count - 1) >> 1;
-    }
+void for_each_mask(const std::byte* row, int first, int end, const Wanted& wanted, const Take& take) {
+  while (first < end) {
+    const int block = first / mask_bits * mask_bits, next = std::min(block + mask_bits, end);
+    const std::uint64_t mask = mask_where<T>(row, first, next - first, wanted) << (first - block);
+    if (mask != 0) take(block, mask);
+    first = next;
   }
 }
 
