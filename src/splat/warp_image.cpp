@@ -154,9 +154,26 @@ bool lies_within(const WarpedRow& row, int x, const PixelWindow& firsts) {
          py < double(firsts.y1 + 1);
 }
 
+bool is_clear(const float* pixel) { return std::all_of(pixel, pixel + 4, [](float value) { return value == 0; }); }
+
+/// The smallest window with all pixels of `window` that are not 0; empty when none is.
+PixelWindow not_clear(const Image& plane, const PixelWindow& window) {
+  PixelWindow found{plane.width, plane.height, -1, -1};
+  for (std::int64_t y = window.y0; y <= window.y1; ++y) {
+    const float* row = plane.pixel(0, int(y));
+    std::int64_t first = window.x0, last = window.x1;
+    while (first <= last && is_clear(row + 4 * first)) ++first;
+    if (first > last) continue;
+    while (is_clear(row + 4 * last)) --last;
+    found = {std::min(found.x0, first), std::min(found.y0, y), std::max(found.x1, last), y};
+  }
+  return found;
+}
+
 }  // namespace
 
-void warp_image(const Image& plane, const PixelWindow& filled, const PlaneWarp& warp, Image& screen) {
+void warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, Image& screen) {
+  const PixelWindow filled = not_clear(plane, window);
   // The first of a place's four taps along each axis: those that see a filled pixel and whose four lie in the
   // image.
   const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),

@@ -10,9 +10,9 @@ namespace ringsplat {
 /// −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is clamped,
 /// opacity to [0, 1] and colours to [0, opacity].
 ///
-/// `filled`: the pixels of `plane` that are not transparent lie in it. Pixels of `screen` that see none of
+/// `window`: the pixels of `plane` that are not transparent lie in it. Pixels of `screen` that see none of
 /// them stay as they are. A pixel's operations are the same whatever the vector width, so its bits do not
 /// depend on the processor.
-void warp_image(const Image& plane, const PixelWindow& filled, const PlaneWarp& warp, Image& screen);
+void warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, Image& screen);
 
 }  // namespace ringsplat
