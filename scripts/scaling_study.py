@@ -35,7 +35,6 @@ def mesh(columns, rows, renderers):
     return {"topology": "mesh", "mesh": f"{columns}x{rows}", "renderers": renderers, "routing": "direct"}
 
 
-# An odd number of Renderers spreads a square picture's regions evenly: with a divisor of the regions in a row, each would own columns.
 LARGEST = [ring(769, 255), mesh(32, 30, 60)]
 STRONG = [ring(9, 7), ring(33, 31), ring(129, 127), mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
 WEAK = [(256, ring(9, 7)), (512, ring(65, 63)), (1024, ring(769, 255)),

@@ -177,16 +177,17 @@ std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpe
   return costs;
 }
 
-/// Adds to `regions` the Renderers' seconds, `total` in sum; a Renderer's go to its regions alike.
-void add_regions(std::vector<double>& regions, const std::vector<double>& renderers, double total) {
+/// Adds to the costs of regions the Renderers' seconds, `total` in sum; a Renderer's go to its regions alike.
+void add_regions(FrameCosts& costs, const std::vector<double>& renderers, double total) {
   double sum = 0;
   for (const double seconds : renderers) sum += seconds;
   if (sum <= 0) return;
-  const auto count = renderers.size();
-  for (std::size_t region = 0; region < regions.size(); ++region) {
-    const std::size_t owner = region % count, owned = (regions.size() - owner - 1) / count + 1;
-    regions[region] += total / sum * renderers[owner] / double(owned);
-  }
+  const RegionOwners owners(costs.columns, int(costs.region.size()) / costs.columns, int(renderers.size()));
+  std::vector<double> owned(renderers.size(), 0.0);
+  const auto owner = [&](std::size_t region) { return std::size_t(owners.of(int(region))); };
+  for (std::size_t region = 0; region < costs.region.size(); ++region) ++owned[owner(region)];
+  for (std::size_t region = 0; region < costs.region.size(); ++region)
+    costs.region[region] += total / sum * renderers[owner(region)] / owned[owner(region)];
 }
 
 }  // namespace
@@ -212,6 +213,7 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
     const FrameGeometry geometry = make_geometry(frame, grid);
     costs.slices += double(geometry.slices) / double(views.size());
     regions = geometry.regions.count();
+    costs.columns = geometry.regions.columns();
     frame.camera = fixed_to_world(camera, grid, frame.width, frame.height);
     frames.push_back(frame);
   }
@@ -228,7 +230,7 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
       costs.frame += mean * together[k].rest;
       costs.visible_voxels += scale * together[k].visible_voxels;
       costs.splats += scale * together[k].splats;
-      add_regions(costs.region, apart[k].renderers, scale * together[k].renderers.front());
+      add_regions(costs, apart[k].renderers, scale * together[k].renderers.front());
     }
   }
   return costs;

@@ -14,9 +14,10 @@ namespace ringsplat::app {
 namespace {
 
 std::vector<double> by_renderer(const FrameCosts& costs, int renderers) {
+  const RegionOwners owners(costs.columns, int(costs.region.size()) / costs.columns, renderers);
   std::vector<double> seconds(std::size_t(renderers), 0.0);
   for (std::size_t region = 0; region < costs.region.size(); ++region)
-    seconds[std::size_t(Regions::owner(int(region), renderers))] += costs.region[region];
+    seconds[std::size_t(owners.of(int(region)))] += costs.region[region];
   return seconds;
 }
 

@@ -14,6 +14,7 @@ struct FrameCosts {
   double slices = 1;           ///< that are traversed
   double gp = 0;               ///< classify, shade and encode all of them
   std::vector<double> region;  ///< draw, composite and deliver, by region
+  int columns = 1;             ///< regions in a row of the picture
   double frame = 0;            ///< what every GP spends on a frame before its first slice
   double visible_voxels = 0, splats = 0;
   double renderer() const;  ///< the sum over all regions

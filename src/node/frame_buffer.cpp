@@ -69,6 +69,7 @@ bool FrameBuffer::announce_next() {
   frame.geometry = make_geometry(*spec, grid_);
   frame.image = Image(frame.geometry.width, frame.geometry.height);
   frame.filled = {frame.image.width, frame.image.height, -1, -1};
+  frame.owners = frame.geometry.regions.owners(layout_.renderers);
   frame.tile_here.resize(std::size_t(frame.geometry.regions.count()));
   frame.gp_reported.resize(std::size_t(layout_.gps));
   frame.renderer_reported.resize(std::size_t(layout_.renderers));
@@ -122,7 +123,7 @@ void FrameBuffer::take_tile(Frame& frame, const Message& message) {
   const Header& h = message.header;
   const Regions& regions = frame.geometry.regions;
   const auto region = static_cast<int>(h.region);
-  if (region < 0 || region >= regions.count() || Regions::owner(region, layout_.renderers) != h.source ||
+  if (region < 0 || region >= regions.count() || frame.owners->of(region) != h.source ||
       frame.tile_here[h.region])
     throw RunError(fmt::format("{} delivered region {} of frame {}, which is not its own or came before",
                                to_string(h.from()), h.region, h.frame));

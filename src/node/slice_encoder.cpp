@@ -19,7 +19,7 @@ class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space,
                ThreadTeam& threads)
-      : frame_(spec, geometry), empty_space_(empty_space), threads_(threads), renderers_(renderers) {}
+      : frame_(spec, geometry), empty_space_(empty_space), threads_(threads), renderers_(renderers), owners_(geometry.regions.owners(renderers)) {}
 
   void begin(const SliceView& slice) override {
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
@@ -53,7 +53,7 @@ class SliceEncoder final : public Encoder {
     const std::vector<int> regions = used_regions();
     const std::vector<std::size_t> sizes = payload_sizes(regions);
     for (const int region : regions) {
-      const auto owner = std::size_t(Regions::owner(region, renderers_));
+      const auto owner = std::size_t(owners_.of(region));
       Bytes& payload = encoded.payloads[owner];
       if (payload.empty()) {
         payload = Message::body_buffer();
@@ -118,7 +118,7 @@ class SliceEncoder final : public Encoder {
     std::vector<std::size_t> sizes(std::size_t(renderers_), 0);
     for (const int region : regions)
       for (const auto& band : bands())
-        sizes[std::size_t(Regions::owner(region, renderers_))] += band->part_bytes(region);
+        sizes[std::size_t(owners_.of(region))] += band->part_bytes(region);
     return sizes;
   }
 
@@ -138,6 +138,7 @@ class SliceEncoder final : public Encoder {
   EmptySpace& empty_space_;
   ThreadTeam& threads_;
   int renderers_;
+  RegionOwners owners_;
   std::uint64_t voxels_ = 0;  ///< of the slice
   std::vector<std::unique_ptr<RowBand>> bands_;
   std::size_t bands_in_use_ = 0;  ///< by this slice, in the order of its rows

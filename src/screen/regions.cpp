@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "ringsplat/base/error.hpp"
 
@@ -16,7 +17,41 @@ constexpr int largest_side = 1 << 20;
 
 int pieces(int length, int size) { return (length - 1) / size + 1; }
 
+/// The square of the shortest way, in regions, from one to another of the same Renderer in an endless picture.
+std::int64_t shortest_way(std::int64_t skew, std::int64_t renderers) {
+  std::int64_t shortest = renderers * renderers;
+  for (std::int64_t y = 1; y * y < shortest; ++y) {
+    const std::int64_t along = skew * y % renderers, x = std::min(along, renderers - along);
+    shortest = std::min(shortest, x * x + y * y);
+  }
+  return shortest;
+}
+
+/// Whether all Renderers have as many regions or one fewer.
+bool is_even(int columns, int rows, std::int64_t skew, int renderers) {
+  std::vector<int> owned(std::size_t(renderers), 0);
+  for (int y = 0; y < rows; ++y)
+    for (int x = 0; x < columns; ++x) ++owned[std::size_t((x + skew * y) % renderers)];
+  const auto [least, most] = std::minmax_element(owned.begin(), owned.end());
+  return *most - *least <= 1;
+}
+
+std::int64_t choose_skew(int columns, int rows, int renderers) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> skews;  // by shortest way, the longest first
+  for (std::int64_t skew = 0; skew < renderers; ++skew) skews.emplace_back(-shortest_way(skew, renderers), skew);
+  // Enough to find one that is even, where any but the last is.
+  constexpr std::size_t most_tried = 16;
+  const std::size_t tried = std::min(skews.size(), most_tried);
+  std::partial_sort(skews.begin(), skews.begin() + std::ptrdiff_t(tried), skews.end());
+  for (std::size_t k = 0; k < tried; ++k)
+    if (is_even(columns, rows, skews[k].second, renderers)) return skews[k].second;
+  return columns % renderers;
+}
+
 }  // namespace
+
+RegionOwners::RegionOwners(int columns, int rows, int renderers)
+    : columns_(columns), renderers_(renderers), skew_(choose_skew(columns, rows, renderers)) {}
 
 Regions::Regions(int width, int height, int region_size)
     : width_(width), height_(height), size_(region_size) {
@@ -47,9 +82,10 @@ PixelRect Regions::rect(int region) const {
 }
 
 std::vector<int> Regions::owned(int renderer, int renderers) const {
+  const RegionOwners all = owners(renderers);
   std::vector<int> mine;
   for (int region = 0; region < count(); ++region) {
-    if (owner(region, renderers) == renderer) mine.push_back(region);
+    if (all.of(region) == renderer) mine.push_back(region);
   }
   return mine;
 }

@@ -73,11 +73,41 @@ TEST_CASE("every region has one owner and owned() lists them in order", "[region
     const auto mine = regions.owned(renderer, renderers);
     CHECK(std::is_sorted(mine.begin(), mine.end()));
     for (const int region : mine) {
-      CHECK(Regions::owner(region, renderers) == renderer);
+      CHECK(regions.owners(renderers).of(region) == renderer);
       CHECK(seen.insert(region).second);
     }
   }
   CHECK(static_cast<int>(seen.size()) == regions.count());
+}
+
+TEST_CASE("Renderers have as many regions as any other or one fewer, wherever in the picture", "[regions]") {
+  for (const int columns : {1, 2, 4, 5, 6, 12, 16}) {
+    for (int renderers = 1; renderers <= 24; ++renderers) {
+      INFO(columns << " regions in a row, " << renderers << " Renderers");
+      const Regions regions(columns * 10, 70, 10);
+      std::vector<int> owned(std::size_t(renderers), 0);
+      const RegionOwners owners = regions.owners(renderers);
+      for (int region = 0; region < regions.count(); ++region) ++owned[std::size_t(owners.of(region))];
+      CHECK(*std::max_element(owned.begin(), owned.end()) <= *std::min_element(owned.begin(), owned.end()) + 1);
+    }
+  }
+}
+
+TEST_CASE("what lies together in the picture is dealt to many Renderers", "[regions]") {
+  const int columns = GENERATE(4, 5, 6, 8, 16);
+  const Regions regions(columns * 10, columns * 10, 10);
+  for (const int renderers : {2, 3, 4, 5, 8, 16}) {
+    const RegionOwners owners = regions.owners(renderers);
+    INFO(columns << " regions in a row, " << renderers << " Renderers");
+    for (int y = 0; y + 1 < columns; ++y) {
+      for (int x = 0; x + 1 < columns; ++x) {
+        const int corner = y * columns + x;
+        const std::set<int> block{owners.of(corner), owners.of(corner + 1), owners.of(corner + columns),
+                                  owners.of(corner + columns + 1)};
+        CHECK(int(block.size()) >= std::min(renderers, 3));
+      }
+    }
+  }
 }
 
 TEST_CASE("touched() is the block of regions that a window of pixels meets", "[regions]") {

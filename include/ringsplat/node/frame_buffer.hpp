@@ -60,6 +60,7 @@ class FrameBuffer final : public Node {
     FrameGeometry geometry;
     Image image;         ///< of the image plane
     PixelWindow filled;  ///< part of it that tiles have filled
+    std::optional<RegionOwners> owners;
     std::vector<bool> tile_here;
     std::vector<bool> gp_reported, renderer_reported;
     int reports_missing = 0;

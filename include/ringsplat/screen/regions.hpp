@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <vector>
 
 namespace ringsplat {
@@ -10,6 +11,25 @@ struct PixelRect {
   int height() const { return y1 - y0; }
   bool empty() const { return x1 <= x0 || y1 <= y0; }
   bool operator==(const PixelRect&) const = default;
+};
+
+/// Which Renderer owns a region: the one map from regions to Renderers, used by all.
+///
+/// The region in column x and row y is Renderer x + skew · y's, modulo their number, so that all have as many regions
+/// or one fewer. Of the skews that keep that, the one with the longest way from a region to the nearest one of the same
+/// Renderer is taken (the lattices of Korobov 1959): what lies together in the picture is dealt to many. Dealing in turn is
+/// the skew of a row's length, which gives a Renderer whole columns when their numbers have a common divisor. In Neumann
+/// 1992 (section 3) a Renderer has one region.
+class RegionOwners {
+ public:
+  /// `columns`, `rows`: of regions.
+  RegionOwners(int columns, int rows, int renderers);
+  int of(int region) const {
+    return static_cast<int>((region % columns_ + region / columns_ * skew_) % renderers_);
+  }
+
+ private:
+  std::int64_t columns_, renderers_, skew_;
 };
 
 /// The screen cut into square regions, numbered row by row; those at the right and lower edge may be smaller.
@@ -25,8 +45,7 @@ class Regions {
   int region_size() const { return size_; }
   PixelRect rect(int region) const;
 
-  /// Which Renderer owns a region: the one map from regions to Renderers, used by all.
-  static int owner(int region, int renderers) { return region % renderers; }
+  RegionOwners owners(int renderers) const { return {columns_, rows_, renderers}; }
   std::vector<int> owned(int renderer, int renderers) const;
 
   /// The block of regions that pixels [x0, x1] × [y0, y1] (inclusive) touch, clipped to the screen, in
