@@ -4,7 +4,7 @@
 #   scripts/calibrate.sh MACHINE.toml [REPETITIONS]   (default 5; nothing else should run)
 #
 # One GP and one Renderer on a core each render the repository's head, a volume without a visible voxel, one of eight voxels,
-# and pass tokens through 4096 empty slices, on one rank and between two; every cost is the least of the repetitions.
+# and pass tokens through 4096 empty slices, on one rank and between two; every cost is the median over all frames.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 

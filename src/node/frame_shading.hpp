@@ -8,13 +8,14 @@
 
 namespace ringsplat {
 
-/// The tables that turn one frame's voxels into colours. Safe to use from several threads.
+/// The tables that turn one frame's voxels into colours.
 class FrameShading {
  public:
-  /// Both must outlive it.
-  FrameShading(const FrameSpec& spec, const FrameGeometry& geometry)
+  /// Both must outlive it. `several`: threads use it.
+  FrameShading(const FrameSpec& spec, const FrameGeometry& geometry, bool several)
       : spec_(spec),
         geometry_(geometry),
+        several_(several),
         classifier_(
             spec.transfer_function, geometry.grid.type,
             spec.opacity_correction ? geometry.traversal.slice_distance : double(spec.reduction.factor)) {}
@@ -29,6 +30,7 @@ class FrameShading {
       phong_.emplace(spec_.material,
                      view.right * spec_.light.x + view.up * spec_.light.y + view.to_viewer * spec_.light.z,
                      view.to_viewer);
+      if (several_) phong_->make_all();
     });
     return *phong_;
   }
@@ -36,6 +38,7 @@ class FrameShading {
  private:
   const FrameSpec& spec_;
   const FrameGeometry& geometry_;
+  bool several_;
   Classifier classifier_;
   mutable std::once_flag once_;
   mutable std::optional<PhongTable> phong_;

@@ -19,7 +19,7 @@ class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space,
                ThreadTeam& threads)
-      : frame_(spec, geometry), empty_space_(empty_space), threads_(threads), renderers_(renderers), owners_(geometry.regions.owners(renderers)) {}
+      : frame_(spec, geometry, threads.size()), empty_space_(empty_space), threads_(threads), renderers_(renderers), owners_(geometry.regions.owners(renderers)) {}
 
   void begin(const SliceView& slice) override {
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
