@@ -15,12 +15,18 @@ std::vector<Reduction> Browsing::levels(const FrameSpec& frame, bool progressive
   return {{4, prefilter}, {2, prefilter}, {1, prefilter}};
 }
 
-Browsing::Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream, bool progressive)
-    : frame_(frame), levels_(levels(frame, progressive)), views_(std::move(views)), stream_(std::move(stream)), next_level_(levels_.size()) {}
+Browsing::Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream,
+                   bool progressive)
+    : frame_(frame),
+      levels_(levels(frame, progressive)),
+      views_(std::move(views)),
+      stream_(std::move(stream)),
+      next_level_(levels_.size()) {}
 
 Director Browsing::director(FrameOutput& output, Progress& progress) {
-  Director director{[this] { return next(); },
-                    [this, &output, &progress](FrameResult&& result) { take(std::move(result), output, progress); }};
+  Director director{
+      [this] { return next(); },
+      [this, &output, &progress](FrameResult&& result) { take(std::move(result), output, progress); }};
   if (stream_) {
     director.may_come = [this] { return stream_->may_come(); };
     director.unwanted = [this](const FrameSpec& spec) { return unwanted(spec); };
@@ -70,8 +76,10 @@ void Browsing::take(FrameResult&& result, FrameOutput& output, Progress& progres
   const double seconds = now_seconds() - asked_.at(step.view);
   const bool full = step.level + 1 == levels_.size();
   if (levels_.size() > 1) {
-    if (full) compare_with_full(step, result.image, seconds, output, progress);
-    else coarse_[step.view].push_back({result.spec.reduction, result.image, result.spec.frame, seconds});
+    if (full)
+      compare_with_full(step, result.image, seconds, output, progress);
+    else
+      coarse_[step.view].push_back({result.spec.reduction, result.image, result.spec.frame, seconds});
   }
   output.take(std::move(result), step.view, full ? 1 : levels_[step.level].factor);
   if (!full) return;
@@ -80,11 +88,13 @@ void Browsing::take(FrameResult&& result, FrameOutput& output, Progress& progres
   asked_.erase(asked_.begin(), asked_.upper_bound(step.view));
 }
 
-void Browsing::compare_with_full(const Step& step, const Image& full, double seconds, FrameOutput& output, Progress& progress) {
+void Browsing::compare_with_full(const Step& step, const Image& full, double seconds, FrameOutput& output,
+                                 Progress& progress) {
   std::string line = fmt::format("view {}:", step.view);
   for (const Shown& shown : coarse_[step.view]) {
     const truth::ErrorFigures error = truth::compare(shown.image, full).total;
-    line += fmt::format(" 1/{} after {:.4f} s, {:.3g}/255 rms;", shown.reduction.factor, shown.seconds, error.rmse);
+    line += fmt::format(" 1/{} after {:.4f} s, {:.3g}/255 rms;", shown.reduction.factor, shown.seconds,
+                        error.rmse);
     output.add_refinement(shown.frame, {shown.seconds, error.rmse, error.largest});
   }
   progress.print(line + fmt::format(" full after {:.4f} s", seconds));

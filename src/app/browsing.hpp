@@ -10,12 +10,15 @@
 
 namespace ringsplat::app {
 
-/// Which frames are rendered, in which order: each view once, or with --progressive from coarse to fine (Neumann 1992,
-/// section 4.4). A refinement is dropped when a newer view is there; a view's first, coarse picture never is.
+/// Which frames are rendered, in which order: each view once, or with --progressive from coarse to fine
+/// (Neumann 1992, section 4.4). A refinement is dropped when a newer view is there; a view's first, coarse
+/// picture never is.
 class Browsing {
  public:
-  /// `stream` adds the views that come to those listed; null: there are no more. `frame` is what all frames have in common.
-  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream, bool progressive);
+  /// `stream` adds the views that come to those listed; null: there are no more. `frame` is what all frames
+  /// have in common.
+  Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream,
+           bool progressive);
 
   /// What the frame buffer asks. `output` takes finished frames; both must outlive the run.
   Director director(FrameOutput& output, Progress& progress);
@@ -42,7 +45,8 @@ class Browsing {
   bool newer_view_waits();
   bool unwanted(const FrameSpec& spec);
   void take(FrameResult&& result, FrameOutput& output, Progress& progress);
-  void compare_with_full(const Step& step, const Image& full, double seconds, FrameOutput& output, Progress& progress);
+  void compare_with_full(const Step& step, const Image& full, double seconds, FrameOutput& output,
+                         Progress& progress);
 
   FrameSpec frame_;
   std::vector<Reduction> levels_;
@@ -53,8 +57,8 @@ class Browsing {
   std::optional<Camera> current_;
   std::size_t next_level_ = 0;
   std::int64_t next_frame_ = 0;
-  std::map<std::int64_t, Step> steps_;       ///< by frame, announced and not done
-  std::map<std::size_t, double> asked_;      ///< when a view was first announced
+  std::map<std::int64_t, Step> steps_;                ///< by frame, announced and not done
+  std::map<std::size_t, double> asked_;               ///< when a view was first announced
   std::map<std::size_t, std::vector<Shown>> coarse_;  ///< a view's pictures so far
   std::size_t dropped_ = 0;
 };

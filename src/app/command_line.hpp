@@ -13,7 +13,9 @@ struct Say {
 
 struct CommandLine {
   /// What to do; nothing when the command line was wrong.
-  std::variant<std::monostate, Say, RenderOptions, InfoOptions, CompareOptions, SynthOptions, ReferenceOptions, StudyOptions> command;
+  std::variant<std::monostate, Say, RenderOptions, InfoOptions, CompareOptions, SynthOptions,
+               ReferenceOptions, StudyOptions>
+      command;
   bool verbose = false;
   std::string error;  ///< one line with a hint, or empty
 };

@@ -15,9 +15,11 @@ void add_error_budget_options(CLI::App& app, ErrorBudgetOptions& o) {
                        "give an RMSE above 0 in 1/255, for instance --max-error 0.5");
     o.max_error = value;
   };
-  app.add_option_function<double>("--max-error", take,
-                                  "Choose the cheapest --opaque-threshold, --precision, --radius, --image-plane and "
-                                  "--undersample whose RMSE against the method's truth stays within this, in 1/255; those given are kept")
+  app.add_option_function<double>(
+         "--max-error", take,
+         "Choose the cheapest --opaque-threshold, --precision, --radius, --image-plane and "
+         "--undersample whose RMSE against the method's truth stays within this, in 1/255; those given are "
+         "kept")
       ->type_name("RMSE")
       ->group("Error");
 }

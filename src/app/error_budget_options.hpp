@@ -7,7 +7,8 @@ namespace ringsplat::app {
 struct ErrorBudgetOptions {
   std::optional<double> max_error;  ///< RMSE in 1/255 against the method's truth; nothing: choose nothing
   /// What the user has said, which then is no longer to be chosen.
-  bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false, fixed_image_plane = false, fixed_undersample = false;
+  bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false,
+       fixed_image_plane = false, fixed_undersample = false;
 };
 
 void add_error_budget_options(CLI::App& app, ErrorBudgetOptions& options);

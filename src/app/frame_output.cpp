@@ -85,14 +85,17 @@ void FrameOutput::measure_kept() {
   for (const FinishedFrame& frame : kept_) {
     const auto& [result, file] = frame;
     set_frame(scene, result.spec);
-    scene.radius = options_.frame.kernel_radius;  // as asked for: an error budget may have chosen a smaller one
+    scene.radius =
+        options_.frame.kernel_radius;  // as asked for: an error budget may have chosen a smaller one
     const MeasuredError error = measure(result.image, scene, options_.error);
     write(frame, &error);
     progress_.print(to_text(error));
     if (options_.budget.max_error && error.error.rmse > *options_.budget.max_error) {
       progress_.clear();
-      log_warning("{}: the error is over --max-error {:g}, which the views of the calibration kept; hint: use a smaller one",
-                  file.string(), *options_.budget.max_error);
+      log_warning(
+          "{}: the error is over --max-error {:g}, which the views of the calibration kept; hint: use a "
+          "smaller one",
+          file.string(), *options_.budget.max_error);
     }
   }
   kept_.clear();
@@ -108,10 +111,11 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   const NodeStats sum = result.stats.total();
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
-    log_warning("{}: {}", label, why_nothing_is_visible(result.spec.transfer_function, range_, sum.visible_voxels));
+    log_warning("{}: {}", label,
+                why_nothing_is_visible(result.spec.transfer_function, range_, sum.visible_voxels));
   }
-  progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats",
-                              label, result.stats.seconds, sum.visible_voxels, sum.splats_sent));
+  progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats", label, result.stats.seconds,
+                              sum.visible_voxels, sum.splats_sent));
   seconds_.push_back(result.stats.seconds);
   if (!options_.stats.empty()) {
     json j = json::parse(to_json_text(result.stats, result.spec, layout_));
@@ -151,7 +155,8 @@ void FrameOutput::finish() {
 }
 
 fs::path output_file(const RenderOptions& options, std::size_t view) {
-  return options.orbit > 0 || !options.path.empty() ? numbered(options.output, view) : fs::path(options.output);
+  return options.orbit > 0 || !options.path.empty() ? numbered(options.output, view)
+                                                    : fs::path(options.output);
 }
 
 std::vector<Camera> views_of(const RenderOptions& o) {

@@ -29,11 +29,12 @@ class FrameOutput {
               Progress& progress);
 
   /// Has the picture written, or keeps it until finish() when its error is to be measured: a truth takes
-  /// longer than other ranks should wait. Throws RunError when an earlier picture could not be written. `view` counts from 0; coarser pictures of a view that is refined carry their
-  /// undersampling factor in their names.
+  /// longer than other ranks should wait. Throws RunError when an earlier picture could not be written.
+  /// `view` counts from 0; coarser pictures of a view that is refined carry their undersampling factor in
+  /// their names.
   void take(FrameResult&& result, std::size_t view, int factor);
-  /// A refined view's coarse frame, for the statistics: how long after the view was asked for it was there, and how far from
-  /// the full picture it is.
+  /// A refined view's coarse frame, for the statistics: how long after the view was asked for it was there,
+  /// and how far from the full picture it is.
   struct RefinementStep {
     double seconds, rmse, largest;  ///< errors in 1/255
   };
@@ -56,16 +57,18 @@ class FrameOutput {
   Progress& progress_;
   std::vector<FinishedFrame> kept_;  ///< whose error is to be measured
   std::vector<double> seconds_;
-  std::vector<std::string> stats_;  ///< one JSON object a frame
+  std::vector<std::string> stats_;                      ///< one JSON object a frame
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
   int empty_frames_ = 0;
   FrameWriter writer_;  ///< the last: it uses all of the above
 };
 
-/// The file of a view's picture: the output itself, or a numbered one when there may be more than one. `view` counts from 0.
+/// The file of a view's picture: the output itself, or a numbered one when there may be more than one. `view`
+/// counts from 0.
 std::filesystem::path output_file(const RenderOptions& options, std::size_t view);
 
-/// The views of a run's frames that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws InputError for a path that cannot be read.
+/// The views of a run's frames that are known beforehand: one, an orbit or a path; none when they come on
+/// stdin. Throws InputError for a path that cannot be read.
 std::vector<Camera> views_of(const RenderOptions& options);
 
 }  // namespace ringsplat::app

@@ -249,7 +249,8 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
                                   {"exact", Normalisation::exact}},
            "constant",
            "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel"),
-       app.add_option("--region", f.region_size, "Pixels of the side of a Renderer's region; without it 128 on the screen")
+       app.add_option("--region", f.region_size,
+                      "Pixels of the side of a Renderer's region; without it 128 on the screen")
            ->type_name("N")
            ->check(CLI::Range(1, 1 << 20)),
        no_correction});
@@ -259,26 +260,34 @@ void add_shortcut_options(CLI::App& app, RenderOptions& o) {
   FrameSpec& f = o.frame;
   group("Shortcuts",
         {app.add_flag("--progressive", o.progressive,
-                      "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
+                      "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), "
+                      "then in full; a "
                       "newer view on --path - ends it"),
-         app.add_option("--undersample", f.reduction.factor, "Render a volume of every 2nd or 4th voxel along each axis")
+         app.add_option("--undersample", f.reduction.factor,
+                        "Render a volume of every 2nd or 4th voxel along each axis")
              ->type_name("1|2|4")
              ->capture_default_str(),
-         app.add_flag("--prefilter", f.reduction.prefilter, "Undersampled voxels are filtered from those that they stand for, not picked"),
+         app.add_flag("--prefilter", f.reduction.prefilter,
+                      "Undersampled voxels are filtered from those that they stand for, not picked"),
          add_choice(app, "--image-plane", f.image_plane,
-                    Choices<ImagePlane>{{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}}, "screen",
-                    "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end"),
+                    Choices<ImagePlane>{{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}},
+                    "screen",
+                    "Draw on the screen, or in the plane of the slices, of which one warp makes the picture "
+                    "in the end"),
          app.add_option("--samples", f.plane_samples, "In the slices' plane: pixels a voxel along each axis")
              ->type_name("1|2|4")
              ->capture_default_str(),
-         app.add_option("--opaque-threshold", f.opaque_threshold,
-                        "Nothing is added to a pixel through which less light than this comes; 0: everything is")
+         app.add_option(
+                "--opaque-threshold", f.opaque_threshold,
+                "Nothing is added to a pixel through which less light than this comes; 0: everything is")
              ->capture_default_str(),
-         add_choice(app, "--payload", f.payload, Choices<PayloadForm>{{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}, "runs",
+         add_choice(app, "--payload", f.payload,
+                    Choices<PayloadForm>{{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}, "runs",
                     "What GPs send: runs of voxels, or the paper's six words a splat; the same bits"),
          add_choice(app, "--precision", f.precision,
-                    Choices<Precision>{{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}, "float",
-                    "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel")});
+                    Choices<Precision>{
+                        {"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}},
+                    "float", "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel")});
 }
 
 void add_render_output_options(CLI::App& app, RenderOptions& o) {
@@ -349,63 +358,6 @@ void add_synth_options(CLI::App& app, SynthOptions& o) {
          app.add_flag("--no-compression", o.no_compression,
                       "Write a .nrrd without gzip, so that all ranks can read it at once"),
          app.add_flag("--list", o.list, "List the volumes")});
-}
-
-void refuse_contradictions(const CLI::App& app) {
-  struct Contradiction {
-    const char *first, *second, *way_out;
-  };
-  static constexpr Contradiction contradictions[] = {
-      {"--orbit", "--path", "each says what all frames are: keep one"},
-      {"--matrix", "--azimuth", "a matrix is the whole view: leave out the angle"},
-      {"--matrix", "--elevation", "a matrix is the whole view: leave out the angle"},
-      {"--matrix", "--roll", "a matrix is the whole view: leave out the angle"},
-      {"--matrix", "--zoom", "a matrix is the whole view: scale its rows instead"},
-      {"--matrix", "--orbit",
-       "an orbit turns the azimuth: give --elevation, --roll and --zoom instead of a matrix"},
-      {"--matrix", "--path", "a path gives each frame's view: put the matrix into its lines as JSON"},
-      {"--path", "--azimuth", "the path gives each frame's azimuth: leave it out"},
-      {"--path", "--elevation", "the path gives each frame's elevation: leave it out"},
-      {"--mesh", "--gps", "the mesh says how many GPs there are: leave out --gps"},
-      {"--progressive", "--undersample", "progressive pictures begin with 4 anyway: leave out --undersample"},
-      {"--count-only", "--output", "nothing is drawn that could be written: leave out -o"},
-      {"--presets", "--gps", "the presets need no volume: ask for one thing at a time"},
-      {"--tf-out", "--ranks", "a prediction writes no file: use ringsplat render --tf-out"},
-      {"--presets", "--ranks", "the presets need no volume: ask for one thing at a time"},
-  };
-  const auto given = [&](const char* name) {
-    const auto* option = app.get_option_no_throw(name);
-    return option != nullptr && option->count() > 0;
-  };
-  for (const auto& c : contradictions)
-    if (given(c.first) && given(c.second))
-      throw InputError(fmt::format("{} and {} contradict each other", c.first, c.second), c.way_out);
-  if (app.get_option_no_throw("--ranks") != nullptr && !given("--ranks"))
-    for (const auto* option : app.get_options())
-      for (const char* heading : {"View", "Picture", "Shortcuts"})
-        if (option->count() > 0 && option->get_group() == heading)
-          throw InputError(fmt::format("{} has no effect without --ranks", option->get_name()),
-                           "add --ranks N to predict the time of such a frame");
-  const auto* kernel = app.get_option_no_throw("--kernel");
-  if (given("--phases") && (kernel->count() == 0 || kernel->results().front() != "texture"))
-    throw InputError("--phases has no effect on kernels that are computed",
-                     "leave out --phases or use --kernel texture");
-  const auto* plane = app.get_option_no_throw("--image-plane");
-  if (given("--samples") && (plane->count() == 0 || plane->results().front() != "slices"))
-    throw InputError("--samples has no effect on the screen, whose pixels --size counts", "leave out --samples or use --image-plane slices");
-  if (given("--cores") && !given("--ranks"))
-    throw InputError("--cores has no effect without --ranks", "add --ranks N");
-  if (given("--machine") && app.get_option_no_throw("--ranks") != nullptr && !given("--ranks"))
-    throw InputError("--machine has no effect without --ranks", "add --ranks N");
-  if (given("--machine") && given("--cores"))
-    throw InputError("--cores has no effect with --machine, whose file says how many there are",
-                     "change platform.hosts and .cores there");
-  const auto* shading = app.get_option_no_throw("--shading");
-  if (shading == nullptr || shading->count() == 0 || shading->results().front() != "none") return;
-  for (const char* name : {"--light", "--ambient", "--diffuse", "--specular", "--exponent"})
-    if (given(name))
-      throw InputError(fmt::format("{} has no effect with --shading none", name),
-                       fmt::format("leave out {} or use --shading phong", name));
 }
 
 }  // namespace ringsplat::app

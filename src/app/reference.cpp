@@ -41,7 +41,8 @@ void check_options(const ReferenceOptions& o) {
 
 ExitCode run_reference(const ReferenceOptions& o) {
   check_options(o);
-  if (o.picture.path == "-") throw InputError("reference takes no views from stdin", "write them into a file for --path");
+  if (o.picture.path == "-")
+    throw InputError("reference takes no views from stdin", "write them into a file for --path");
   const auto cameras = views_of(o.picture);
   const TransferFunctionChoice choice(o.picture.transfer_function);
   const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
@@ -60,7 +61,8 @@ ExitCode run_reference(const ReferenceOptions& o) {
     const Image image =
         truth::to_image(spec.width, spec.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
     write_image(image, output_file(o.picture, k), std::nullopt, settings_text(spec, o));
-    fmt::print("{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start, to_string(o.truth));
+    fmt::print("{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start,
+               to_string(o.truth));
   }
   return ExitCode::done;
 }

@@ -13,8 +13,8 @@ struct ReferenceOptions {
 };
 
 struct StudyOptions {
-  std::string list;    ///< TOML file of scenes, views and settings; empty: the default list
-  std::string output;  ///< .csv; the same name with .json is written too
+  std::string list;      ///< TOML file of scenes, views and settings; empty: the default list
+  std::string output;    ///< .csv; the same name with .json is written too
   std::string pictures;  ///< folder that keeps every picture and truth; empty: none is kept
   bool show_list = false;
 };

@@ -89,7 +89,8 @@ SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
   for (const int factor : load.factors) {
     const Grid level = reduced_grid(grid, {factor, load.prefilter});
     for (int gp = 0; gp < gps; ++gp)
-      memory.predicted[std::size_t(gp)] += SliceStore::bytes_needed(level, gp, gps, load.kept_axes, load.with_normals);
+      memory.predicted[std::size_t(gp)] +=
+          SliceStore::bytes_needed(level, gp, gps, load.kept_axes, load.with_normals);
   }
   return memory;
 }
@@ -118,7 +119,8 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes, o.frame.shading == Shading::phong, {}, o.frame.reduction.prefilter};
-  for (const Reduction& level : Browsing::levels(o.frame, o.progressive)) load.factors.push_back(level.factor);
+  for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
+    load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
   return load;
 }
@@ -219,7 +221,9 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
 
   const ValueRange range = scene.range;
   FrameOutput output(o, layout, range, memory, progress);
-  auto stream = o.path == "-" && launch.rank() == 0 ? std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.camera) : nullptr;
+  auto stream = o.path == "-" && launch.rank() == 0
+                    ? std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.camera)
+                    : nullptr;
   Browsing browsing(frame, plan.cameras, std::move(stream), o.progressive);
   progress.begin("rendering", double(plan.cameras.size()));
   Trace trace;

@@ -67,7 +67,8 @@ std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange&
         tf.name, visible_range(tf), range.low, range.high);
   if (visible_voxels == 0)
     return fmt::format(
-        "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the volume's "
+        "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "
+        "volume's "
         "run from {:g} to {:g}; hint: ringsplat info shows the histogram, or try --tf auto",
         tf.name, visible_range(tf), range.low, range.high);
   return fmt::format(

@@ -11,8 +11,10 @@
 
 namespace ringsplat::app {
 
-ViewStream::ViewStream(int descriptor, std::string name, const Camera& defaults) : name_(std::move(name)), defaults_(defaults) {
-  if (pipe(stop_) != 0) throw RunError("no pipe can be made to read views", "too many files are open: see ulimit -n");
+ViewStream::ViewStream(int descriptor, std::string name, const Camera& defaults)
+    : name_(std::move(name)), defaults_(defaults) {
+  if (pipe(stop_) != 0)
+    throw RunError("no pipe can be made to read views", "too many files are open: see ulimit -n");
   thread_ = std::thread([this, descriptor] { read(descriptor); });
 }
 

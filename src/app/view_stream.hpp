@@ -10,8 +10,8 @@
 
 namespace ringsplat::app {
 
-/// Views that come line by line while others are rendered (`--path -`), as in a path's file but without a line of
-/// names. A thread of its own waits for them.
+/// Views that come line by line while others are rendered (`--path -`), as in a path's file but without a
+/// line of names. A thread of its own waits for them.
 class ViewStream {
  public:
   /// Reads a file descriptor until it ends; it must outlive the stream.

@@ -8,7 +8,8 @@ namespace {
 
 spdlog::logger& logger() {
   static const auto shared = [] {
-    auto made = std::make_shared<spdlog::logger>("ringsplat", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    auto made =
+        std::make_shared<spdlog::logger>("ringsplat", std::make_shared<spdlog::sinks::stderr_sink_mt>());
     made->set_pattern("ringsplat: %l: %v");
     return made;
   }();
@@ -17,10 +18,14 @@ spdlog::logger& logger() {
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
   switch (level) {
-    case LogLevel::debug: return spdlog::level::debug;
-    case LogLevel::info: return spdlog::level::info;
-    case LogLevel::warning: return spdlog::level::warn;
-    case LogLevel::error: return spdlog::level::err;
+    case LogLevel::debug:
+      return spdlog::level::debug;
+    case LogLevel::info:
+      return spdlog::level::info;
+    case LogLevel::warning:
+      return spdlog::level::warn;
+    case LogLevel::error:
+      return spdlog::level::err;
   }
   return spdlog::level::err;
 }
@@ -28,7 +33,8 @@ spdlog::level::level_enum to_spdlog(LogLevel level) {
 }  // namespace
 
 void set_log_rank(int rank, bool verbose) {
-  logger().set_pattern(rank == 0 && !verbose ? "ringsplat: %l: %v" : fmt::format("ringsplat [rank {}]: %l: %v", rank));
+  logger().set_pattern(rank == 0 && !verbose ? "ringsplat: %l: %v"
+                                             : fmt::format("ringsplat [rank {}]: %l: %v", rank));
   logger().set_level(verbose ? spdlog::level::debug : rank == 0 ? spdlog::level::info : spdlog::level::warn);
 }
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <type_traits>
 
-#include "classify/piecewise.hpp"
 #include "classify/mask_where.hpp"
+#include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -159,8 +159,7 @@ void Classifier::classify_one_by_one(const std::byte* row, int first, int end, V
       [&](int block, std::uint64_t mask) {
         for (; mask != 0; mask &= mask - 1) {
           const ClassifiedSample sample = evaluate(double(load<T>(row, block + std::countr_zero(mask))));
-          if (sample.opacity > 0)
-            append(out, block, mask & -mask, [&](std::uint32_t) { return sample; });
+          if (sample.opacity > 0) append(out, block, mask & -mask, [&](std::uint32_t) { return sample; });
         }
       });
 }

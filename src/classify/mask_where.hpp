@@ -49,8 +49,9 @@ std::uint64_t mask_where(const std::byte* row, int first, int count, const Wante
   return count == mask_bits ? mask : mask & ((std::uint64_t{1} << count) - 1);
 }
 
-/// Calls take(block, mask) for the blocks of mask_bits columns, which begin at multiples of that, with scalars in
-/// columns first … end − 1 that satisfy `wanted`, ascending. Bit i of the mask, which is not 0, is column block + i.
+/// Calls take(block, mask) for the blocks of mask_bits columns, which begin at multiples of that, with
+/// scalars in columns first … end − 1 that satisfy `wanted`, ascending. Bit i of the mask, which is not 0, is
+/// column block + i.
 template <class T, class Wanted, class Take>
 void for_each_mask(const std::byte* row, int first, int end, const Wanted& wanted, const Take& take) {
   while (first < end) {

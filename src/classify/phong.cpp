@@ -46,8 +46,7 @@ const std::vector<glm::dvec3>& all_normals() {
 
 }  // namespace
 
-PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light,
-                       const glm::dvec3& to_viewer)
+PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer)
     : material_(material),
       light_(unit_direction(to_light, "light")),
       viewer_(unit_direction(to_viewer, "viewer")),
@@ -62,8 +61,8 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
 void PhongTable::make(NormalCode normal) const {
   const glm::dvec3& n = all_normals()[normal];
   const double facing_light = glm::dot(n, light_), facing_viewer = glm::dot(n, viewer_);
-  // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and viewer on the
-  // same side.
+  // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and viewer on
+  // the same side.
   const double same_side = facing_light * facing_viewer,
                mirrored = 2.0 * same_side - glm::dot(light_, viewer_);
   Entry entry{entry_value(material_.ambient + material_.diffuse * std::abs(facing_light)), 0.0F};

@@ -19,7 +19,8 @@ namespace {
 
 constexpr int message_tag = 1;
 /// Receives that are always posted, so that as many messages can be on their way to a rank at once. A message
-/// beyond them starts when one of these is over. More would be slow to simulate: each wait is registered with all.
+/// beyond them starts when one of these is over. More would be slow to simulate: each wait is registered with
+/// all.
 constexpr std::size_t receives = 12;
 
 /// Address space for messages of any size; only what a message touches takes memory.

@@ -10,7 +10,8 @@ SliceRuns::SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer
     for (int column = 0; column < ranges.columns(); ++column) {
       const auto [low, high] = ranges.range(column, row);
       if (!(low <= high) || !transfer_function.visible_within(low, high)) continue;
-      const int first = column * BlockRanges::block_width, end = std::min(first + BlockRanges::block_width, width);
+      const int first = column * BlockRanges::block_width,
+                end = std::min(first + BlockRanges::block_width, width);
       if (runs_.size() > begin_.back() && runs_.back().end == first)
         runs_.back().end = end;
       else

@@ -31,8 +31,8 @@ class SliceRuns {
   std::vector<ColumnRun> runs_;
 };
 
-/// What of a GP's slices a transfer function makes visible: found when a slice is first asked for, and again when the
-/// transfer function has changed; the blocks' ranges are found once.
+/// What of a GP's slices a transfer function makes visible: found when a slice is first asked for, and again
+/// when the transfer function has changed; the blocks' ranges are found once.
 class EmptySpace {
  public:
   /// Valid until the next call with another transfer function.

@@ -15,7 +15,9 @@ namespace {
 using nlohmann::json;
 
 json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-glm::dvec3 vec_from(const json& j) { return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()}; }
+glm::dvec3 vec_from(const json& j) {
+  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
+}
 
 json to_json(const Camera& c) {
   json j{{"azimuth", c.azimuth}, {"elevation", c.elevation}, {"roll", c.roll}, {"zoom", c.zoom}};
@@ -56,7 +58,10 @@ const char* name(Precision precision) {
 }
 
 json to_json(const KernelOptions& k) {
-  return {{"method", name(k.method)}, {"phases", k.phases}, {"qee_bits", k.qee_bits}, {"normalisation", name(k.normalisation)}};
+  return {{"method", name(k.method)},
+          {"phases", k.phases},
+          {"qee_bits", k.qee_bits},
+          {"normalisation", name(k.normalisation)}};
 }
 
 /// The value of that name; throws when there is none.
@@ -64,7 +69,8 @@ template <class T>
 T named(const std::string& word, std::initializer_list<T> values) {
   for (const T value : values)
     if (name(value) == word) return value;
-  throw RunError(fmt::format("a frame announcement says '{}', which this build does not know", word), "all ranks must run the same build");
+  throw RunError(fmt::format("a frame announcement says '{}', which this build does not know", word),
+                 "all ranks must run the same build");
 }
 
 KernelOptions kernel_from(const json& j) {
@@ -127,20 +133,25 @@ void check(const FrameSpec& spec) {
   check(spec.kernel, spec.kernel_radius);
   const double light = glm::length(spec.light);
   if (!(std::isfinite(light) && light > 0))
-    throw InputError("--light needs a direction of finite length above zero", "for instance --light -0.4 0.6 0.7");
+    throw InputError("--light needs a direction of finite length above zero",
+                     "for instance --light -0.4 0.6 0.7");
   if (!(spec.opaque_threshold >= 0 && spec.opaque_threshold < 1))
-    throw InputError(fmt::format("--opaque-threshold {} is not a transmittance below 1", spec.opaque_threshold),
-                     "give 0 to composite every slice, or a small number such as 0.002");
+    throw InputError(
+        fmt::format("--opaque-threshold {} is not a transmittance below 1", spec.opaque_threshold),
+        "give 0 to composite every slice, or a small number such as 0.002");
   if (spec.plane_samples != 1 && spec.plane_samples != 2 && spec.plane_samples != 4)
-    throw InputError(fmt::format("--samples cannot be {}", spec.plane_samples), "use 1, 2 or 4 pixels a voxel");
+    throw InputError(fmt::format("--samples cannot be {}", spec.plane_samples),
+                     "use 1, 2 or 4 pixels a voxel");
   if (spec.reduction.factor != 1 && spec.reduction.factor != 2 && spec.reduction.factor != 4)
     throw InputError(fmt::format("--undersample cannot be {}", spec.reduction.factor), "use 1, 2 or 4");
   if (spec.payload == PayloadForm::words && spec.precision != Precision::float32)
-    throw InputError("--payload words always carries float precision", "use --payload runs with --precision half or u8");
+    throw InputError("--payload words always carries float precision",
+                     "use --payload runs with --precision half or u8");
   const auto& m = spec.material;
   for (const double v : {m.ambient, m.diffuse, m.specular, m.exponent})
     if (!(std::isfinite(v) && v >= 0))
-      throw InputError("a Phong coefficient is negative or not a number", "ambient, diffuse, specular and exponent are at least 0");
+      throw InputError("a Phong coefficient is negative or not a number",
+                       "ambient, diffuse, specular and exponent are at least 0");
 }
 
 Bytes encode(const FrameSpec& spec) {
@@ -156,13 +167,16 @@ FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
     const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data());
     return frame_spec_from(json::from_cbor(first, first + bytes.size()));
   } catch (const json::exception& e) {
-    throw RunError(fmt::format("a frame announcement cannot be read: {}", e.what()), "all ranks must run the same build");
+    throw RunError(fmt::format("a frame announcement cannot be read: {}", e.what()),
+                   "all ranks must run the same build");
   }
 }
 
 std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }
 
-LatticeFrame lattice_frame(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
+LatticeFrame lattice_frame(const Grid& grid) {
+  return {grid.dims, grid.spacing, grid.origin, grid.direction};
+}
 
 namespace {
 
@@ -174,7 +188,8 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
-/// The picture's bits do not depend on it. An image in the slices' plane is small: it should still give several Renderers something to do.
+/// The picture's bits do not depend on it. An image in the slices' plane is small: it should still give
+/// several Renderers something to do.
 int region_size(const FrameSpec& spec, const FrameGeometry& g) {
   if (spec.region_size > 0) return spec.region_size;
   if (spec.image_plane == ImagePlane::screen) return 128;
@@ -184,7 +199,8 @@ int region_size(const FrameSpec& spec, const FrameGeometry& g) {
 }
 
 void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
-  const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, spec.plane_samples, spec.kernel_radius, spec.width, spec.height);
+  const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, spec.plane_samples,
+                                            spec.kernel_radius, spec.width, spec.height);
   g.view = plane.view;
   g.warp = plane.warp;
   g.width = plane.width;
@@ -211,7 +227,8 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   if (spec.kernel.normalisation == Normalisation::none) g.footprint.weight = 1;
   constexpr double widest = 1 << 20;
   if (!(std::max(g.footprint.half.x, g.footprint.half.y) < widest))
-    throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * std::max(g.footprint.half.x, g.footprint.half.y)),
+    throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide",
+                                 2 * std::max(g.footprint.half.x, g.footprint.half.y)),
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
   g.regions = Regions(g.width, g.height, region_size(spec, g));

@@ -66,7 +66,8 @@ void Gp::begin_frame(const FrameSpec& spec) {
   for (int step = 0; step < slices; ++step)
     if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
   if (!frame->steps.empty()) {
-    frame->encoder = make_encoder(frame->spec, frame->geometry, layout_.renderers, empty_space_of(spec.reduction.factor), threads_);
+    frame->encoder = make_encoder(frame->spec, frame->geometry, layout_.renderers,
+                                  empty_space_of(spec.reduction.factor), threads_);
     if (const auto& simulation = options_.simulation; simulation.count_only)
       frame->encoder = make_counting_encoder(std::move(frame->encoder), simulation.voxel_weight);
     if (trace_) frame->encoder->time_stages(&piece_.stages);

@@ -22,12 +22,14 @@ void put(Block& out, const T& value) {
 template <class T>
 T get(std::span<const std::byte> in, std::size_t& at) {
   T value;
-  if (!take(in, at, value)) throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+  if (!take(in, at, value))
+    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
   return value;
 }
 
 std::span<const std::byte> get_bytes(std::span<const std::byte> in, std::size_t& at, std::size_t count) {
-  if (in.size() - at < count) throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+  if (in.size() - at < count)
+    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
   const auto part = in.subspan(at, count);
   at += count;
   return part;
@@ -36,10 +38,16 @@ std::span<const std::byte> get_bytes(std::span<const std::byte> in, std::size_t&
 /// One deal: the state that the rounds share.
 class Dealer {
  public:
-  Dealer(OpenedVolume& volume, const LoadOptions& options, int gps, const std::vector<std::vector<int>>& gps_of_process,
-         Collectives& collectives)
-      : volume_(volume), grid_(volume.grid), options_(options), gps_(gps), gps_of_process_(gps_of_process), collectives_(collectives),
-        process_of_gp_(std::size_t(gps)), slice_bytes_(grid_.slice_bytes(Axis::z)) {
+  Dealer(OpenedVolume& volume, const LoadOptions& options, int gps,
+         const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives)
+      : volume_(volume),
+        grid_(volume.grid),
+        options_(options),
+        gps_(gps),
+        gps_of_process_(gps_of_process),
+        collectives_(collectives),
+        process_of_gp_(std::size_t(gps)),
+        slice_bytes_(grid_.slice_bytes(Axis::z)) {
     for (std::size_t p = 0; p < gps_of_process.size(); ++p)
       for (const int gp : gps_of_process[p]) process_of_gp_[std::size_t(gp)] = static_cast<int>(p);
     for (const int gp : gps_of_process[std::size_t(collectives.process())])
@@ -47,7 +55,8 @@ class Dealer {
   }
 
   std::map<int, SliceStore> deal() {
-    const int batch = std::max<int>(1, static_cast<int>(batch_bytes / std::max<std::size_t>(1, slice_bytes_)));
+    const int batch =
+        std::max<int>(1, static_cast<int>(batch_bytes / std::max<std::size_t>(1, slice_bytes_)));
     for (int z = 0; z < grid_.dims.z; z += batch) {
       const int end = std::min(grid_.dims.z, z + batch);
       if (!volume_.concurrent) hand_out_windows(z, end);
@@ -163,9 +172,10 @@ class Dealer {
       const int gp = get<int>(block, at);
       const auto size = get<std::uint64_t>(block, at);
       const auto store = stores_.find(gp);
-      if (store == stores_.end() ||
-          !unpack_columns(store->second, axis, gp, gps_, z, options_.with_normals, get_bytes(block, at, size)))
-        throw RunError("a volume exchange message does not fit this rank's slices", "all ranks must run the same build");
+      if (store == stores_.end() || !unpack_columns(store->second, axis, gp, gps_, z, options_.with_normals,
+                                                    get_bytes(block, at, size)))
+        throw RunError("a volume exchange message does not fit this rank's slices",
+                       "all ranks must run the same build");
     }
   }
 
@@ -196,8 +206,8 @@ std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
   return all;
 }
 
-/// The sums over all processes. One process adds them up: with a thousand of them, all counts of all processes are
-/// too much for each to hold.
+/// The sums over all processes. One process adds them up: with a thousand of them, all counts of all
+/// processes are too much for each to hold.
 std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uint64_t> mine) {
   std::vector<Block> out(std::size_t(collectives.processes()));
   out.front().resize(mine.size() * sizeof(mine[0]));
@@ -207,7 +217,8 @@ std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uin
   if (collectives.process() == 0) {
     std::fill(mine.begin(), mine.end(), 0);
     for (const Block& one : in)
-      for (std::size_t k = 0, at = 0; k < mine.size() && at < one.size(); ++k) mine[k] += get<std::uint64_t>(one, at);
+      for (std::size_t k = 0, at = 0; k < mine.size() && at < one.size(); ++k)
+        mine[k] += get<std::uint64_t>(one, at);
     std::memcpy(sums.data(), mine.data(), sums.size());
   }
   sums = collectives.broadcast(std::move(sums), 0);
@@ -219,7 +230,8 @@ std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uin
 template <class F>
 void for_each_slice(const std::map<int, SliceStore>& stores, F&& f) {
   for (const auto& [gp, store] : stores) {
-    const auto kept = std::find_if(all_axes.rbegin(), all_axes.rend(), [&](Axis a) { return store.keeps(a); });
+    const auto kept =
+        std::find_if(all_axes.rbegin(), all_axes.rend(), [&](Axis a) { return store.keeps(a); });
     for (int s = 0; kept != all_axes.rend() && s < store.grid().slices(*kept); ++s)
       if (store.owns(s)) f(std::span(store.slice(*kept, s).values, store.grid().slice_bytes(*kept)));
   }
@@ -227,7 +239,8 @@ void for_each_slice(const std::map<int, SliceStore>& stores, F&& f) {
 
 }  // namespace
 
-OpenedVolume open_everywhere(Collectives& collectives, const std::function<std::unique_ptr<VolumeSource>()>& open) {
+OpenedVolume open_everywhere(Collectives& collectives,
+                             const std::function<std::unique_ptr<VolumeSource>()>& open) {
   OpenedVolume volume;
   std::string error;
   const auto try_open = [&] {
@@ -260,22 +273,28 @@ OpenedVolume open_everywhere(Collectives& collectives, const std::function<std::
 }
 
 std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, int gps,
-                                      const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+                                      const std::vector<std::vector<int>>& gps_of_process,
+                                      Collectives& collectives) {
   return Dealer(volume, options, gps, gps_of_process, collectives).deal();
 }
 
 ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives) {
   ValueRange mine;
-  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) { mine.add(s.begin()->second.grid().type, values); });
+  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) {
+    mine.add(s.begin()->second.grid().type, values);
+  });
   ValueRange all;
   for (const auto& one : gathered(collectives, std::vector<ValueRange>{mine})) all.merge(one);
   return all;
 }
 
-Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins, Collectives& collectives) {
+Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins,
+                    Collectives& collectives) {
   Histogram all = range.empty() ? Histogram(0, 1, bins) : Histogram(range.low, range.high, bins);
   Histogram mine = all;
-  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) { mine.add(s.begin()->second.grid().type, values); });
+  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) {
+    mine.add(s.begin()->second.grid().type, values);
+  });
   all.counts = summed(collectives, mine.counts);
   return all;
 }

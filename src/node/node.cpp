@@ -17,8 +17,9 @@ void check(const ProtocolOptions& options) {
   at_least_one("--look-ahead", options.look_ahead);
   at_least_one("--threads-per-rank", options.threads_per_rank);
   if (options.threads_per_rank > ThreadTeam::most_threads)
-    throw InputError(fmt::format("--threads-per-rank is {}, more than a rank can use", options.threads_per_rank),
-                     fmt::format("use one for each core of a rank, at most {}", ThreadTeam::most_threads));
+    throw InputError(
+        fmt::format("--threads-per-rank is {}, more than a rank can use", options.threads_per_rank),
+        fmt::format("use one for each core of a rank, at most {}", ThreadTeam::most_threads));
   if (!(options.stall_timeout > 0))
     throw InputError(fmt::format("--stall-timeout is {}", options.stall_timeout),
                      "it is a number of seconds above 0");

@@ -31,12 +31,14 @@ void read_opaque_news(std::span<const std::byte> news, std::vector<OpaqueTiles>&
     std::int32_t region = -1;
     if (!take(news, at, region) || region < 0 || std::size_t(region) >= known.size() ||
         news.size() - at < bitmap_bytes(known[std::size_t(region)]))
-      throw RunError(fmt::format("news of opaque tiles are not understood at byte {}", at), "all ranks must run the same build");
+      throw RunError(fmt::format("news of opaque tiles are not understood at byte {}", at),
+                     "all ranks must run the same build");
     OpaqueTiles& tiles = known[std::size_t(region)];
     for (int row = 0; row < tiles.rows(); ++row) {
       for (int column = 0; column < tiles.columns(); ++column) {
         const int tile = row * tiles.columns() + column;
-        if ((std::to_integer<unsigned>(news[at + std::size_t(tile / 8)]) >> (tile % 8) & 1U) != 0) tiles.set_opaque(column, row);
+        if ((std::to_integer<unsigned>(news[at + std::size_t(tile / 8)]) >> (tile % 8) & 1U) != 0)
+          tiles.set_opaque(column, row);
       }
     }
     at += bitmap_bytes(tiles);

@@ -25,13 +25,14 @@ std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring&
 void check_wiring(const Layout& layout, const Wiring& wiring) {
   check(layout);
   if (wiring.transport == nullptr || wiring.transport->ranks() == layout.ranks()) return;
-  throw InputError(fmt::format("{} GP(s) and {} Renderer(s) need {} ranks, but the job has {}", layout.gps, layout.renderers,
-                               layout.ranks(), wiring.transport->ranks()),
-                   fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
+  throw InputError(
+      fmt::format("{} GP(s) and {} Renderer(s) need {} ranks, but the job has {}", layout.gps,
+                  layout.renderers, layout.ranks(), wiring.transport->ranks()),
+      fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
 }
 
-void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
-               const std::vector<std::vector<int>>& gps, const Wiring& wiring) {
+void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
+               const Layout& layout, const std::vector<std::vector<int>>& gps, const Wiring& wiring) {
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
   auto stores = deal_slices(reduced, options, layout.gps, gps, wiring.collectives);
@@ -49,11 +50,14 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 }
 
 LoadOptions load_options(const FrameSpec& spec, const Grid& grid) {
-  return {needed_axes({spec.camera}, grid, spec.width, spec.height), spec.shading == Shading::phong, {spec.reduction.factor},
+  return {needed_axes({spec.camera}, grid, spec.width, spec.height),
+          spec.shading == Shading::phong,
+          {spec.reduction.factor},
           spec.reduction.prefilter};
 }
 
-Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring) {
+Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
+                 const Wiring& wiring) {
   check_wiring(layout, wiring);
   Scene scene;
   scene.grid = volume.grid;
@@ -71,7 +75,8 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
   return scene;
 }
 
-void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director, const Wiring& wiring) {
+void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
+                   const Wiring& wiring) {
   check_wiring(layout, wiring);
   check(protocol);
   flush_denormals();
@@ -86,11 +91,13 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   Transport& transport = charged ? *charged : *wiring.transport;
   std::optional<LockStep> lock_step;
   if (simulation.step_seconds > 0) lock_step.emplace(simulation.step_seconds);
-  Host(layout, protocol, scene.grid, transport, std::move(slices), std::move(director), lock_step ? &*lock_step : nullptr).run();
+  Host(layout, protocol, scene.grid, transport, std::move(slices), std::move(director),
+       lock_step ? &*lock_step : nullptr)
+      .run();
 }
 
-Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec, const Layout& layout, const Wiring& wiring,
-                   const ProtocolOptions& protocol) {
+Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
+                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol) {
   // Not open_everywhere: only process 0 has the voxels, so it deals them as if it decoded a file.
   OpenedVolume volume{grid, false, nullptr};
   std::string error;
@@ -105,7 +112,9 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
   Scene scene = load_scene(volume, load_options(spec, grid), layout, wiring);
   Image image;
   bool asked = false;
-  Director director{[&]() -> std::optional<FrameSpec> { return std::exchange(asked, true) ? std::nullopt : std::optional(spec); },
+  Director director{[&]() -> std::optional<FrameSpec> {
+                      return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
+                    },
                     [&](FrameResult&& result) { image = std::move(result.image); }};
   render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
   return image;

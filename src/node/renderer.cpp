@@ -12,12 +12,18 @@
 
 namespace ringsplat {
 
-Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid, Post post)
-    : index_(index), layout_(layout), options_(options), grid_(grid), post_(std::move(post)),
+Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, const Grid& grid,
+                   Post post)
+    : index_(index),
+      layout_(layout),
+      options_(options),
+      grid_(grid),
+      post_(std::move(post)),
       threads_(options.threads_per_rank),
       painter_(options.simulation.count_only ? make_counting_painter(index, layout.renderers)
                                              : make_painter(index, layout.renderers, threads_)),
-      debt_(options.simulation.machine ? options.simulation.machine->poll_interval : 1), last_time_(now_seconds()),
+      debt_(options.simulation.machine ? options.simulation.machine->poll_interval : 1),
+      last_time_(now_seconds()),
       trace_(options.trace ? options.trace->of(id()) : nullptr) {}
 
 void Renderer::begin_frame(const FrameSpec& spec) {
@@ -35,8 +41,8 @@ void Renderer::drop_frame(std::int64_t number) {
 Renderer::Frame& Renderer::frame_of(const Header& h) {
   for (auto& frame : frames_)
     if (frame.spec.frame == h.frame) return frame;
-  throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered", to_string(id()), name(h.kind), h.frame,
-                             to_string(h.from())));
+  throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered",
+                             to_string(id()), name(h.kind), h.frame, to_string(h.from())));
 }
 
 void Renderer::receive(Message message) {
@@ -47,14 +53,17 @@ void Renderer::receive(Message message) {
   }
   Frame& frame = frame_of(h);
   switch (h.kind) {
-    case Kind::payload: take_payload(frame, std::move(message)); return;
+    case Kind::payload:
+      take_payload(frame, std::move(message));
+      return;
     case Kind::frame_end:
       if (frame.payloads_expected)
         throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
       frame.payloads_expected = h.sequence;
       return;
     default:
-      throw RunError(fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
+      throw RunError(
+          fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
   }
 }
 
@@ -63,8 +72,8 @@ void Renderer::take_payload(Frame& frame, Message message) {
   frame.stats.payload_bytes_received += h.bytes;
   if (trace_) trace_->mark(Moment::take_payload, h.frame, h.step, h.renderer, now_seconds());
   if (h.sequence < frame.next || !frame.payloads.emplace(h.sequence, std::move(message)).second)
-    throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}", to_string(id()), h.sequence, h.frame,
-                               to_string(h.from())));
+    throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}",
+                               to_string(id()), h.sequence, h.frame, to_string(h.from())));
   frame.not_accepted.push_back(h);
   accept_what_fits(frame);
 }
@@ -150,7 +159,8 @@ std::uint64_t Renderer::painted_splats() const {
 }
 
 void Renderer::owe_drawing(const Header& payload, std::uint64_t splats) {
-  if (const auto& machine = options_.simulation.machine) debt_.owe(drawing_seconds(*machine, double(splats), double(payload.region)));
+  if (const auto& machine = options_.simulation.machine)
+    debt_.owe(drawing_seconds(*machine, double(splats), double(payload.region)));
 }
 
 void Renderer::deliver(Frame& frame) {
@@ -159,8 +169,13 @@ void Renderer::deliver(Frame& frame) {
     ++stats.tiles;
     stats.tile_bytes += Message::body_size(rgba);
     constexpr double bytes_of_pixel = 4 * sizeof(float);
-    if (const auto& machine = options_.simulation.machine) charge(machine->renderer.pixel * double(Message::body_size(rgba)) / bytes_of_pixel);
-    Header h{.kind = Kind::tile, .source_role = Role::renderer, .destination_role = Role::frame_buffer, .source = index_, .frame = frame.spec.frame};
+    if (const auto& machine = options_.simulation.machine)
+      charge(machine->renderer.pixel * double(Message::body_size(rgba)) / bytes_of_pixel);
+    Header h{.kind = Kind::tile,
+             .source_role = Role::renderer,
+             .destination_role = Role::frame_buffer,
+             .source = index_,
+             .frame = frame.spec.frame};
     h.region = static_cast<std::uint32_t>(region);
     post_(Message(h, std::move(rgba)));
   };
@@ -178,7 +193,11 @@ void Renderer::deliver(Frame& frame) {
   stats.peak_memory = peak_memory_bytes();
   Bytes body = Message::body_buffer();
   append(body, stats);
-  post_(Message({.kind = Kind::report, .source_role = Role::renderer, .destination_role = Role::frame_buffer, .source = index_, .frame = frame.spec.frame},
+  post_(Message({.kind = Kind::report,
+                 .source_role = Role::renderer,
+                 .destination_role = Role::frame_buffer,
+                 .source = index_,
+                 .frame = frame.spec.frame},
                 std::move(body)));
   frames_.pop_front();
 }
@@ -193,10 +212,14 @@ void Renderer::account_time(double NodeStats::*part) {
 std::string Renderer::waiting_for() const {
   if (frames_.empty()) return {};
   const Frame& frame = frames_.front();
-  if (frame.payloads.contains(frame.next)) return fmt::format("{} has payload {} of frame {} to draw", to_string(id()), frame.next, frame.spec.frame);
+  if (frame.payloads.contains(frame.next))
+    return fmt::format("{} has payload {} of frame {} to draw", to_string(id()), frame.next,
+                       frame.spec.frame);
   if (!frame.payloads_expected)
-    return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next, frame.spec.frame);
-  return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next, *frame.payloads_expected, frame.spec.frame);
+    return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next,
+                       frame.spec.frame);
+  return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next,
+                     *frame.payloads_expected, frame.spec.frame);
 }
 
 }  // namespace ringsplat

@@ -54,8 +54,8 @@ class RowBand {
   /// Puts the row's visible voxels into their regions' parts.
   virtual void encode_row(int row) = 0;
 
-  /// Counts splats of a region, of this row's voxels in those columns from `first` on that `mask` has; its part
-  /// becomes one of the slice's payloads.
+  /// Counts splats of a region, of this row's voxels in those columns from `first` on that `mask` has; its
+  /// part becomes one of the slice's payloads.
   void count(int region, int first, std::uint64_t mask) {
     RegionCounts& counts = counts_[std::size_t(region)];
     if (counts.splats == 0) used_.push_back(region);
@@ -71,7 +71,8 @@ class RowBand {
     if (!cover(region).worth_asking()) return false;
     const PixelRect& pixels = rect(region);
     return cover(region).of(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
-                            double(window.x1 - pixels.x0), double(window.y1 - pixels.y0)) == OpaqueCover::Cover::all;
+                            double(window.x1 - pixels.x0),
+                            double(window.y1 - pixels.y0)) == OpaqueCover::Cover::all;
   }
   const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }

@@ -222,8 +222,8 @@ class RunBand final : public RowBand {
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
   /// rounding.
   glm::dvec2 beyond_;
-  std::vector<Part> parts_;                         ///< by region
-  Buffer<Voxel> packed_;            ///< the row's visible voxels
+  std::vector<Part> parts_;  ///< by region
+  Buffer<Voxel> packed_;     ///< the row's visible voxels
   std::uint32_t kept_begin_ = 0,
                 kept_end_ = 0;  ///< of packed_, those that are still to be copied to a part
 };

@@ -19,7 +19,11 @@ class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space,
                ThreadTeam& threads)
-      : frame_(spec, geometry, threads.size()), empty_space_(empty_space), threads_(threads), renderers_(renderers), owners_(geometry.regions.owners(renderers)) {}
+      : frame_(spec, geometry, threads.size()),
+        empty_space_(empty_space),
+        threads_(threads),
+        renderers_(renderers),
+        owners_(geometry.regions.owners(renderers)) {}
 
   void begin(const SliceView& slice) override {
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
@@ -117,8 +121,7 @@ class SliceEncoder final : public Encoder {
   std::vector<std::size_t> payload_sizes(std::span<const int> regions) const {
     std::vector<std::size_t> sizes(std::size_t(renderers_), 0);
     for (const int region : regions)
-      for (const auto& band : bands())
-        sizes[std::size_t(owners_.of(region))] += band->part_bytes(region);
+      for (const auto& band : bands()) sizes[std::size_t(owners_.of(region))] += band->part_bytes(region);
     return sizes;
   }
 

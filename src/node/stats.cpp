@@ -91,8 +91,9 @@ NodeStats FrameStats::total() const {
 void check_conservation(const FrameStats& stats) {
   const NodeStats sum = stats.total();
   if (!stats.dropped && sum.splats_sent != sum.splats_drawn + sum.splats_clipped + sum.splats_hidden)
-    throw RunError(fmt::format("frame {}: {} splats sent, but {} drawn, {} clipped and {} hidden", stats.frame,
-                               sum.splats_sent, sum.splats_drawn, sum.splats_clipped, sum.splats_hidden));
+    throw RunError(fmt::format("frame {}: {} splats sent, but {} drawn, {} clipped and {} hidden",
+                               stats.frame, sum.splats_sent, sum.splats_drawn, sum.splats_clipped,
+                               sum.splats_hidden));
   if (sum.tokens_issued != sum.tokens_retired)
     throw RunError(fmt::format("frame {}: {} tokens issued, but {} retired", stats.frame, sum.tokens_issued,
                                sum.tokens_retired));

@@ -17,7 +17,8 @@ constexpr int largest_side = 1 << 20;
 
 int pieces(int length, int size) { return (length - 1) / size + 1; }
 
-/// The square of the shortest way, in regions, from one to another of the same Renderer in an endless picture.
+/// The square of the shortest way, in regions, from one to another of the same Renderer in an endless
+/// picture.
 std::int64_t shortest_way(std::int64_t skew, std::int64_t renderers) {
   std::int64_t shortest = renderers * renderers;
   for (std::int64_t y = 1; y * y < shortest; ++y) {
@@ -38,7 +39,8 @@ bool is_even(int columns, int rows, std::int64_t skew, int renderers) {
 
 std::int64_t choose_skew(int columns, int rows, int renderers) {
   std::vector<std::pair<std::int64_t, std::int64_t>> skews;  // by shortest way, the longest first
-  for (std::int64_t skew = 0; skew < renderers; ++skew) skews.emplace_back(-shortest_way(skew, renderers), skew);
+  for (std::int64_t skew = 0; skew < renderers; ++skew)
+    skews.emplace_back(-shortest_way(skew, renderers), skew);
   // Enough to find one that is even, where any but the last is.
   constexpr std::size_t most_tried = 16;
   const std::size_t tried = std::min(skews.size(), most_tried);

@@ -73,7 +73,8 @@ float LatticeSum::reciprocal(glm::dvec2 lattice) const {
   return factors[0];
 }
 
-void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const {
+void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
+                                  glm::dvec2 voxel) const {
   // Summed at the same pixel wherever the row begins, so that its bits are the same.
   float factors[most_whole_steps];
   for (int phase = 0; phase < phases_x_; ++phase) {

@@ -108,7 +108,9 @@ HWY_INLINE hn::Vec<FourFloats> premultiply(const std::uint16_t* rgb, float opaci
   const auto premultiplied = hn::Mul(straight, hn::Set(d, opacity * (1.0F / 65535.0F)));
   return hn::IfThenElse(hn::Not(hn::FirstN(d, 3)), hn::Set(d, opacity), premultiplied);
 }
-HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) { hn::StoreU(colour, FourFloats(), pixel); }
+HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) {
+  hn::StoreU(colour, FourFloats(), pixel);
+}
 
 /// A splat's, once for each pixel of a vector.
 HWY_INLINE Colour load_colour(const Splat& splat) {

@@ -27,13 +27,14 @@ HWY_INLINE Offsets offsets(const double* steps, double start, double base) {
   return {hn::Sub(pixel, hn::Set(d, base)), hn::Sub(shifted, pixel)};
 }
 
-void PlaceRun(const Footprint& footprint, const SliceDda& dda, std::uint32_t first, int count, std::int64_t base_x, std::int64_t base_y,
-              RunPlaces& places) {
+void PlaceRun(const Footprint& footprint, const SliceDda& dda, std::uint32_t first, int count,
+              std::int64_t base_x, std::int64_t base_y, RunPlaces& places) {
   const Doubles d;
   const HalfFloats f;
   const HalfInts i;
-  const auto a_x = hn::Set(d, -2 * footprint.d), e = hn::Set(d, footprint.e), minus_e = hn::Set(d, -footprint.e),
-             b_y = hn::Set(d, 2 * footprint.f), half = hn::Set(d, 0.5), one = hn::Set(d, 1.0);
+  const auto a_x = hn::Set(d, -2 * footprint.d), e = hn::Set(d, footprint.e),
+             minus_e = hn::Set(d, -footprint.e), b_y = hn::Set(d, 2 * footprint.f), half = hn::Set(d, 0.5),
+             one = hn::Set(d, 1.0);
   // Vectors may read behind the row's last voxel and write behind the last place: both have room.
   for (int k = 0; k < count; k += int(hn::Lanes(d))) {
     const Offsets x = offsets(dda.steps_x() + first + k, dda.row_start().x, static_cast<double>(base_x));
@@ -57,8 +58,8 @@ namespace ringsplat {
 
 HWY_EXPORT(PlaceRun);
 
-void place_run(const Footprint& footprint, const SliceDda& dda, std::uint32_t first, int count, std::int64_t base_x, std::int64_t base_y,
-               RunPlaces& places) {
+void place_run(const Footprint& footprint, const SliceDda& dda, std::uint32_t first, int count,
+               std::int64_t base_x, std::int64_t base_y, RunPlaces& places) {
   HWY_DYNAMIC_DISPATCH(PlaceRun)(footprint, dda, first, count, base_x, base_y, places);
 }
 

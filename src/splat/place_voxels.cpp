@@ -106,7 +106,8 @@ HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) 
 
 /// `steps`: the slice's step_x, known to the compiler where it matters.
 template <class Voxel>
-HWY_INLINE void place_steps(int steps, double weight, std::uint64_t mask, const Voxel* voxels, int x, float* row) {
+HWY_INLINE void place_steps(int steps, double weight, std::uint64_t mask, const Voxel* voxels, int x,
+                            float* row) {
   const Reader<Voxel> reader;
   const auto to = [&] { return row + std::ptrdiff_t{4} * (x + std::countr_zero(mask) * steps); };
   for (std::uint64_t rest = mask & (mask - 1); rest != 0; mask = rest, rest &= rest - 1, ++voxels)
@@ -147,7 +148,8 @@ HWY_EXPORT(PlaceFloats);
 HWY_EXPORT(PlaceHalves);
 HWY_EXPORT(PlaceBytes);
 
-void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const FloatVoxel* voxels, int x, float* row) {
+void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const FloatVoxel* voxels, int x,
+                  float* row) {
   HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, mask, voxels, x, row);
 }
 void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const HalfVoxel* voxels, int x, float* row) {

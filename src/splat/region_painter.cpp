@@ -88,7 +88,8 @@ struct RegionPainter::State {
   int composites = 0;  ///< since the tiles were brought up to date
   Bytes seen;          ///< the splats not hidden, of the run being drawn
   VoxelRows voxels;
-  const AlignedSlice* aligned = nullptr;  ///< whose voxels the slice buffer holds; null when it holds sums of splats
+  const AlignedSlice* aligned =
+      nullptr;  ///< whose voxels the slice buffer holds; null when it holds sums of splats
 
   State(int left, int top, int w, int h, std::shared_ptr<SliceMemory> shared)
       : x0(left), y0(top), width(w), height(h), memory(std::move(shared)), tiles(w, h) {}
@@ -101,7 +102,8 @@ struct RegionPainter::State {
     const auto margins = small ? stencil_margins(reach) : row_margins;
     const std::ptrdiff_t left = round_up(margins.left);
     const std::ptrdiff_t row = left + round_up(width + margins.right);
-    if (!image) image = allocate(static_cast<std::size_t>(image_row_floats()) * static_cast<std::size_t>(height));
+    if (!image)
+      image = allocate(static_cast<std::size_t>(image_row_floats()) * static_cast<std::size_t>(height));
     slice_floats = static_cast<std::size_t>(row * (margins.above + height + margins.below) * floats_a_pixel);
     origin = (margins.above * row + left) * floats_a_pixel;
     slice.row_floats = row * floats_a_pixel;
@@ -128,9 +130,7 @@ struct RegionPainter::State {
     touched = pending = true;
   }
 
-  void clear_image() {
-    std::fill_n(image.get(), image_row_floats() * height, 0.0F);
-  }
+  void clear_image() { std::fill_n(image.get(), image_row_floats() * height, 0.0F); }
 
   DrawCounts draw(const SplatRun& run) const {
     if (kernel.table) return draw_with_texture(slice, *kernel.table, run);
@@ -177,7 +177,8 @@ struct RegionPainter::State {
   }
 
   /// The splats that are not wholly under opaque tiles, in `seen`.
-  std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top, std::span<const std::byte> splats) {
+  std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top,
+                                            std::span<const std::byte> splats) {
     const KernelReach reach = kernel_reach(footprint);
     seen.resize(splats.size());
     std::size_t kept = 0;
@@ -192,8 +193,8 @@ struct RegionPainter::State {
     return std::span<const std::byte>(seen).first(kept);
   }
 
-  /// Calls use(sums, x, y, pixels) for every row's touched pixels, widened to whole blocks. The slice buffer is 0 after
-  /// it if `use` leaves its sums so.
+  /// Calls use(sums, x, y, pixels) for every row's touched pixels, widened to whole blocks. The slice buffer
+  /// is 0 after it if `use` leaves its sums so.
   template <class Use>
   void sweep(const Use& use) {
     if (aligned) {
@@ -206,7 +207,8 @@ struct RegionPainter::State {
       const Run& run = touched_runs[static_cast<std::size_t>(y)];
       if (run.empty()) continue;
       const int first = run.first / block_pixels * block_pixels;
-      use(slice.origin + y * slice.row_floats + first * floats_a_pixel, first, y, int(round_up(run.last + 1)) - first);
+      use(slice.origin + y * slice.row_floats + first * floats_a_pixel, first, y,
+          int(round_up(run.last + 1)) - first);
     }
     std::fill(runs.begin(), runs.end(), Run{});
   }
@@ -252,7 +254,8 @@ void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshol
 }
 
 template <class Voxel>
-DrawCounts RegionPainter::draw_block(const AlignedSlice& slice, const VoxelBlock& block, const Voxel* voxels) {
+DrawCounts RegionPainter::draw_block(const AlignedSlice& slice, const VoxelBlock& block,
+                                     const Voxel* voxels) {
   auto& s = *state_;
   s.begin_drawing();
   const auto given = static_cast<std::uint64_t>(std::popcount(block.mask));
@@ -264,8 +267,7 @@ DrawCounts RegionPainter::draw_block(const AlignedSlice& slice, const VoxelBlock
       block.mask & places_within(x, slice.step_x, -slice.reach_x - 1, s.width + slice.reach_x - 1);
   if (within == 0) return {0, given, 0};
   const std::uint64_t before = block.mask & ((within & -within) - 1);
-  const std::uint64_t drawn =
-      s.voxels.place(slice, int(x), int(y), within, voxels + (before == 0 ? 0 : std::popcount(before)));
+  const std::uint64_t drawn = s.voxels.place(slice, int(x), int(y), within, voxels + std::popcount(before));
   s.aligned = &slice;
   s.pending = true;
   const DrawCounts counts{drawn, given - drawn, 0};
@@ -294,11 +296,14 @@ void RegionPainter::composite(glm::dvec2 voxel) {
   if (!s.touched) s.forget_slice();
   if (!s.pending) return;
   s.sweep([&](float* sums, int x, int y, int pixels) {
-    if (s.kernel.lattice_sum) s.kernel.lattice_sum->divide_row(sums, std::size_t(pixels), s.x0 + x, s.y0 + y, voxel);
-    composite_row(sums, s.image.get() + y * s.image_row_floats() + x * floats_a_pixel, std::size_t(pixels * floats_a_pixel), s.opaque_threshold);
+    if (s.kernel.lattice_sum)
+      s.kernel.lattice_sum->divide_row(sums, std::size_t(pixels), s.x0 + x, s.y0 + y, voxel);
+    composite_row(sums, s.image.get() + y * s.image_row_floats() + x * floats_a_pixel,
+                  std::size_t(pixels * floats_a_pixel), s.opaque_threshold);
   });
   s.done_with_slice();
-  // Reading the whole image takes as long as a slice's composition; the news of an opaque tile can wait a little.
+  // Reading the whole image takes as long as a slice's composition; the news of an opaque tile can wait a
+  // little.
   constexpr int now_and_then = 8;
   if (s.opaque_threshold > 0 && ++s.composites % now_and_then == 0) s.find_opaque_tiles();
 }
@@ -320,7 +325,8 @@ void RegionPainter::read_tile(std::span<float> rgba) const {
     return;
   }
   for (int y = 0; y < s.height; ++y) {
-    std::copy_n(s.image.get() + y * s.image_row_floats(), row, rgba.data() + static_cast<std::size_t>(y) * row);
+    std::copy_n(s.image.get() + y * s.image_row_floats(), row,
+                rgba.data() + static_cast<std::size_t>(y) * row);
   }
 }
 

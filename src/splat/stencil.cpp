@@ -61,7 +61,9 @@ hwy::AlignedFreeUniquePtr<float[]> allocate(std::size_t floats) {
 
 }  // namespace
 
-float quadratic_part(const Footprint& footprint, int x, int y) { return static_cast<float>(form(footprint, x, y)); }
+float quadratic_part(const Footprint& footprint, int x, int y) {
+  return static_cast<float>(form(footprint, x, y));
+}
 
 bool has_stencil(const Footprint& footprint) {
   const auto reach = kernel_reach(footprint);

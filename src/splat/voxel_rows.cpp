@@ -45,15 +45,16 @@ void convolve(const BlockSums& in, float* HWY_RESTRICT sums) {
       auto sum = hn::Zero(d);
       for (int row = 0; row < in.rows; ++row, voxels += in.row_floats, weights -= in.weights_floats) {
         for (int tap = 0; tap < in.taps; ++tap)
-          sum = hn::MulAdd(hn::LoadU(d, weights + tap * tap_floats), hn::LoadU(d, voxels + tap * in.voxel_floats), sum);
+          sum = hn::MulAdd(hn::LoadU(d, weights + tap * tap_floats),
+                           hn::LoadU(d, voxels + tap * in.voxel_floats), sum);
       }
       hn::Store(sum, d, sums + block * 4 * block_pixels + at);
     }
   }
 }
 
-/// The same for four taps at one pixel a voxel, as most kernels have: a tap's weight is one number, and all weights
-/// stay in registers.
+/// The same for four taps at one pixel a voxel, as most kernels have: a tap's weight is one number, and all
+/// weights stay in registers.
 template <int rows>
 HWY_INLINE void convolve_rows(const BlockSums& in, float* HWY_RESTRICT sums) {
   const Floats d;
@@ -66,7 +67,8 @@ HWY_INLINE void convolve_rows(const BlockSums& in, float* HWY_RESTRICT sums) {
     const float* voxels = in.voxels + at;
     auto sum = hn::Zero(d);
     for (int row = 0; row < rows; ++row, voxels += in.row_floats)
-      for (int tap = 0; tap < taps; ++tap) sum = hn::MulAdd(weights[row][tap], hn::LoadU(d, voxels + 4 * tap), sum);
+      for (int tap = 0; tap < taps; ++tap)
+        sum = hn::MulAdd(weights[row][tap], hn::LoadU(d, voxels + 4 * tap), sum);
     hn::Store(sum, d, sums + at);
   }
 }
@@ -190,11 +192,11 @@ void VoxelRows::sum(const AlignedSlice& slice, const Reaching& rows, int x, int 
   const int phase = (x + slice.reach_x - anchor_x_) & (slice.step_x - 1);
   const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
   const int row = y - rows.first + slice.reach_y;
-  convolve_blocks({pixel(leftmost, rows.first), rows.step * buffer_->row_floats,
-                   slice.weights.data() + row * row_weights + std::ptrdiff_t{4} * phase,
-                   rows.step * row_weights, (rows.end - rows.first + rows.step - 1) / rows.step, slice.taps,
-                   4 * slice.step_x, blocks},
-                  sums_.get());
+  convolve_blocks(
+      {pixel(leftmost, rows.first), rows.step * buffer_->row_floats,
+       slice.weights.data() + row * row_weights + std::ptrdiff_t{4} * phase, rows.step * row_weights,
+       (rows.end - rows.first + rows.step - 1) / rows.step, slice.taps, 4 * slice.step_x, blocks},
+      sums_.get());
 }
 
 void VoxelRows::clear() {

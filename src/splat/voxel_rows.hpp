@@ -20,7 +20,7 @@ struct BlockSums {
   std::ptrdiff_t row_floats;      ///< from one of these rows to the next
   const float* weights;           ///< of the topmost row
   std::ptrdiff_t weights_floats;  ///< from a row's weights to those of the row above
-  int rows, taps, voxel_floats;  ///< voxel_floats: from a voxel to the next
+  int rows, taps, voxel_floats;   ///< voxel_floats: from a voxel to the next
   int blocks;
 };
 /// Writes the blocks' pixels to `sums`, 64-byte aligned.

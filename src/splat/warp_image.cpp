@@ -30,7 +30,8 @@ Weights cubic_weights(float f) {
 
 struct Spread {};
 
-void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, const Spread&, float* out) {
+void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, const Spread&,
+                      float* out) {
   const Weights wx = cubic_weights(fx), wy = cubic_weights(fy);
   float product[4][4];
   for (int column = 0; column < 4; ++column) {
@@ -82,8 +83,8 @@ class Columns {
 };
 
 /// (c0 + c1) + (c2 + c3) of the columns c.
-HWY_INLINE hn::Vec<FourFloats> sum_columns(const Columns& columns, const float* taps, std::ptrdiff_t row_floats,
-                                           const Spread& spread) {
+HWY_INLINE hn::Vec<FourFloats> sum_columns(const Columns& columns, const float* taps,
+                                           std::ptrdiff_t row_floats, const Spread& spread) {
 #if HWY_MAX_BYTES >= 64
   const hn::Half<Floats> two;
   const hn::Half<hn::Half<Floats>> one;
@@ -93,7 +94,8 @@ HWY_INLINE hn::Vec<FourFloats> sum_columns(const Columns& columns, const float* 
                  hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
 #elif HWY_MAX_BYTES == 32
   const hn::Half<Floats> one;
-  const auto left = columns.get<0>(taps, row_floats, spread), right = columns.get<1>(taps, row_floats, spread);
+  const auto left = columns.get<0>(taps, row_floats, spread),
+             right = columns.get<1>(taps, row_floats, spread);
   return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
                  hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
 #else
@@ -154,7 +156,9 @@ bool lies_within(const WarpedRow& row, int x, const PixelWindow& firsts) {
          py < double(firsts.y1 + 1);
 }
 
-bool is_clear(const float* pixel) { return std::all_of(pixel, pixel + 4, [](float value) { return value == 0; }); }
+bool is_clear(const float* pixel) {
+  return std::all_of(pixel, pixel + 4, [](float value) { return value == 0; });
+}
 
 /// The smallest window with all pixels of `window` that are not 0; empty when none is.
 PixelWindow not_clear(const Image& plane, const PixelWindow& window) {

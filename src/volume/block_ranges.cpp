@@ -45,8 +45,8 @@ BlockRanges::BlockRanges(const SliceView& slice)
       const std::byte* row = slice.values + std::size_t(y) * std::size_t(slice.width) * sizeof(T);
       for (int column = 0; column < columns_; ++column) {
         const int first = column * block_width;
-        widen(ends[std::size_t(y / block_height) * std::size_t(columns_) + std::size_t(column)], row + std::size_t(first) * sizeof(T),
-              std::min(block_width, slice.width - first));
+        widen(ends[std::size_t(y / block_height) * std::size_t(columns_) + std::size_t(column)],
+              row + std::size_t(first) * sizeof(T), std::min(block_width, slice.width - first));
       }
     }
     ranges_.resize(ends.size() * sizeof(Ends<T>));
@@ -58,7 +58,10 @@ BlockRanges::Range BlockRanges::range(int column, int row) const {
   return visit_type(type_, [&](auto zero) {
     using T = decltype(zero);
     Ends<T> ends;
-    std::memcpy(&ends, ranges_.data() + (std::size_t(row) * std::size_t(columns_) + std::size_t(column)) * sizeof ends, sizeof ends);
+    std::memcpy(
+        &ends,
+        ranges_.data() + (std::size_t(row) * std::size_t(columns_) + std::size_t(column)) * sizeof ends,
+        sizeof ends);
     return Range{static_cast<double>(ends.low), static_cast<double>(ends.high)};
   });
 }

@@ -99,7 +99,8 @@ const SliceStore& SliceStore::level(int factor) const {
   if (factor == 1) return *this;
   const auto found = levels_.find(factor);
   if (found == levels_.end())
-    throw RunError(fmt::format("a frame is undersampled by {}, but no such level was loaded", factor), "load it with --undersample");
+    throw RunError(fmt::format("a frame is undersampled by {}, but no such level was loaded", factor),
+                   "load it with --undersample");
   return found->second;
 }
 

@@ -58,7 +58,8 @@ inline std::string quoted(const std::string& word) {
 }
 
 /// ranks 0: without a launcher. `input`: what comes on stdin.
-inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0, const std::string& input = {}) {
+inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0,
+                         const std::string& input = {}) {
   const TemporaryFolder said;
   write_text(said / "in", input);
   std::string command = "timeout -k 2 60 ";

@@ -182,9 +182,10 @@ TEST_CASE("a configuration file gives options and the command line overrides the
 TEST_CASE("a picture with nothing in it is the background, takes no payload and says why") {
   const Workshop w;
   const auto opaque_between = [&](int from, int to) {
-    const std::string middle = std::to_string((from + to) / 2), low = std::to_string(from), high = std::to_string(to);
-    write_text(w / "tf.json", R"([{"Name": "some", "RGBPoints": [0, 1, 1, 1, 400, 1, 1, 1], "Points": [)" + low +
-                                  ", 0, 0.5, 0, " + middle + ", 1, 0.5, 0, " + high + ", 0, 0.5, 0]}]");
+    const std::string middle = std::to_string((from + to) / 2), low = std::to_string(from),
+                      high = std::to_string(to);
+    write_text(w / "tf.json", R"([{"Name": "some", "RGBPoints": [0, 1, 1, 1, 400, 1, 1, 1], "Points": [)" +
+                                  low + ", 0, 0.5, 0, " + middle + ", 1, 0.5, 0, " + high + ", 0, 0.5, 0]}]");
   };
   const auto check_empty = [&](const std::vector<std::string>& more, const char* why, int ranks) {
     const Ended ended = w.render("x.exr", more, ranks);
@@ -196,7 +197,8 @@ TEST_CASE("a picture with nothing in it is the background, takes no payload and 
     for (int y = 0; y < image.height; ++y)
       for (int x = 0; x < image.width; ++x)
         for (int c = 0; c < 4; ++c)
-          if (image.pixel(x, y)[c] != float(c == 0 || c == 3)) FAIL("pixel " << x << ", " << y << " is not red");
+          if (image.pixel(x, y)[c] != float(c == 0 || c == 3))
+            FAIL("pixel " << x << ", " << y << " is not red");
     const json total = json::parse(read_text(w / "s.json")).at(0).at("total");
     for (const char* sum : {"payloads_sent", "payload_bytes_sent", "splats_sent", "tiles", "tile_bytes"})
       CHECK(total.at(sum) == 0);

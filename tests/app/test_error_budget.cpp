@@ -87,7 +87,8 @@ TEST_CASE("only what the user left open is to be chosen") {
   // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
   CHECK(all.size() == 4 * 3 * (4 + 2 + 2));
   ErrorBudgetOptions options;
-  options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold = options.fixed_image_plane = options.fixed_undersample = true;
+  options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold =
+      options.fixed_image_plane = options.fixed_undersample = true;
   frame.kernel_radius = 1.3;
   frame.precision = Precision::half;
   frame.opaque_threshold = 0.25;
@@ -187,7 +188,8 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with what
 
 TEST_CASE("what the user gives is kept, and the error is against what the user asked for") {
   const Workshop w;
-  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0", "--image-plane", "screen", "--undersample", "1"})
+  REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0",
+                    "--image-plane", "screen", "--undersample", "1"})
               .code == 0);
   const json settings = w.frame().at("settings");
   CHECK(settings.at("radius") == 1.5);

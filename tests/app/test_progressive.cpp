@@ -21,7 +21,8 @@ struct Files {
   /// Whether a picture shows what a run of its own does.
   bool same_as_alone(const std::string& name, std::vector<std::string> more) const {
     const TemporaryFolder alone;
-    more.insert(more.begin(), {"render", volume, "-o", alone / "alone.png", "--size", "96x64", "--region", "32"});
+    more.insert(more.begin(),
+                {"render", volume, "-o", alone / "alone.png", "--size", "96x64", "--region", "32"});
     REQUIRE(run_program(more).code == 0);
     return run_program({"compare", folder / name, alone / "alone.png", "--fail-above", "0"}).code == 0;
   }
@@ -29,11 +30,13 @@ struct Files {
 
 }  // namespace
 
-TEST_CASE("--progressive shows a view from coarse to fine, each with its time and its error against the full one") {
+TEST_CASE(
+    "--progressive shows a view from coarse to fine, each with its time and its error against the full one") {
   for (const int ranks : {0, 3}) {
     INFO(ranks << " ranks");
     const Files files;
-    const Ended ended = run_program(files.render({"--azimuth", "30", "--progressive", "--prefilter", "--stats", files.stats}), ranks);
+    const Ended ended = run_program(
+        files.render({"--azimuth", "30", "--progressive", "--prefilter", "--stats", files.stats}), ranks);
     INFO(ended.err);
     REQUIRE(ended.code == 0);
     CHECK(files.same_as_alone("x.png", {"--azimuth", "30"}));
@@ -55,7 +58,8 @@ TEST_CASE("a newer view on stdin ends the refinement of the ones before it") {
   for (const int ranks : {0, 4}) {
     INFO(ranks << " ranks");
     const Files files;
-    const Ended ended = run_program(files.render({"--progressive", "--path", "-", "--stats", files.stats}), ranks, "10 5\n# turn\n100 5\n190 5");
+    const Ended ended = run_program(files.render({"--progressive", "--path", "-", "--stats", files.stats}),
+                                    ranks, "10 5\n# turn\n100 5\n190 5");
     INFO(ended.err);
     REQUIRE(ended.code == 0);
     CHECK(files.has("x-0000-u4.png"));

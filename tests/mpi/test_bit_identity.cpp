@@ -87,7 +87,8 @@ TEST_CASE("threads that share the work of ranks keep the bits") {
       for (const Layout& layout : {Layout{1, 1}, Layout{2, 2, Placement::colocated}})
         for (const int threads : {1, 2, 3, 8}) {
           const Image image = render_on_ranks(layout, spec, *source, {.threads_per_rank = threads});
-          INFO(fmt::format("plane {}, form {}, {} threads on each of {} ranks", int(plane), int(payload), threads, layout.ranks()));
+          INFO(fmt::format("plane {}, form {}, {} threads on each of {} ranks", int(plane), int(payload),
+                           threads, layout.ranks()));
           REQUIRE((rank != 0 || image == alone));
         }
     }

@@ -98,7 +98,8 @@ TEST_CASE("nothing visible gives a background image and no payloads") {
 }
 
 TEST_CASE("a volume of odd shape is drawn: single voxel, line, plane") {
-  for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(1, 20, 20), glm::ivec3(20, 1, 1), glm::ivec3(20, 20, 1)}) {
+  for (const glm::ivec3 dims :
+       {glm::ivec3(1, 1, 1), glm::ivec3(1, 20, 20), glm::ivec3(20, 1, 1), glm::ivec3(20, 20, 1)}) {
     const auto source = synth_source("constant", make_grid(dims));
     FrameSpec spec;
     spec.transfer_function = constant_opacity(0.5);

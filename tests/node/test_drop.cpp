@@ -18,9 +18,13 @@ struct Browsing {
 
   static bool turns_away_from(std::int64_t frame) { return frame % 3 == 1; }
   Director director() {
-    Director director{[this]() -> std::optional<FrameSpec> { return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt; },
+    Director director{[this]() -> std::optional<FrameSpec> {
+                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
+                      },
                       [this](FrameResult&& r) { done.emplace_back(r.spec.frame, std::move(r.image)); }};
-    director.unwanted = [this](const FrameSpec& spec) { return turns_away_from(spec.frame) && ++questions[spec.frame] > patience; };
+    director.unwanted = [this](const FrameSpec& spec) {
+      return turns_away_from(spec.frame) && ++questions[spec.frame] > patience;
+    };
     return director;
   }
 };
@@ -47,14 +51,17 @@ TEST_CASE("dropped frames end at any moment, and the others have the bits they h
   for (const auto& spec : specs) alone.push_back(render_loopback(*source, spec, 1, 1).image);
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const int gps = std::array{1, 2, 3, 4, 6}[seed % 5];
-    const Layout layout = seed % 4 == 3 ? mesh_layout(2, 2, 2, Routing::manhattan) : Layout{gps, 1 + int(seed % 3)};
+    const Layout layout =
+        seed % 4 == 3 ? mesh_layout(2, 2, 2, Routing::manhattan) : Layout{gps, 1 + int(seed % 3)};
     SoloCollectives solo;
     const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = int(seed % 6)}};
     OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
     Scene scene = load_scene(volume, {}, layout, wiring);
     Browsing browsing{.specs = specs, .patience = int(7 * seed % 90)};
     INFO(fmt::format("seed {}", seed));
-    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2)}, browsing.director(), wiring);
+    render_frames(std::move(scene), layout,
+                  {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2)}, browsing.director(),
+                  wiring);
     std::size_t kept = 0;
     for (const auto& [frame, image] : browsing.done) {
       kept += !Browsing::turns_away_from(frame);
@@ -89,7 +96,10 @@ TEST_CASE("a director may have nothing for a while") {
   const auto specs = turning_views(3);
   int polls = 0;
   std::size_t given = 0, done = 0;
-  Director director{[&]() -> std::optional<FrameSpec> { return ++polls % 5 == 0 && given < specs.size() ? std::optional(specs[given++]) : std::nullopt; },
+  Director director{[&]() -> std::optional<FrameSpec> {
+                      return ++polls % 5 == 0 && given < specs.size() ? std::optional(specs[given++])
+                                                                      : std::nullopt;
+                    },
                     [&](FrameResult&&) { ++done; }};
   director.may_come = [&] { return given < specs.size(); };
   SoloCollectives solo;

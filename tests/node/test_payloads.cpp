@@ -53,7 +53,8 @@ TEST_CASE("fewer bytes a voxel cost a known error") {
   const auto bytes = render_loopback(*source, spec, 2, 2);
   CHECK(payload_bytes(half) < payload_bytes(exact));
   CHECK(payload_bytes(bytes) < payload_bytes(half));
-  const double half_error = largest_difference(half.image, exact.image), byte_error = largest_difference(bytes.image, exact.image);
+  const double half_error = largest_difference(half.image, exact.image),
+               byte_error = largest_difference(bytes.image, exact.image);
   CHECK(half_error > 0);
   // Half precision keeps 11 bits of every voxel's colour and opacity.
   CHECK(half_error < 1.0 / 1024);
@@ -78,7 +79,8 @@ TEST_CASE("opacities too faint for a byte vanish, and half precision keeps them"
   CHECK(*std::max_element(bytes.rgba.begin(), bytes.rgba.end()) == 0.0F);
 }
 
-TEST_CASE("opaque pixels: GPs leave out what they hide, and the bits do not depend on when they learn of it") {
+TEST_CASE(
+    "opaque pixels: GPs leave out what they hide, and the bits do not depend on when they learn of it") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   FrameSpec spec = solid_view();
   spec.transfer_function = ramp(1, 20, 1.0);
@@ -98,7 +100,9 @@ TEST_CASE("opaque pixels: GPs leave out what they hide, and the bits do not depe
     spec.region_size = std::array{32, 7, 100, 4096}[seed % 4];
     spec.payload = seed % 5 == 0 ? PayloadForm::words : PayloadForm::runs;
     INFO("seed " << seed);
-    REQUIRE(render_loopback(*source, spec, 1 + int(seed % 6), 1 + int(seed % 4), loopback, Placement::dedicated, protocol).image == alone.image);
+    REQUIRE(render_loopback(*source, spec, 1 + int(seed % 6), 1 + int(seed % 4), loopback,
+                            Placement::dedicated, protocol)
+                .image == alone.image);
   }
 }
 

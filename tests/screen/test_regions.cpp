@@ -88,7 +88,8 @@ TEST_CASE("Renderers have as many regions as any other or one fewer, wherever in
       std::vector<int> owned(std::size_t(renderers), 0);
       const RegionOwners owners = regions.owners(renderers);
       for (int region = 0; region < regions.count(); ++region) ++owned[std::size_t(owners.of(region))];
-      CHECK(*std::max_element(owned.begin(), owned.end()) <= *std::min_element(owned.begin(), owned.end()) + 1);
+      CHECK(*std::max_element(owned.begin(), owned.end()) <=
+            *std::min_element(owned.begin(), owned.end()) + 1);
     }
   }
 }

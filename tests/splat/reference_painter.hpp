@@ -105,8 +105,10 @@ class FloatPainter {
     const auto x = static_cast<float>(dx), y = static_cast<float>(dy);
     float k = static_cast<float>(footprint_.d * dx * dx + footprint_.e * dx * dy + footprint_.f * dy * dy);
     if (2 * std::max(reach_.x, reach_.y) + 2 > 64) {
-      const float u = std::fma(static_cast<float>(footprint_.p[0][0]), x, static_cast<float>(footprint_.p[1][0] * dy));
-      const float v = std::fma(static_cast<float>(footprint_.p[0][1]), x, static_cast<float>(footprint_.p[1][1] * dy));
+      const float u =
+          std::fma(static_cast<float>(footprint_.p[0][0]), x, static_cast<float>(footprint_.p[1][0] * dy));
+      const float v =
+          std::fma(static_cast<float>(footprint_.p[0][1]), x, static_cast<float>(footprint_.p[1][1] * dy));
       k = -std::fma(u, u, v * v);
     }
     const float q = std::fma(splat.a, x, k) + std::fma(splat.b, y, splat.c);

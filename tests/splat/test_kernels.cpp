@@ -152,10 +152,12 @@ TEST_CASE("every kernel draws the same bits in regions of any size", "[kernels]"
     }
 }
 
-TEST_CASE("every instruction set draws the same bits from a table, and normalises alike", "[kernels][vector]") {
+TEST_CASE("every instruction set draws the same bits from a table, and normalises alike",
+          "[kernels][vector]") {
   constexpr int width = 83, height = 61;
   for (const auto& lattice : lattices) {
-    const auto kernel = kernel_of(lattice, {.method = KernelMethod::texture, .normalisation = Normalisation::exact});
+    const auto kernel =
+        kernel_of(lattice, {.method = KernelMethod::texture, .normalisation = Normalisation::exact});
     const std::vector<std::vector<Placed>> slices{
         random_splats(kernel.footprint, 300, -9, -9, width + 9, height + 9, 1)};
     use_vector_target("");

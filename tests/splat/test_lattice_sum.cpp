@@ -105,7 +105,8 @@ TEST_CASE("kernel options that cannot be or have no effect are refused", "[kerne
   check(KernelOptions{}, wide);
 }
 
-TEST_CASE("where voxels lie whole pixels apart the sum has a value for each pixel of a voxel", "[lattice-sum]") {
+TEST_CASE("where voxels lie whole pixels apart the sum has a value for each pixel of a voxel",
+          "[lattice-sum]") {
   for (const double step : {1.0, 2.0, 4.0}) {
     for (const double radius : {1.0, 1.6}) {
       const Lattice lattice{step, 0, 1, 0, 1};
@@ -120,7 +121,9 @@ TEST_CASE("where voxels lie whole pixels apart the sum has a value for each pixe
       CHECK(same_bits(whole, parts));
       for (int x = 0; x < 40; ++x) {
         const glm::dvec2 at = (glm::dvec2(-20.5 + x, 9.5) - voxel) / step;
-        for (std::size_t c = 0; c < 4; ++c) REQUIRE(double(whole[std::size_t(4 * x) + c]) == Approx(0.5 / direct_sum(footprint, block, at)).epsilon(1e-6));
+        for (std::size_t c = 0; c < 4; ++c)
+          REQUIRE(double(whole[std::size_t(4 * x) + c]) ==
+                  Approx(0.5 / direct_sum(footprint, block, at)).epsilon(1e-6));
       }
     }
   }

@@ -31,19 +31,21 @@ namespace {
 /// Slices that leave the lower part of a region transparent.
 std::vector<std::vector<Placed>> half_covered(const Footprint& footprint, int slices) {
   std::vector<std::vector<Placed>> scene;
-  for (int z = 0; z < slices; ++z) scene.push_back(random_splats(footprint, 1500, -4, -4, 68, 40, unsigned(z), 0.9F));
+  for (int z = 0; z < slices; ++z)
+    scene.push_back(random_splats(footprint, 1500, -4, -4, 68, 40, unsigned(z), 0.9F));
   return scene;
 }
 
-std::vector<float> picture(const std::vector<std::vector<Placed>>& scene, const Footprint& footprint, float threshold,
-                           bool leave_out_hidden, DrawCounts& counts) {
+std::vector<float> picture(const std::vector<std::vector<Placed>>& scene, const Footprint& footprint,
+                           float threshold, bool leave_out_hidden, DrawCounts& counts) {
   RegionPainter painter(0, 0, 64, 64);
   painter.begin_frame(footprint, threshold);
   for (const auto& slice : scene) {
     for (const auto& placed : slice) {
       const auto reach = kernel_reach(footprint);
       const PixelWindow window = pixel_window({placed.anchor_x, placed.anchor_y, 0, 0}, reach);
-      if (leave_out_hidden && painter.opaque_tiles().hides(window.x0, window.y0, window.x1, window.y1)) continue;
+      if (leave_out_hidden && painter.opaque_tiles().hides(window.x0, window.y0, window.x1, window.y1))
+        continue;
       const auto drawn = draw_all(painter, {placed});
       counts.drawn += drawn.drawn;
       counts.hidden += drawn.hidden;
@@ -55,7 +57,8 @@ std::vector<float> picture(const std::vector<std::vector<Placed>>& scene, const 
 
 }  // namespace
 
-TEST_CASE("leaving out what opaque tiles hide changes no bit, and the threshold bounds the error", "[painter]") {
+TEST_CASE("leaving out what opaque tiles hide changes no bit, and the threshold bounds the error",
+          "[painter]") {
   const auto footprint = footprint_of({1.17, 0.4, 0.7, 0.9, 1});
   const auto scene = half_covered(footprint, 80);
   DrawCounts all, masked, culled;

@@ -30,14 +30,21 @@ std::vector<HardCase> hard_cases() {
   cases.push_back({"infinities", make_volume(dims, ScalarType::float32, with(infinity)), soft});
   cases.push_back({"denormals", make_volume(dims, ScalarType::float32, with(1e-40)), soft});
   cases.push_back({"the largest floats", make_volume(dims, ScalarType::float32, with(3.4e38)), soft});
-  cases.push_back({"int16 at its end", make_volume(dims, ScalarType::int16, [](int x, int, int) { return x % 2 == 0 ? -32768.0 : 32767.0; }),
-                   ramp(-32769, 32767, 0.3)});
-  cases.push_back({"uint32 at its end", make_volume(dims, ScalarType::uint32, [](int x, int, int) { return x % 2 == 0 ? 4294967295.0 : 0.0; }),
-                   ramp(1, 4294967295.0, 0.3)});
+  cases.push_back(
+      {"int16 at its end",
+       make_volume(dims, ScalarType::int16, [](int x, int, int) { return x % 2 == 0 ? -32768.0 : 32767.0; }),
+       ramp(-32769, 32767, 0.3)});
+  cases.push_back(
+      {"uint32 at its end",
+       make_volume(dims, ScalarType::uint32, [](int x, int, int) { return x % 2 == 0 ? 4294967295.0 : 0.0; }),
+       ramp(1, 4294967295.0, 0.3)});
   cases.push_back({"opacity 1", make_volume(dims, ScalarType::float32, pattern), constant_opacity(1.0, 0.5)});
   cases.push_back({"a jump", make_volume(dims, ScalarType::float32, pattern), constant_opacity(0.4, 0.5)});
-  cases.push_back({"constant", make_volume(dims, ScalarType::uint8, [](int, int, int) { return 100.0; }), constant_opacity(0.05)});
-  cases.push_back({"one voxel", make_volume({1, 1, 1}, ScalarType::uint8, [](int, int, int) { return 100.0; }), constant_opacity(0.5)});
+  cases.push_back({"constant", make_volume(dims, ScalarType::uint8, [](int, int, int) { return 100.0; }),
+                   constant_opacity(0.05)});
+  cases.push_back({"one voxel",
+                   make_volume({1, 1, 1}, ScalarType::uint8, [](int, int, int) { return 100.0; }),
+                   constant_opacity(0.5)});
   cases.push_back({"a plane", make_volume({1, 15, 16}, ScalarType::float32, pattern), soft});
   cases.push_back({"transparent", make_volume(dims, ScalarType::float32, pattern), constant_opacity(0.5, 3)});
   return cases;
@@ -46,8 +53,8 @@ std::vector<HardCase> hard_cases() {
 }  // namespace
 
 TEST_CASE("hard values travel as halves and as bytes") {
-  // A half keeps 11 bits of each colour and opacity, a byte is off by half a level at most; errors of sixteen slices go
-  // to both sides. A value that travelled wrongly would show as a hundred levels.
+  // A half keeps 11 bits of each colour and opacity, a byte is off by half a level at most; errors of sixteen
+  // slices go to both sides. A value that travelled wrongly would show as a hundred levels.
   for (const HardCase& hard : hard_cases()) {
     for (const Shading shading : {Shading::none, Shading::phong}) {
       INFO(hard.name << (shading == Shading::phong ? ", shaded" : ""));

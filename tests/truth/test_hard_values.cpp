@@ -30,8 +30,9 @@ bool all_finite(const Image& image) {
 }  // namespace
 
 TEST_CASE("4,096 slices of opacity 1e-4 and of 1e-7") {
-  // A product of transmittances would lose what each slice takes from 1: 1e-7 is within two units of its last place.
-  // The sum of opacities rounds relative to itself: at most 4,096 · 2⁻²⁴ of it, and far less on the average.
+  // A product of transmittances would lose what each slice takes from 1: 1e-7 is within two units of its last
+  // place. The sum of opacities rounds relative to itself: at most 4,096 · 2⁻²⁴ of it, and far less on the
+  // average.
   for (const double opacity : {1e-4, 1e-7}) {
     const Volume volume = make_volume({6, 4096, 6}, ScalarType::uint8, [](int, int, int) { return 100; });
     FrameSpec spec =

@@ -45,7 +45,8 @@ TEST_CASE("every voxel lies in its block's range, and the ends are taken by voxe
 }
 
 TEST_CASE("not-a-number takes no part in a block's range") {
-  constexpr float nothing = std::numeric_limits<float>::quiet_NaN(), infinity = std::numeric_limits<float>::infinity();
+  constexpr float nothing = std::numeric_limits<float>::quiet_NaN(),
+                  infinity = std::numeric_limits<float>::infinity();
   std::vector<float> values(32 * 8, nothing);
   values[20] = 3;
   values[21] = -infinity;

@@ -5,7 +5,8 @@ namespace ringsplat {
 /// Seconds on a clock that never goes back: the machine's, or the one that replaces it.
 double now_seconds();
 
-/// Replaces the clock of this process by a simulated one. Called before anything is timed; `clock` stays valid.
+/// Replaces the clock of this process by a simulated one. Called before anything is timed; `clock` stays
+/// valid.
 void set_clock(double (*clock)());
 
 /// Adds the seconds it lives to a counter.

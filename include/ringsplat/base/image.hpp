@@ -12,7 +12,9 @@ struct Image {
   Image() = default;
   /// A fully transparent image.
   Image(int w, int h) : width(w), height(h), rgba(std::size_t(4) * std::size_t(w) * std::size_t(h), 0.0F) {}
-  float* pixel(int x, int y) { return rgba.data() + 4 * (std::size_t(y) * std::size_t(width) + std::size_t(x)); }
+  float* pixel(int x, int y) {
+    return rgba.data() + 4 * (std::size_t(y) * std::size_t(width) + std::size_t(x));
+  }
   const float* pixel(int x, int y) const {
     return rgba.data() + 4 * (std::size_t(y) * std::size_t(width) + std::size_t(x));
   }

@@ -17,8 +17,9 @@ struct PhongMaterial {
 };
 
 /// Shading by lookup: one entry for each quantised normal, for one light and view (Neumann 1992, section 3).
-/// Directions are in world space, towards the light and towards the viewer. An entry is made when a voxel first
-/// asks for it, since most frames have fewer normals than there are codes; the same bits as when all are made.
+/// Directions are in world space, towards the light and towards the viewer. An entry is made when a voxel
+/// first asks for it, since most frames have fewer normals than there are codes; the same bits as when all
+/// are made.
 class PhongTable {
  public:
   PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
@@ -49,8 +50,8 @@ class PhongTable {
   void make(NormalCode normal) const;
 
   PhongMaterial material_;
-  glm::dvec3 light_, viewer_;  ///< unit directions
-  double faint_;               ///< cosines below it make no highlight
+  glm::dvec3 light_, viewer_;           ///< unit directions
+  double faint_;                        ///< cosines below it make no highlight
   mutable std::vector<Entry> entries_;  ///< scale below 0: not made yet
 };
 

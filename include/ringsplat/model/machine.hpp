@@ -45,9 +45,9 @@ struct Machine {
     double bandwidth = 0, latency = 0;  ///< of each link, in each direction; bytes per second and seconds
     double backbone_bandwidth = 0;      ///< 0: the backbone is no limit
     double local_bandwidth = 0, local_latency = 0;  ///< between ranks of one host; 0: no limit
-    int cores = 1;                      ///< of a host; as many ranks are put on it
-    int hosts = 0;                      ///< 0: as many as the ranks need. Fewer share the cores.
-    int leaf = 16;                      ///< hosts on a fat tree's lowest switch
+    int cores = 1;                                  ///< of a host; as many ranks are put on it
+    int hosts = 0;                                  ///< 0: as many as the ranks need. Fewer share the cores.
+    int leaf = 16;                                  ///< hosts on a fat tree's lowest switch
   } platform;
 };
 

@@ -8,17 +8,17 @@
 namespace ringsplat {
 
 /// Moves all tokens one GP per step, whatever the delays between them: the clock that the proof in mesh.hpp
-/// assumes, for runs in one process and for simulated ones. A Renderer's k-th place in the train is that in which the front
-/// slice's owner first uses its token. Its payload of traversal step s leaves in step k + s after the
-/// frame's start, its token in the step after.
+/// assumes, for runs in one process and for simulated ones. A Renderer's k-th place in the train is that in
+/// which the front slice's owner first uses its token. Its payload of traversal step s leaves in step k + s
+/// after the frame's start, its token in the step after.
 class LockStep {
  public:
   /// Called with every link in use and the step of the clock.
   using Observer = std::function<void(std::int64_t step, const Link& link, const Header& header)>;
 
   explicit LockStep(Observer observer = {}) : observer_(std::move(observer)) {}
-  /// A rank's own lock step whose clock is now_seconds(), common to all ranks as under simulation: one step in
-  /// `step_seconds`, longer than a payload and its accept take and a slice's encoding.
+  /// A rank's own lock step whose clock is now_seconds(), common to all ranks as under simulation: one step
+  /// in `step_seconds`, longer than a payload and its accept take and a slice's encoding.
   explicit LockStep(double step_seconds) : step_seconds_(step_seconds) {}
 
   /// True when a message may leave its node now.

@@ -30,10 +30,10 @@ enum class Kind : std::uint8_t {
   stall,      ///< any rank → every rank: nothing moves; say what you wait for
   credit,  ///< rank → neighbour in a mesh: `sequence` slots of channel `region` (of its links to me) are free
            ///< again
-  link_query,  ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry for
-               ///< it?
+  link_query,   ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry for
+                ///< it?
   link_report,  ///< rank → frame buffer: the answer
-  drop          ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
+  drop  ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
 };
 inline constexpr std::uint8_t kinds = 13;
 const char* name(Kind kind);

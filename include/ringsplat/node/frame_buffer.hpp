@@ -23,8 +23,8 @@ struct Director {
   /// 2 …
   std::function<std::optional<FrameSpec>()> next_frame;
   std::function<void(FrameResult&&)> frame_done;
-  /// For views that come while others are rendered; may be left empty. True while next_frame has nothing now and
-  /// may have something later.
+  /// For views that come while others are rendered; may be left empty. True while next_frame has nothing now
+  /// and may have something later.
   std::function<bool()> may_come = {};
   /// True when an announced frame is not wanted any more: it is dropped, and not handed to frame_done.
   std::function<bool(const FrameSpec&)> unwanted = {};

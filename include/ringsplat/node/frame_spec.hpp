@@ -17,13 +17,14 @@ namespace ringsplat {
 
 enum class Shading { none, phong };
 
-/// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions follow from the view.
+/// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
+/// follow from the view.
 enum class PayloadForm { words, runs };
 /// Of colours and opacities in runs: 10, 8 or 4 bytes a voxel. float32 draws the same bits as words.
 enum class Precision { float32, half, u8 };
 
-/// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices, sheared along the rays, of which
-/// the frame buffer makes the picture by one warp (Lacroute and Levoy 1994).
+/// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices,
+/// sheared along the rays, of which the frame buffer makes the picture by one warp (Lacroute and Levoy 1994).
 enum class ImagePlane { screen, slices };
 std::string name(ImagePlane plane);
 
@@ -33,8 +34,9 @@ struct FrameSpec {
   Camera camera;
   int width = 512, height = 512;  ///< pixels
   ImagePlane image_plane = ImagePlane::screen;
-  int plane_samples = 1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
-  int region_size = 0;    ///< pixels of the image plane; 0: 128 on the screen, in the slices' plane by its size
+  int plane_samples =
+      1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
+  int region_size = 0;  ///< pixels of the image plane; 0: 128 on the screen, in the slices' plane by its size
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
   PhongMaterial material;
@@ -42,14 +44,15 @@ struct FrameSpec {
   double kernel_radius = 1.6;        ///< in lattice distances
   KernelOptions kernel;
   bool opacity_correction = true;
-  double opaque_threshold = 1.0 / 512;  ///< a pixel with less transmittance takes nothing more; 0: all are composited to the end
+  double opaque_threshold =
+      1.0 / 512;  ///< a pixel with less transmittance takes nothing more; 0: all are composited to the end
   Reduction reduction;  ///< of the volume; opacities are corrected for the larger voxels
   PayloadForm payload = PayloadForm::runs;
   Precision precision = Precision::float32;
 };
 
-/// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero, a threshold outside
-/// [0, 1), words with less than float precision.
+/// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero, a
+/// threshold outside [0, 1), words with less than float precision.
 void check(const FrameSpec& spec);
 
 /// Exact, self-describing bytes (CBOR) and back; throws RunError when they are no FrameSpec.
@@ -64,9 +67,9 @@ struct FrameGeometry {
   ViewTransform view;  ///< of that grid's lattice to the image plane
   Traversal traversal;
   Footprint footprint;
-  int width = 0, height = 0;  ///< of the image plane, in pixels
-  Regions regions;            ///< of the image plane
-  int slices = 0;             ///< in the traversed set
+  int width = 0, height = 0;      ///< of the image plane, in pixels
+  Regions regions;                ///< of the image plane
+  int slices = 0;                 ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
 };
 LatticeFrame lattice_frame(const Grid& grid);

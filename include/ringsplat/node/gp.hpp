@@ -61,7 +61,7 @@ class Gp final : public Node {
   std::deque<std::unique_ptr<Frame>> frames_;
   std::int64_t next_frame_ = 0;
   std::vector<Message> early_;  ///< of frames not yet announced here
-  Debt debt_;  ///< simulated seconds of encoding that have not yet passed
+  Debt debt_;                   ///< simulated seconds of encoding that have not yet passed
   double last_time_;
   NodeTrace* trace_;  ///< null: not recorded
   struct {

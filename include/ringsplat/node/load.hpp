@@ -20,26 +20,29 @@ struct LoadOptions {
   bool prefilter = false;       ///< of the others (volume/reduced.hpp)
 };
 
-/// Opens the volume on process 0, and on the others too when it can be read by all at once. Every process gets the
-/// grid; a process that need not read gets no source. All throw the same InputError when one fails.
+/// Opens the volume on process 0, and on the others too when it can be read by all at once. Every process
+/// gets the grid; a process that need not read gets no source. All throw the same InputError when one fails.
 struct OpenedVolume {
   Grid grid;
   bool concurrent = false;
   std::unique_ptr<VolumeSource> source;
 };
-OpenedVolume open_everywhere(Collectives& collectives, const std::function<std::unique_ptr<VolumeSource>()>& open);
+OpenedVolume open_everywhere(Collectives& collectives,
+                             const std::function<std::unique_ptr<VolumeSource>()>& open);
 
-/// Deals the volume to the GPs: GP g gets slices s ≡ g (mod G) of each kept axis, with quantised normals. No process
-/// holds more of the volume than its GPs' share and a batch of slices on their way.
+/// Deals the volume to the GPs: GP g gets slices s ≡ g (mod G) of each kept axis, with quantised normals. No
+/// process holds more of the volume than its GPs' share and a batch of slices on their way.
 ///
-/// z slices are read whole, by their owner when the source is concurrent and by process 0 in ascending order otherwise; the
-/// other two axes come by exchange. `gps_of_process[p]` lists the GPs that process p hosts.
+/// z slices are read whole, by their owner when the source is concurrent and by process 0 in ascending order
+/// otherwise; the other two axes come by exchange. `gps_of_process[p]` lists the GPs that process p hosts.
 /// Returns this process's stores by GP. All processes throw the same InputError when reading fails on one.
 std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, int gps,
-                                      const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
+                                      const std::vector<std::vector<int>>& gps_of_process,
+                                      Collectives& collectives);
 
 /// Value range and histogram over all GPs' slices; the same on every process.
 ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives);
-Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins, Collectives& collectives);
+Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins,
+                    Collectives& collectives);
 
 }  // namespace ringsplat

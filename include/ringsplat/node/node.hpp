@@ -51,7 +51,8 @@ struct ProtocolOptions {
   SimulationOptions simulation = {};
 };
 
-/// Throws InputError naming the option when a number is below 1 (or the timeout not positive) or no machine has so many cores.
+/// Throws InputError naming the option when a number is below 1 (or the timeout not positive) or no machine
+/// has so many cores.
 void check(const ProtocolOptions& options);
 
 }  // namespace ringsplat

@@ -32,16 +32,20 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 LoadOptions load_options(const FrameSpec& spec, const Grid& grid);
 
 /// Deals an opened volume's slices and gathers its range and histogram. All processes call it.
-Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring);
+Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
+                 const Wiring& wiring);
 
-/// Renders the director's frames (asked for on process 0 only). All processes call it; returns when the last frame
-/// is done. Throws InputError when the layout does not fit the number of processes, RunError when a run fails.
-void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director, const Wiring& wiring);
+/// Renders the director's frames (asked for on process 0 only). All processes call it; returns when the last
+/// frame is done. Throws InputError when the layout does not fit the number of processes, RunError when a run
+/// fails.
+void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
+                   const Wiring& wiring);
 
-/// One image of a volume in memory, for programs that use Ringsplat as a library. `voxels` (grid.bytes() bytes, native
-/// order) is read on process 0 only and is dealt to the GPs; the others may pass an empty span. Every process passes the same
-/// grid, spec and layout. The image is returned on process 0; elsewhere it is empty.
-Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec, const Layout& layout, const Wiring& wiring,
-                   const ProtocolOptions& protocol = {});
+/// One image of a volume in memory, for programs that use Ringsplat as a library. `voxels` (grid.bytes()
+/// bytes, native order) is read on process 0 only and is dealt to the GPs; the others may pass an empty span.
+/// Every process passes the same grid, spec and layout. The image is returned on process 0; elsewhere it is
+/// empty.
+Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
+                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol = {});
 
 }  // namespace ringsplat

@@ -34,11 +34,11 @@ class Renderer final : public Node {
     std::map<std::uint32_t, Message> payloads;  ///< by sequence, accepted or not, not yet drawn
     std::deque<Header> not_accepted;            ///< payloads that wait for a slot
     int slots_in_use = 0;
-    std::uint32_t next = 0;                     ///< sequence of the payload to draw now
+    std::uint32_t next = 0;                          ///< sequence of the payload to draw now
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
-    bool painting = false;                      ///< payload `next` is being drawn
-    bool painted = false;                       ///< it is drawn, while the simulated time for it passes
-    std::uint64_t splats_before = 0;            ///< drawn or clipped before this payload
+    bool painting = false;                           ///< payload `next` is being drawn
+    bool painted = false;                            ///< it is drawn, while the simulated time for it passes
+    std::uint64_t splats_before = 0;                 ///< drawn or clipped before this payload
     bool begun = false;
     bool dropped = false;
     NodeStats stats;

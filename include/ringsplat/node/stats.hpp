@@ -40,8 +40,8 @@ struct FrameStats {
   NodeStats total() const;
 };
 
-/// Throws RunError naming the sums unless splats sent = drawn + clipped + hidden, tokens issued = retired and bytes
-/// sent = received.
+/// Throws RunError naming the sums unless splats sent = drawn + clipped + hidden, tokens issued = retired and
+/// bytes sent = received.
 void check_conservation(const FrameStats& stats);
 
 /// One JSON object (docs/design.md, "Statistics").

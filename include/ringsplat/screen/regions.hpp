@@ -15,11 +15,11 @@ struct PixelRect {
 
 /// Which Renderer owns a region: the one map from regions to Renderers, used by all.
 ///
-/// The region in column x and row y is Renderer x + skew · y's, modulo their number, so that all have as many regions
-/// or one fewer. Of the skews that keep that, the one with the longest way from a region to the nearest one of the same
-/// Renderer is taken (the lattices of Korobov 1959): what lies together in the picture is dealt to many. Dealing in turn is
-/// the skew of a row's length, which gives a Renderer whole columns when their numbers have a common divisor. In Neumann
-/// 1992 (section 3) a Renderer has one region.
+/// The region in column x and row y is Renderer x + skew · y's, modulo their number, so that all have as many
+/// regions or one fewer. Of the skews that keep that, the one with the longest way from a region to the
+/// nearest one of the same Renderer is taken (the lattices of Korobov 1959): what lies together in the
+/// picture is dealt to many. Dealing in turn is the skew of a row's length, which gives a Renderer whole
+/// columns when their numbers have a common divisor. In Neumann 1992 (section 3) a Renderer has one region.
 class RegionOwners {
  public:
   /// `columns`, `rows`: of regions.

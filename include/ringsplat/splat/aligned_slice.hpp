@@ -19,8 +19,9 @@ struct AlignedSlice {
   int first_row = 0,
       end_row = 4;  ///< rows with a weight above zero, of those from reach_y before the anchor on
   int taps = 4;     ///< voxels of a row that can reach one pixel
-  /// [rows][taps][7 pixels][4]: the tap-th voxel's weight (the leftmost is the first) in each pixel from reach_x
-  /// before an anchor on, which is again what it is a step further; each weight four times, once for each channel.
+  /// [rows][taps][7 pixels][4]: the tap-th voxel's weight (the leftmost is the first) in each pixel from
+  /// reach_x before an anchor on, which is again what it is a step further; each weight four times, once for
+  /// each channel.
   std::vector<float> weights;
   double opacity_weight = 1;  ///< Footprint::weight
   struct Offset {

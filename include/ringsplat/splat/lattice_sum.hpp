@@ -16,11 +16,12 @@ namespace ringsplat {
 /// kernel's half width along each axis, which bounds the interpolation's error at 1.2e-5 of the sum (the
 /// second derivatives of all kernels at a place are 12 / half width² together at most); found are 8e-6.
 ///
-/// Where voxels lie a whole number of pixels apart, as in an image in the slices' plane, the sum has few values in a slice, and there is no table:
-/// each is summed for each row.
+/// Where voxels lie a whole number of pixels apart, as in an image in the slices' plane, the sum has few
+/// values in a slice, and there is no table: each is summed for each row.
 class LatticeSum {
  public:
-  /// `block` takes lattice (u, v) to pixels. Costs half a million evaluations of Q², whatever the view, or none.
+  /// `block` takes lattice (u, v) to pixels. Costs half a million evaluations of Q², whatever the view, or
+  /// none.
   LatticeSum(const Footprint& footprint, const glm::dmat2& block);
 
   /// The sum itself at `lattice`, in double precision. Of kernels more than 64 voxels wide every m-th voxel
@@ -34,16 +35,17 @@ class LatticeSum {
   void divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
 
  private:
-  void divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
+  void divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
+                        glm::dvec2 voxel) const;
 
   int phases_x_ = 0, phases_y_ = 0;  ///< pixels a voxel where they are whole numbers, else 0
-  glm::dmat2 to_lattice_{1.0};  ///< from pixels
-  glm::dmat2 form_{1.0};        ///< lattice offsets to kernel radii: Q = 1 − |form · offset|²
-  double weight_ = 1;           ///< of one kernel that is counted
-  glm::dvec2 reach_{1.0};       ///< lattice offsets beyond which Q is not positive
-  glm::dvec2 stride_{1.0};      ///< voxels from one that is counted to the next
-  int width_ = 1, height_ = 1;  ///< steps a cell along u and v
-  std::vector<float> table_;    ///< [height + 1][width + 1], the last ones the first ones again
+  glm::dmat2 to_lattice_{1.0};       ///< from pixels
+  glm::dmat2 form_{1.0};             ///< lattice offsets to kernel radii: Q = 1 − |form · offset|²
+  double weight_ = 1;                ///< of one kernel that is counted
+  glm::dvec2 reach_{1.0};            ///< lattice offsets beyond which Q is not positive
+  glm::dvec2 stride_{1.0};           ///< voxels from one that is counted to the next
+  int width_ = 1, height_ = 1;       ///< steps a cell along u and v
+  std::vector<float> table_;         ///< [height + 1][width + 1], the last ones the first ones again
 };
 
 }  // namespace ringsplat

@@ -17,8 +17,9 @@ struct DrawCounts {
   std::uint64_t hidden = 0;   ///< splats that lie wholly under opaque tiles, not drawn
 };
 
-/// The memory of one slice buffer. Painters that share one must be used one after the other, each with composite()
-/// before the next one draws: so the buffer stays in the processor's cache. Painters that do not share one may be used by several threads at once.
+/// The memory of one slice buffer. Painters that share one must be used one after the other, each with
+/// composite() before the next one draws: so the buffer stays in the processor's cache. Painters that do not
+/// share one may be used by several threads at once.
 class SliceMemory;
 std::shared_ptr<SliceMemory> make_slice_memory();
 
@@ -29,36 +30,40 @@ std::shared_ptr<SliceMemory> make_slice_memory();
 /// the splats given, with the same operations whatever the vector width, so its bits do not depend on the
 /// processor, the region size or the other splats.
 ///
-/// A pixel whose transmittance has fallen below `opaque_threshold` takes nothing more. That is decided pixel by pixel from the
-/// slices before, so a splat that lies wholly under such pixels may be left out by anyone who knows of them, at any time,
-/// and the image keeps its bits.
+/// A pixel whose transmittance has fallen below `opaque_threshold` takes nothing more. That is decided pixel
+/// by pixel from the slices before, so a splat that lies wholly under such pixels may be left out by anyone
+/// who knows of them, at any time, and the image keeps its bits.
 class RegionPainter {
  public:
   /// Region of width × height pixels whose corner is screen pixel (x0, y0). No pixels are allocated before
   /// the first splat. Throws InputError for a size below 1.
-  RegionPainter(int x0, int y0, int width, int height, std::shared_ptr<SliceMemory> memory = make_slice_memory());
+  RegionPainter(int x0, int y0, int width, int height,
+                std::shared_ptr<SliceMemory> memory = make_slice_memory());
   ~RegionPainter();
   RegionPainter(RegionPainter&&) noexcept;
   RegionPainter& operator=(RegionPainter&&) noexcept;
 
-  /// From now on sums slices into `memory`. Only while it holds none of this painter's: after composite() or begin_frame().
+  /// From now on sums slices into `memory`. Only while it holds none of this painter's: after composite() or
+  /// begin_frame().
   void use(std::shared_ptr<SliceMemory> memory);
 
   /// Forgets the last frame's image and takes the frame's kernel.
   void begin_frame(const FrameKernel& kernel, float opaque_threshold = 0);
   /// The same for kernels that are computed in float32 and not normalised any further.
-  void begin_frame(const Footprint& footprint, float opaque_threshold = 0) { begin_frame(FrameKernel{footprint, 0, {}, {}}, opaque_threshold); }
+  void begin_frame(const Footprint& footprint, float opaque_threshold = 0) {
+    begin_frame(FrameKernel{footprint, 0, {}, {}}, opaque_threshold);
+  }
   /// Sums splats into the slice buffer. `bytes` is count × sizeof(Splat), any alignment.
   /// Splats with a NaN or a coefficient that no footprint can have are counted as clipped.
   DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
-  /// Takes voxels of a row of the slice, which composite() will sum: the same bits as draw() of their splats, row by row, gives.
-  /// Each voxel of a slice once; not together with draw() in one slice. `slice` must stay as it is until composite(). `voxels`:
-  /// those of the block, FloatVoxel, HalfVoxel or ByteVoxel, packed.
+  /// Takes voxels of a row of the slice, which composite() will sum: the same bits as draw() of their splats,
+  /// row by row, gives. Each voxel of a slice once; not together with draw() in one slice. `slice` must stay
+  /// as it is until composite(). `voxels`: those of the block, FloatVoxel, HalfVoxel or ByteVoxel, packed.
   template <class Voxel>
   DrawCounts draw_block(const AlignedSlice& slice, const VoxelBlock& block, const Voxel* voxels);
-  /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0, a];
-  /// empties the slice buffer. Costs nothing when no splat was drawn since the last call. `voxel`: where a
-  /// voxel of the slice lies on the screen; only the exact normalisation asks, and divides a and c first.
+  /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0,
+  /// a]; empties the slice buffer. Costs nothing when no splat was drawn since the last call. `voxel`: where
+  /// a voxel of the slice lies on the screen; only the exact normalisation asks, and divides a and c first.
   void composite(glm::dvec2 voxel = glm::dvec2(0.0));
   /// Which tiles take nothing more in this frame. Brought up to date every few slices.
   const OpaqueTiles& opaque_tiles() const;

@@ -9,8 +9,8 @@
 
 namespace ringsplat {
 
-/// Visible voxels of a slice's row, among 64 neighbouring columns. Their positions follow from the view, which
-/// every rank knows, so a bit each says where they are and only their colours and opacities travel.
+/// Visible voxels of a slice's row, among 64 neighbouring columns. Their positions follow from the view,
+/// which every rank knows, so a bit each says where they are and only their colours and opacities travel.
 struct VoxelBlock {
   std::uint32_t row, first;  ///< first: column, a multiple of 64
   std::uint64_t mask;        ///< bit i: the voxel of column first + i; never 0

@@ -24,7 +24,8 @@ class SliceDda {
     return row_start_ + glm::dvec3(steps_[0][column], steps_[1][column], steps_[2][column]);
   }
 
-  // For vector code: x and y positions are row start + step, with room to read `padding` steps behind the last column.
+  // For vector code: x and y positions are row start + step, with room to read `padding` steps behind the
+  // last column.
   static constexpr int padding = 8;
   const glm::dvec3& row_start() const { return row_start_; }
   const double* steps_x() const { return steps_[0].data(); }

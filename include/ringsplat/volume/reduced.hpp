@@ -12,17 +12,18 @@ struct Reduction {
   bool operator==(const Reduction&) const = default;
 };
 
-/// The lattice of the reduced volume: dimensions divided and rounded up, spacing multiplied. A prefiltered voxel lies in the middle of
-/// those it stands for. Throws InputError for a factor below 1.
+/// The lattice of the reduced volume: dimensions divided and rounded up, spacing multiplied. A prefiltered
+/// voxel lies in the middle of those it stands for. Throws InputError for a factor below 1.
 Grid reduced_grid(const Grid& grid, const Reduction& reduction);
 
-/// Reads the reduced volume from `full`, which must outlive it; its slices are best read in ascending order, for then each of the full
-/// ones is read once. Throws InputError for a factor other than 2 or 4 with a prefilter.
+/// Reads the reduced volume from `full`, which must outlive it; its slices are best read in ascending order,
+/// for then each of the full ones is read once. Throws InputError for a factor other than 2 or 4 with a
+/// prefilter.
 ///
-/// The prefilter halves, once or twice: (−1 9 9 −1) / 16 along each axis, which is cubic interpolation at the middle, limited to the range of the
-/// eight voxels. A mean of eight blurs more, and on the head its picture errs more than skipping does. Values are
-/// rounded to the scalar type; where a tap is not a number the voxel is the mean of those that are, of the eight. Beyond the volume its
-/// outermost voxels go on.
+/// The prefilter halves, once or twice: (−1 9 9 −1) / 16 along each axis, which is cubic interpolation at the
+/// middle, limited to the range of the eight voxels. A mean of eight blurs more, and on the head its picture
+/// errs more than skipping does. Values are rounded to the scalar type; where a tap is not a number the voxel
+/// is the mean of those that are, of the eight. Beyond the volume its outermost voxels go on.
 std::unique_ptr<VolumeSource> reduced_source(VolumeSource& full, const Reduction& reduction);
 
 }  // namespace ringsplat
