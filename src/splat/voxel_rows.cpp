@@ -53,40 +53,54 @@ void convolve(const BlockSums& in, float* HWY_RESTRICT sums) {
   }
 }
 
-/// The same for four taps at one pixel a voxel, as most kernels have: a tap's weight is one number, and all
-/// weights stay in registers.
-template <int rows>
+/// The same for four taps, as most kernels have: all weights stay in registers. `alike`: at one pixel a voxel
+/// a tap has one weight in all pixels.
+template <int rows, bool alike>
 HWY_INLINE void convolve_rows(const BlockSums& in, float* HWY_RESTRICT sums) {
   const Floats d;
-  constexpr int taps = 4;
-  FloatVector weights[rows][taps];
-  for (int row = 0; row < rows; ++row)
-    for (int tap = 0; tap < taps; ++tap)
-      weights[row][tap] = hn::Set(d, in.weights[tap * tap_floats - row * in.weights_floats]);
-  for (int at = 0; at < in.blocks * 4 * block_pixels; at += int(lanes)) {
-    const float* voxels = in.voxels + at;
-    auto sum = hn::Zero(d);
-    for (int row = 0; row < rows; ++row, voxels += in.row_floats)
-      for (int tap = 0; tap < taps; ++tap)
-        sum = hn::MulAdd(weights[row][tap], hn::LoadU(d, voxels + 4 * tap), sum);
-    hn::Store(sum, d, sums + at);
+  constexpr int taps = 4, block_floats = 4 * block_pixels, step = alike ? int(lanes) : block_floats;
+  for (int part = 0; part < step; part += int(lanes)) {
+    FloatVector weights[rows][taps];
+    for (int row = 0; row < rows; ++row) {
+      for (int tap = 0; tap < taps; ++tap) {
+        const float* weight = in.weights + tap * tap_floats - row * in.weights_floats;
+        weights[row][tap] = alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + part);
+      }
+    }
+    for (int at = part; at < in.blocks * block_floats; at += step) {
+      const float* voxels = in.voxels + at;
+      auto sum = hn::Zero(d);
+      for (int row = 0; row < rows; ++row, voxels += in.row_floats)
+        for (int tap = 0; tap < taps; ++tap)
+          sum = hn::MulAdd(weights[row][tap], hn::LoadU(d, voxels + tap * in.voxel_floats), sum);
+      hn::Store(sum, d, sums + at);
+    }
+  }
+}
+
+template <bool alike>
+HWY_INLINE void convolve_four_taps(const BlockSums& in, float* sums) {
+  switch (in.rows) {
+    case 1:
+      return convolve_rows<1, alike>(in, sums);
+    case 2:
+      return convolve_rows<2, alike>(in, sums);
+    case 3:
+      return convolve_rows<3, alike>(in, sums);
+    case 4:
+      return convolve_rows<4, alike>(in, sums);
+    default:
+      return convolve(in, sums);
   }
 }
 
 void ConvolveBlocks(const BlockSums& in, float* sums) {
-  const int rows = in.taps == 4 && in.voxel_floats == 4 ? in.rows : 0;
-  switch (rows) {
-    case 1:
-      return convolve_rows<1>(in, sums);
-    case 2:
-      return convolve_rows<2>(in, sums);
-    case 3:
-      return convolve_rows<3>(in, sums);
-    case 4:
-      return convolve_rows<4>(in, sums);
-    default:
-      return convolve(in, sums);
-  }
+  if (in.taps != 4)
+    convolve(in, sums);
+  else if (in.voxel_floats == 4)
+    convolve_four_taps<true>(in, sums);
+  else
+    convolve_four_taps<false>(in, sums);
 }
 
 #endif
@@ -105,7 +119,17 @@ bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, int x, int y)
                      [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, y + at.y); });
 }
 
-void set(std::uint64_t* bits, int place) { bits[place / 64] |= std::uint64_t{1} << place % 64; }
+/// The first 64 / step bits, a step apart.
+std::uint64_t spread(std::uint64_t bits, int step) {
+  if (step == 1) return bits;
+  bits &= 0xFFFFFFFF;
+  bits = (bits | bits << 16) & 0x0000FFFF0000FFFF;
+  bits = (bits | bits << 8) & 0x00FF00FF00FF00FF;
+  bits = (bits | bits << 4) & 0x0F0F0F0F0F0F0F0F;
+  bits = (bits | bits << 2) & 0x3333333333333333;
+  bits = (bits | bits << 1) & 0x5555555555555555;
+  return step == 2 ? bits : spread(bits, step / 2);
+}
 
 /// ORs 64 bits into a row of bits, the first at `place`; those that would lie before place 0 are not set.
 void put(std::uint64_t* row, std::uint64_t bits, int place) {
@@ -140,7 +164,7 @@ void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int re
   filled_.assign(std::size_t(buffer.height + 2 * reach_y + 1) * words_, 0);
   covered_ = filled_;
   inside_.assign(words_, 0);
-  for (int pixel = left; pixel < left + inside; ++pixel) set(inside_.data(), pixel);
+  for (int pixel = left; pixel < left + inside; ++pixel) put(inside_.data(), 1, pixel);
   top_ = std::numeric_limits<int>::max();
   bottom_ = std::numeric_limits<int>::min();
   sums_ = hwy::AllocateAligned<float>(std::size_t(inside) * 4);
@@ -149,17 +173,14 @@ void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int re
 
 void VoxelRows::mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask) {
   std::uint64_t *const filled = filled_.data() + at(y), *const covered = covered_.data() + at(y);
-  const int first = x + left_, window = 2 * slice.reach_x + 2;
-  if (slice.step_x == 1) {
-    put(filled, mask, first);
+  const int step = slice.step_x, columns = 64 / step, window = 2 * slice.reach_x + 2;
+  for (int first = 0; first < 64; first += columns) {
+    const std::uint64_t anchors = spread(mask >> first, step);
+    if (anchors == 0) continue;
+    const int place = x + left_ + first * step;
+    for (int k = 0; k < step; ++k) put(filled, anchors, place + k);
     // A kernel covers pixels from reach before its anchor to reach + 1 behind it.
-    for (int k = 0; k < window; ++k) put(covered, mask, first - slice.reach_x + k);
-  } else {
-    for (; mask != 0; mask &= mask - 1) {
-      const int place = first + std::countr_zero(mask) * slice.step_x;
-      for (int k = 0; k < slice.step_x; ++k) set(filled, place + k);
-      for (int k = 0; k < window; ++k) set(covered, place - slice.reach_x + k);
-    }
+    for (int k = 0; k < window; ++k) put(covered, anchors, place - slice.reach_x + k);
   }
   anchor_x_ = x;
   top_ = std::min(top_, y);
