@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
@@ -32,13 +33,20 @@ void check(const PhongMaterial& m) {
 /// Beyond the largest float there is no colour either: 0 times it must stay 0.
 float entry_value(double v) { return float(std::min(v, double(std::numeric_limits<float>::max()))); }
 
-constexpr float not_made = -1.0F;
-
 /// Every code's normal, decoded once: tables are made anew for every view.
-const std::vector<glm::dvec3>& all_normals() {
-  static const std::vector<glm::dvec3> normals = [] {
-    std::vector<glm::dvec3> decoded(normal_codes, glm::dvec3(0.0));
-    for (std::size_t code = 1; code < normal_codes; ++code) decoded[code] = decode_normal(NormalCode(code));
+struct Normals {
+  std::vector<double> x, y, z;
+};
+const Normals& all_normals() {
+  static const Normals normals = [] {
+    Normals decoded;
+    for (auto* axis : {&decoded.x, &decoded.y, &decoded.z}) axis->assign(normal_codes, 0.0);
+    for (std::size_t code = 1; code < normal_codes; ++code) {
+      const glm::dvec3 n = decode_normal(NormalCode(code));
+      decoded.x[code] = n.x;
+      decoded.y[code] = n.y;
+      decoded.z[code] = n.z;
+    }
     return decoded;
   }();
   return normals;
@@ -46,33 +54,35 @@ const std::vector<glm::dvec3>& all_normals() {
 
 }  // namespace
 
-PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer)
-    : material_(material),
-      light_(unit_direction(to_light, "light")),
-      viewer_(unit_direction(to_viewer, "viewer")),
-      // Below this the highlight is less than half a step of a 16-bit colour; most powers need not be taken.
-      faint_(material.exponent > 0 ? std::pow(1e-6, 1.0 / material.exponent) : 0.0),
-      entries_(normal_codes, Entry{not_made, 0.0F}) {
+PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light,
+                       const glm::dvec3& to_viewer) {
   check(material);
+  const glm::dvec3 light = unit_direction(to_light, "light"), viewer = unit_direction(to_viewer, "viewer");
+  const double light_viewer = glm::dot(light, viewer);
+  // Below this the highlight is less than half a step of a 16-bit colour; most powers need not be taken.
+  const double faint = material.exponent > 0 ? std::pow(1e-6, 1.0 / material.exponent) : 0.0;
+  entries_.resize(normal_codes);
+  const Normals& n = all_normals();
+  // In blocks: first what a compiler makes vectors of, then the few powers.
+  constexpr std::size_t block = 64;
+  for (std::size_t first = 0; first < normal_codes; first += block) {
+    std::array<double, block> mirrored;
+    for (std::size_t k = 0; k < block; ++k) {
+      const std::size_t code = first + k;
+      const double facing_light = n.x[code] * light.x + n.y[code] * light.y + n.z[code] * light.z;
+      const double facing_viewer = n.x[code] * viewer.x + n.y[code] * viewer.y + n.z[code] * viewer.z;
+      // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and
+      // viewer on the same side.
+      const double same_side = facing_light * facing_viewer, lobe = 2.0 * same_side - light_viewer;
+      mirrored[k] = same_side > 0 ? lobe : 0.0;
+      entries_[code] = {entry_value(material.ambient + material.diffuse * std::abs(facing_light)), 0.0F};
+    }
+    for (std::size_t k = 0; k < block; ++k)
+      if (mirrored[k] > faint)
+        entries_[first + k].add = entry_value(material.specular * std::pow(mirrored[k], material.exponent));
+  }
   entries_[no_normal] = {1.0F, 0.0F};
   std::fill(entries_.begin() + lattice_codes + 1, entries_.end(), Entry{1.0F, 0.0F});
-}
-
-void PhongTable::make(NormalCode normal) const {
-  const glm::dvec3& n = all_normals()[normal];
-  const double facing_light = glm::dot(n, light_), facing_viewer = glm::dot(n, viewer_);
-  // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and viewer on
-  // the same side.
-  const double same_side = facing_light * facing_viewer,
-               mirrored = 2.0 * same_side - glm::dot(light_, viewer_);
-  Entry entry{entry_value(material_.ambient + material_.diffuse * std::abs(facing_light)), 0.0F};
-  if (same_side > 0 && mirrored > faint_)
-    entry.add = entry_value(material_.specular * std::pow(mirrored, material_.exponent));
-  entries_[normal] = entry;
-}
-
-void PhongTable::make_all() {
-  for (std::size_t code = 0; code < normal_codes; ++code) entry(NormalCode(code));
 }
 
 }  // namespace ringsplat

@@ -4,10 +4,10 @@
 
 namespace ringsplat {
 
-EncoderFrame::EncoderFrame(const FrameSpec& frame_spec, const FrameGeometry& frame_geometry, int threads)
+EncoderFrame::EncoderFrame(const FrameSpec& frame_spec, const FrameGeometry& frame_geometry)
     : spec(frame_spec),
       geometry(frame_geometry),
-      shading(frame_spec, frame_geometry, threads > 1),
+      shading(frame_spec, frame_geometry),
       reach(kernel_reach(frame_geometry.footprint)),
       stride(pass_stride(frame_spec.kernel_radius)),
       covers(std::size_t(frame_geometry.regions.count())) {

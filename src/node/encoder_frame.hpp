@@ -10,8 +10,8 @@ namespace ringsplat {
 
 /// What the bands of one frame's slices share. It does not change while they work.
 struct EncoderFrame {
-  /// Both must outlive it. `threads`: of the bands.
-  EncoderFrame(const FrameSpec& frame_spec, const FrameGeometry& frame_geometry, int threads);
+  /// Both must outlive it.
+  EncoderFrame(const FrameSpec& frame_spec, const FrameGeometry& frame_geometry);
 
   /// News from a Renderer's Painter::opaque_news. Throws RunError when the bytes are no such news.
   void take_opaque_news(std::span<const std::byte> news);

@@ -8,14 +8,13 @@
 
 namespace ringsplat {
 
-/// The tables that turn one frame's voxels into colours.
+/// The tables that turn one frame's voxels into colours. Safe to use from several threads.
 class FrameShading {
  public:
-  /// Both must outlive it. `several`: threads use it.
-  FrameShading(const FrameSpec& spec, const FrameGeometry& geometry, bool several)
+  /// Both must outlive it.
+  FrameShading(const FrameSpec& spec, const FrameGeometry& geometry)
       : spec_(spec),
         geometry_(geometry),
-        several_(several),
         classifier_(
             spec.transfer_function, geometry.grid.type,
             spec.opacity_correction ? geometry.traversal.slice_distance : double(spec.reduction.factor)) {}
@@ -30,7 +29,6 @@ class FrameShading {
       phong_.emplace(spec_.material,
                      view.right * spec_.light.x + view.up * spec_.light.y + view.to_viewer * spec_.light.z,
                      view.to_viewer);
-      if (several_) phong_->make_all();
     });
     return *phong_;
   }
@@ -38,7 +36,6 @@ class FrameShading {
  private:
   const FrameSpec& spec_;
   const FrameGeometry& geometry_;
-  bool several_;
   Classifier classifier_;
   mutable std::once_flag once_;
   mutable std::optional<PhongTable> phong_;

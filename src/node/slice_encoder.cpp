@@ -19,7 +19,7 @@ class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(const FrameSpec& spec, const FrameGeometry& geometry, int renderers, EmptySpace& empty_space,
                ThreadTeam& threads)
-      : frame_(spec, geometry, threads.size()),
+      : frame_(spec, geometry),
         empty_space_(empty_space),
         threads_(threads),
         renderers_(renderers),

@@ -16,20 +16,15 @@ struct PhongMaterial {
   bool operator==(const PhongMaterial&) const = default;
 };
 
-/// Shading by lookup: one entry for each quantised normal, for one light and view (Neumann 1992, section 3).
-/// Directions are in world space, towards the light and towards the viewer. An entry is made when a voxel
-/// first asks for it, since most frames have fewer normals than there are codes; the same bits as when all
-/// are made.
+/// Shading by lookup: one entry for each quantised normal, rebuilt when the light or the view changes
+/// (Neumann 1992, section 3). Directions are in world space, towards the light and towards the viewer.
 class PhongTable {
  public:
   PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
 
-  /// Makes all entries that are not made yet; from then on the table is safe to use from several threads.
-  void make_all();
-
   /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
   ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
-    const Entry entry = this->entry(normal);
+    const Entry entry = entries_[normal];
     return {std::min(s.r * entry.scale + entry.add, 1.0F), std::min(s.g * entry.scale + entry.add, 1.0F),
             std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
   }
@@ -41,18 +36,10 @@ class PhongTable {
   struct Entry {
     float scale, add;  ///< colour * scale + add
   };
-  const Entry& entry(NormalCode normal) const {
-    if (!(entries_[normal].scale >= 0)) make(normal);
-    return entries_[normal];
-  }
+  const Entry& entry(NormalCode normal) const { return entries_[normal]; }
 
  private:
-  void make(NormalCode normal) const;
-
-  PhongMaterial material_;
-  glm::dvec3 light_, viewer_;           ///< unit directions
-  double faint_;                        ///< cosines below it make no highlight
-  mutable std::vector<Entry> entries_;  ///< scale below 0: not made yet
+  std::vector<Entry> entries_;
 };
 
 }  // namespace ringsplat
