@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <glm/vec2.hpp>
 #include <memory>
 #include <span>
 #include <vector>
@@ -78,34 +77,20 @@ class RowBand {
   const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }
 
-  PixelWindow window_of(std::uint32_t column) const {
-    const glm::dvec3 position = dda_.position(column);
-    return pixel_window(anchor(position.x, position.y), reach_);
-  }
-
   const FrameGeometry& geometry_;
   RowClassifier rows_;
   SliceDda dda_;
-  RowAxis x_, y_;  ///< of the row
   KernelReach reach_;
-  /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
-  /// rounding.
-  glm::dvec2 beyond_;
 
  private:
-  void begin_row();
-  /// The row's columns whose windows can meet the image.
-  Columns in_view() const;
-  bool is_all_in_view(int first, int end);
-  int classify_row(Columns columns, StageSeconds* stages);
+  int classify_row(StageSeconds* stages);
 
   const EncoderFrame& frame_;
   int stride_;
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
   int row_ = 0, end_ = 0;
-  bool all_in_view_ = false;  ///< of the slice's rows
-  int row_offset_ = 0;        ///< within the stride
+  int row_offset_ = 0;  ///< within the stride
   std::uint64_t visible_ = 0;
 };
 

@@ -1,7 +1,5 @@
 #include "node/row_classifier.hpp"
 
-#include <algorithm>
-
 namespace ringsplat {
 
 void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {
@@ -9,16 +7,14 @@ void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {
   runs_ = &runs;
 }
 
-int RowClassifier::classify(int row, Columns columns) {
+int RowClassifier::classify(int row) {
   const std::byte* values =
       slice_.values + std::size_t(row) * std::size_t(slice_.width) * size_of(slice_.type);
   row_.clear();
   voxels_ = 0;
   for (const ColumnRun& run : runs_->of_row(row)) {
-    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
-    if (first >= end) continue;
-    shading_.classifier().classify_row(values, first, end, row_);
-    voxels_ += end - first;
+    shading_.classifier().classify_row(values, run.first, run.end, row_);
+    voxels_ += run.end - run.first;
   }
   const bool lit = row_.visible > 0 && shading_.lit() && slice_.normals != nullptr;
   normals_ = lit ? slice_.normals + std::size_t(row) * std::size_t(slice_.width) : nullptr;

@@ -1,7 +1,6 @@
 #pragma once
 #include "node/empty_space.hpp"
 #include "node/frame_shading.hpp"
-#include "node/row_axis.hpp"
 
 namespace ringsplat {
 
@@ -15,9 +14,8 @@ class RowClassifier {
   void begin(const SliceView& slice, const SliceRuns& runs);
   const SliceView& slice() const { return slice_; }
 
-  /// Classifies these columns of row `row` of the slice; returns how many voxels are visible. What follows
-  /// speaks of them.
-  int classify(int row, Columns columns);
+  /// Classifies row `row` of the slice; returns how many voxels are visible. What follows speaks of this row.
+  int classify(int row);
   void shade();                           ///< once, before samples are asked for
   int voxels() const { return voxels_; }  ///< read for it
   /// Where the row's visible voxels are, by ascending columns.
