@@ -5,6 +5,7 @@
 
 #include "node/row_band.hpp"
 #include "node/voxel_form.hpp"
+#include "ringsplat/base/bit_runs.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
 
 namespace ringsplat {
@@ -132,12 +133,8 @@ class RunBand final : public RowBand {
   /// Those of the row's voxels in columns from `first` on that are not hidden.
   std::uint64_t seen_of(int region, std::uint32_t first, std::uint64_t mask) const {
     std::uint64_t seen = 0;
-    for (std::uint64_t left = mask; left != 0;) {
-      const int begin = std::countr_zero(left), count = std::countr_one(left >> begin);
-      seen |= seen_of_run(region, first, begin, begin + count);
-      // In two steps, since a shift by all 64 bits is none.
-      left = left >> (begin + count - 1) >> 1 << (begin + count - 1) << 1;
-    }
+    for_each_bit_run(mask,
+                     [&](int begin, int count) { seen |= seen_of_run(region, first, begin, begin + count); });
     return seen;
   }
   /// Of a run's places begin … end − 1. Halves what is hidden in part only.

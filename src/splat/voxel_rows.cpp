@@ -165,10 +165,14 @@ void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int re
   covered_ = filled_;
   inside_.assign(words_, 0);
   for (int pixel = left; pixel < left + inside; ++pixel) put(inside_.data(), 1, pixel);
-  top_ = std::numeric_limits<int>::max();
-  bottom_ = std::numeric_limits<int>::min();
+  forget_rows();
   sums_ = hwy::AllocateAligned<float>(std::size_t(inside) * 4);
   if (!sums_) throw std::bad_alloc();
+}
+
+void VoxelRows::forget_rows() {
+  top_ = std::numeric_limits<int>::max();
+  bottom_ = std::numeric_limits<int>::min();
 }
 
 void VoxelRows::mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask) {
@@ -231,8 +235,7 @@ void VoxelRows::clear() {
       }
     }
   }
-  top_ = std::numeric_limits<int>::max();
-  bottom_ = std::numeric_limits<int>::min();
+  forget_rows();
 }
 
 }  // namespace ringsplat

@@ -2,11 +2,11 @@
 #include <hwy/aligned_allocator.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "ringsplat/base/bit_runs.hpp"
 #include "ringsplat/splat/aligned_slice.hpp"
 #include "splat/place_voxels.hpp"
 #include "splat/slice_buffer.hpp"
@@ -66,16 +66,11 @@ class VoxelRows {
     for (int y = std::max(top_ - slice.reach_y, 0); y < end; ++y) {
       const Reaching rows = reaching(slice, y);
       for (std::size_t word = 0; word < words_; ++word) {
-        int bit = int(word) * 64;
-        for (std::uint64_t bits = covered_by(rows, word); bits != 0;) {
-          const int skipped = std::countr_zero(bits), count = std::countr_one(bits >> skipped);
-          bit += skipped;
-          sum(slice, rows, bit - left_, y, count / block_pixels);
-          use(sums_.get(), bit - left_, y, count);
-          bit += count;
-          // In two steps, since a shift by all 64 bits is none.
-          bits = bits >> skipped >> (count - 1) >> 1;
-        }
+        for_each_bit_run(covered_by(rows, word), [&](int first, int count) {
+          const int x = int(word) * 64 + first - left_;
+          sum(slice, rows, x, y, count / block_pixels);
+          use(sums_.get(), x, y, count);
+        });
       }
     }
   }
@@ -101,6 +96,7 @@ class VoxelRows {
   float* pixel(int x, int y) const {
     return buffer_->origin + y * buffer_->row_floats + std::ptrdiff_t{4} * x;
   }
+  void forget_rows();
   void mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask);
   std::uint64_t count_drawn(const AlignedSlice& slice, int x, int y, std::uint64_t mask) const;
 
