@@ -249,8 +249,10 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
                                   {"exact", Normalisation::exact}},
            "constant",
            "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel"),
-       app.add_option("--region", f.region_size,
-                      "Pixels of the side of a Renderer's region; without it 128 on the screen")
+       app.add_option(
+              "--region", f.region_size,
+              "Pixels of the side of a Renderer's region; without it 128 on the screen and strips in the "
+              "slices' plane")
            ->type_name("N")
            ->check(CLI::Range(1, 1 << 20)),
        no_correction});

@@ -27,6 +27,8 @@ constexpr int histogram_bins = 1024;
 constexpr int repetitions = 3;
 constexpr double patience = 2;  ///< seconds after which nothing is repeated any more
 constexpr int most_renderers = 1024;
+/// How finely an image in the slices' plane is cut to find what its parts cost.
+constexpr int probed_renderers = 16;
 
 double thread_seconds() {
   timespec t{};
@@ -204,6 +206,7 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
   const std::vector<Slab> slabs = read_slabs(source);
   frame.transfer_function = make_for(slabs, choice);
   check(frame);
+  frame.dealt_to = probed_renderers;
   FrameCosts costs;
   costs.slices = 0;
   std::vector<FrameSpec> frames;

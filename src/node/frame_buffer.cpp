@@ -65,6 +65,7 @@ bool FrameBuffer::announce_next() {
     return true;
   }
   spec->frame = next_frame_++;
+  if (spec->dealt_to == 0) spec->dealt_to = layout_.renderers;
   Frame frame;
   frame.geometry = make_geometry(*spec, grid_);
   frame.image = Image(frame.geometry.width, frame.geometry.height);

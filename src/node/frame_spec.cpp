@@ -85,6 +85,7 @@ json to_json(const FrameSpec& s) {
           {"image_plane", name(s.image_plane)},
           {"plane_samples", s.plane_samples},
           {"region", s.region_size},
+          {"dealt_to", s.dealt_to},
           {"transfer_function", to_json(s.transfer_function)},
           {"shading", s.shading == Shading::phong ? "phong" : "none"},
           {"material", to_json(s.material)},
@@ -108,6 +109,7 @@ FrameSpec frame_spec_from(const json& j) {
   s.image_plane = named(j.at("image_plane"), {ImagePlane::screen, ImagePlane::slices});
   s.plane_samples = j.at("plane_samples");
   s.region_size = j.at("region");
+  s.dealt_to = j.at("dealt_to");
   s.transfer_function = transfer_function_from(j.at("transfer_function"));
   s.shading = j.at("shading") == "phong" ? Shading::phong : Shading::none;
   const auto& m = j.at("material");
@@ -172,7 +174,12 @@ FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   }
 }
 
-std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }
+std::string to_json_text(const FrameSpec& spec) {
+  json settings = to_json(spec);
+  // Pictures hold this text, and they are the same files for any number of Renderers.
+  settings.erase("dealt_to");
+  return settings.dump();
+}
 
 LatticeFrame lattice_frame(const Grid& grid) {
   return {grid.dims, grid.spacing, grid.origin, grid.direction};
@@ -188,14 +195,21 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
-/// The picture's bits do not depend on it. An image in the slices' plane is small: it should still give
-/// several Renderers something to do.
-int region_size(const FrameSpec& spec, const FrameGeometry& g) {
-  if (spec.region_size > 0) return spec.region_size;
-  if (spec.image_plane == ImagePlane::screen) return 128;
-  int size = 64;
-  while (size > 16 && 3 * size > std::max(g.width, g.height)) size /= 2;
-  return size;
+int round_up(int value, int step) { return (value + step - 1) / step * step; }
+
+/// The picture's bits do not depend on it. In the slices' plane a row of voxels is a row of pixels, so
+/// regions are as wide as the image: a row goes to one of them and is not cut. An image there is small; it
+/// should still give every Renderer some regions from several of its parts.
+Regions make_regions(const FrameSpec& spec, int width, int height) {
+  if (spec.region_size > 0) return {width, height, spec.region_size};
+  if (spec.image_plane == ImagePlane::screen) return {width, height, 128};
+  constexpr int each = 4, least_rows = 16, most_rows = 64, least_columns = 64;
+  const int wanted = each * std::clamp(spec.dealt_to, 1, 1 << 16);
+  const int region_height = std::clamp(round_up(height / wanted, least_rows), least_rows, most_rows);
+  const int strips = (height - 1) / region_height + 1, columns = (wanted - 1) / strips + 1;
+  const int region_width =
+      columns == 1 ? width : std::max(round_up(width / columns, least_columns), least_columns);
+  return {width, height, region_width, region_height};
 }
 
 void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
@@ -231,7 +245,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
                                  2 * std::max(g.footprint.half.x, g.footprint.half.y)),
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
-  g.regions = Regions(g.width, g.height, region_size(spec, g));
+  g.regions = make_regions(spec, g.width, g.height);
   g.slices = g.grid.slices(g.traversal.axis);
   return g;
 }

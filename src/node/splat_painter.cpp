@@ -27,7 +27,7 @@ class SplatPainter final : public Painter {
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
-    if (!same_layout(geometry.regions)) lay_out(geometry.regions);
+    if (regions_ != geometry.regions) lay_out(geometry.regions);
     geometry_ = geometry;
     const FrameKernel kernel =
         make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
@@ -159,13 +159,6 @@ class SplatPainter final : public Painter {
     if (spec.payload == PayloadForm::words) return make_word_reader();
     auto aligned = make_aligned_reader(spec, geometry_, kernel);
     return aligned ? std::move(aligned) : make_run_reader(spec, geometry_);
-  }
-
-  bool same_layout(const Regions& regions) const {
-    return regions_.count() == regions.count() && regions_.count() > 0 &&
-           regions_.columns() == regions.columns() &&
-           regions_.rect(regions.count() - 1) == regions.rect(regions.count() - 1) &&
-           regions_.region_size() == regions.region_size();
   }
 
   void lay_out(const Regions& regions) {

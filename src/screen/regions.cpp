@@ -55,32 +55,31 @@ std::int64_t choose_skew(int columns, int rows, int renderers) {
 RegionOwners::RegionOwners(int columns, int rows, int renderers)
     : columns_(columns), renderers_(renderers), skew_(choose_skew(columns, rows, renderers)) {}
 
-Regions::Regions(int width, int height, int region_size)
-    : width_(width), height_(height), size_(region_size) {
+Regions::Regions(int width, int height, int region_width, int region_height)
+    : width_(width), height_(height), region_width_(region_width), region_height_(region_height) {
   if (width < 1 || height < 1 || width > largest_side || height > largest_side) {
     throw InputError(
         fmt::format("image size {}x{} is not within 1 to {} pixels a side", width, height, largest_side),
         "give a size such as --size 512x512");
   }
-  if (region_size < 1) {
-    throw InputError(fmt::format("region size {} is not positive", region_size),
+  if (region_width < 1 || region_height < 1) {
+    throw InputError(fmt::format("region size {} is not positive", std::min(region_width, region_height)),
                      "give the pixels of a region's side, such as --region 128");
   }
-  columns_ = pieces(width, region_size);
-  rows_ = pieces(height, region_size);
+  columns_ = pieces(width, region_width);
+  rows_ = pieces(height, region_height);
   if (std::int64_t{columns_} * rows_ > std::numeric_limits<std::int32_t>::max()) {
-    throw InputError(
-        fmt::format("an image of {}x{} pixels has too many regions of {} pixels a side ({} x {})", width,
-                    height, region_size, columns_, rows_),
-        "choose larger regions, such as --region 128");
+    throw InputError(fmt::format("an image of {}x{} pixels has too many regions of {}x{} pixels ({} x {})",
+                                 width, height, region_width, region_height, columns_, rows_),
+                     "choose larger regions, such as --region 128");
   }
 }
 
 PixelRect Regions::rect(int region) const {
-  const int x0 = region % columns_ * size_, y0 = region / columns_ * size_;
+  const int x0 = region % columns_ * region_width_, y0 = region / columns_ * region_height_;
   // A region size near 2^31 is allowed, so the far corner is found by what is left, not by a sum that may
   // overflow.
-  return {x0, y0, x0 + std::min(size_, width_ - x0), y0 + std::min(size_, height_ - y0)};
+  return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
 }
 
 std::vector<int> Regions::owned(int renderer, int renderers) const {
@@ -98,8 +97,8 @@ PixelRect Regions::touched(long long x0, long long y0, long long x1, long long y
   x1 = std::min(x1, static_cast<long long>(width_) - 1);
   y1 = std::min(y1, static_cast<long long>(height_) - 1);
   if (x0 > x1 || y0 > y1) return {};
-  return {static_cast<int>(x0 / size_), static_cast<int>(y0 / size_), static_cast<int>(x1 / size_) + 1,
-          static_cast<int>(y1 / size_) + 1};
+  return {static_cast<int>(x0 / region_width_), static_cast<int>(y0 / region_height_),
+          static_cast<int>(x1 / region_width_) + 1, static_cast<int>(y1 / region_height_) + 1};
 }
 
 }  // namespace ringsplat

@@ -50,6 +50,20 @@ TEST_CASE("regions cover every pixel of the screen exactly once", "[regions]") {
   }
 }
 
+TEST_CASE("regions may be wider than high", "[regions]") {
+  const Regions strips(300, 100, 300, 48);
+  CHECK(strips.columns() == 1);
+  CHECK(strips.rows() == 3);
+  CHECK(strips.rect(2) == PixelRect{0, 96, 300, 100});
+  CHECK(strips.touched(-5, 40, 400, 50) == PixelRect{0, 0, 1, 2});
+  const Regions cut(300, 100, 128, 48);
+  CHECK(cut.count() == 9);
+  CHECK(cut.rect(5) == PixelRect{256, 48, 300, 96});
+  CHECK(cut.touched(127, 47, 128, 48) == PixelRect{0, 0, 2, 2});
+  CHECK(cut != strips);
+  CHECK_THROWS_AS(Regions(300, 100, 128, 0), InputError);
+}
+
 TEST_CASE("regions are numbered row by row and the last ones are smaller", "[regions]") {
   const Regions regions(300, 200, 128);
   CHECK(regions.columns() == 3);

@@ -36,7 +36,9 @@ struct FrameSpec {
   ImagePlane image_plane = ImagePlane::screen;
   int plane_samples =
       1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
-  int region_size = 0;  ///< pixels of the image plane; 0: 128 on the screen, in the slices' plane by its size
+  int region_size = 0;  ///< of a side, in pixels of the image plane; 0: 128 on the screen, strips in the
+                        ///< slices' plane
+  int dealt_to = 0;  ///< Renderers for which strips are made; 0: the frame buffer puts in how many there are
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
   PhongMaterial material;

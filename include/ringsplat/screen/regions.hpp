@@ -32,17 +32,20 @@ class RegionOwners {
   std::int64_t columns_, renderers_, skew_;
 };
 
-/// The screen cut into square regions, numbered row by row; those at the right and lower edge may be smaller.
+/// The screen cut into regions of one size, numbered row by row; those at the right and lower edge may be
+/// smaller.
 class Regions {
  public:
   Regions() = default;
-  /// Throws InputError when a size is below 1 or the picture has more than 2^31 - 1 regions or pixels a side
-  /// over 2^20.
-  Regions(int width, int height, int region_size);
+  /// Squares. Throws InputError when a size is below 1 or the picture has more than 2^31 - 1 regions or
+  /// pixels a side over 2^20.
+  Regions(int width, int height, int region_size) : Regions(width, height, region_size, region_size) {}
+  /// Rectangles; throws likewise.
+  Regions(int width, int height, int region_width, int region_height);
+  bool operator==(const Regions&) const = default;
   int count() const { return columns_ * rows_; }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  int region_size() const { return size_; }
   PixelRect rect(int region) const;
 
   RegionOwners owners(int renderers) const { return {columns_, rows_, renderers}; }
@@ -53,7 +56,7 @@ class Regions {
   PixelRect touched(long long x0, long long y0, long long x1, long long y1) const;
 
  private:
-  int width_ = 0, height_ = 0, size_ = 1, columns_ = 0, rows_ = 0;
+  int width_ = 0, height_ = 0, region_width_ = 1, region_height_ = 1, columns_ = 0, rows_ = 0;
 };
 
 }  // namespace ringsplat
