@@ -29,13 +29,12 @@ class AlignedReader final : public PayloadReader {
     cursor_.begin(part);
   }
 
-  bool more() override { return cursor_.find(); }
+  bool more() override { return cursor_.blocks_left().count > 0; }
 
-  /// One block, even if that is a few more than `most`.
-  DrawCounts draw(RegionPainter& painter, std::uint32_t) override {
-    const DrawCounts counts = painter.draw_block(slice_, cursor_.block(), cursor_.voxels());
-    cursor_.skip_block();
-    return counts;
+  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
+    const DrawnBlocks drawn = painter.draw_blocks(slice_, cursor_.blocks_left(), most);
+    cursor_.skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
+    return drawn.counts;
   }
 
  private:

@@ -5,7 +5,6 @@
 #include <cstring>
 #include <functional>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include "node/payload_reader.hpp"
@@ -55,12 +54,16 @@ class RunCursor {
     --blocks_left_;
     return take(body_, at_, block_);
   }
-  /// What is left of the block.
-  const VoxelBlock& block() const { return block_; }
-  /// Its next voxels, where they are in the payload.
-  const Voxel* voxels() const { return reinterpret_cast<const Voxel*>(body_.data() + voxel_at_); }
-  void skip_block() {
-    voxel_at_ += std::size_t(std::popcount(std::exchange(block_.mask, 0))) * sizeof(Voxel);
+
+  /// The part's blocks that find() has not gone to.
+  VoxelBlocks<Voxel> blocks_left() const {
+    return {body_.data() + at_, blocks_left_, reinterpret_cast<const Voxel*>(body_.data() + voxel_at_)};
+  }
+  /// `voxels`: how many those blocks have.
+  void skip_blocks(std::uint32_t blocks, std::uint64_t voxels) {
+    blocks_left_ -= blocks;
+    at_ += blocks * sizeof(VoxelBlock);
+    voxel_at_ += std::size_t(voxels) * sizeof(Voxel);
   }
 
   std::uint32_t row() const { return block_.row; }

@@ -6,11 +6,51 @@
 #define HWY_TARGET_INCLUDE "splat/place_voxels.cpp"
 #include <hwy/foreach_target.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstring>
 
 #include "splat/pixel_vectors-inl.hpp"
+
+#ifndef RINGSPLAT_PLACE_VOXELS_ONCE
+#define RINGSPLAT_PLACE_VOXELS_ONCE
+namespace ringsplat {
+namespace {
+
+/// The first 64 / step bits, a step apart.
+std::uint64_t spread(std::uint64_t bits, int step) {
+  if (step == 1) return bits;
+  bits &= 0xFFFFFFFF;
+  bits = (bits | bits << 16) & 0x0000FFFF0000FFFF;
+  bits = (bits | bits << 8) & 0x00FF00FF00FF00FF;
+  bits = (bits | bits << 4) & 0x0F0F0F0F0F0F0F0F;
+  bits = (bits | bits << 2) & 0x3333333333333333;
+  bits = (bits | bits << 1) & 0x5555555555555555;
+  return step == 2 ? bits : spread(bits, step / 2);
+}
+
+bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, std::int64_t x, std::int64_t y) {
+  return std::any_of(slice.covered.begin(), slice.covered.end(), [&](const AlignedSlice::Offset& at) {
+    return buffer.holds(int(x) + at.x, int(y) + at.y);
+  });
+}
+
+/// Of voxels at the region's edge, one by one but for those whose columns all lie inside: they are alike.
+std::uint64_t count_at_edge(const SliceBuffer& buffer, const AlignedSlice& slice, std::int64_t x,
+                            std::int64_t y, std::uint64_t mask, std::uint64_t inside) {
+  const auto x_of_first = [&](std::uint64_t bits) { return x + std::countr_zero(bits) * slice.step_x; };
+  std::uint64_t drawn = 0;
+  if (inside != 0 && reaches(buffer, slice, x_of_first(inside), y))
+    drawn = std::uint64_t(std::popcount(inside));
+  for (std::uint64_t edge = mask & ~inside; edge != 0; edge &= edge - 1)
+    drawn += reaches(buffer, slice, x_of_first(edge), y);
+  return drawn;
+}
+
+}  // namespace
+}  // namespace ringsplat
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
@@ -24,12 +64,16 @@ HWY_INLINE float weighted(float opacity, double weight) {
 #if RINGSPLAT_ONE_BY_ONE
 
 template <class Voxel>
-void place(const AlignedSlice& slice, std::uint64_t mask, const Voxel* voxels, int x, float* row) {
+struct Reader {};
+
+template <class Voxel>
+void place_row(const Reader<Voxel>&, int steps, double weight, std::uint64_t mask, const Voxel* voxels, bool,
+               float* row) {
   for (; mask != 0; mask &= mask - 1, ++voxels) {
     const VoxelColour voxel = unpack(*voxels);
-    const auto colour = premultiply(&voxel.red, weighted(voxel.opacity, slice.opacity_weight));
-    float* pixels = row + std::ptrdiff_t{4} * (x + std::countr_zero(mask) * slice.step_x);
-    for (int copy = 0; copy < slice.step_x; ++copy, pixels += 4) store_pixel(colour, pixels);
+    const auto colour = premultiply(&voxel.red, weighted(voxel.opacity, weight));
+    float* pixels = row + std::ptrdiff_t{4} * (std::countr_zero(mask) * steps);
+    for (int copy = 0; copy < steps; ++copy, pixels += 4) store_pixel(colour, pixels);
   }
 }
 
@@ -104,38 +148,101 @@ HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) 
   for (int copy = 0; copy < steps; ++copy) store_pixel(colour, pixels + std::ptrdiff_t{4} * copy);
 }
 
-/// `steps`: the slice's step_x, known to the compiler where it matters.
+/// `row`: the pixel of the mask's lowest bit. `last`: nothing may be read behind these voxels.
 template <class Voxel>
-HWY_INLINE void place_steps(int steps, double weight, std::uint64_t mask, const Voxel* voxels, int x,
-                            float* row) {
-  const Reader<Voxel> reader;
-  const auto to = [&] { return row + std::ptrdiff_t{4} * (x + std::countr_zero(mask) * steps); };
-  for (std::uint64_t rest = mask & (mask - 1); rest != 0; mask = rest, rest &= rest - 1, ++voxels)
-    place_one(reader.read(voxels), weight, steps, to());
-  // What a reader may read beyond a voxel is there only before the last.
-  HWY_ALIGN std::uint8_t last[16] = {};
-  std::memcpy(last, voxels, sizeof(Voxel));
-  place_one(reader.read(reinterpret_cast<const Voxel*>(last)), weight, steps, to());
-}
-
-template <class Voxel>
-HWY_INLINE void place(const AlignedSlice& slice, std::uint64_t mask, const Voxel* voxels, int x, float* row) {
-  if (slice.step_x == 1)
-    place_steps(1, slice.opacity_weight, mask, voxels, x, row);
-  else
-    place_steps(slice.step_x, slice.opacity_weight, mask, voxels, x, row);
+HWY_INLINE void place_row(const Reader<Voxel>& reader, int steps, double weight, std::uint64_t mask,
+                          const Voxel* voxels, bool last, float* row) {
+  const auto to = [&] { return row + std::ptrdiff_t{4} * (std::countr_zero(mask) * steps); };
+  const std::uint64_t careful = last ? std::bit_floor(mask) : 0;
+  for (; mask != careful; mask &= mask - 1, ++voxels) place_one(reader.read(voxels), weight, steps, to());
+  if (careful == 0) return;
+  HWY_ALIGN std::uint8_t copy[16] = {};
+  std::memcpy(copy, voxels, sizeof(Voxel));
+  place_one(reader.read(reinterpret_cast<const Voxel*>(copy)), weight, steps, to());
 }
 
 #endif
 
-void PlaceFloats(const AlignedSlice& slice, std::uint64_t mask, const FloatVoxel* voxels, int x, float* row) {
-  place(slice, mask, voxels, x, row);
+/// ORs 64 bits into a row of bits, the first at `place`; those that would lie before place 0 are not set.
+HWY_INLINE void put(std::uint64_t* row, std::uint64_t bits, std::int64_t place) {
+  if (place < 0) {
+    row[0] |= bits >> -place;
+    return;
+  }
+  row += place / 64;
+  row[0] |= bits << place % 64;
+  if (place % 64 > 0 && bits >> (64 - place % 64) != 0) row[1] |= bits >> (64 - place % 64);
 }
-void PlaceHalves(const AlignedSlice& slice, std::uint64_t mask, const HalfVoxel* voxels, int x, float* row) {
-  place(slice, mask, voxels, x, row);
+
+/// Sets the bits of the pixels that hold the voxels.
+HWY_INLINE void mark(std::uint64_t* filled, std::uint64_t mask, std::int64_t place, int steps) {
+  if (steps == 1) {
+    put(filled, mask, place);
+    return;
+  }
+  for (int first = 0; first < 64; first += 64 / steps)
+    if (const std::uint64_t anchors = spread(mask >> first, steps); anchors != 0)
+      for (int k = 0; k < steps; ++k) put(filled, anchors, place + first * steps + k);
 }
-void PlaceBytes(const AlignedSlice& slice, std::uint64_t mask, const ByteVoxel* voxels, int x, float* row) {
-  place(slice, mask, voxels, x, row);
+
+/// How many of the voxels have a weight above zero in the region.
+HWY_INLINE std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffer& buffer, std::int64_t x,
+                                     std::int64_t y, std::uint64_t mask) {
+  const std::uint64_t inside =
+      mask & places_within(x, slice.step_x, slice.reach_x, buffer.width - slice.reach_x - 2);
+  const bool rows_inside = y >= slice.reach_y && y + slice.reach_y + 1 < buffer.height;
+  if (rows_inside && inside == mask) return std::uint64_t(std::popcount(mask));
+  return count_at_edge(buffer, slice, x, y, mask, inside);
+}
+
+template <int known_steps, class Voxel>
+HWY_INLINE PlacedVoxels place(const AlignedSlice& slice, const VoxelPlaces& to,
+                              const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
+  const Reader<Voxel> reader;
+  const int steps = known_steps > 0 ? known_steps : slice.step_x;
+  // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
+  const std::int64_t least_x = -slice.reach_x - 1, most_x = to.buffer.width + slice.reach_x - 1,
+                     least_y = -slice.reach_y - 1, most_y = to.buffer.height + slice.reach_y - 1;
+  PlacedVoxels placed;
+  while (placed.blocks < blocks.count && placed.voxels < most) {
+    VoxelBlock block;
+    std::memcpy(&block, blocks.blocks + placed.blocks * sizeof block, sizeof block);
+    const bool last = ++placed.blocks == blocks.count;
+    const Voxel* voxels = blocks.voxels + placed.voxels;
+    placed.voxels += std::uint64_t(std::popcount(block.mask));
+    const std::int64_t x = to.x + std::int64_t{steps} * block.first,
+                       y = to.y + std::int64_t{slice.step_y} * block.row;
+    if (y < least_y || y > most_y) continue;
+    const std::uint64_t within = block.mask & places_within(x, steps, least_x, most_x);
+    if (within == 0) continue;
+    voxels += std::popcount(block.mask & ((within & -within) - 1));
+    place_row(reader, steps, slice.opacity_weight, within, voxels, last,
+              to.buffer.origin + y * to.buffer.row_floats + 4 * x);
+    mark(to.filled + y * to.row_words, within, x + to.left, steps);
+    placed.drawn += count_drawn(slice, to.buffer, x, y, within);
+    placed.top = std::min(placed.top, int(y));
+    placed.bottom = std::max(placed.bottom, int(y) + 1);
+  }
+  return placed;
+}
+
+template <class Voxel>
+HWY_INLINE PlacedVoxels place_any(const AlignedSlice& slice, const VoxelPlaces& to,
+                                  const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
+  return slice.step_x == 1 ? place<1>(slice, to, blocks, most) : place<0>(slice, to, blocks, most);
+}
+
+PlacedVoxels PlaceFloats(const AlignedSlice& slice, const VoxelPlaces& to,
+                         const VoxelBlocks<FloatVoxel>& blocks, std::uint64_t most) {
+  return place_any(slice, to, blocks, most);
+}
+PlacedVoxels PlaceHalves(const AlignedSlice& slice, const VoxelPlaces& to,
+                         const VoxelBlocks<HalfVoxel>& blocks, std::uint64_t most) {
+  return place_any(slice, to, blocks, most);
+}
+PlacedVoxels PlaceBytes(const AlignedSlice& slice, const VoxelPlaces& to,
+                        const VoxelBlocks<ByteVoxel>& blocks, std::uint64_t most) {
+  return place_any(slice, to, blocks, most);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -148,15 +255,17 @@ HWY_EXPORT(PlaceFloats);
 HWY_EXPORT(PlaceHalves);
 HWY_EXPORT(PlaceBytes);
 
-void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const FloatVoxel* voxels, int x,
-                  float* row) {
-  HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, mask, voxels, x, row);
+PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
+                          const VoxelBlocks<FloatVoxel>& blocks, std::uint64_t most) {
+  return HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, to, blocks, most);
 }
-void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const HalfVoxel* voxels, int x, float* row) {
-  HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, mask, voxels, x, row);
+PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
+                          const VoxelBlocks<HalfVoxel>& blocks, std::uint64_t most) {
+  return HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, to, blocks, most);
 }
-void place_voxels(const AlignedSlice& slice, std::uint64_t mask, const ByteVoxel* voxels, int x, float* row) {
-  HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, mask, voxels, x, row);
+PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
+                          const VoxelBlocks<ByteVoxel>& blocks, std::uint64_t most) {
+  return HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, to, blocks, most);
 }
 
 }  // namespace ringsplat

@@ -254,29 +254,25 @@ void RegionPainter::begin_frame(const FrameKernel& kernel, float opaque_threshol
 }
 
 template <class Voxel>
-DrawCounts RegionPainter::draw_block(const AlignedSlice& slice, const VoxelBlock& block,
-                                     const Voxel* voxels) {
+DrawnBlocks RegionPainter::draw_blocks(const AlignedSlice& slice, const VoxelBlocks<Voxel>& blocks,
+                                       std::uint64_t most) {
   auto& s = *state_;
   s.begin_drawing();
-  const auto given = static_cast<std::uint64_t>(std::popcount(block.mask));
-  const std::int64_t x = slice.anchor_x + std::int64_t{slice.step_x} * block.first - s.x0,
-                     y = slice.anchor_y + std::int64_t{slice.step_y} * block.row - s.y0;
-  // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
-  if (y < -slice.reach_y - 1 || y >= s.height + slice.reach_y) return {0, given, 0};
-  const std::uint64_t within =
-      block.mask & places_within(x, slice.step_x, -slice.reach_x - 1, s.width + slice.reach_x - 1);
-  if (within == 0) return {0, given, 0};
-  const std::uint64_t before = block.mask & ((within & -within) - 1);
-  const std::uint64_t drawn = s.voxels.place(slice, int(x), int(y), within, voxels + std::popcount(before));
-  s.aligned = &slice;
-  s.pending = true;
-  const DrawCounts counts{drawn, given - drawn, 0};
+  const PlacedVoxels placed = s.voxels.place(slice, s.x0, s.y0, blocks, most);
+  const DrawCounts counts{placed.drawn, placed.voxels - placed.drawn, 0};
+  if (placed.top < placed.bottom) {
+    s.aligned = &slice;
+    s.pending = true;
+  }
   s.note(counts);
-  return counts;
+  return {placed.blocks, counts};
 }
-template DrawCounts RegionPainter::draw_block(const AlignedSlice&, const VoxelBlock&, const FloatVoxel*);
-template DrawCounts RegionPainter::draw_block(const AlignedSlice&, const VoxelBlock&, const HalfVoxel*);
-template DrawCounts RegionPainter::draw_block(const AlignedSlice&, const VoxelBlock&, const ByteVoxel*);
+template DrawnBlocks RegionPainter::draw_blocks(const AlignedSlice&, const VoxelBlocks<FloatVoxel>&,
+                                                std::uint64_t);
+template DrawnBlocks RegionPainter::draw_blocks(const AlignedSlice&, const VoxelBlocks<HalfVoxel>&,
+                                                std::uint64_t);
+template DrawnBlocks RegionPainter::draw_blocks(const AlignedSlice&, const VoxelBlocks<ByteVoxel>&,
+                                                std::uint64_t);
 
 DrawCounts RegionPainter::draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
   auto& s = *state_;

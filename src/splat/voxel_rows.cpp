@@ -110,49 +110,10 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace ringsplat {
-namespace {
 
 HWY_EXPORT(ConvolveBlocks);
 
-bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, int x, int y) {
-  return std::any_of(slice.covered.begin(), slice.covered.end(),
-                     [&](const AlignedSlice::Offset& at) { return buffer.holds(x + at.x, y + at.y); });
-}
-
-/// The first 64 / step bits, a step apart.
-std::uint64_t spread(std::uint64_t bits, int step) {
-  if (step == 1) return bits;
-  bits &= 0xFFFFFFFF;
-  bits = (bits | bits << 16) & 0x0000FFFF0000FFFF;
-  bits = (bits | bits << 8) & 0x00FF00FF00FF00FF;
-  bits = (bits | bits << 4) & 0x0F0F0F0F0F0F0F0F;
-  bits = (bits | bits << 2) & 0x3333333333333333;
-  bits = (bits | bits << 1) & 0x5555555555555555;
-  return step == 2 ? bits : spread(bits, step / 2);
-}
-
-/// ORs 64 bits into a row of bits, the first at `place`; those that would lie before place 0 are not set.
-void put(std::uint64_t* row, std::uint64_t bits, int place) {
-  if (place < 0) {
-    row[0] |= bits >> -place;
-    return;
-  }
-  row += place / 64;
-  row[0] |= bits << place % 64;
-  if (place % 64 > 0 && bits >> (64 - place % 64) != 0) row[1] |= bits >> (64 - place % 64);
-}
-
-}  // namespace
-
 void convolve_blocks(const BlockSums& in, float* sums) { HWY_DYNAMIC_DISPATCH(ConvolveBlocks)(in, sums); }
-
-std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high) {
-  constexpr std::uint64_t all = ~std::uint64_t{0};
-  const int shift = std::countr_zero(unsigned(step));
-  const std::int64_t first = std::max<std::int64_t>((low - x + step - 1) >> shift, 0),
-                     last = std::min<std::int64_t>((high - x) >> shift, 63);
-  return first <= last ? all << first & all >> (63 - last) : 0;
-}
 
 void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int reach_y) {
   buffer_ = &buffer;
@@ -162,9 +123,9 @@ void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int re
             behind = 2 * reach_x + 1 + most_whole_steps;
   words_ = std::size_t(left + inside + behind) / 64 + 1;
   filled_.assign(std::size_t(buffer.height + 2 * reach_y + 1) * words_, 0);
-  covered_ = filled_;
   inside_.assign(words_, 0);
-  for (int pixel = left; pixel < left + inside; ++pixel) put(inside_.data(), 1, pixel);
+  for (int pixel = left; pixel < left + inside; ++pixel)
+    inside_[std::size_t(pixel) / 64] |= std::uint64_t{1} << pixel % 64;
   forget_rows();
   sums_ = hwy::AllocateAligned<float>(std::size_t(inside) * 4);
   if (!sums_) throw std::bad_alloc();
@@ -173,36 +134,6 @@ void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int re
 void VoxelRows::forget_rows() {
   top_ = std::numeric_limits<int>::max();
   bottom_ = std::numeric_limits<int>::min();
-}
-
-void VoxelRows::mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask) {
-  std::uint64_t *const filled = filled_.data() + at(y), *const covered = covered_.data() + at(y);
-  const int step = slice.step_x, columns = 64 / step, window = 2 * slice.reach_x + 2;
-  for (int first = 0; first < 64; first += columns) {
-    const std::uint64_t anchors = spread(mask >> first, step);
-    if (anchors == 0) continue;
-    const int place = x + left_ + first * step;
-    for (int k = 0; k < step; ++k) put(filled, anchors, place + k);
-    // A kernel covers pixels from reach before its anchor to reach + 1 behind it.
-    for (int k = 0; k < window; ++k) put(covered, anchors, place - slice.reach_x + k);
-  }
-  anchor_x_ = x;
-  top_ = std::min(top_, y);
-  bottom_ = std::max(bottom_, y + 1);
-}
-
-/// Voxels whose columns all lie inside are alike.
-std::uint64_t VoxelRows::count_drawn(const AlignedSlice& slice, int x, int y, std::uint64_t mask) const {
-  const std::uint64_t inside =
-      mask & places_within(x, slice.step_x, slice.reach_x, buffer_->width - slice.reach_x - 2);
-  const auto x_of_first = [&](std::uint64_t bits) { return x + std::countr_zero(bits) * slice.step_x; };
-  const bool rows_inside = y >= slice.reach_y && y + slice.reach_y + 1 < buffer_->height;
-  std::uint64_t drawn = 0;
-  if (inside != 0 && (rows_inside || reaches(*buffer_, slice, x_of_first(inside), y)))
-    drawn = std::uint64_t(std::popcount(inside));
-  for (std::uint64_t edge = mask & ~inside; edge != 0; edge &= edge - 1)
-    drawn += reaches(*buffer_, slice, x_of_first(edge), y);
-  return drawn;
 }
 
 VoxelRows::Reaching VoxelRows::reaching(const AlignedSlice& slice, int y) const {
@@ -214,7 +145,7 @@ VoxelRows::Reaching VoxelRows::reaching(const AlignedSlice& slice, int y) const 
 void VoxelRows::sum(const AlignedSlice& slice, const Reaching& rows, int x, int y, int blocks) {
   const int leftmost = x + slice.reach_x - (slice.taps - 1) * slice.step_x;
   // Steps are powers of two: a remainder of negative numbers too.
-  const int phase = (x + slice.reach_x - anchor_x_) & (slice.step_x - 1);
+  const int phase = (x + slice.reach_x - phase_x_) & (slice.step_x - 1);
   const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
   const int row = y - rows.first + slice.reach_y;
   convolve_blocks(
@@ -227,12 +158,11 @@ void VoxelRows::sum(const AlignedSlice& slice, const Reaching& rows, int x, int 
 void VoxelRows::clear() {
   for (int y = top_; y < bottom_; ++y) {
     for (std::size_t word = 0; word < words_; ++word) {
-      covered_[at(y) + word] = 0;
-      for (std::uint64_t bits = first_of_blocks(std::exchange(filled_[at(y) + word], 0)); bits != 0;
-           bits &= bits - 1) {
-        const int x = int(word) * 64 + std::countr_zero(bits) - left_;
-        std::memset(pixel(x, y), 0, sizeof(float) * 4 * block_pixels);
-      }
+      const std::uint64_t filled = std::exchange(filled_[at(y) + word], 0);
+      for_each_bit_run(whole_blocks(filled), [&](int first, int count) {
+        float* const pixels = pixel(int(word) * 64 + first - left_, y);
+        std::memset(pixels, 0, sizeof(float) * 4 * std::size_t(count));
+      });
     }
   }
   forget_rows();

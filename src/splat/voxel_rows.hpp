@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "ringsplat/base/bit_runs.hpp"
@@ -26,9 +27,6 @@ struct BlockSums {
 /// Writes the blocks' pixels to `sums`, 64-byte aligned.
 void convolve_blocks(const BlockSums& in, float* sums);
 
-/// Those of the 64 places x, x + step, … that lie within [low, high]; a step is 1, 2 or 4.
-std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high);
-
 /// Of every four bits, of a word's first ones on: the first is set where any was.
 inline std::uint64_t first_of_blocks(std::uint64_t bits) {
   static_assert(block_pixels == 4);
@@ -46,14 +44,18 @@ class VoxelRows {
   /// `left`: its pixels before the region, whole blocks.
   void prepare(const SliceBuffer& buffer, int left, int reach_x, int reach_y);
 
-  /// Puts voxels of a row in their places: where `mask`, which is not 0, has bit i, one with the anchor
-  /// (x + i · step_x, y) from the region's corner. All their windows meet the region. Each voxel of a slice
-  /// once, in any order. Returns how many have a weight above zero in the region.
+  /// Puts voxels of the slice in their places, `most` or a few more; their order does not matter. (x, y): the
+  /// region's corner in the image plane.
   template <class Voxel>
-  std::uint64_t place(const AlignedSlice& slice, int x, int y, std::uint64_t mask, const Voxel* voxels) {
-    place_voxels(slice, mask, voxels, x, pixel(0, y));
-    mark(slice, x, y, mask);
-    return count_drawn(slice, x, y, mask);
+  PlacedVoxels place(const AlignedSlice& slice, int x, int y, const VoxelBlocks<Voxel>& blocks,
+                     std::uint64_t most) {
+    const VoxelPlaces to{*buffer_, filled_.data() + at(0), std::ptrdiff_t(words_),
+                         left_,    slice.anchor_x - x,     slice.anchor_y - y};
+    const PlacedVoxels placed = place_voxels(slice, to, blocks, most);
+    phase_x_ = int(to.x & (slice.step_x - 1));
+    top_ = std::min(top_, placed.top);
+    bottom_ = std::max(bottom_, placed.bottom);
+    return placed;
   }
 
   /// Calls use(sums, x, y, pixels) for the region's pixels that kernels can cover, block by block or several
@@ -65,12 +67,15 @@ class VoxelRows {
     const int end = std::min(bottom_ + slice.reach_y + 1, buffer_->height);
     for (int y = std::max(top_ - slice.reach_y, 0); y < end; ++y) {
       const Reaching rows = reaching(slice, y);
+      std::uint64_t before = 0, here = filled_by(rows, 0);
       for (std::size_t word = 0; word < words_; ++word) {
-        for_each_bit_run(covered_by(rows, word), [&](int first, int count) {
+        const std::uint64_t behind = filled_by(rows, word + 1);
+        for_each_bit_run(covered(slice, before, here, behind) & inside_[word], [&](int first, int count) {
           const int x = int(word) * 64 + first - left_;
           sum(slice, rows, x, y, count / block_pixels);
           use(sums_.get(), x, y, count);
         });
+        before = std::exchange(here, behind);
       }
     }
   }
@@ -84,11 +89,22 @@ class VoxelRows {
     int first, end, step;  ///< anchors' y, from the region's corner
   };
   Reaching reaching(const AlignedSlice& slice, int y) const;
-  /// The region's blocks with pixels that those rows' kernels can cover, all bits of each.
-  std::uint64_t covered_by(const Reaching& rows, std::size_t word) const {
+  /// The pixels that hold voxels of those rows.
+  std::uint64_t filled_by(const Reaching& rows, std::size_t word) const {
     std::uint64_t bits = 0;
-    for (int y = rows.first; y < rows.end; y += rows.step) bits |= covered_[at(y) + word];
-    return whole_blocks(bits) & inside_[word];
+    if (word < words_)
+      for (int y = rows.first; y < rows.end; y += rows.step) bits |= filled_[at(y) + word];
+    return bits;
+  }
+  /// The blocks of a word's pixels that kernels of such rows can cover: from reach before an anchor to
+  /// reach + 1 behind it, of which a voxel fills the first ones.
+  static std::uint64_t covered(const AlignedSlice& slice, std::uint64_t before, std::uint64_t here,
+                               std::uint64_t behind) {
+    std::uint64_t bits = here;
+    if ((before | here | behind) == 0) return 0;
+    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k) bits |= here << k | before >> (64 - k);
+    for (int k = 1; k <= slice.reach_x; ++k) bits |= here >> k | behind << (64 - k);
+    return whole_blocks(bits);
   }
   void sum(const AlignedSlice& slice, const Reaching& rows, int x, int y, int blocks);
 
@@ -97,17 +113,14 @@ class VoxelRows {
     return buffer_->origin + y * buffer_->row_floats + std::ptrdiff_t{4} * x;
   }
   void forget_rows();
-  void mark(const AlignedSlice& slice, int x, int y, std::uint64_t mask);
-  std::uint64_t count_drawn(const AlignedSlice& slice, int x, int y, std::uint64_t mask) const;
 
   const SliceBuffer* buffer_ = nullptr;
-  int left_ = 0, above_ = 0;  ///< pixels of the buffer before the region; rows of anchors above it
-  std::size_t words_ = 0;     ///< of a bit for each pixel of a row, from the left margin's first on
-  /// [rows of anchors][words]: pixels that hold the row's voxels, and those that their kernels can cover.
-  std::vector<std::uint64_t> filled_, covered_;
+  int left_ = 0, above_ = 0;           ///< pixels of the buffer before the region; rows of anchors above it
+  std::size_t words_ = 0;              ///< of a bit for each pixel of a row, from the left margin's first on
+  std::vector<std::uint64_t> filled_;  ///< [rows of anchors][words]: pixels that hold the row's voxels
   std::vector<std::uint64_t> inside_;  ///< [words]: the region's pixels, whole blocks
   int top_ = 0, bottom_ = 0;  ///< rows of anchors top_ … bottom_ − 1, the first of which holds voxels
-  int anchor_x_ = 0;          ///< of a voxel
+  int phase_x_ = 0;           ///< of the voxels' anchors, modulo their step
   hwy::AlignedFreeUniquePtr<float[]> sums_;
 };
 

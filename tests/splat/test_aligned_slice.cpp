@@ -96,8 +96,10 @@ Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const s
   RegionPainter painter(x0, y0, width, height);
   painter.begin_frame(kernel);
   DrawCounts counts;
-  for (const Block& block : to_blocks(runs))
-    add(counts, painter.draw_block(*aligned, block.where, block.voxels.data()));
+  for (const Block& block : to_blocks(runs)) {
+    const auto* where = reinterpret_cast<const std::byte*>(&block.where);
+    add(counts, painter.draw_blocks(*aligned, VoxelBlocks{where, 1, block.voxels.data()}, 1).counts);
+  }
   return finish(painter, counts);
 }
 

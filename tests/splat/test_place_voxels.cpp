@@ -40,6 +40,37 @@ AlignedSlice slice_of(int step) {
   return slice;
 }
 
+/// A region of a row of pixels, all −1, for a kernel that covers its anchor and no other pixel.
+struct OneRow {
+  std::vector<float> pixels = std::vector<float>(4 * 300, -1.0F);
+  std::vector<std::uint64_t> filled = std::vector<std::uint64_t>(6, 0);
+  VoxelPlaces places() {
+    VoxelPlaces to;
+    to.buffer.origin = pixels.data();
+    to.buffer.width = 300;
+    to.buffer.height = 1;
+    to.filled = filled.data();
+    to.row_words = 6;
+    to.left = 40;
+    to.x = 9;
+    return to;
+  }
+};
+
+template <class Voxel>
+PlacedVoxels place_block(std::uint64_t mask, const std::vector<Voxel>& voxels, int step, OneRow& row) {
+  AlignedSlice slice = slice_of(step);
+  slice.reach_x = slice.reach_y = 0;
+  slice.covered = {{0, 0}};
+  const VoxelBlock block{0, 0, mask};
+  return place_voxels(slice, row.places(),
+                      VoxelBlocks<Voxel>{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
+}
+
+bool is_set(const OneRow& row, int pixel) {
+  return (row.filled[std::size_t(pixel + 40) / 64] >> (pixel + 40) % 64 & 1) != 0;
+}
+
 }  // namespace
 
 TEMPLATE_TEST_CASE("voxels go to their places premultiplied, with the same bits by every instruction set", "",
@@ -51,20 +82,25 @@ TEMPLATE_TEST_CASE("voxels go to their places premultiplied, with the same bits 
                                      (std::uint64_t(random()) << 32) | random() | 3}) {
       std::vector<float> expected(4 * 300, -1.0F);
       std::size_t next = 0;
+      std::array<bool, 300> filled{};
       for (int bit = 0; bit < 64; ++bit) {
         if ((mask >> bit & 1) == 0) continue;
         const auto colour = premultiplied(unpack(voxels[next++]), 0.59681);
-        for (int copy = 0; copy < step; ++copy)
-          std::copy(colour.begin(), colour.end(), expected.begin() + 4 * (9 + bit * step + copy));
+        for (int pixel = 9 + bit * step; pixel < 9 + (bit + 1) * step; ++pixel) {
+          std::copy(colour.begin(), colour.end(), expected.begin() + 4 * pixel);
+          filled[std::size_t(pixel)] = true;
+        }
       }
       for (const auto& target : vector_targets()) {
         use_vector_target(target);
         INFO(target << ", " << step << " pixels a voxel, mask " << mask);
         // No more than the mask's voxels may be read: a sanitizer would tell.
         const std::vector<TestType> given(voxels.begin(), voxels.begin() + std::popcount(mask));
-        std::vector<float> row(4 * 300, -1.0F);
-        place_voxels(slice_of(step), mask, given.data(), 9, row.data());
-        CHECK(std::memcmp(row.data(), expected.data(), row.size() * sizeof(float)) == 0);
+        OneRow row;
+        const PlacedVoxels placed = place_block(mask, given, step, row);
+        CHECK(placed.drawn == given.size());
+        CHECK(std::memcmp(row.pixels.data(), expected.data(), expected.size() * sizeof(float)) == 0);
+        for (int pixel = 0; pixel < 300; ++pixel) REQUIRE(is_set(row, pixel) == filled[std::size_t(pixel)]);
       }
       use_vector_target("");
     }
@@ -78,10 +114,28 @@ TEST_CASE("a voxel whose opacity no footprint gives goes to its place as nothing
     std::memcpy(voxel.opacity, &opacity, sizeof opacity);
     for (const auto& target : vector_targets()) {
       use_vector_target(target);
-      std::vector<float> row(4, -1.0F);
-      place_voxels(slice_of(1), 1, &voxel, 0, row.data());
-      for (const float value : row) CHECK(value == 0);
+      OneRow row;
+      place_block(1, std::vector{voxel}, 1, row);
+      for (int k = 0; k < 4; ++k) CHECK(row.pixels[std::size_t(4 * 9 + k)] == 0);
     }
     use_vector_target("");
+  }
+}
+
+TEST_CASE("placing stops behind the block that has the last voxel asked for") {
+  std::mt19937 random(7);
+  const auto voxels = random_voxels<FloatVoxel>(12, random);
+  const std::array<VoxelBlock, 3> blocks{{{0, 0, 0xF}, {0, 64, 0xF}, {0, 128, 0xF}}};
+  AlignedSlice slice = slice_of(1);
+  slice.reach_x = slice.reach_y = 0;
+  slice.covered = {{0, 0}};
+  for (const auto& [most, expected] : {std::pair{1, 1}, std::pair{4, 1}, std::pair{5, 2}, std::pair{99, 3}}) {
+    OneRow row;
+    const PlacedVoxels placed = place_voxels(
+        slice, row.places(), {reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
+        std::uint64_t(most));
+    CHECK(placed.blocks == std::uint32_t(expected));
+    CHECK(placed.voxels == 4 * std::uint64_t(expected));
+    CHECK(is_set(row, 9 + 128) == (expected == 3));
   }
 }

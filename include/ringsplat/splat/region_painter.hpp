@@ -17,6 +17,11 @@ struct DrawCounts {
   std::uint64_t hidden = 0;   ///< splats that lie wholly under opaque tiles, not drawn
 };
 
+struct DrawnBlocks {
+  std::uint32_t blocks = 0;  ///< gone through
+  DrawCounts counts;         ///< of their voxels
+};
+
 /// The memory of one slice buffer. Painters that share one must be used one after the other, each with
 /// composite() before the next one draws: so the buffer stays in the processor's cache. Painters that do not
 /// share one may be used by several threads at once.
@@ -56,11 +61,12 @@ class RegionPainter {
   /// Sums splats into the slice buffer. `bytes` is count × sizeof(Splat), any alignment.
   /// Splats with a NaN or a coefficient that no footprint can have are counted as clipped.
   DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
-  /// Takes voxels of a row of the slice, which composite() will sum: the same bits as draw() of their splats,
-  /// row by row, gives. Each voxel of a slice once; not together with draw() in one slice. `slice` must stay
-  /// as it is until composite(). `voxels`: those of the block, FloatVoxel, HalfVoxel or ByteVoxel, packed.
+  /// Takes voxels of the slice, which composite() will sum: the same bits as draw() of their splats, row by
+  /// row, gives. Each voxel of a slice once; not together with draw() in one slice. Stops after `most` voxels
+  /// or the block in which they end. `slice` must stay as it is until composite(). For FloatVoxel, HalfVoxel
+  /// and ByteVoxel.
   template <class Voxel>
-  DrawCounts draw_block(const AlignedSlice& slice, const VoxelBlock& block, const Voxel* voxels);
+  DrawnBlocks draw_blocks(const AlignedSlice& slice, const VoxelBlocks<Voxel>& blocks, std::uint64_t most);
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0,
   /// a]; empties the slice buffer. Costs nothing when no splat was drawn since the last call. `voxel`: where
   /// a voxel of the slice lies on the screen; only the exact normalisation asks, and divides a and c first.

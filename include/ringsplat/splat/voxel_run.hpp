@@ -35,6 +35,14 @@ struct ByteVoxel {  ///< 255 = 1
   std::uint8_t rgba[4];
 };
 
+/// A region's blocks as they travel: VoxelBlock at any alignment, and the voxels of all in their order.
+template <class Voxel>
+struct VoxelBlocks {
+  const std::byte* blocks;
+  std::uint32_t count;
+  const Voxel* voxels;
+};
+
 /// Makes them of `count` voxels' (red, green, blue, opacity), straight and within [0, 1], into `count`
 /// places. The same bits at every vector width: FloatVoxel's colours by quantise_colour, halves rounded to
 /// nearest even, bytes to nearest.
