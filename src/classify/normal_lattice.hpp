@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 
 #include "ringsplat/classify/normals.hpp"
 
@@ -20,12 +21,18 @@ namespace ringsplat {
 /// as those with |x| = |y| may be, is its own mirror image, but neither of the two points is; such points
 /// (k + ½, k + ½, l), and those of the other two pairs of axes, therefore have codes of their own: 63 on each
 /// of the 3 planes' parts in each octant.
+///
+/// Of a code and the opposite direction's the sum is lattice_codes + 1: points between of the upper octants,
+/// points above the equator, on it, below it, points between of the lower octants, those after the equator's
+/// middle in the reverse order of those before it. So what is the same for both needs half a table.
 inline constexpr int lattice_n = 126;
 inline constexpr double lattice_warp = 2.5;
 inline constexpr int lattice_points = 4 * lattice_n * lattice_n + 2;
 inline constexpr int points_between = lattice_n / 2;  ///< on a plane's part in an octant
-inline constexpr int lattice_codes = lattice_points + 3 * 8 * points_between;
-static_assert(lattice_codes < int(normal_codes));
+inline constexpr int all_between = 3 * 8 * points_between;
+inline constexpr int lattice_codes = lattice_points + all_between;
+static_assert(lattice_codes < int(normal_codes) && lattice_codes % 2 == 0);
+static_assert(lattice_codes + 1 == opposite_codes);
 static_assert(lattice_n % 6 == 0,
               "the diagonals must be points, and no point between on the octants' borders");
 
@@ -35,27 +42,33 @@ struct LatticePoint {
   bool lower;
 };
 
-/// The codes count through the upper half (|i| + |j| ≤ n, the equator included) and then the lower one
-/// (|i| + |j| < n), row by row. rows[i + n] + j is the code of (i, j).
-struct LatticeRows {
-  std::array<int, 2 * lattice_n + 1> upper{}, lower{};
-};
+inline constexpr int first_above = all_between / 2 + 1, points_on_equator = 4 * lattice_n,
+                     points_above = (lattice_points - points_on_equator) / 2,
+                     first_on_equator = first_above + points_above,
+                     first_below = first_on_equator + points_on_equator;
+
+/// The points above the equator (|i| + |j| < n) count row by row: rows[i + n] + j is how many are before
+/// (i, j).
+using LatticeRows = std::array<int, 2 * lattice_n + 1>;
 constexpr LatticeRows make_lattice_rows() {
-  LatticeRows rows;
-  int code = 1;
-  for (int half = 0; half < 2; ++half)
-    for (int i = -lattice_n; i <= lattice_n; ++i) {
-      const int reach = lattice_n - half - (i < 0 ? -i : i);
-      (half == 0 ? rows.upper : rows.lower)[std::size_t(i + lattice_n)] = code + reach;
-      if (reach >= 0) code += 2 * reach + 1;
-    }
+  LatticeRows rows{};
+  int before = 0;
+  for (int i = 1 - lattice_n; i < lattice_n; ++i) {
+    const int reach = lattice_n - 1 - (i < 0 ? -i : i);
+    rows[std::size_t(i + lattice_n)] = before + reach;
+    before += 2 * reach + 1;
+  }
   return rows;
 }
 inline constexpr LatticeRows lattice_rows = make_lattice_rows();
 
 inline NormalCode code_of(const LatticePoint& p) {
-  const auto& rows = p.lower ? lattice_rows.lower : lattice_rows.upper;
-  return NormalCode(rows[std::size_t(p.i + lattice_n)] + p.j);
+  if (std::abs(p.i) + std::abs(p.j) < lattice_n)
+    return NormalCode((p.lower ? first_below : first_above) + lattice_rows[std::size_t(p.i + lattice_n)] +
+                      p.j);
+  // Row by row again: (−n, 0), two points of each row, (n, 0).
+  const int before = p.i == -lattice_n ? 0 : 2 * (p.i + lattice_n) - 1 + int(p.j > 0);
+  return NormalCode(first_on_equator + before);
 }
 
 /// The point between two: (k + ½, k + ½) along the axes `first` and its successor (x, y, z, x …), in the
@@ -64,7 +77,9 @@ struct PointBetween {
   int first, octant, k;
 };
 inline NormalCode code_of(const PointBetween& p) {
-  return NormalCode(lattice_points + 1 + (p.first * 8 + p.octant) * points_between + p.k);
+  const bool lower = p.octant >= 4;
+  const int code = 1 + (p.first * 4 + (lower ? 7 - p.octant : p.octant)) * points_between + p.k;
+  return NormalCode(lower ? lattice_codes + 1 - code : code);
 }
 
 /// The code of a direction that is zero or whose length is between 1e-90 and 1e90.

@@ -22,7 +22,7 @@ void ShadeRow(const PhongTable& table, const NormalCode* normals, VisibleRow& ro
   const std::uint32_t* columns = row.columns.data();
   ClassifiedSample* samples = row.samples.data();
   for (std::uint32_t k = 0; k < row.visible; ++k) {
-    const auto entry = hn::ZeroExtendVector(d, hn::LoadU(pair, &table.entry(normals[columns[k]]).scale));
+    const auto entry = hn::ZeroExtendVector(d, hn::LoadU(pair, &table.entry_of(normals[columns[k]]).scale));
     const auto sample = hn::LoadU(d, &samples[k].r);
     const auto shaded =
         hn::Min(hn::Add(hn::Mul(sample, hn::Broadcast<0>(entry)), hn::Broadcast<1>(entry)), one);

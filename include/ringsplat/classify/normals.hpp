@@ -15,6 +15,8 @@ namespace ringsplat {
 using NormalCode = std::uint16_t;
 inline constexpr NormalCode no_normal = 0;
 inline constexpr std::size_t normal_codes = 65536;
+/// The sum of the codes of two opposite directions.
+inline constexpr int opposite_codes = 65019;
 
 /// Of a direction of any length; no_normal when it is zero or not finite.
 NormalCode encode_normal(const glm::dvec3& direction);

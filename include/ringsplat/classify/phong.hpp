@@ -16,15 +16,16 @@ struct PhongMaterial {
   bool operator==(const PhongMaterial&) const = default;
 };
 
-/// Shading by lookup: one entry for each quantised normal, rebuilt when the light or the view changes
-/// (Neumann 1992, section 3). Directions are in world space, towards the light and towards the viewer.
+/// Shading by lookup: one entry for each quantised normal and its opposite, which are lit alike, rebuilt when
+/// the light or the view changes (Neumann 1992, section 3). Directions are in world space, towards the light
+/// and towards the viewer.
 class PhongTable {
  public:
   PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
 
   /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
   ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
-    const Entry entry = entries_[normal];
+    const Entry entry = entry_of(normal);
     return {std::min(s.r * entry.scale + entry.add, 1.0F), std::min(s.g * entry.scale + entry.add, 1.0F),
             std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
   }
@@ -36,7 +37,10 @@ class PhongTable {
   struct Entry {
     float scale, add;  ///< colour * scale + add
   };
-  const Entry& entry(NormalCode normal) const { return entries_[normal]; }
+  /// Numbers that are no code have no_normal's.
+  const Entry& entry_of(NormalCode normal) const {
+    return entries_[std::size_t(std::max(std::min(int(normal), opposite_codes - int(normal)), 0))];
+  }
 
  private:
   std::vector<Entry> entries_;
