@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "classify/mask_where.hpp"
+#include "classify/mask_within.hpp"
 #include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
@@ -64,24 +65,9 @@ VisibleBlock& block_of(VisibleRow& out, int column) {
   return out.blocks.back();
 }
 
-void make_room(VisibleRow& out, int voxels) {
-  const std::size_t wanted = out.visible + std::size_t(voxels);
-  if (out.samples.size() < wanted) out.samples.resize(wanted);
-  if (out.columns.size() < wanted) out.columns.resize(wanted);
-}
-
-/// Appends the voxels of a block's columns that `mask` has, whose samples `sample(column)` gives.
-template <class Sample>
-void append(VisibleRow& out, int first, std::uint64_t mask, const Sample& sample) {
-  VisibleBlock& block = block_of(out, first);
-  block.mask |= mask;
-  std::uint32_t visible = out.visible;
-  for (; mask != 0; mask &= mask - 1, ++visible) {
-    const std::uint32_t column = block.first + std::uint32_t(std::countr_zero(mask));
-    out.columns[visible] = column;
-    out.samples[visible] = sample(column);
-  }
-  out.visible = visible;
+void append(VisibleRow& out, int first, std::uint64_t mask) {
+  block_of(out, first).mask |= mask;
+  out.visible += std::uint32_t(std::popcount(mask));
 }
 
 }  // namespace
@@ -134,20 +120,16 @@ ClassifiedSample Classifier::evaluate(double value) const {
 }
 
 template <class T>
-void Classifier::classify_by_table(const std::byte* row, int first, int end, VisibleRow& out) const {
+void Classifier::find_by_table(const std::byte* row, int first, int end, VisibleRow& out) const {
   using Bits = std::make_unsigned_t<T>;
-  const auto take = [&](int block, std::uint64_t mask) {
-    append(out, block, mask,
-           [&](std::uint32_t column) { return table_[table_index(load<T>(row, int(column)))]; });
-  };
+  const auto take = [&](int block, std::uint64_t mask) { append(out, block, mask); };
   if (gaps_) {
     for_each_mask<T>(
         row, first, end, [this](T value) { return visible_[table_index(value)]; }, take);
     return;
   }
   const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);
-  for_each_mask<Bits>(
-      row, first, end, [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); }, take);
+  for_each_mask_within(row, first, end, low, span, take);
 }
 
 template <class T>
@@ -159,21 +141,42 @@ void Classifier::classify_one_by_one(const std::byte* row, int first, int end, V
       [&](int block, std::uint64_t mask) {
         for (; mask != 0; mask &= mask - 1) {
           const ClassifiedSample sample = evaluate(double(load<T>(row, block + std::countr_zero(mask))));
-          if (sample.opacity > 0) append(out, block, mask & -mask, [&](std::uint32_t) { return sample; });
+          if (!(sample.opacity > 0)) continue;
+          out.samples[out.visible] = sample;
+          append(out, block, mask & -mask);
         }
       });
 }
 
-void Classifier::classify_row(const std::byte* row, int first, int end, VisibleRow& out) const {
+void Classifier::find_row(const std::byte* row, int first, int end, VisibleRow& out) const {
   if (!(support_low_ <= support_high_)) return;
-  make_room(out, end - first);
   visit_type(type_, [&](auto zero) {
     using T = decltype(zero);
-    if constexpr (sizeof(T) <= 2)
-      classify_by_table<T>(row, first, end, out);
-    else
+    if constexpr (sizeof(T) <= 2) {
+      find_by_table<T>(row, first, end, out);
+    } else {
+      const std::size_t most = out.visible + std::size_t(end - first);
+      if (out.samples.size() < most) out.samples.resize(most);
       classify_one_by_one<T>(row, first, end, out);
+    }
   });
+}
+
+void VisibleRow::keep(const std::vector<std::uint64_t>& kept) {
+  std::uint32_t left = 0;
+  std::size_t blocks_left = 0;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    const VisibleBlock block = blocks[k];
+    if (kept[k] != 0) blocks[blocks_left++] = {block.first, left, kept[k]};
+    std::uint32_t from = block.sample;
+    for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1, ++from) {
+      if ((kept[k] & mask & -mask) == 0) continue;
+      if (from < samples.size()) samples[left] = samples[from];
+      ++left;
+    }
+  }
+  blocks.resize(blocks_left);
+  visible = left;
 }
 
 }  // namespace ringsplat

@@ -1,7 +1,5 @@
 #include "node/row_band.hpp"
 
-#include "ringsplat/base/clock.hpp"
-
 namespace ringsplat {
 
 RowBand::RowBand(const EncoderFrame& frame)
@@ -22,9 +20,10 @@ void RowBand::begin(const SliceView& slice, const SliceRuns& runs, int first, in
 }
 
 bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages) {
+  stages_ = stages;
   int visible = 0, voxels = 0;
   while (row_ < end_ && visible < visible_at_most && voxels < voxels_at_most) {
-    const int found = classify_row(stages);
+    const int found = find_row();
     if (found > 0) {
       dda_.begin_row(rows_.slice().index, row_);
       row_offset_ = row_ % stride_;
@@ -38,15 +37,9 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
   return row_ >= end_;
 }
 
-int RowBand::classify_row(StageSeconds* stages) {
-  int found;
-  {
-    const OptionalSeconds timed(stages ? &stages->classify : nullptr);
-    found = rows_.classify(row_);
-  }
-  const OptionalSeconds timed(stages ? &stages->shade : nullptr);
-  rows_.shade();
-  return found;
+int RowBand::find_row() {
+  const OptionalSeconds timed(stages_ ? &stages_->classify : nullptr);
+  return rows_.find(row_);
 }
 
 void RowBand::clear_counts() {

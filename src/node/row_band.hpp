@@ -9,6 +9,7 @@
 #include "node/encoder_frame.hpp"
 #include "node/row_classifier.hpp"
 #include "ringsplat/base/bytes.hpp"
+#include "ringsplat/base/clock.hpp"
 #include "ringsplat/node/trace.hpp"
 #include "ringsplat/splat/encode.hpp"
 #include "ringsplat/view/slice_dda.hpp"
@@ -51,8 +52,13 @@ class RowBand {
   void clear_counts();
 
  protected:
-  /// Puts the row's visible voxels into their regions' parts.
+  /// Puts the row's visible voxels, of which there are some, into their regions' parts.
   virtual void encode_row(int row) = 0;
+  /// To be called by encode_row, once it has left out what it can.
+  void make_samples() {
+    const OptionalSeconds timed(stages_ ? &stages_->shade : nullptr);
+    rows_.make_samples();
+  }
 
   /// Counts splats of a region, of this row's voxels in those columns from `first` on that `mask` has; its
   /// part becomes one of the slice's payloads.
@@ -83,7 +89,7 @@ class RowBand {
   KernelReach reach_;
 
  private:
-  int classify_row(StageSeconds* stages);
+  int find_row();
 
   const EncoderFrame& frame_;
   int stride_;
@@ -92,6 +98,7 @@ class RowBand {
   int row_ = 0, end_ = 0;
   int row_offset_ = 0;  ///< within the stride
   std::uint64_t visible_ = 0;
+  StageSeconds* stages_ = nullptr;
 };
 
 std::unique_ptr<RowBand> make_word_band(const EncoderFrame& frame);

@@ -1,5 +1,7 @@
 #include "node/row_classifier.hpp"
 
+#include "ringsplat/classify/sample_row.hpp"
+
 namespace ringsplat {
 
 void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {
@@ -7,22 +9,26 @@ void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {
   runs_ = &runs;
 }
 
-int RowClassifier::classify(int row) {
-  const std::byte* values =
-      slice_.values + std::size_t(row) * std::size_t(slice_.width) * size_of(slice_.type);
+int RowClassifier::find(int row) {
+  row_index_ = row;
   row_.clear();
   voxels_ = 0;
   for (const ColumnRun& run : runs_->of_row(row)) {
-    shading_.classifier().classify_row(values, run.first, run.end, row_);
+    shading_.classifier().find_row(values(), run.first, run.end, row_);
     voxels_ += run.end - run.first;
   }
-  const bool lit = row_.visible > 0 && shading_.lit() && slice_.normals != nullptr;
-  normals_ = lit ? slice_.normals + std::size_t(row) * std::size_t(slice_.width) : nullptr;
   return int(row_.visible);
 }
 
-void RowClassifier::shade() {
-  if (normals_ != nullptr) shading_.phong().shade(normals_, row_);
+void RowClassifier::make_samples() {
+  const bool lit = shading_.lit() && slice_.normals != nullptr;
+  const NormalCode* normals =
+      lit ? slice_.normals + std::size_t(row_index_) * std::size_t(slice_.width) : nullptr;
+  ringsplat::make_samples(shading_.classifier(), values(), lit ? &shading_.phong() : nullptr, normals, row_);
+}
+
+const std::byte* RowClassifier::values() const {
+  return slice_.values + std::size_t(row_index_) * std::size_t(slice_.width) * size_of(slice_.type);
 }
 
 }  // namespace ringsplat

@@ -4,7 +4,8 @@
 
 namespace ringsplat {
 
-/// The visible voxels of one frame's slices, row by row: classified and then shaded. Empty space is not read.
+/// The visible voxels of one frame's slices, row by row: first where they are, then, of those that are kept,
+/// their lit samples. Empty space is not read.
 class RowClassifier {
  public:
   /// `shading` must outlive it.
@@ -14,24 +15,25 @@ class RowClassifier {
   void begin(const SliceView& slice, const SliceRuns& runs);
   const SliceView& slice() const { return slice_; }
 
-  /// Classifies row `row` of the slice; returns how many voxels are visible. What follows speaks of this row.
-  int classify(int row);
-  void shade();                           ///< once, before samples are asked for
+  /// Finds the visible voxels of row `row` of the slice; returns how many. What follows speaks of this row.
+  int find(int row);
   int voxels() const { return voxels_; }  ///< read for it
-  /// Where the row's visible voxels are, by ascending columns.
+  /// Where they are, by ascending columns.
   std::span<const VisibleBlock> blocks() const { return row_.blocks; }
-  /// The visible voxels' columns, ascending.
-  std::span<const std::uint32_t> columns() const { return std::span(row_.columns).first(row_.visible); }
-  /// Their straight colours and corrected opacities.
+  /// Leaves those that `kept`, a mask for each block, has.
+  void keep(const std::vector<std::uint64_t>& kept) { row_.keep(kept); }
+  void make_samples();  ///< once, before they are asked for
+  /// Straight colours and corrected opacities.
   std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
 
  private:
+  const std::byte* values() const;  ///< of the row
+
   const FrameShading& shading_;
   SliceView slice_;
   const SliceRuns* runs_ = nullptr;
-  int voxels_ = 0;
+  int row_index_ = 0, voxels_ = 0;
   VisibleRow row_;
-  const NormalCode* normals_ = nullptr;  ///< of the row; null when it needs none
 };
 
 }  // namespace ringsplat

@@ -73,11 +73,34 @@ class RunBand final : public RowBand {
     Buffer<Voxel> voxels;
   };
 
+  /// Voxels of one of the row's blocks that go to a region.
+  struct Piece {
+    int region;
+    std::size_t block;
+    std::uint64_t mask;
+  };
+
   void encode_row(int row) override {
+    find_pieces();
+    if (pieces_.empty()) return;
+    leave_out_unsent();
+    make_samples();
     const auto samples = rows_.samples();
     packed_.resize(samples.size());
     pack(&samples.front().r, samples.size(), packed_.data());
-    const Columns all{rows_.columns().front(), rows_.columns().back() + 1};
+    kept_begin_ = kept_end_ = 0;
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+      const Piece& piece = pieces_[k];
+      append(piece, row);
+      if (k + 1 == pieces_.size() || pieces_[k + 1].region != piece.region) copy_kept(piece.region);
+    }
+  }
+
+  void find_pieces() {
+    pieces_.clear();
+    const VisibleBlock &front = rows_.blocks().front(), &back = rows_.blocks().back();
+    const Columns all{front.first + std::uint32_t(std::countr_zero(front.mask)),
+                      back.first + std::uint32_t(std::bit_width(back.mask))};
     const PixelWindow window = window_of(all.first, all.end - 1);
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
     x_.begin_row(dda_.row_start().x);
@@ -87,25 +110,39 @@ class RunBand final : public RowBand {
       const PixelRect& pixels = rect(first_region);
       const Columns columns = y_.within(double(pixels.y0) - beyond_.y, double(pixels.y1) + beyond_.y, all);
       if (columns.empty()) continue;
-      for (int x = touched.x0; x < touched.x1; ++x) encode_part(first_region + x, row, columns);
+      for (int x = touched.x0; x < touched.x1; ++x) find_pieces_of(first_region + x, columns);
     }
   }
 
   /// The row's visible voxels whose windows can meet the region. A voxel too many is clipped by the painter.
-  void encode_part(int region, int row, Columns columns) {
+  void find_pieces_of(int region, Columns columns) {
     const PixelRect& pixels = rect(region);
     columns = x_.within(double(pixels.x0) - beyond_.x, double(pixels.x1) + beyond_.x, columns);
     if (columns.empty()) return;
     OpaqueCover::Cover hidden = OpaqueCover::Cover::none;
     if (cover(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
     if (hidden == OpaqueCover::Cover::all) return;
-    kept_begin_ = kept_end_ = 0;
-    for (const VisibleBlock& block : rows_.blocks()) {
+    for (std::size_t k = 0; k < rows_.blocks().size(); ++k) {
+      const VisibleBlock& block = rows_.blocks()[k];
       std::uint64_t mask = in_columns(block, columns);
       if (hidden == OpaqueCover::Cover::some) mask = seen_of(region, block.first, mask);
-      if (mask != 0) append(region, row, block, mask);
+      if (mask != 0) pieces_.push_back({region, k, mask});
     }
-    copy_kept(region);
+  }
+
+  /// What no region gets is not shaded. Pieces then speak of the blocks that are left.
+  void leave_out_unsent() {
+    const std::size_t blocks = rows_.blocks().size();
+    sent_.assign(blocks, 0);
+    for (const Piece& piece : pieces_) sent_[piece.block] |= piece.mask;
+    const auto all_sent = [this](std::size_t k) { return sent_[k] == rows_.blocks()[k].mask; };
+    std::size_t first_short = 0;
+    while (first_short < blocks && all_sent(first_short)) ++first_short;
+    if (first_short == blocks) return;
+    rows_.keep(sent_);
+    left_.assign(blocks, 0);
+    for (std::size_t k = 1; k < blocks; ++k) left_[k] = left_[k - 1] + (sent_[k - 1] != 0);
+    for (Piece& piece : pieces_) piece.block = left_[piece.block];
   }
 
   /// Of the voxels in columns first … last: positions run straight.
@@ -148,16 +185,20 @@ class RunBand final : public RowBand {
     return seen_of_run(region, first, begin, middle) | seen_of_run(region, first, middle, end);
   }
 
-  std::uint32_t voxels_of(const VisibleBlock& block) const {
-    const bool last = &block == &rows_.blocks().back();
-    return (last ? std::uint32_t(rows_.samples().size()) : (&block)[1].sample) - block.sample;
+  std::uint32_t voxels_of(std::size_t block) const {
+    const auto& blocks = rows_.blocks();
+    return (block + 1 == blocks.size() ? std::uint32_t(rows_.samples().size()) : blocks[block + 1].sample) -
+           blocks[block].sample;
   }
 
-  void append(int region, int row, const VisibleBlock& block, std::uint64_t mask) {
+  void append(const Piece& piece, int row) {
+    const auto [region, index, whole] = piece;
+    const VisibleBlock& block = rows_.blocks()[index];
+    std::uint64_t mask = whole;
     parts_[std::size_t(region)].blocks.push_back({std::uint32_t(row), block.first, mask});
     count(region, int(block.first), mask);
     if (mask == block.mask) {
-      keep(region, block.sample, voxels_of(block));
+      keep(region, block.sample, voxels_of(index));
       return;
     }
     while (mask != 0) {
@@ -186,6 +227,7 @@ class RunBand final : public RowBand {
     const std::size_t at = voxels.size();
     voxels.resize(at + (kept_end_ - kept_begin_));
     std::copy(packed_.data() + kept_begin_, packed_.data() + kept_end_, voxels.data() + at);
+    kept_begin_ = kept_end_;
   }
 
   std::size_t part_bytes(int region) const override {
@@ -219,8 +261,11 @@ class RunBand final : public RowBand {
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
   /// rounding.
   glm::dvec2 beyond_;
-  std::vector<Part> parts_;  ///< by region
-  Buffer<Voxel> packed_;     ///< the row's visible voxels
+  std::vector<Part> parts_;          ///< by region
+  std::vector<Piece> pieces_;        ///< of the row, region by region
+  std::vector<std::uint64_t> sent_;  ///< by block: the voxels that any region gets
+  std::vector<std::size_t> left_;    ///< by block: how many before it have such voxels
+  Buffer<Voxel> packed_;             ///< the row's voxels
   std::uint32_t kept_begin_ = 0,
                 kept_end_ = 0;  ///< of packed_, those that are still to be copied to a part
 };

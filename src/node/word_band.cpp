@@ -30,9 +30,11 @@ class WordBand final : public RowBand {
 
  private:
   void encode_row(int) override {
-    const auto columns = rows_.columns();
-    const auto samples = rows_.samples();
-    for (std::size_t k = 0; k < columns.size(); ++k) place(int(columns[k]), samples[k]);
+    make_samples();
+    auto sample = rows_.samples().begin();
+    for (const VisibleBlock& block : rows_.blocks())
+      for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1)
+        place(int(block.first) + std::countr_zero(mask), *sample++);
   }
 
   /// Makes the voxel's splat and puts it into every region its kernel reaches (one, two or four of them, more

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "classify/message_of.hpp"
-#include "ringsplat/classify/classifier.hpp"
+#include "classify/two_points.hpp"
+#include "ringsplat/classify/sample_row.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -15,13 +16,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-
-TransferFunction two_points(double low, double opacity_low, double high, double opacity_high) {
-  TransferFunction tf;
-  tf.colours = {{low, {0.2, 0.4, 0.6}}, {high, {1, 0.5, 0}}};
-  tf.opacities = {{low, opacity_low}, {high, opacity_high}};
-  return tf;
-}
 
 /// A function with clear stretches at both ends and in the middle, a ramp, a jump and full opacity.
 TransferFunction bumpy(double low, double high) {
@@ -51,24 +45,17 @@ Row to_row(const VisibleRow& visible) {
   }
   REQUIRE(visible.visible == row.where.size());
   REQUIRE(visible.samples.size() >= visible.visible);
-  REQUIRE(std::equal(row.where.begin(), row.where.end(), visible.columns.begin()));
   row.samples.assign(visible.samples.begin(), visible.samples.begin() + visible.visible);
   return row;
 }
 
 template <class T>
 Row classify(const Classifier& classifier, const std::vector<T>& values) {
+  const auto* row = reinterpret_cast<const std::byte*>(values.data());
   VisibleRow visible;
-  classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 0, int(values.size()), visible);
+  classifier.find_row(row, 0, int(values.size()), visible);
+  make_samples(classifier, row, nullptr, nullptr, visible);
   return to_row(visible);
-}
-
-template <class T>
-ScalarType type_of() {
-  for (const auto type : {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16,
-                          ScalarType::int32, ScalarType::uint32, ScalarType::float32})
-    if (visit_type(type, [](auto v) { return std::is_same_v<decltype(v), T>; })) return type;
-  return ScalarType::float64;
 }
 
 /// Every value by the transfer function itself and the correction in long double.
@@ -211,13 +198,14 @@ TEST_CASE("the opacity correction is exact for 1, and keeps the digits of tiny o
 TEST_CASE("rows may be empty, of one voxel, and at any address") {
   const Classifier classifier(two_points(0, 0, 1000, 1), ScalarType::int16, 1.1);
   VisibleRow row;
-  classifier.classify_row(nullptr, 0, 0, row);
+  classifier.find_row(nullptr, 0, 0, row);
   REQUIRE(row.visible == 0);
   REQUIRE(classify<std::int16_t>(classifier, {7}).where.size() == 1);
   std::byte bytes[9]{};
   const std::int16_t values[4] = {100, -5, 300, 2000};
   std::memcpy(bytes + 1, values, sizeof(values));
-  classifier.classify_row(bytes + 1, 0, 4, row);
+  classifier.find_row(bytes + 1, 0, 4, row);
+  make_samples(classifier, bytes + 1, nullptr, nullptr, row);
   REQUIRE(to_row(row).where == std::vector<std::uint32_t>{0, 2, 3});
   REQUIRE(row.samples[2].opacity == 1.0F);
 }
@@ -242,7 +230,8 @@ TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole ro
       visible.clear();
       for (const auto& [first, end] :
            {std::pair(0, 1), {1, 64}, {64, 64}, {64, 130}, {130, 331}, {331, 332}, {332, 900}})
-        classifier.classify_row(reinterpret_cast<const std::byte*>(row.data()), first, end, visible);
+        classifier.find_row(reinterpret_cast<const std::byte*>(row.data()), first, end, visible);
+      make_samples(classifier, reinterpret_cast<const std::byte*>(row.data()), nullptr, nullptr, visible);
       const Row stretches = to_row(visible);
       REQUIRE(stretches.where == whole.where);
       for (std::size_t k = 0; k < whole.samples.size(); ++k)
@@ -256,7 +245,7 @@ TEST_CASE("a function that is clear everywhere classifies nothing") {
     const Classifier classifier(two_points(0, 0, 1, 0), type, 1);
     std::vector<double> values{-infinity, 0, 0.5, 1, infinity, nan_value};
     VisibleRow row;
-    classifier.classify_row(reinterpret_cast<const std::byte*>(values.data()), 0, 6, row);
+    classifier.find_row(reinterpret_cast<const std::byte*>(values.data()), 0, 6, row);
     REQUIRE(row.visible == 0);
     REQUIRE(row.blocks.empty());
   }

@@ -2,6 +2,7 @@
 // Behind what says which instruction sets there are.
 #include <hwy/targets.h>
 
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -10,7 +11,8 @@
 #include <vector>
 
 #include "classify/message_of.hpp"
-#include "ringsplat/classify/phong.hpp"
+#include "classify/two_points.hpp"
+#include "ringsplat/classify/sample_row.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -100,33 +102,75 @@ TEST_CASE("an exponent of 0 makes the highlight even; bad materials and directio
   REQUIRE(message_of([] { PhongTable({}, {0, 0, 1e-320}, {1e300, 0, 0}); }).empty());
 }
 
-TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, by every instruction set") {
+TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, by every instruction set", "",
+                   std::uint8_t, std::int8_t, std::uint16_t, std::int16_t, float) {
+  TransferFunction tf = two_points(0, 0, 100, 1);
+  tf.colours = {{-20, {1, 0, 0}}, {50, {0.5, 1, 0}}, {120, {0, 0, 0.3}}};
+  const Classifier classifier(tf, type_of<TestType>(), 1.3);
+  std::mt19937 random(11);
+  std::uniform_int_distribution<int> value(-30, 120);
+  std::vector<TestType> values;
+  while (values.size() < 3000) values.push_back(TestType(value(random)));
+  std::vector<NormalCode> normals{no_normal, 65535, no_normal};
+  while (normals.size() < values.size()) normals.push_back(NormalCode(random()));
+  const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
+  VisibleRow found;
+  classifier.find_row(bytes, 0, int(values.size()), found);
+  VisibleRow unlit = found;
+  make_samples(classifier, bytes, nullptr, normals.data(), unlit);
+  std::vector<std::uint32_t> columns;
+  for (const VisibleBlock& block : found.blocks)
+    for (std::uint32_t k = 0; k < 64; ++k)
+      if (block.mask >> k & 1) columns.push_back(block.first + k);
+  REQUIRE(columns.size() == found.visible);
+  REQUIRE(found.visible > 1000);
   // The last: beyond the largest float, where 0 times the light must stay 0.
   for (const auto& material : {PhongMaterial{}, PhongMaterial{.ambient = 0.9, .specular = 3, .exponent = 2.5},
                                PhongMaterial{.ambient = 1e300}}) {
     const PhongTable table(material, {0.3, -1, 0.6}, {-0.2, -1, 0.1});
-    std::mt19937 random(11);
-    std::uniform_real_distribution<float> share(0.0F, 1.0F);
-    std::vector<NormalCode> normals{no_normal, 65535, no_normal};
-    while (normals.size() < 3000) normals.push_back(NormalCode(random()));
-    VisibleRow row;
-    for (std::uint32_t column = 0; column < 2900; column += 1 + std::uint32_t(random() % 4))
-      row.columns.push_back(column);
-    row.visible = std::uint32_t(row.columns.size());
-    for (std::uint32_t k = 0; k < row.visible; ++k)
-      row.samples.push_back({share(random), share(random), k % 5 == 0 ? 0.0F : share(random), share(random)});
     for (const std::int64_t target : hwy::SupportedAndGeneratedTargets()) {
       const OneTarget only(target);
       INFO(hwy::TargetName(target));
-      VisibleRow lit = row;
-      table.shade(normals.data(), lit);
-      for (std::uint32_t k = 0; k < row.visible; ++k) {
-        const ClassifiedSample &before = row.samples[k], &after = lit.samples[k];
-        const ClassifiedSample expected = table.shade(normals[row.columns[k]], before);
+      VisibleRow lit = found;
+      make_samples(classifier, bytes, &table, normals.data(), lit);
+      for (std::uint32_t k = 0; k < found.visible; ++k) {
+        const ClassifiedSample &before = unlit.samples[k], &after = lit.samples[k];
+        const ClassifiedSample expected = table.shade(normals[columns[k]], before);
         REQUIRE(std::memcmp(&after, &expected, sizeof expected) == 0);
         REQUIRE((after.r <= 1 && after.opacity == before.opacity));
-        if (before.b == 0 && normals[row.columns[k]] == no_normal) REQUIRE(after.b == 0);
+        if (before.b == 0 && normals[columns[k]] == no_normal) REQUIRE(after.b == 0);
       }
     }
   }
+}
+
+TEMPLATE_TEST_CASE("voxels that are not kept leave the others as they are", "", std::uint8_t, float) {
+  const Classifier classifier(two_points(0, 0, 100, 1), type_of<TestType>(), 1);
+  std::vector<TestType> values;
+  for (int i = 0; i < 300; ++i) values.push_back(TestType(i * 7 % 100));
+  const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
+  VisibleRow all;
+  classifier.find_row(bytes, 0, 300, all);
+  VisibleRow some = all;
+  REQUIRE(some.blocks.size() == 5);
+  std::vector<std::uint64_t> kept;
+  for (const VisibleBlock& block : some.blocks) kept.push_back(block.mask & 0xFF0F);
+  kept[2] = 0;
+  some.keep(kept);
+  make_samples(classifier, bytes, nullptr, nullptr, all);
+  make_samples(classifier, bytes, nullptr, nullptr, some);
+  REQUIRE(some.blocks.size() == 4);
+  std::uint32_t next = 0;
+  for (const VisibleBlock& block : some.blocks) {
+    REQUIRE(block.sample == next);
+    const VisibleBlock& whole = all.blocks[block.first / 64];
+    REQUIRE(block.mask == (whole.mask & 0xFF0F));
+    for (int k = 0; k < 64; ++k) {
+      if ((block.mask >> k & 1) == 0) continue;
+      const int before = std::popcount(whole.mask & ((std::uint64_t{1} << k) - 1));
+      REQUIRE(std::memcmp(&some.samples[next++], &all.samples[whole.sample + std::uint32_t(before)],
+                          sizeof(ClassifiedSample)) == 0);
+    }
+  }
+  REQUIRE(some.visible == next);
 }

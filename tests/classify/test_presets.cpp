@@ -28,7 +28,7 @@ struct Data {
   /// The share of voxels with an opacity above zero.
   double visible(const TransferFunction& tf) const {
     VisibleRow row;
-    Classifier(tf, type, 1.0).classify_row(bytes().data(), 0, int(values.size()), row);
+    Classifier(tf, type, 1.0).find_row(bytes().data(), 0, int(values.size()), row);
     return row.visible / double(values.size());
   }
 };

@@ -117,12 +117,13 @@ FrameSpec orbit_from(const std::string& form, const std::string& transfer_functi
 int main(int argc, char** argv) try {
   if (argc < 3)
     throw std::invalid_argument(
-        "usage: bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]");
+        "usage: bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions] [slices]");
   SoloCollectives solo;
   OpenedVolume volume = open_everywhere(solo, [&] { return open_volume(argv[1]); });
   const Scene scene = load_scene(volume, {}, Layout{1, 1, Placement::dedicated}, {solo});
   const SliceStore& store = scene.stores.at(0);
-  const FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.histogram);
+  FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.histogram);
+  if (argc > 5 && std::string(argv[5]) == "slices") orbit.image_plane = ImagePlane::slices;
   const int repetitions = argc > 4 ? std::max(1, std::atoi(argv[4])) : 5;
   EmptySpace empty_space;
   std::vector<View> all;

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "ringsplat/classify/transfer_function.hpp"
@@ -19,13 +20,14 @@ struct VisibleBlock {
 /// The visible voxels (opacity above zero) of a row. Buffers that only grow, for row after row.
 struct VisibleRow {
   std::vector<VisibleBlock> blocks;       ///< by ascending columns
-  std::vector<std::uint32_t> columns;     ///< of the visible voxels, ascending: the first `visible` ones
-  std::vector<ClassifiedSample> samples;  ///< theirs
+  std::vector<ClassifiedSample> samples;  ///< the voxels', once they are made: the first `visible` ones
   std::uint32_t visible = 0;
   void clear() {
     blocks.clear();
     visible = 0;
   }
+  /// Forgets the voxels that `kept`, a mask for each block, does not have; their samples too.
+  void keep(const std::vector<std::uint64_t>& kept);
 };
 
 /// Turns rows of voxels into colour and opacity, for one transfer function and one view.
@@ -40,9 +42,20 @@ class Classifier {
   Classifier(const TransferFunction& tf, ScalarType type, double length);
 
   /// Appends the visible voxels among columns first … end − 1 of a row of scalars in native byte order, at
-  /// any address, to `out`, which holds none of these columns or later ones. Safe to call from several
-  /// threads.
-  void classify_row(const std::byte* row, int first, int end, VisibleRow& out) const;
+  /// any address, to `out`, which holds none of these columns or later ones; for types without a table with
+  /// their samples. make_samples (sample_row.hpp) is to follow. Safe to call from several threads.
+  void find_row(const std::byte* row, int first, int end, VisibleRow& out) const;
+
+  /// The sample of each value; those beyond low … high are as these.
+  struct Table {
+    const ClassifiedSample* samples;
+    int low, high;
+  };
+  /// For 8- and 16-bit integers; empty for other types.
+  std::optional<Table> table() const {
+    if (table_.empty()) return {};
+    return Table{table_.data(), table_low_, table_high_};
+  }
 
   ScalarType type() const { return type_; }
 
@@ -54,7 +67,7 @@ class Classifier {
     return std::size_t(std::clamp(value, table_low_, table_high_) - table_low_);
   }
   template <class T>
-  void classify_by_table(const std::byte* row, int first, int end, VisibleRow& out) const;
+  void find_by_table(const std::byte* row, int first, int end, VisibleRow& out) const;
   template <class T>
   void classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const;
 

@@ -30,10 +30,6 @@ class PhongTable {
             std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
   }
 
-  /// Shades a row's visible voxels, each by its own of the row's normals. The same bits at every vector
-  /// width.
-  void shade(const NormalCode* normals, VisibleRow& row) const;
-
   struct Entry {
     float scale, add;  ///< colour * scale + add
   };
