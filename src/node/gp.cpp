@@ -228,6 +228,10 @@ bool Gp::advance() {
   return worked;
 }
 
+bool Gp::amid_slice() const {
+  return std::any_of(frames_.begin(), frames_.end(), [](const auto& frame) { return frame->encoding; });
+}
+
 std::size_t Gp::prepared_slices() const {
   std::size_t count = 0;
   for (const auto& frame : frames_) count += frame->prepared.size();

@@ -178,7 +178,11 @@ bool Host::step() {
   bool moved = lock_step_ != nullptr && release_kept();
   // Tokens, accepts and messages in transit unblock other ranks, so all that has arrived goes first.
   moved = take_all() || moved;
-  for (const auto& node : nodes_) moved = node->advance() || moved;
+  for (const auto& node : nodes_) {
+    moved = node->advance() || moved;
+    // What it works on is in the cache now.
+    while (node->amid_slice() && node->advance()) take_all();
+  }
   return moved;
 }
 

@@ -28,6 +28,7 @@ class Gp final : public Node {
   void drop_frame(std::int64_t frame) override;
   void receive(Message message) override;
   bool advance() override;
+  bool amid_slice() const override;
   std::string waiting_for() const override;
 
  private:

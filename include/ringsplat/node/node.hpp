@@ -23,6 +23,8 @@ class Node {
   virtual void receive(Message message) = 0;
   /// Does a bounded piece of work; false when there is none to do now.
   virtual bool advance() = 0;
+  /// True between two pieces of one slice's work.
+  virtual bool amid_slice() const { return false; }
   /// What this node waits for, in words; empty when for nothing.
   virtual std::string waiting_for() const = 0;
 };

@@ -26,6 +26,7 @@ class Renderer final : public Node {
   void drop_frame(std::int64_t frame) override;
   void receive(Message message) override;
   bool advance() override;
+  bool amid_slice() const override { return !frames_.empty() && frames_.front().painting; }
   std::string waiting_for() const override;
 
  private:
