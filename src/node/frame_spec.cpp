@@ -198,15 +198,16 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
 int round_up(int value, int step) { return (value + step - 1) / step * step; }
 
 /// The picture's bits do not depend on it. In the slices' plane a row of voxels is a row of pixels, so
-/// regions are as wide as the image: a row goes to one of them and is not cut. An image there is small; it
-/// should still give every Renderer some regions from several of its parts.
+/// regions are as wide as the image: a row goes to one of them and is not cut, unless Renderers are more than
+/// strips. An image there is small; it should still give every Renderer strips from several of its parts.
 Regions make_regions(const FrameSpec& spec, int width, int height) {
   if (spec.region_size > 0) return {width, height, spec.region_size};
   if (spec.image_plane == ImagePlane::screen) return {width, height, 128};
   constexpr int each = 4, least_rows = 16, most_rows = 64, least_columns = 64;
-  const int wanted = each * std::clamp(spec.dealt_to, 1, 1 << 16);
-  const int region_height = std::clamp(round_up(height / wanted, least_rows), least_rows, most_rows);
-  const int strips = (height - 1) / region_height + 1, columns = (wanted - 1) / strips + 1;
+  const int renderers = std::clamp(spec.dealt_to, 1, 1 << 16);
+  const int region_height =
+      std::clamp(round_up(height / (each * renderers), least_rows), least_rows, most_rows);
+  const int strips = (height - 1) / region_height + 1, columns = std::max(renderers / strips, 1);
   const int region_width =
       columns == 1 ? width : std::max(round_up(width / columns, least_columns), least_columns);
   return {width, height, region_width, region_height};
