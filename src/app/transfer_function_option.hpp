@@ -21,7 +21,8 @@ class TransferFunctionChoice {
 };
 
 /// Why a frame without a splat shows nothing, and what to do about it: the transfer function and the volume's
-/// values do not meet, no voxel has one of those values where they do, or all `visible_voxels` are outside.
+/// values do not meet, no voxel has one of those values where they do, or all `visible_voxels`, which are or
+/// may be visible, are outside.
 std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
                                    std::uint64_t visible_voxels);
 

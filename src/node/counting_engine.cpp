@@ -26,6 +26,7 @@ class CountingEncoder final : public Encoder {
   EncodedSlice finish() override {
     EncodedSlice slice = encoder_->finish();
     slice.visible_voxels = weighted(slice.visible_voxels);
+    slice.voxels_outside = weighted(slice.voxels_outside);
     slice.voxels = weighted(slice.voxels);
     for (std::size_t r = 0; r < slice.payloads.size(); ++r) {
       Bytes& payload = slice.payloads[r];

@@ -271,6 +271,7 @@ bool Gp::encode_some() {
   ++frame.stats.slices;
   for (const auto passes : slice.encoded.passes) frame.stats.passes += passes;
   frame.stats.visible_voxels += slice.encoded.visible_voxels;
+  frame.stats.voxels_outside += slice.encoded.voxels_outside;
   use_waiting_tokens(frame, slice);
   return true;
 }

@@ -10,13 +10,17 @@ RowBand::RowBand(const EncoderFrame& frame)
       reach_(frame.reach),
       frame_(frame),
       stride_(frame.stride),
-      counts_(frame.rects.size()) {}
+      counts_(frame.rects.size()),
+      x_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].x),
+      y_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].y),
+      beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51) {}
 
 void RowBand::begin(const SliceView& slice, const SliceRuns& runs, int first, int end) {
   rows_.begin(slice, runs);
+  all_in_view_ = is_all_in_view(first, end);
   row_ = first;
   end_ = end;
-  visible_ = 0;
+  visible_ = outside_ = 0;
 }
 
 bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages) {
@@ -25,21 +29,49 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
   while (row_ < end_ && visible < visible_at_most && voxels < voxels_at_most) {
     const int found = find_row();
     if (found > 0) {
-      dda_.begin_row(rows_.slice().index, row_);
-      row_offset_ = row_ % stride_;
+      begin_row();
       encode_row(row_);
     }
     visible += found;
     voxels += rows_.voxels();
+    outside_ += std::uint64_t(rows_.voxels_outside());
     ++row_;
   }
   visible_ += std::uint64_t(visible);
   return row_ >= end_;
 }
 
+void RowBand::begin_row() {
+  dda_.begin_row(rows_.slice().index, row_);
+  x_.begin_row(dda_.row_start().x);
+  y_.begin_row(dda_.row_start().y);
+  row_offset_ = row_ % stride_;
+}
+
 int RowBand::find_row() {
   const OptionalSeconds timed(stages_ ? &stages_->classify : nullptr);
-  return rows_.find(row_);
+  return rows_.find(row_, in_view());
+}
+
+Columns RowBand::in_view() {
+  const Columns all{0, std::uint32_t(rows_.slice().width)};
+  if (all_in_view_) return all;
+  begin_row();
+  const Columns columns = reaching_x(0, geometry_.width, all);
+  return columns.empty() ? columns : reaching_y(0, geometry_.height, columns);
+}
+
+/// Positions run straight, so the corners tell.
+bool RowBand::is_all_in_view(int first, int end) {
+  const auto is_inside = [this](std::uint32_t column) {
+    const PixelWindow window = window_of(column);
+    return window.x0 >= 0 && window.x1 < geometry_.width && window.y0 >= 0 && window.y1 < geometry_.height;
+  };
+  for (const int row : {first, std::max(first, end - 1)}) {
+    dda_.begin_row(rows_.slice().index, row);
+    if (!is_inside(0) || !is_inside(std::uint32_t(rows_.slice().width - 1))) return false;
+  }
+  return true;
 }
 
 void RowBand::clear_counts() {

@@ -2,11 +2,13 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "node/encoder_frame.hpp"
+#include "node/row_axis.hpp"
 #include "node/row_classifier.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/clock.hpp"
@@ -36,11 +38,14 @@ class RowBand {
 
   /// Rows first … end − 1. `runs` must stay valid until they are done.
   void begin(const SliceView& slice, const SliceRuns& runs, int first, int end);
-  /// Encodes rows until so many visible, or so many transparent, voxels are done; true once the band is
-  /// complete. Adds what classifying and shading take to `stages` unless that is null.
+  /// Encodes rows, but for voxels whose kernels lie outside the image, until so many visible, or so many
+  /// transparent, voxels are done; true once the band is complete. Adds what classifying and shading take to
+  /// `stages` unless that is null.
   bool work(int visible_at_most, int voxels_at_most, StageSeconds* stages);
 
   std::uint64_t visible_voxels() const { return visible_; }
+  /// Those that were not looked at, because they lie outside the image.
+  std::uint64_t voxels_outside() const { return outside_; }
   /// Regions with splats of the slice, in any order.
   std::span<const int> used_regions() const { return used_; }
   const RegionCounts& counts(int region) const { return counts_[std::size_t(region)]; }
@@ -82,6 +87,19 @@ class RowBand {
   }
   const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }
+  /// Of a voxel of the row.
+  PixelWindow window_of(std::uint32_t column) const {
+    const glm::dvec3 position = dda_.position(column);
+    return pixel_window(anchor(position.x, position.y), reach_);
+  }
+  /// Those of the row's columns whose windows can meet pixels [x0, x1) or [y0, y1); a few too many for
+  /// rounding.
+  Columns reaching_x(double x0, double x1, Columns columns) const {
+    return x_.within(x0 - beyond_.x, x1 + beyond_.x, columns);
+  }
+  Columns reaching_y(double y0, double y1, Columns columns) const {
+    return y_.within(y0 - beyond_.y, y1 + beyond_.y, columns);
+  }
 
   const FrameGeometry& geometry_;
   RowClassifier rows_;
@@ -89,15 +107,24 @@ class RowBand {
   KernelReach reach_;
 
  private:
+  void begin_row();
   int find_row();
+  /// The row's columns whose windows can meet the image.
+  Columns in_view();
+  bool is_all_in_view(int first, int end);
 
   const EncoderFrame& frame_;
   int stride_;
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
+  RowAxis x_, y_;
+  /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
+  /// rounding.
+  glm::dvec2 beyond_;
   int row_ = 0, end_ = 0;
-  int row_offset_ = 0;  ///< within the stride
-  std::uint64_t visible_ = 0;
+  bool all_in_view_ = false;  ///< of the slice's rows
+  int row_offset_ = 0;        ///< within the stride
+  std::uint64_t visible_ = 0, outside_ = 0;
   StageSeconds* stages_ = nullptr;
 };
 

@@ -1,5 +1,7 @@
 #include "node/row_classifier.hpp"
 
+#include <algorithm>
+
 #include "ringsplat/classify/sample_row.hpp"
 
 namespace ringsplat {
@@ -9,13 +11,16 @@ void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {
   runs_ = &runs;
 }
 
-int RowClassifier::find(int row) {
+int RowClassifier::find(int row, Columns columns) {
   row_index_ = row;
   row_.clear();
-  voxels_ = 0;
+  voxels_ = outside_ = 0;
   for (const ColumnRun& run : runs_->of_row(row)) {
-    shading_.classifier().find_row(values(), run.first, run.end, row_);
-    voxels_ += run.end - run.first;
+    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end)),
+              inside = std::max(end - first, 0);
+    if (inside > 0) shading_.classifier().find_row(values(), first, end, row_);
+    voxels_ += inside;
+    outside_ += run.end - run.first - inside;
   }
   return int(row_.visible);
 }

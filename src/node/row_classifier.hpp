@@ -1,6 +1,7 @@
 #pragma once
 #include "node/empty_space.hpp"
 #include "node/frame_shading.hpp"
+#include "node/row_axis.hpp"
 
 namespace ringsplat {
 
@@ -15,9 +16,11 @@ class RowClassifier {
   void begin(const SliceView& slice, const SliceRuns& runs);
   const SliceView& slice() const { return slice_; }
 
-  /// Finds the visible voxels of row `row` of the slice; returns how many. What follows speaks of this row.
-  int find(int row);
-  int voxels() const { return voxels_; }  ///< read for it
+  /// Finds the visible voxels in columns of row `row` of the slice; returns how many. What follows speaks of
+  /// this row.
+  int find(int row, Columns columns);
+  int voxels() const { return voxels_; }           ///< read for it
+  int voxels_outside() const { return outside_; }  ///< in other columns, where some may be visible
   /// Where they are, by ascending columns.
   std::span<const VisibleBlock> blocks() const { return row_.blocks; }
   /// Leaves those that `kept`, a mask for each block, has.
@@ -32,7 +35,7 @@ class RowClassifier {
   const FrameShading& shading_;
   SliceView slice_;
   const SliceRuns* runs_ = nullptr;
-  int row_index_ = 0, voxels_ = 0;
+  int row_index_ = 0, voxels_ = 0, outside_ = 0;
   VisibleRow row_;
 };
 

@@ -11,34 +11,6 @@
 namespace ringsplat {
 namespace {
 
-/// Half-open range of a row's columns.
-struct Columns {
-  std::uint32_t first, end;
-  bool empty() const { return first >= end; }
-};
-
-/// A row's positions along one screen axis.
-class RowAxis {
- public:
-  /// `step`: from column to column.
-  explicit RowAxis(double step) : inverse_(1 / step) {}
-  void begin_row(double start) { start_ = start; }
-  /// Those of the columns whose positions lie within [low, high].
-  Columns within(double low, double high, Columns columns) const {
-    if (!std::isfinite(inverse_)) return start_ >= low && start_ <= high ? columns : Columns{0, 0};
-    const double a = (low - start_) * inverse_, b = (high - start_) * inverse_;
-    const double first = std::max(std::min(a, b), double(columns.first)),
-                 last = std::min(std::max(a, b), double(columns.end) - 1);
-    if (!(first <= last)) return {0, 0};
-    const auto truncated = static_cast<std::uint32_t>(static_cast<std::int64_t>(first));
-    return {truncated + (double(truncated) < first),
-            static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
-  }
-
- private:
-  double inverse_, start_ = 0;
-};
-
 /// The voxels' places in the block that lie in these columns.
 std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
   constexpr std::uint64_t all = ~std::uint64_t{0};
@@ -57,12 +29,7 @@ std::uint32_t voxels_before(const VisibleBlock& block, int bit) {
 template <class Voxel>
 class RunBand final : public RowBand {
  public:
-  explicit RunBand(const EncoderFrame& frame)
-      : RowBand(frame),
-        x_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].x),
-        y_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].y),
-        beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51),
-        parts_(frame.rects.size()) {}
+  explicit RunBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
 
  private:
   /// Written whole right after it grows.
@@ -103,12 +70,10 @@ class RunBand final : public RowBand {
                       back.first + std::uint32_t(std::bit_width(back.mask))};
     const PixelWindow window = window_of(all.first, all.end - 1);
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
-    x_.begin_row(dda_.row_start().x);
-    y_.begin_row(dda_.row_start().y);
     for (int y = touched.y0; y < touched.y1; ++y) {
       const int first_region = y * geometry_.regions.columns();
       const PixelRect& pixels = rect(first_region);
-      const Columns columns = y_.within(double(pixels.y0) - beyond_.y, double(pixels.y1) + beyond_.y, all);
+      const Columns columns = reaching_y(pixels.y0, pixels.y1, all);
       if (columns.empty()) continue;
       for (int x = touched.x0; x < touched.x1; ++x) find_pieces_of(first_region + x, columns);
     }
@@ -117,7 +82,7 @@ class RunBand final : public RowBand {
   /// The row's visible voxels whose windows can meet the region. A voxel too many is clipped by the painter.
   void find_pieces_of(int region, Columns columns) {
     const PixelRect& pixels = rect(region);
-    columns = x_.within(double(pixels.x0) - beyond_.x, double(pixels.x1) + beyond_.x, columns);
+    columns = reaching_x(pixels.x0, pixels.x1, columns);
     if (columns.empty()) return;
     OpaqueCover::Cover hidden = OpaqueCover::Cover::none;
     if (cover(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
@@ -147,14 +112,9 @@ class RunBand final : public RowBand {
 
   /// Of the voxels in columns first … last: positions run straight.
   PixelWindow window_of(std::uint32_t first, std::uint32_t last) const {
-    const PixelWindow a = window_of(first), b = window_of(last);
+    const PixelWindow a = RowBand::window_of(first), b = RowBand::window_of(last);
     return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
   }
-  PixelWindow window_of(std::uint32_t column) const {
-    const glm::dvec3 position = dda_.position(column);
-    return pixel_window(anchor(position.x, position.y), reach_);
-  }
-
   /// Of the windows of the voxels in columns first … last, whose positions run straight; wider by a rounding.
   OpaqueCover::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
     constexpr double rounding = 1e-6;
@@ -257,10 +217,6 @@ class RunBand final : public RowBand {
     values.clear();
   }
 
-  RowAxis x_, y_;
-  /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
-  /// rounding.
-  glm::dvec2 beyond_;
   std::vector<Part> parts_;          ///< by region
   std::vector<Piece> pieces_;        ///< of the row, region by region
   std::vector<std::uint64_t> sent_;  ///< by block: the voxels that any region gets

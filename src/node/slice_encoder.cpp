@@ -53,7 +53,10 @@ class SliceEncoder final : public Encoder {
     encoded.splats.resize(std::size_t(renderers_));
     encoded.passes.resize(std::size_t(renderers_));
     encoded.voxels = voxels_;
-    for (const auto& band : bands()) encoded.visible_voxels += band->visible_voxels();
+    for (const auto& band : bands()) {
+      encoded.visible_voxels += band->visible_voxels();
+      encoded.voxels_outside += band->voxels_outside();
+    }
     const std::vector<int> regions = used_regions();
     const std::vector<std::size_t> sizes = payload_sizes(regions);
     for (const int region : regions) {

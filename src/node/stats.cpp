@@ -38,6 +38,7 @@ constexpr Count counts[] = {{"splats_sent", &NodeStats::splats_sent},
                             {"slices", &NodeStats::slices},
                             {"passes", &NodeStats::passes},
                             {"visible_voxels", &NodeStats::visible_voxels},
+                            {"voxels_outside", &NodeStats::voxels_outside},
                             {"slice_memory", &NodeStats::slice_memory}};
 
 json to_json(const NodeStats& stats) {

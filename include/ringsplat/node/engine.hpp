@@ -22,7 +22,8 @@ struct EncodedSlice {
   std::vector<std::uint32_t>
       passes;  ///< of each payload: non-empty (region, pass) pairs (Neumann 1992, Fig. 3)
   std::uint64_t visible_voxels = 0;
-  std::uint64_t voxels = 0;  ///< of the slice, transparent ones too
+  std::uint64_t voxels_outside = 0;  ///< not looked at, because they lie outside the image
+  std::uint64_t voxels = 0;          ///< of the slice, transparent ones too
 };
 
 class Encoder {
