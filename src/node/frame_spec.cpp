@@ -203,7 +203,7 @@ int round_up(int value, int step) { return (value + step - 1) / step * step; }
 Regions make_regions(const FrameSpec& spec, int width, int height) {
   if (spec.region_size > 0) return {width, height, spec.region_size};
   if (spec.image_plane == ImagePlane::screen) return {width, height, 128};
-  constexpr int each = 4, least_rows = 16, most_rows = 64, least_columns = 64;
+  constexpr int each = 3, least_rows = 16, most_rows = 64, least_columns = 64;
   const int renderers = std::clamp(spec.dealt_to, 1, 1 << 16);
   const int region_height =
       std::clamp(round_up(height / (each * renderers), least_rows), least_rows, most_rows);
