@@ -42,7 +42,7 @@ row slices-plane,-2-samples 2 "${runs[@]}" "${slices[@]}" --samples 2 "${dedicat
 row undersample-2 2 "${none[@]}" --undersample 2 "${dedicated[@]}"
 row undersample-2-prefiltered 2 "${none[@]}" --undersample 2 --prefilter "${dedicated[@]}"
 row undersample-4 2 "${none[@]}" --undersample 4 "${dedicated[@]}"
-all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 1)
+all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 1 --look-ahead 4)
 row all,-on-the-screen 2 "${all[@]}" "${colocated[@]}"
 row all 2 "${all[@]}" "${slices[@]}" "${colocated[@]}"
 row all,-u8 2 "${all[@]}" "${slices[@]}" --precision u8 "${colocated[@]}"
@@ -58,7 +58,7 @@ error_row() {
   render "${row_ranks[$2]}" "error-$1-$2" "$head" --tf "mr-$1" --size 512 --path "$work/truth_views.txt" ${row_options[$2]} --error method
 }
 
-default() { # NAME RANKS OPTION...: a run with the program's own defaults
+default() { # NAME RANKS OPTION...: a run with all shortcuts that are on without being asked for
   local name=$1 ranks=$2
   shift 2
   render "$ranks" "$name" "$@" --size 512 --path "$work/views.txt"
@@ -69,7 +69,7 @@ held_rows() {
   local plane size
   sed 's/$/ 0 2/' "$work/views.txt" >"$work/zoomed.txt"
   for plane in screen slices; do
-    local in_plane=(--image-plane "$plane" --frames-in-flight 1) name=held-$plane
+    local in_plane=(--image-plane "$plane" --frames-in-flight 1 --look-ahead 4) name=held-$plane
     default "$name-one-process" 0 "$head" --tf mr-soft "${in_plane[@]}"
     default "$name-2-colocated" 2 "$head" --tf mr-soft "${in_plane[@]}" "${colocated[@]}"
     default "$name-16-colocated" 16 "$head" --tf mr-soft "${in_plane[@]}" --roles colocated --gps 16 --renderers 16
