@@ -13,6 +13,7 @@
 
 #include "splat/pixel_vectors-inl.hpp"
 
+// Highway compiles this file once for each instruction set; what follows is the same for all.
 #ifndef RINGSPLAT_PLACE_VOXELS_ONCE
 #define RINGSPLAT_PLACE_VOXELS_ONCE
 namespace ringsplat {
@@ -148,7 +149,8 @@ HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) 
   for (int copy = 0; copy < steps; ++copy) store_pixel(colour, pixels + std::ptrdiff_t{4} * copy);
 }
 
-/// `row`: the pixel of the mask's lowest bit. `last`: nothing may be read behind these voxels.
+/// `row`: the pixel of the mask's bit 0, inside the buffer or not. `last`: nothing may be read behind these
+/// voxels.
 template <class Voxel>
 HWY_INLINE void place_row(const Reader<Voxel>& reader, int steps, double weight, std::uint64_t mask,
                           const Voxel* voxels, bool last, float* row) {

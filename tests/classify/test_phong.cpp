@@ -12,6 +12,7 @@
 
 #include "classify/message_of.hpp"
 #include "classify/two_points.hpp"
+#include "classify/type_of.hpp"
 #include "ringsplat/classify/sample_row.hpp"
 #include "support/catch.hpp"
 

@@ -8,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "classify/type_of.hpp"
 #include "ringsplat/classify/normals.hpp"
 #include "support/catch.hpp"
 
@@ -18,14 +19,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 constexpr double quantisation = 0.57;  // degrees
-
-template <class T>
-ScalarType type_of() {
-  for (const auto type : {ScalarType::int8, ScalarType::uint8, ScalarType::int16, ScalarType::uint16,
-                          ScalarType::int32, ScalarType::uint32, ScalarType::float32})
-    if (visit_type(type, [](auto v) { return std::is_same_v<decltype(v), T>; })) return type;
-  return ScalarType::float64;
-}
 
 template <class T>
 struct Volume {
