@@ -123,29 +123,33 @@ template <class T>
 void Classifier::find_by_table(const std::byte* row, int first, int end, VisibleRow& out) const {
   using Bits = std::make_unsigned_t<T>;
   const auto take = [&](int block, std::uint64_t mask) { append(out, block, mask); };
-  if (gaps_) {
-    for_each_mask<T>(
-        row, first, end, [this](T value) { return visible_[table_index(value)]; }, take);
-    return;
-  }
+  const auto by_table = [&](int from, int count) {
+    return mask_where<T>(row, from, count, [this](T value) { return visible_[table_index(value)]; });
+  };
   const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);
-  for_each_mask_within(row, first, end, low, span, take);
+  const auto by_ends = [&](int from, int count) { return mask_within(row, from, count, low, span); };
+  if (gaps_)
+    for_each_mask(first, end, by_table, take);
+  else
+    for_each_mask(first, end, by_ends, take);
 }
 
 template <class T>
 void Classifier::classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const {
   const double low = support_low_, high = support_high_;
-  for_each_mask<T>(
-      row, first, end,
-      [low, high](T value) { return std::uint8_t(int(double(value) >= low) & int(double(value) <= high)); },
-      [&](int block, std::uint64_t mask) {
-        for (; mask != 0; mask &= mask - 1) {
-          const ClassifiedSample sample = evaluate(double(load<T>(row, block + std::countr_zero(mask))));
-          if (!(sample.opacity > 0)) continue;
-          out.samples[out.visible] = sample;
-          append(out, block, mask & -mask);
-        }
-      });
+  const auto in_support = [&](int from, int count) {
+    return mask_where<T>(row, from, count, [low, high](T value) {
+      return std::uint8_t(int(double(value) >= low) & int(double(value) <= high));
+    });
+  };
+  for_each_mask(first, end, in_support, [&](int block, std::uint64_t mask) {
+    for (; mask != 0; mask &= mask - 1) {
+      const ClassifiedSample sample = evaluate(double(load<T>(row, block + std::countr_zero(mask))));
+      if (!(sample.opacity > 0)) continue;
+      out.samples[out.visible] = sample;
+      append(out, block, mask & -mask);
+    }
+  });
 }
 
 void Classifier::find_row(const std::byte* row, int first, int end, VisibleRow& out) const {

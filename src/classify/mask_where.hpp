@@ -50,13 +50,13 @@ std::uint64_t mask_where(const std::byte* row, int first, int count, const Wante
 }
 
 /// Calls take(block, mask) for the blocks of mask_bits columns, which begin at multiples of that, with
-/// scalars in columns first … end − 1 that satisfy `wanted`, ascending. Bit i of the mask, which is not 0, is
-/// column block + i.
-template <class T, class Wanted, class Take>
-void for_each_mask(const std::byte* row, int first, int end, const Wanted& wanted, const Take& take) {
+/// columns among first … end − 1 that are wanted, ascending. Bit i of the mask, which is not 0, is column
+/// block + i. mask_of(first, count): of the up to 64 columns from the `first` on, which lie in one block.
+template <class MaskOf, class Take>
+void for_each_mask(int first, int end, const MaskOf& mask_of, const Take& take) {
   while (first < end) {
     const int block = first / mask_bits * mask_bits, next = std::min(block + mask_bits, end);
-    const std::uint64_t mask = mask_where<T>(row, first, next - first, wanted) << (first - block);
+    const std::uint64_t mask = mask_of(first, next - first) << (first - block);
     if (mask != 0) take(block, mask);
     first = next;
   }

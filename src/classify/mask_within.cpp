@@ -7,15 +7,32 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "classify/mask_where.hpp"
+
+#ifndef RINGSPLAT_MASK_WITHIN_ONCE
+#define RINGSPLAT_MASK_WITHIN_ONCE
+namespace ringsplat {
+namespace {
+
+template <class Bits>
+std::uint64_t one_by_one(const std::byte* row, int first, int count, Bits low, Bits span) {
+  return mask_where<Bits>(row, first, count,
+                          [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); });
+}
+
+}  // namespace
+}  // namespace ringsplat
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
+/// Of mask_bits scalars.
 template <class Bits>
 std::uint64_t within(const std::byte* values, Bits low, Bits span) {
 #if RINGSPLAT_ONE_BY_ONE
-  return mask_where<Bits>(values, 0, mask_bits,
-                          [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); });
+  return one_by_one(values, 0, mask_bits, low, span);
 #else
   const hn::CappedTag<Bits, mask_bits> d;
   constexpr std::size_t spare = 8;  // which storing a mask may overwrite
@@ -47,11 +64,13 @@ namespace ringsplat {
 HWY_EXPORT(Within8);
 HWY_EXPORT(Within16);
 
-std::uint64_t mask_within(const std::byte* values, std::uint8_t low, std::uint8_t span) {
-  return HWY_DYNAMIC_DISPATCH(Within8)(values, low, span);
+std::uint64_t mask_within(const std::byte* row, int first, int count, std::uint8_t low, std::uint8_t span) {
+  if (count < mask_bits) return one_by_one(row, first, count, low, span);
+  return HWY_DYNAMIC_DISPATCH(Within8)(row + first, low, span);
 }
-std::uint64_t mask_within(const std::byte* values, std::uint16_t low, std::uint16_t span) {
-  return HWY_DYNAMIC_DISPATCH(Within16)(values, low, span);
+std::uint64_t mask_within(const std::byte* row, int first, int count, std::uint16_t low, std::uint16_t span) {
+  if (count < mask_bits) return one_by_one(row, first, count, low, span);
+  return HWY_DYNAMIC_DISPATCH(Within16)(row + sizeof low * std::size_t(first), low, span);
 }
 
 }  // namespace ringsplat
