@@ -85,7 +85,6 @@ json to_json(const FrameSpec& s) {
           {"image_plane", name(s.image_plane)},
           {"plane_samples", s.plane_samples},
           {"region", s.region_size},
-          {"dealt_to", s.dealt_to},
           {"transfer_function", to_json(s.transfer_function)},
           {"shading", s.shading == Shading::phong ? "phong" : "none"},
           {"material", to_json(s.material)},
@@ -157,8 +156,11 @@ void check(const FrameSpec& spec) {
 }
 
 Bytes encode(const FrameSpec& spec) {
+  json announced = to_json(spec);
+  // No setting: pictures, which hold those, are the same files for any number of Renderers.
+  announced["dealt_to"] = spec.dealt_to;
   std::vector<std::uint8_t> cbor;
-  json::to_cbor(to_json(spec), cbor);
+  json::to_cbor(announced, cbor);
   Bytes wire(cbor.size());
   std::memcpy(wire.data(), cbor.data(), cbor.size());
   return wire;
@@ -174,12 +176,7 @@ FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   }
 }
 
-std::string to_json_text(const FrameSpec& spec) {
-  json settings = to_json(spec);
-  // Pictures hold this text, and they are the same files for any number of Renderers.
-  settings.erase("dealt_to");
-  return settings.dump();
-}
+std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }
 
 LatticeFrame lattice_frame(const Grid& grid) {
   return {grid.dims, grid.spacing, grid.origin, grid.direction};
@@ -207,7 +204,8 @@ Regions make_regions(const FrameSpec& spec, int width, int height) {
   const int renderers = std::clamp(spec.dealt_to, 1, 1 << 16);
   const int region_height =
       std::clamp(round_up(height / (each * renderers), least_rows), least_rows, most_rows);
-  const int strips = (height - 1) / region_height + 1, columns = std::max(renderers / strips, 1);
+  const int strips = Regions(width, height, width, region_height).rows(),
+            columns = std::max(renderers / strips, 1);
   const int region_width =
       columns == 1 ? width : std::max(round_up(width / columns, least_columns), least_columns);
   return {width, height, region_width, region_height};
