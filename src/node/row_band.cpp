@@ -29,7 +29,7 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
   while (row_ < end_ && visible < visible_at_most && voxels < voxels_at_most) {
     const int found = find_row();
     if (found > 0) {
-      begin_row();
+      if (all_in_view_) begin_row();  // else in_view() has
       encode_row(row_);
     }
     visible += found;

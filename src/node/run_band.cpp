@@ -100,10 +100,8 @@ class RunBand final : public RowBand {
     const std::size_t blocks = rows_.blocks().size();
     sent_.assign(blocks, 0);
     for (const Piece& piece : pieces_) sent_[piece.block] |= piece.mask;
-    const auto all_sent = [this](std::size_t k) { return sent_[k] == rows_.blocks()[k].mask; };
-    std::size_t first_short = 0;
-    while (first_short < blocks && all_sent(first_short)) ++first_short;
-    if (first_short == blocks) return;
+    const auto is_whole = [](std::uint64_t sent, const VisibleBlock& block) { return sent == block.mask; };
+    if (std::equal(sent_.begin(), sent_.end(), rows_.blocks().begin(), is_whole)) return;
     rows_.keep(sent_);
     left_.assign(blocks, 0);
     for (std::size_t k = 1; k < blocks; ++k) left_[k] = left_[k - 1] + (sent_[k - 1] != 0);
