@@ -112,7 +112,8 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
     log_warning("{}: {}", label,
-                why_nothing_is_visible(result.spec.transfer_function, range_, sum.visible_voxels + sum.voxels_outside));
+                why_nothing_is_visible(result.spec.transfer_function, range_,
+                                       sum.visible_voxels + sum.voxels_outside));
   }
   progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats", label, result.stats.seconds,
                               sum.visible_voxels, sum.splats_sent));

@@ -19,9 +19,8 @@
 namespace ringsplat {
 namespace {
 
-/// The first 64 / step bits, a step apart.
+/// The first 64 / step bits, a step apart; a step is 2 or 4.
 std::uint64_t spread(std::uint64_t bits, int step) {
-  if (step == 1) return bits;
   bits &= 0xFFFFFFFF;
   bits = (bits | bits << 16) & 0x0000FFFF0000FFFF;
   bits = (bits | bits << 8) & 0x00FF00FF00FF00FF;

@@ -37,6 +37,8 @@ AlignedSlice slice_of(int step) {
   AlignedSlice slice;
   slice.step_x = step;
   slice.opacity_weight = 0.59681;
+  slice.reach_x = slice.reach_y = 0;
+  slice.covered = {{0, 0}};
   return slice;
 }
 
@@ -59,11 +61,8 @@ struct OneRow {
 
 template <class Voxel>
 PlacedVoxels place_block(std::uint64_t mask, const std::vector<Voxel>& voxels, int step, OneRow& row) {
-  AlignedSlice slice = slice_of(step);
-  slice.reach_x = slice.reach_y = 0;
-  slice.covered = {{0, 0}};
   const VoxelBlock block{0, 0, mask};
-  return place_voxels(slice, row.places(),
+  return place_voxels(slice_of(step), row.places(),
                       VoxelBlocks<Voxel>{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
 }
 
@@ -126,13 +125,10 @@ TEST_CASE("placing stops behind the block that has the last voxel asked for") {
   std::mt19937 random(7);
   const auto voxels = random_voxels<FloatVoxel>(12, random);
   const std::array<VoxelBlock, 3> blocks{{{0, 0, 0xF}, {0, 64, 0xF}, {0, 128, 0xF}}};
-  AlignedSlice slice = slice_of(1);
-  slice.reach_x = slice.reach_y = 0;
-  slice.covered = {{0, 0}};
   for (const auto& [most, expected] : {std::pair{1, 1}, std::pair{4, 1}, std::pair{5, 2}, std::pair{99, 3}}) {
     OneRow row;
     const PlacedVoxels placed = place_voxels(
-        slice, row.places(), {reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
+        slice_of(1), row.places(), {reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
         std::uint64_t(most));
     CHECK(placed.blocks == std::uint32_t(expected));
     CHECK(placed.voxels == 4 * std::uint64_t(expected));
