@@ -160,11 +160,9 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
 }
 
 void FrameBuffer::complete(Frame&& frame) {
-  if (frame.geometry.warp && !frame.stats.dropped) {
-    Image picture(frame.spec.width, frame.spec.height);
-    warp_image(frame.image, frame.filled, *frame.geometry.warp, picture);
-    frame.image = std::move(picture);
-  }
+  if (frame.geometry.warp && !frame.stats.dropped)
+    frame.image = warp_image(frame.image, frame.filled, *frame.geometry.warp, frame.spec.width,
+                             frame.spec.height);
   const double now = now_seconds();
   frame.stats.seconds = now - frame.announced;
   frame.stats.period = now - std::max(frame.announced, last_completed_);

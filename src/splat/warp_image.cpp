@@ -16,99 +16,113 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if RINGSPLAT_ONE_BY_ONE
-
-struct Weights {
-  float at[4];
+/// Where some of a row's pixels lie: their first tap, and by tap the pixels' weights along both axes. In
+/// plain loops, of which a compiler makes vectors of pixels.
+struct Places {
+  static constexpr int most = 64;
+  std::ptrdiff_t tap[most];  ///< floats from the plane's first
+  float wx[4][most], wy[4][most];
 };
-Weights cubic_weights(float f) {
-  Weights w;
-  for (int k = 0; k < 4; ++k)
-    w.at[k] = std::fma(std::fma(std::fma(cubic[3][k], f, cubic[2][k]), f, cubic[1][k]), f, cubic[0][k]);
-  return w;
+
+HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, float (*weights)[Places::most]) {
+  for (int tap = 0; tap < 4; ++tap) {
+    float* HWY_RESTRICT w = weights[tap];
+    for (int k = 0; k < count; ++k)
+      w[k] = std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
+                      fraction[k], cubic[0][tap]);
+  }
 }
 
-struct Spread {};
+/// Of pixels first … first + count − 1.
+HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& places) {
+  float fx[Places::most], fy[Places::most];
+  for (int k = 0; k < count; ++k) {
+    const double px = std::fma(row.step_x, double(first + k), row.start_x),
+                 py = std::fma(row.step_y, double(first + k), row.start_y);
+    // The places lie above 0, where truncation is floor.
+    const auto ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py);
+    places.tap[k] = iy * row.row_floats + ix * std::ptrdiff_t{4};
+    fx[k] = static_cast<float>(px - ix);
+    fy[k] = static_cast<float>(py - iy);
+  }
+  find_weights(fx, count, places.wx);
+  find_weights(fy, count, places.wy);
+}
 
-void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy, const Spread&,
-                      float* out) {
-  const Weights wx = cubic_weights(fx), wy = cubic_weights(fy);
+#if RINGSPLAT_ONE_BY_ONE
+
+void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k, float* out) {
   float product[4][4];
   for (int column = 0; column < 4; ++column) {
-    for (int k = 0; k < 4; ++k) {
-      const float* tap = taps + 4 * column + k;
-      float sum = wy.at[0] * tap[0];
-      for (int row = 1; row < 4; ++row) sum = std::fma(wy.at[row], tap[row * row_floats], sum);
-      product[column][k] = wx.at[column] * sum;
+    for (int channel = 0; channel < 4; ++channel) {
+      const float* tap = taps + 4 * column + channel;
+      float sum = places.wy[0][k] * tap[0];
+      for (int row = 1; row < 4; ++row) sum = std::fma(places.wy[row][k], tap[row * row_floats], sum);
+      product[column][channel] = places.wx[column][k] * sum;
     }
   }
   float rgba[4];
-  for (int k = 0; k < 4; ++k) rgba[k] = (product[0][k] + product[1][k]) + (product[2][k] + product[3][k]);
+  for (int channel = 0; channel < 4; ++channel)
+    rgba[channel] = (product[0][channel] + product[1][channel]) + (product[2][channel] + product[3][channel]);
   const float opacity = std::min(std::max(rgba[3], 0.0F), 1.0F);
-  for (int k = 0; k < 4; ++k) out[k] = std::min(std::max(rgba[k], 0.0F), opacity);
+  for (int channel = 0; channel < 4; ++channel)
+    out[channel] = std::min(std::max(rgba[channel], 0.0F), opacity);
 }
 
 #else
 
-HWY_INLINE hn::Vec<FourFloats> cubic_weights(float fraction) {
-  const FourFloats d;
-  const auto f = hn::Set(d, fraction);
-  auto w = hn::MulAdd(hn::Load(d, cubic[3]), f, hn::Load(d, cubic[2]));
-  w = hn::MulAdd(w, f, hn::Load(d, cubic[1]));
-  return hn::MulAdd(w, f, hn::Load(d, cubic[0]));
+/// The weights of the columns in the `part`-th vector of a row of taps, each over its pixel's floats.
+template <int part>
+HWY_INLINE FloatVector column_weights(const Places& places, int k) {
+  const auto one = [&](std::size_t column) { return hn::Set(FourFloats(), places.wx[column][k]); };
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Floats> two;
+  return hn::Combine(Floats(), hn::Combine(two, one(3), one(2)), hn::Combine(two, one(1), one(0)));
+#elif HWY_MAX_BYTES == 32
+  return hn::Combine(Floats(), one(2 * part + 1), one(2 * part));
+#else
+  return one(part);
+#endif
 }
 
-/// Sums four rows of taps, as many columns at once as a vector has pixels, and weights each column.
-class Columns {
- public:
-  HWY_INLINE Columns(hn::Vec<FourFloats> wx, hn::Vec<FourFloats> wy) {
-    HWY_ALIGN float x[16], y[4];
-    hn::Store(wx, FourFloats(), x);
-    hn::Store(wy, FourFloats(), y);
-    wx_ = hn::LoadDup128(Floats(), x);
-    for (int row = 0; row < 4; ++row) wy_[row] = hn::Set(Floats(), y[row]);
-  }
-  /// The `part`-th vector of columns from `taps` on.
-  template <int part>
-  HWY_INLINE FloatVector get(const float* taps, std::ptrdiff_t row_floats, const Spread& spread) const {
-    const Floats d;
-    const float* tap = taps + std::size_t{part} * lanes;
-    auto sum = hn::Mul(wy_[0], hn::LoadU(d, tap));
-    for (int row = 1; row < 4; ++row) sum = hn::MulAdd(wy_[row], hn::LoadU(d, tap + row * row_floats), sum);
-    return hn::Mul(spread.get<part>(wx_), sum);
-  }
-
- private:
-  FloatVector wx_, wy_[4];
-};
+/// The `part`-th vector of columns: sums of four taps, weighted.
+template <int part>
+HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k) {
+  const Floats d;
+  const float* tap = taps + std::size_t{part} * lanes;
+  auto sum = hn::Mul(hn::Set(d, places.wy[0][k]), hn::LoadU(d, tap));
+  for (int row = 1; row < 4; ++row)
+    sum = hn::MulAdd(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
+  return hn::Mul(column_weights<part>(places, k), sum);
+}
 
 /// (c0 + c1) + (c2 + c3) of the columns c.
-HWY_INLINE hn::Vec<FourFloats> sum_columns(const Columns& columns, const float* taps,
-                                           std::ptrdiff_t row_floats, const Spread& spread) {
+HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row_floats, const Places& places,
+                                           int k) {
 #if HWY_MAX_BYTES >= 64
   const hn::Half<Floats> two;
   const hn::Half<hn::Half<Floats>> one;
-  const auto all = columns.get<0>(taps, row_floats, spread);
+  const auto all = columns<0>(taps, row_floats, places, k);
   const auto left = hn::LowerHalf(two, all), right = hn::UpperHalf(two, all);
   return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
                  hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
 #elif HWY_MAX_BYTES == 32
   const hn::Half<Floats> one;
-  const auto left = columns.get<0>(taps, row_floats, spread),
-             right = columns.get<1>(taps, row_floats, spread);
+  const auto left = columns<0>(taps, row_floats, places, k), right = columns<1>(taps, row_floats, places, k);
   return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
                  hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
 #else
-  return hn::Add(hn::Add(columns.get<0>(taps, row_floats, spread), columns.get<1>(taps, row_floats, spread)),
-                 hn::Add(columns.get<2>(taps, row_floats, spread), columns.get<3>(taps, row_floats, spread)));
+  return hn::Add(
+      hn::Add(columns<0>(taps, row_floats, places, k), columns<1>(taps, row_floats, places, k)),
+      hn::Add(columns<2>(taps, row_floats, places, k), columns<3>(taps, row_floats, places, k)));
 #endif
 }
 
-/// `taps`: the first of four pixels in the first of four rows.
-HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, float fx, float fy,
-                                 const Spread& spread, float* out) {
+/// `taps`: the first of four pixels in the first of four rows; their weights are the k-th.
+HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k,
+                            float* out) {
   const FourFloats d;
-  const auto rgba = sum_columns(Columns(cubic_weights(fx), cubic_weights(fy)), taps, row_floats, spread);
+  const auto rgba = sum_columns(taps, row_floats, places, k);
   const auto zero = hn::Zero(d);
   const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
   hn::StoreU(hn::Min(hn::Max(rgba, zero), opacity), d, out);
@@ -117,15 +131,13 @@ HWY_INLINE void InterpolatePixel(const float* taps, std::ptrdiff_t row_floats, f
 #endif
 
 void WarpRow(const WarpedRow& row, float* screen) {
-  const Spread spread;
-  for (int x = row.first; x < row.end; ++x) {
-    const double px = std::fma(row.step_x, double(x), row.start_x),
-                 py = std::fma(row.step_y, double(x), row.start_y);
-    // The places lie above 0, where truncation is floor.
-    const auto ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py);
-    const float* taps = row.plane + iy * row.row_floats + ix * std::ptrdiff_t{4};
-    InterpolatePixel(taps, row.row_floats, static_cast<float>(px - ix), static_cast<float>(py - iy), spread,
-                     screen + std::ptrdiff_t{4} * x);
+  Places places;
+  for (int first = row.first; first < row.end; first += Places::most) {
+    const int count = std::min(row.end - first, Places::most);
+    find_places(row, first, count, places);
+    for (int k = 0; k < count; ++k)
+      interpolate(row.plane + places.tap[k], row.row_floats, places, k,
+                  screen + std::ptrdiff_t{4} * (first + k));
   }
 }
 
@@ -174,38 +186,54 @@ PixelWindow not_clear(const Image& plane, const PixelWindow& window) {
   return found;
 }
 
+/// The screen's row y, narrowed to the pixels whose first taps lie in `firsts`.
+WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const PlaneWarp& warp, int y,
+                      int width) {
+  // The first tap's centre lies between one and two pixels before the place.
+  const glm::dvec2 start = warp.from_screen({0.5, y + 0.5}) - 1.5;
+  WarpedRow row{plane.rgba.data(),
+                std::ptrdiff_t{4} * plane.width,
+                start.x,
+                start.y,
+                warp.linear[0].x,
+                warp.linear[0].y,
+                0,
+                0};
+  if (firsts.x0 > firsts.x1 || firsts.y0 > firsts.y1) return row;
+  double first = 0, end = width;
+  narrow(row.start_x, row.step_x, double(firsts.x0), double(firsts.x1 + 1), first, end);
+  narrow(row.start_y, row.step_y, double(firsts.y0), double(firsts.y1 + 1), first, end);
+  if (!(first < end)) return row;
+  row.first = static_cast<int>(first);
+  row.end = static_cast<int>(end);
+  // Rounding may have let in a column too many at either end.
+  while (row.first < row.end && !lies_within(row, row.first, firsts)) ++row.first;
+  while (row.first < row.end && !lies_within(row, row.end - 1, firsts)) --row.end;
+  return row;
+}
+
 }  // namespace
 
-void warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, Image& screen) {
+Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, int width,
+                 int height) {
   const PixelWindow filled = not_clear(plane, window);
   // The first of a place's four taps along each axis: those that see a filled pixel and whose four lie in the
   // image.
   const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),
                            std::min<std::int64_t>(filled.x1, plane.width - 4),
                            std::min<std::int64_t>(filled.y1, plane.height - 4)};
-  if (firsts.x0 > firsts.x1 || firsts.y0 > firsts.y1) return;
-  for (int y = 0; y < screen.height; ++y) {
-    // The first tap's centre lies between one and two pixels before the place.
-    const glm::dvec2 start = warp.from_screen({0.5, y + 0.5}) - 1.5;
-    WarpedRow row{plane.rgba.data(),
-                  std::ptrdiff_t{4} * plane.width,
-                  start.x,
-                  start.y,
-                  warp.linear[0].x,
-                  warp.linear[0].y,
-                  0,
-                  0};
-    double first = 0, end = screen.width;
-    narrow(row.start_x, row.step_x, double(firsts.x0), double(firsts.x1 + 1), first, end);
-    narrow(row.start_y, row.step_y, double(firsts.y0), double(firsts.y1 + 1), first, end);
-    if (!(first < end)) continue;
-    row.first = static_cast<int>(first);
-    row.end = static_cast<int>(end);
-    // Rounding may have let in a column too many at either end.
-    while (row.first < row.end && !lies_within(row, row.first, firsts)) ++row.first;
-    while (row.first < row.end && !lies_within(row, row.end - 1, firsts)) --row.end;
-    HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen.pixel(0, y));
+  Image screen;
+  screen.width = width;
+  screen.height = height;
+  const std::size_t row_floats = std::size_t(4) * std::size_t(width);
+  screen.rgba.reserve(row_floats * std::size_t(height));
+  for (int y = 0; y < height; ++y) {
+    // Cleared row by row, so that a row is still in the cache when it is written.
+    screen.rgba.resize(screen.rgba.size() + row_floats);
+    const WarpedRow row = seen_of_row(plane, firsts, warp, y, width);
+    if (row.first < row.end) HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen.pixel(0, y));
   }
+  return screen;
 }
 
 }  // namespace ringsplat

@@ -5,14 +5,14 @@
 
 namespace ringsplat {
 
-/// Makes the picture of the image in the slices' plane (Lacroute and Levoy 1994, section 2): every pixel of
-/// `screen` takes what lies at its centre's place, interpolated with Catmull and Rom's cubic (Keys 1981, a =
+/// The picture of width × height pixels of the image in the slices' plane (Lacroute and Levoy 1994, section 2):
+/// every pixel takes what lies at its centre's place, interpolated with Catmull and Rom's cubic (Keys 1981, a =
 /// −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is clamped,
 /// opacity to [0, 1] and colours to [0, opacity].
 ///
-/// `window`: the pixels of `plane` that are not transparent lie in it. Pixels of `screen` that see none of
-/// them stay as they are. A pixel's operations are the same whatever the vector width, so its bits do not
+/// `window`: the pixels of `plane` that are not transparent lie in it. Pixels that see none of them are
+/// transparent. A pixel's operations are the same whatever the vector width, so its bits do not
 /// depend on the processor.
-void warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, Image& screen);
+Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, int width, int height);
 
 }  // namespace ringsplat
