@@ -52,29 +52,32 @@ void convolve(const BlockSums& in, float* HWY_RESTRICT sums) {
   }
 }
 
-/// The same for four taps, as most kernels have: all weights stay in registers. `alike`: at one pixel a voxel
-/// a tap has one weight in all pixels.
-template <int rows, bool alike>
-HWY_INLINE void convolve_rows(const BlockSums& in, float* HWY_RESTRICT sums) {
+/// The same for four taps, as most kernels have, of `blocks` blocks from `at` on: sums of their own, so that
+/// no addition waits for the one before. `alike`: at one pixel a voxel a tap has one weight in all pixels.
+template <int rows, bool alike, int blocks>
+HWY_INLINE void convolve_some(const BlockSums& in, std::ptrdiff_t at, float* HWY_RESTRICT sums) {
   const Floats d;
-  constexpr int taps = 4, block_floats = 4 * block_pixels, step = alike ? int(lanes) : block_floats;
-  for (int part = 0; part < step; part += int(lanes)) {
-    FloatVector weights[rows][taps];
-    for (int row = 0; row < rows; ++row) {
-      for (int tap = 0; tap < taps; ++tap) {
-        const float* weight = in.weights + tap * tap_floats - row * in.weights_floats;
-        weights[row][tap] = alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + part);
-      }
-    }
-    for (int at = part; at < in.blocks * block_floats; at += step) {
-      const float* voxels = in.voxels + at;
-      auto sum = hn::Zero(d);
-      for (int row = 0; row < rows; ++row, voxels += in.row_floats)
-        for (int tap = 0; tap < taps; ++tap)
-          sum = hn::MulAdd(weights[row][tap], hn::LoadU(d, voxels + tap * in.voxel_floats), sum);
-      hn::Store(sum, d, sums + at);
+  constexpr int taps = 4, parts = 4 * block_pixels / int(lanes);
+  FloatVector sum[blocks * parts];
+  for (auto& part : sum) part = hn::Zero(d);
+  for (int row = 0; row < rows; ++row) {
+    for (int tap = 0; tap < taps; ++tap) {
+      const float* weight = in.weights + tap * tap_floats - row * in.weights_floats;
+      const float* voxels = in.voxels + at + row * in.row_floats + tap * in.voxel_floats;
+      for (int i = 0; i < blocks * parts; ++i)
+        sum[i] = hn::MulAdd(alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + i % parts * int(lanes)),
+                            hn::LoadU(d, voxels + i * int(lanes)), sum[i]);
     }
   }
+  for (int i = 0; i < blocks * parts; ++i) hn::Store(sum[i], d, sums + at + i * int(lanes));
+}
+
+template <int rows, bool alike>
+HWY_INLINE void convolve_rows(const BlockSums& in, float* HWY_RESTRICT sums) {
+  constexpr int block_floats = 4 * block_pixels;
+  int block = 0;
+  for (; block + 2 <= in.blocks; block += 2) convolve_some<rows, alike, 2>(in, block * block_floats, sums);
+  if (block < in.blocks) convolve_some<rows, alike, 1>(in, block * block_floats, sums);
 }
 
 template <bool alike>
@@ -159,8 +162,11 @@ void VoxelRows::clear() {
     for (std::size_t word = 0; word < words_; ++word) {
       const std::uint64_t filled = std::exchange(filled_[at(y) + word], 0);
       for_each_bit_run(whole_blocks(filled), [&](int first, int count) {
-        float* const pixels = pixel(int(word) * 64 + first - left_, y);
-        std::memset(pixels, 0, sizeof(float) * 4 * std::size_t(count));
+        float* pixels = pixel(int(word) * 64 + first - left_, y);
+        constexpr int block_floats = 4 * block_pixels;
+        // Few at a time: a length that is not known here would be a call, or a slow instruction for long ones.
+        for (int block = 0; block < count / block_pixels; ++block, pixels += block_floats)
+          std::memset(pixels, 0, sizeof(float) * block_floats);
       });
     }
   }
