@@ -5,6 +5,7 @@
 #include "app/command_line.hpp"
 #include "app/commands.hpp"
 #include "app/launch.hpp"
+#include "ringsplat/base/huge_pages.hpp"
 #include "ringsplat/base/log.hpp"
 
 namespace ringsplat::app {
@@ -69,6 +70,7 @@ TransportChoice transport_of(const CommandLine& line) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
+  prefer_huge_pages_in_heap();
   const CommandLine line = parse_command_line(argc, argv);
   std::optional<Launch> launch;
   const Outcome started = guarded([&] {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/base/huge_pages.hpp"
 
 namespace ringsplat {
 namespace {
@@ -37,6 +38,14 @@ void gather(const T* values, const Grid& grid, Axis axis, int gp, int gps, std::
     std::memcpy(out, values + std::size_t(s) * width, width * sizeof(T));
 }
 
+/// Large pages must be asked for before the memory is used.
+template <class T>
+void allocate(std::vector<T>& values, std::size_t count) {
+  values.reserve(count);
+  prefer_huge_pages(values.data(), count * sizeof(T));
+  values.resize(count);
+}
+
 void require_crossing(Axis axis) {
   if (axis == Axis::z) throw std::invalid_argument("z slices are read whole, they have no columns");
 }
@@ -50,8 +59,8 @@ SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> ke
     if (!keeps(axis)) continue;
     const auto voxels = std::size_t(owned_count(grid.slices(axis), gp, gps)) * grid.slice_voxels(axis);
     auto& set = sets_[std::size_t(axis)];
-    set.values.resize(voxels * size_of(grid.type));
-    if (with_normals) set.normals.resize(voxels);
+    allocate(set.values, voxels * size_of(grid.type));
+    if (with_normals) allocate(set.normals, voxels);
   }
 }
 
