@@ -10,6 +10,7 @@
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/model/charge.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 
 namespace ringsplat::app {
@@ -66,6 +67,13 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
   block = launch.collectives().broadcast(std::move(block), 0);
   std::memcpy(&chosen, block.data(), sizeof(Layout));
   return chosen;
+}
+
+int drawing_renderers(const Layout& layout, Launch& launch) {
+  // Whoever asks for so many Renderers by name gets them; a simulated machine's cores are not this one's.
+  if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
+  const int cores = count_cores(launch.collectives());
+  return cores < layout.ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
 }
 
 }  // namespace ringsplat::app

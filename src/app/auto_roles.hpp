@@ -15,4 +15,8 @@ namespace ringsplat::app {
 Layout choose_roles(const RenderOptions& options, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, Launch& launch);
 
+/// How many Renderers get regions: all; of colocated ranks that share cores, two for each core. More would
+/// not draw faster, and a token goes through all slices for each. All ranks call it.
+int drawing_renderers(const Layout& layout, Launch& launch);
+
 }  // namespace ringsplat::app

@@ -202,6 +202,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   launch.check_on_rank_0([&] { check_frames(o, plan, volume.grid); });
   const LoadOptions options = load_options(o, agree_on_axes(o, plan, volume.grid, launch));
   if (o.run.choose_roles) layout = choose_roles(o, plan.cameras, volume.grid, options, launch);
+  o.frame.dealt_to = drawing_renderers(layout, launch);
   const SliceMemory memory = predict_memory(volume.grid, options, layout.gps);
   launch.check_on_all_ranks([&] { check_memory(o, plan.cameras.size(), memory, layout, launch); });
 

@@ -59,7 +59,7 @@ class CountingPainter final : public Painter {
   CountingPainter(int renderer, int renderers) : renderer_(renderer), renderers_(renderers) {}
 
   void begin_frame(const FrameSpec&, const FrameGeometry& geometry) override {
-    regions_ = geometry.regions;
+    geometry_ = geometry;
     counts_ = {};
   }
   void begin(int, std::span<const std::byte> body) override {
@@ -78,8 +78,8 @@ class CountingPainter final : public Painter {
   double composite_seconds() const override { return 0; }
 
   void finish(const std::function<void(int, Bytes)>& deliver) override {
-    for (const int region : regions_.owned(renderer_, renderers_)) {
-      const PixelRect rect = regions_.rect(region);
+    for (const int region : geometry_.regions.owned(renderer_, geometry_.owners(renderers_))) {
+      const PixelRect rect = geometry_.regions.rect(region);
       const auto pixels = std::size_t(rect.width()) * std::size_t(rect.height());
       Bytes body = Message::body_buffer();
       body.insert(body.end(), 4 * sizeof(float) * pixels, std::byte{0});
@@ -89,7 +89,7 @@ class CountingPainter final : public Painter {
 
  private:
   int renderer_, renderers_;
-  Regions regions_;
+  FrameGeometry geometry_;
   Count here_ = 0;
   PaintCounts counts_;
 };

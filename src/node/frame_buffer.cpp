@@ -70,7 +70,7 @@ bool FrameBuffer::announce_next() {
   frame.geometry = make_geometry(*spec, grid_);
   frame.image = Image(frame.geometry.width, frame.geometry.height);
   frame.filled = {frame.image.width, frame.image.height, -1, -1};
-  frame.owners = frame.geometry.regions.owners(layout_.renderers);
+  frame.owners = frame.geometry.owners(layout_.renderers);
   frame.tile_here.resize(std::size_t(frame.geometry.regions.count()));
   frame.gp_reported.resize(std::size_t(layout_.gps));
   frame.renderer_reported.resize(std::size_t(layout_.renderers));
@@ -161,8 +161,8 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
 
 void FrameBuffer::complete(Frame&& frame) {
   if (frame.geometry.warp && !frame.stats.dropped)
-    frame.image = warp_image(frame.image, frame.filled, *frame.geometry.warp, frame.spec.width,
-                             frame.spec.height);
+    frame.image =
+        warp_image(frame.image, frame.filled, *frame.geometry.warp, frame.spec.width, frame.spec.height);
   const double now = now_seconds();
   frame.stats.seconds = now - frame.announced;
   frame.stats.period = now - std::max(frame.announced, last_completed_);

@@ -222,6 +222,13 @@ void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
 
 }  // namespace
 
+std::vector<bool> FrameGeometry::drawing(int renderers) const {
+  const RegionOwners all = owners(renderers);
+  std::vector<bool> has_region(std::size_t(renderers), false);
+  for (int region = 0; region < regions.count(); ++region) has_region[std::size_t(all.of(region))] = true;
+  return has_region;
+}
+
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   const LatticeFrame lattice = lattice_frame(grid);
   FrameGeometry g;
@@ -245,6 +252,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
   g.regions = make_regions(spec, g.width, g.height);
+  g.dealt_to = spec.dealt_to;
   g.slices = g.grid.slices(g.traversal.axis);
   return g;
 }

@@ -26,6 +26,7 @@ struct Gp::Frame {
   const SliceStore* store = nullptr;  ///< of the frame's level
   std::unique_ptr<Encoder> encoder;
   std::vector<int> steps;     ///< this GP's traversal steps, ascending
+  int tokens = 0;             ///< one for each Renderer that has a region
   std::size_t next_step = 0;  ///< into `steps`: the next to encode
   bool encoding = false;
   std::optional<EncodedSlice> encoded;  ///< complete, while the simulated time for it passes
@@ -58,6 +59,8 @@ void Gp::begin_frame(const FrameSpec& spec) {
   frame->geometry = make_geometry(spec, slices_.grid());
   const Traversal& traversal = frame->geometry.traversal;
   const int slices = frame->geometry.slices;
+  const std::vector<bool> drawing = frame->geometry.drawing(layout_.renderers);
+  frame->tokens = int(std::count(drawing.begin(), drawing.end(), true));
   frame->store = &slices_.level(spec.reduction.factor);
   if (!frame->store->keeps(traversal.axis))
     throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded", spec.frame,
@@ -76,9 +79,11 @@ void Gp::begin_frame(const FrameSpec& spec) {
       // All tokens start at the owner of the front slice.
       auto& front = frame->waiting_tokens[0];
       // Their order follows the traversal's, which is what keeps a mesh free of contention (net/mesh.hpp).
-      for (int r = 0; r < layout_.renderers; ++r)
-        front.push_back({traversal.ascending ? r : layout_.renderers - 1 - r, 0});
-      frame->stats.tokens_issued = std::uint64_t(layout_.renderers);
+      for (int k = 0; k < layout_.renderers; ++k) {
+        const int renderer = traversal.ascending ? k : layout_.renderers - 1 - k;
+        if (drawing[std::size_t(renderer)]) front.push_back({renderer, 0});
+      }
+      frame->stats.tokens_issued = front.size();
     }
   }
   frames_.push_back(std::move(frame));
@@ -265,7 +270,7 @@ bool Gp::encode_some() {
 
   frame.encoding = false;
   const int step = frame.steps[frame.next_step++];
-  frame.prepared.push_back({step, std::move(*frame.encoded), layout_.renderers, {}});
+  frame.prepared.push_back({step, std::move(*frame.encoded), frame.tokens, {}});
   frame.encoded.reset();
   PreparedSlice& slice = frame.prepared.back();
   ++frame.stats.slices;

@@ -97,8 +97,11 @@ bool Renderer::advance() {
   if (frames_.empty()) return false;
   Frame& frame = frames_.front();
   if (!frame.begun) {
-    painter_->begin_frame(frame.spec, make_geometry(frame.spec, grid_));
+    const FrameGeometry geometry = make_geometry(frame.spec, grid_);
+    painter_->begin_frame(frame.spec, geometry);
     frame.begun = true;
+    // No token goes round for a Renderer without a region.
+    if (!geometry.drawing(layout_.renderers)[std::size_t(index_)]) frame.payloads_expected = 0;
     if (const auto& machine = options_.simulation.machine) debt_.owe(machine->renderer.frame);
   }
   if (!frame.painting && debt_.pay()) {

@@ -23,7 +23,7 @@ class SliceEncoder final : public Encoder {
         empty_space_(empty_space),
         threads_(threads),
         renderers_(renderers),
-        owners_(geometry.regions.owners(renderers)) {}
+        owners_(geometry.owners(renderers)) {}
 
   void begin(const SliceView& slice) override {
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);

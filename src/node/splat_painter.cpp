@@ -27,8 +27,9 @@ class SplatPainter final : public Painter {
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
-    if (regions_ != geometry.regions) lay_out(geometry.regions);
+    const bool as_before = regions_ == geometry.regions && geometry_.dealt_to == geometry.dealt_to;
     geometry_ = geometry;
+    if (!as_before) lay_out(geometry.regions);
     const FrameKernel kernel =
         make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
     for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
@@ -167,7 +168,7 @@ class SplatPainter final : public Painter {
     // A painter whose frame was dropped leaves splats in its memory.
     for (Lane& lane : lanes_) lane.memory = make_slice_memory();
     slot_of_region_.assign(std::size_t(regions.count()), not_owned);
-    owned_ = regions.owned(renderer_, renderers_);
+    owned_ = regions.owned(renderer_, geometry_.owners(renderers_));
     for (const int region : owned_) {
       const PixelRect r = regions.rect(region);
       slot_of_region_[std::size_t(region)] = painters_.size();

@@ -52,8 +52,11 @@ std::int64_t choose_skew(int columns, int rows, int renderers) {
 
 }  // namespace
 
-RegionOwners::RegionOwners(int columns, int rows, int renderers)
-    : columns_(columns), renderers_(renderers), skew_(choose_skew(columns, rows, renderers)) {}
+RegionOwners::RegionOwners(int columns, int rows, int renderers, int dealt_to)
+    : columns_(columns),
+      renderers_(renderers),
+      dealt_to_(dealt_to),
+      skew_(choose_skew(columns, rows, dealt_to)) {}
 
 Regions::Regions(int width, int height, int region_width, int region_height)
     : width_(width), height_(height), region_width_(region_width), region_height_(region_height) {
@@ -82,11 +85,10 @@ PixelRect Regions::rect(int region) const {
   return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
 }
 
-std::vector<int> Regions::owned(int renderer, int renderers) const {
-  const RegionOwners all = owners(renderers);
+std::vector<int> Regions::owned(int renderer, const RegionOwners& owners) const {
   std::vector<int> mine;
   for (int region = 0; region < count(); ++region) {
-    if (all.of(region) == renderer) mine.push_back(region);
+    if (owners.of(region) == renderer) mine.push_back(region);
   }
   return mine;
 }

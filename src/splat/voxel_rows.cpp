@@ -164,7 +164,8 @@ void VoxelRows::clear() {
       for_each_bit_run(whole_blocks(filled), [&](int first, int count) {
         float* pixels = pixel(int(word) * 64 + first - left_, y);
         constexpr int block_floats = 4 * block_pixels;
-        // Few at a time: a length that is not known here would be a call, or a slow instruction for long ones.
+        // Few at a time: a length that is not known here would be a call, or a slow instruction for long
+        // ones.
         for (int block = 0; block < count / block_pixels; ++block, pixels += block_floats)
           std::memset(pixels, 0, sizeof(float) * block_floats);
       });

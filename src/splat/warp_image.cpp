@@ -28,8 +28,9 @@ HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, floa
   for (int tap = 0; tap < 4; ++tap) {
     float* HWY_RESTRICT w = weights[tap];
     for (int k = 0; k < count; ++k)
-      w[k] = std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
-                      fraction[k], cubic[0][tap]);
+      w[k] =
+          std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
+                   fraction[k], cubic[0][tap]);
   }
 }
 
@@ -112,9 +113,8 @@ HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row
   return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
                  hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
 #else
-  return hn::Add(
-      hn::Add(columns<0>(taps, row_floats, places, k), columns<1>(taps, row_floats, places, k)),
-      hn::Add(columns<2>(taps, row_floats, places, k), columns<3>(taps, row_floats, places, k)));
+  return hn::Add(hn::Add(columns<0>(taps, row_floats, places, k), columns<1>(taps, row_floats, places, k)),
+                 hn::Add(columns<2>(taps, row_floats, places, k), columns<3>(taps, row_floats, places, k)));
 #endif
 }
 

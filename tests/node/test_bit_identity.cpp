@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
+
 #include "node/views.hpp"
 #include "support/catch.hpp"
 
@@ -18,6 +21,25 @@ TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
         INFO(fmt::format("azimuth {}, {} GPs, {} Renderers", azimuth, gps, renderers));
         REQUIRE(render_loopback(*source, spec, gps, renderers).image == alone);
       }
+  }
+}
+
+TEST_CASE("Renderers without a region get no token, and whoever draws, the bits are the same") {
+  const auto source = synth_source("jack", make_grid({23, 27, 20}));
+  FrameSpec spec = oblique_view(96, 80, 40);
+  spec.camera.zoom = 3;  // every region sees something
+  const Image alone = render_loopback(*source, spec, 1, 1).image;
+  for (const Placement placement : {Placement::dedicated, Placement::colocated}) {
+    for (const auto& [renderers, dealt_to, drawing] :
+         {std::array{4, 0, 4}, {4, 2, 2}, {5, 3, 3}, {4, 9, 4}, {8, 0, 6}}) {
+      INFO(fmt::format("{} Renderers, regions dealt to {}", renderers, dealt_to));
+      spec.dealt_to = dealt_to;
+      const FrameResult result = render_loopback(*source, spec, 3, renderers, {}, placement);
+      CHECK(result.image == alone);
+      CHECK(result.stats.total().tokens_issued == std::uint64_t(drawing));
+      const auto draws = [](const NodeStats& stats) { return stats.payloads_drawn > 0; };
+      CHECK(std::count_if(result.stats.renderers.begin(), result.stats.renderers.end(), draws) == drawing);
+    }
   }
 }
 

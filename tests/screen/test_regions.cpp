@@ -84,7 +84,7 @@ TEST_CASE("every region has one owner and owned() lists them in order", "[region
   const int renderers = GENERATE(1, 2, 3, 7, 100);
   std::set<int> seen;
   for (int renderer = 0; renderer < renderers; ++renderer) {
-    const auto mine = regions.owned(renderer, renderers);
+    const auto mine = regions.owned(renderer, regions.owners(renderers));
     CHECK(std::is_sorted(mine.begin(), mine.end()));
     for (const int region : mine) {
       CHECK(regions.owners(renderers).of(region) == renderer);
@@ -104,6 +104,18 @@ TEST_CASE("Renderers have as many regions as any other or one fewer, wherever in
       for (int region = 0; region < regions.count(); ++region) ++owned[std::size_t(owners.of(region))];
       CHECK(*std::max_element(owned.begin(), owned.end()) <=
             *std::min_element(owned.begin(), owned.end()) + 1);
+    }
+  }
+}
+
+TEST_CASE("regions dealt to some of the Renderers lie with some at even distances", "[regions]") {
+  const Regions regions(60, 70, 10);
+  for (int renderers = 1; renderers <= 24; ++renderers) {
+    for (int dealt_to = 1; dealt_to <= renderers; ++dealt_to) {
+      INFO(dealt_to << " of " << renderers << " Renderers");
+      const RegionOwners owners = regions.owners(renderers, dealt_to), few = regions.owners(dealt_to);
+      for (int region = 0; region < regions.count(); ++region)
+        REQUIRE(owners.of(region) == few.of(region) * renderers / dealt_to);
     }
   }
 }

@@ -1,7 +1,9 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/classify/phong.hpp"
@@ -38,7 +40,7 @@ struct FrameSpec {
       1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
   int region_size = 0;  ///< of a side, in pixels of the image plane; 0: 128 on the screen, strips in the
                         ///< slices' plane
-  int dealt_to = 0;  ///< Renderers for which strips are made; 0: the frame buffer puts in how many there are
+  int dealt_to = 0;     ///< how many Renderers get regions; 0: the frame buffer puts in how many there are
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
   PhongMaterial material;
@@ -71,8 +73,16 @@ struct FrameGeometry {
   Footprint footprint;
   int width = 0, height = 0;      ///< of the image plane, in pixels
   Regions regions;                ///< of the image plane
+  int dealt_to = 0;               ///< how many Renderers get any of them; 0: all
   int slices = 0;                 ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
+
+  /// `renderers`: how many there are.
+  RegionOwners owners(int renderers) const {
+    return regions.owners(renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
+  }
+  /// For each of `renderers` Renderers, whether it has a region.
+  std::vector<bool> drawing(int renderers) const;
 };
 LatticeFrame lattice_frame(const Grid& grid);
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);

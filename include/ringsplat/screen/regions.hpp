@@ -22,14 +22,17 @@ struct PixelRect {
 /// columns when their numbers have a common divisor. In Neumann 1992 (section 3) a Renderer has one region.
 class RegionOwners {
  public:
-  /// `columns`, `rows`: of regions.
-  RegionOwners(int columns, int rows, int renderers);
+  /// `columns`, `rows`: of regions. `dealt_to`: how many of the Renderers get any, at even distances among
+  /// them all.
+  RegionOwners(int columns, int rows, int renderers, int dealt_to);
+  RegionOwners(int columns, int rows, int renderers) : RegionOwners(columns, rows, renderers, renderers) {}
   int of(int region) const {
-    return static_cast<int>((region % columns_ + region / columns_ * skew_) % renderers_);
+    return static_cast<int>((region % columns_ + region / columns_ * skew_) % dealt_to_ * renderers_ /
+                            dealt_to_);
   }
 
  private:
-  std::int64_t columns_, renderers_, skew_;
+  std::int64_t columns_, renderers_, dealt_to_, skew_;
 };
 
 /// The screen cut into regions of one size, numbered row by row; those at the right and lower edge may be
@@ -48,8 +51,9 @@ class Regions {
   int rows() const { return rows_; }
   PixelRect rect(int region) const;
 
-  RegionOwners owners(int renderers) const { return {columns_, rows_, renderers}; }
-  std::vector<int> owned(int renderer, int renderers) const;
+  RegionOwners owners(int renderers) const { return owners(renderers, renderers); }
+  RegionOwners owners(int renderers, int dealt_to) const { return {columns_, rows_, renderers, dealt_to}; }
+  std::vector<int> owned(int renderer, const RegionOwners& owners) const;
 
   /// The block of regions that pixels [x0, x1] × [y0, y1] (inclusive) touch, clipped to the screen, in
   /// columns and rows of regions; empty when off the screen.

@@ -5,10 +5,10 @@
 
 namespace ringsplat {
 
-/// The picture of width × height pixels of the image in the slices' plane (Lacroute and Levoy 1994, section 2):
-/// every pixel takes what lies at its centre's place, interpolated with Catmull and Rom's cubic (Keys 1981, a =
-/// −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is clamped,
-/// opacity to [0, 1] and colours to [0, opacity].
+/// The picture of width × height pixels of the image in the slices' plane (Lacroute and Levoy 1994, section
+/// 2): every pixel takes what lies at its centre's place, interpolated with Catmull and Rom's cubic (Keys
+/// 1981, a = −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is
+/// clamped, opacity to [0, 1] and colours to [0, opacity].
 ///
 /// `window`: the pixels of `plane` that are not transparent lie in it. Pixels that see none of them are
 /// transparent. A pixel's operations are the same whatever the vector width, so its bits do not
