@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <type_traits>
 
 #include "classify/mask_where.hpp"
 
@@ -21,8 +22,9 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Colour = ClassifiedSample;
 HWY_INLINE Colour read(const ClassifiedSample& sample) { return sample; }
 HWY_INLINE void write(const Colour& colour, ClassifiedSample& sample) { sample = colour; }
-HWY_INLINE Colour light(const Colour& colour, const PhongTable& phong, NormalCode normal) {
-  return phong.shade(normal, colour);
+HWY_INLINE Colour light(const Colour& s, const PhongTable::Entry& entry) {
+  return {std::min(s.r * entry.scale + entry.add, 1.0F), std::min(s.g * entry.scale + entry.add, 1.0F),
+          std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
 }
 
 #else
@@ -33,60 +35,96 @@ HWY_INLINE Colour read(const ClassifiedSample& sample) { return hn::LoadU(FourFl
 HWY_INLINE void write(Colour colour, ClassifiedSample& sample) {
   hn::StoreU(colour, FourFloats(), &sample.r);
 }
-HWY_INLINE Colour light(Colour colour, const PhongTable& phong, NormalCode normal) {
+HWY_INLINE Colour light(Colour colour, const PhongTable::Entry& entry) {
   const FourFloats d;
-  const hn::Full64<float> pair;
-  const auto entry = hn::ZeroExtendVector(d, hn::LoadU(pair, &phong.entry_of(normal).scale));
   const auto lit =
-      hn::Min(hn::Add(hn::Mul(colour, hn::Broadcast<0>(entry)), hn::Broadcast<1>(entry)), hn::Set(d, 1.0F));
+      hn::Min(hn::Add(hn::Mul(colour, hn::Set(d, entry.scale)), hn::Set(d, entry.add)), hn::Set(d, 1.0F));
   return hn::IfThenElse(hn::FirstN(d, 3), lit, colour);
 }
 
 #endif
 
-/// colour(column, k): of the row's k-th visible voxel.
+/// The columns of a block: all but in a row's last one, which has fewer.
+using WholeBlock = std::integral_constant<int, mask_bits>;
+
+/// Their places in a table, made together: vectors of columns, since their number is known here.
+using Places = std::uint16_t[mask_bits];
+
+template <class T, class Count>
+HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, Count count,
+                                 Places& places) {
+  for (int i = 0; i < count; ++i)
+    places[i] = std::uint16_t(std::clamp<int>(load<T>(row, i), table.low, table.high) - table.low);
+}
+
+template <class Count>
+HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, Count count, Places& places) {
+  for (int i = 0; i < count; ++i) places[i] = PhongTable::place_of(normals[i]);
+}
+
+/// Calls use(count) with how many of the row's columns the block has.
+template <class Use>
+HWY_INLINE void with_columns(const VisibleBlock& block, int columns, const Use& use) {
+  const int left = columns - int(block.first);
+  if (left >= mask_bits)
+    use(WholeBlock());
+  else
+    use(left);
+}
+
+/// colour(i, k): of column i of the block, the row's k-th voxel.
 template <class ColourOf>
-HWY_INLINE void fill(VisibleRow& out, const ColourOf& colour) {
-  ClassifiedSample* const samples = out.samples.data();
+HWY_INLINE void fill_block(const VisibleBlock& block, ClassifiedSample* samples, const ColourOf& colour) {
+  samples += block.sample;
   std::uint32_t k = 0;
-  for (const VisibleBlock& block : out.blocks)
-    for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1, ++k)
-      write(colour(block.first + std::uint32_t(std::countr_zero(mask)), k), samples[k]);
+  for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1, ++k)
+    write(colour(std::countr_zero(mask), k), samples[k]);
 }
 
 template <class T>
-HWY_INLINE void fill_from_table(const Classifier::Table& table, const std::byte* row, const PhongTable* phong,
-                                const NormalCode* normals, VisibleRow& out) {
-  const auto unlit = [&](std::uint32_t column) {
-    const int value = load<T>(row, int(column));
-    return read(table.samples[std::clamp(value, table.low, table.high) - table.low]);
-  };
-  if (phong == nullptr)
-    fill(out, [&](std::uint32_t column, std::uint32_t) { return unlit(column); });
-  else
-    fill(out,
-         [&](std::uint32_t column, std::uint32_t) { return light(unlit(column), *phong, normals[column]); });
-}
-
-void FillFromTable(const Classifier::Table& table, ScalarType type, const std::byte* row,
-                   const PhongTable* phong, const NormalCode* normals, VisibleRow& out) {
-  switch (type) {
-    case ScalarType::uint8:
-      return fill_from_table<std::uint8_t>(table, row, phong, normals, out);
-    case ScalarType::int8:
-      return fill_from_table<std::int8_t>(table, row, phong, normals, out);
-    case ScalarType::uint16:
-      return fill_from_table<std::uint16_t>(table, row, phong, normals, out);
-    default:
-      return fill_from_table<std::int16_t>(table, row, phong, normals, out);
+HWY_INLINE void fill_from_table(const Classifier::Table& table, const VoxelRow& row, const PhongTable* phong,
+                                VisibleRow& out) {
+  Places values, entries;
+  ClassifiedSample* const samples = out.samples.data();
+  for (const VisibleBlock& block : out.blocks) {
+    with_columns(block, row.columns, [&](auto count) {
+      places_of_values<T>(table, row.values + sizeof(T) * block.first, count, values);
+      if (phong != nullptr) places_of_normals(row.normals + block.first, count, entries);
+    });
+    const auto unlit = [&](int i) { return read(table.samples[values[i]]); };
+    if (phong == nullptr)
+      fill_block(block, samples, [&](int i, std::uint32_t) { return unlit(i); });
+    else
+      fill_block(block, samples, [&, lights = phong->entries()](int i, std::uint32_t) {
+        return light(unlit(i), lights[entries[i]]);
+      });
   }
 }
 
-void LightRow(const PhongTable& phong, const NormalCode* normals, VisibleRow& out) {
-  const ClassifiedSample* const samples = out.samples.data();
-  fill(out, [&](std::uint32_t column, std::uint32_t k) {
-    return light(read(samples[k]), phong, normals[column]);
-  });
+void FillFromTable(const Classifier::Table& table, ScalarType type, const VoxelRow& row,
+                   const PhongTable* phong, VisibleRow& out) {
+  switch (type) {
+    case ScalarType::uint8:
+      return fill_from_table<std::uint8_t>(table, row, phong, out);
+    case ScalarType::int8:
+      return fill_from_table<std::int8_t>(table, row, phong, out);
+    case ScalarType::uint16:
+      return fill_from_table<std::uint16_t>(table, row, phong, out);
+    default:
+      return fill_from_table<std::int16_t>(table, row, phong, out);
+  }
+}
+
+void LightRow(const PhongTable& phong, const VoxelRow& row, VisibleRow& out) {
+  Places entries;
+  ClassifiedSample* const samples = out.samples.data();
+  for (const VisibleBlock& block : out.blocks) {
+    with_columns(block, row.columns,
+                 [&](auto count) { places_of_normals(row.normals + block.first, count, entries); });
+    fill_block(block, samples, [&, lights = phong.entries()](int i, std::uint32_t k) {
+      return light(read(samples[block.sample + k]), lights[entries[i]]);
+    });
+  }
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -98,14 +136,14 @@ namespace ringsplat {
 HWY_EXPORT(FillFromTable);
 HWY_EXPORT(LightRow);
 
-void make_samples(const Classifier& classifier, const std::byte* row, const PhongTable* phong,
-                  const NormalCode* normals, VisibleRow& out) {
-  if (normals == nullptr) phong = nullptr;
+void make_samples(const Classifier& classifier, const VoxelRow& row, const PhongTable* phong,
+                  VisibleRow& out) {
+  if (row.normals == nullptr) phong = nullptr;
   if (const auto table = classifier.table()) {
     if (out.samples.size() < out.visible) out.samples.resize(out.visible);
-    HWY_DYNAMIC_DISPATCH(FillFromTable)(*table, classifier.type(), row, phong, normals, out);
+    HWY_DYNAMIC_DISPATCH(FillFromTable)(*table, classifier.type(), row, phong, out);
   } else if (phong != nullptr) {
-    HWY_DYNAMIC_DISPATCH(LightRow)(*phong, normals, out);
+    HWY_DYNAMIC_DISPATCH(LightRow)(*phong, row, out);
   }
 }
 

@@ -29,7 +29,8 @@ void RowClassifier::make_samples() {
   const bool lit = shading_.lit() && slice_.normals != nullptr;
   const NormalCode* normals =
       lit ? slice_.normals + std::size_t(row_index_) * std::size_t(slice_.width) : nullptr;
-  ringsplat::make_samples(shading_.classifier(), values(), lit ? &shading_.phong() : nullptr, normals, row_);
+  ringsplat::make_samples(shading_.classifier(), {values(), normals, slice_.width},
+                          lit ? &shading_.phong() : nullptr, row_);
 }
 
 const std::byte* RowClassifier::values() const {

@@ -55,7 +55,7 @@ Row classify(const Classifier& classifier, const std::vector<T>& values) {
   const auto* row = reinterpret_cast<const std::byte*>(values.data());
   VisibleRow visible;
   classifier.find_row(row, 0, int(values.size()), visible);
-  make_samples(classifier, row, nullptr, nullptr, visible);
+  make_samples(classifier, {row, nullptr, int(values.size())}, nullptr, visible);
   return to_row(visible);
 }
 
@@ -206,7 +206,7 @@ TEST_CASE("rows may be empty, of one voxel, and at any address") {
   const std::int16_t values[4] = {100, -5, 300, 2000};
   std::memcpy(bytes + 1, values, sizeof(values));
   classifier.find_row(bytes + 1, 0, 4, row);
-  make_samples(classifier, bytes + 1, nullptr, nullptr, row);
+  make_samples(classifier, {bytes + 1, nullptr, 4}, nullptr, row);
   REQUIRE(to_row(row).where == std::vector<std::uint32_t>{0, 2, 3});
   REQUIRE(row.samples[2].opacity == 1.0F);
 }
@@ -232,7 +232,8 @@ TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole ro
       for (const auto& [first, end] :
            {std::pair(0, 1), {1, 64}, {64, 64}, {64, 130}, {130, 331}, {331, 332}, {332, 900}})
         classifier.find_row(reinterpret_cast<const std::byte*>(row.data()), first, end, visible);
-      make_samples(classifier, reinterpret_cast<const std::byte*>(row.data()), nullptr, nullptr, visible);
+      make_samples(classifier, {reinterpret_cast<const std::byte*>(row.data()), nullptr, 900}, nullptr,
+                   visible);
       const Row stretches = to_row(visible);
       REQUIRE(stretches.where == whole.where);
       for (std::size_t k = 0; k < whole.samples.size(); ++k)

@@ -115,10 +115,11 @@ TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, b
   std::vector<NormalCode> normals{no_normal, 65535, no_normal};
   while (normals.size() < values.size()) normals.push_back(NormalCode(random()));
   const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
+  const VoxelRow row{bytes, normals.data(), int(values.size())};
   VisibleRow found;
   classifier.find_row(bytes, 0, int(values.size()), found);
   VisibleRow unlit = found;
-  make_samples(classifier, bytes, nullptr, normals.data(), unlit);
+  make_samples(classifier, row, nullptr, unlit);
   std::vector<std::uint32_t> columns;
   for (const VisibleBlock& block : found.blocks)
     for (std::uint32_t k = 0; k < 64; ++k)
@@ -133,7 +134,7 @@ TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, b
       const OneTarget only(target);
       INFO(hwy::TargetName(target));
       VisibleRow lit = found;
-      make_samples(classifier, bytes, &table, normals.data(), lit);
+      make_samples(classifier, row, &table, lit);
       for (std::uint32_t k = 0; k < found.visible; ++k) {
         const ClassifiedSample &before = unlit.samples[k], &after = lit.samples[k];
         const ClassifiedSample expected = table.shade(normals[columns[k]], before);
@@ -158,8 +159,8 @@ TEMPLATE_TEST_CASE("voxels that are not kept leave the others as they are", "", 
   for (const VisibleBlock& block : some.blocks) kept.push_back(block.mask & 0xFF0F);
   kept[2] = 0;
   some.keep(kept);
-  make_samples(classifier, bytes, nullptr, nullptr, all);
-  make_samples(classifier, bytes, nullptr, nullptr, some);
+  make_samples(classifier, {bytes, nullptr, 300}, nullptr, all);
+  make_samples(classifier, {bytes, nullptr, 300}, nullptr, some);
   REQUIRE(some.blocks.size() == 4);
   std::uint32_t next = 0;
   for (const VisibleBlock& block : some.blocks) {

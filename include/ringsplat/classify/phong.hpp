@@ -25,17 +25,20 @@ class PhongTable {
 
   /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
   ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
-    const Entry entry = entry_of(normal);
-    return {std::min(s.r * entry.scale + entry.add, 1.0F), std::min(s.g * entry.scale + entry.add, 1.0F),
-            std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
+    return entries_[place_of(normal)].light(s);
   }
 
   struct Entry {
-    float scale, add;  ///< colour * scale + add
+    float scale, add;
+    ClassifiedSample light(const ClassifiedSample& s) const {
+      return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
+              std::min(s.b * scale + add, 1.0F), s.opacity};
+    }
   };
-  /// Numbers that are no code have no_normal's.
-  const Entry& entry_of(NormalCode normal) const {
-    return entries_[std::size_t(std::max(std::min(int(normal), opposite_codes - int(normal)), 0))];
+  const Entry* entries() const { return entries_.data(); }
+  /// Among the entries; numbers that are no code have no_normal's.
+  static std::uint16_t place_of(NormalCode normal) {
+    return std::uint16_t(std::max(std::min(int(normal), opposite_codes - int(normal)), 0));
   }
 
  private:

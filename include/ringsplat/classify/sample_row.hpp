@@ -6,10 +6,16 @@
 
 namespace ringsplat {
 
-/// Makes the samples of the visible voxels that classifier.find_row found in a row of scalars, each lit by
-/// its own of the row's normals; unlit where `phong` or `normals` is null. The same bits at every vector
-/// width.
-void make_samples(const Classifier& classifier, const std::byte* row, const PhongTable* phong,
-                  const NormalCode* normals, VisibleRow& out);
+/// A row of a slice.
+struct VoxelRow {
+  const std::byte* values;    ///< in native byte order, at any address
+  const NormalCode* normals;  ///< null: there are none
+  int columns;
+};
+
+/// Makes the samples of the visible voxels that classifier.find_row found in a row, each lit by its own
+/// normal; unlit where `phong` or the normals are null. The same bits at every vector width.
+void make_samples(const Classifier& classifier, const VoxelRow& row, const PhongTable* phong,
+                  VisibleRow& out);
 
 }  // namespace ringsplat
