@@ -18,6 +18,7 @@ python3 "$repo/scripts/bench_shortcuts_report.py" front-matrix "$("$build/ringsp
 
 # The rows of the table: a name, how many ranks, and options that come after those that switch all shortcuts off.
 none=(--opaque-threshold 0 --payload words --precision float --frames-in-flight 1 --look-ahead 1)
+ahead=(--look-ahead 4 --slots 16 --send-ahead 16)
 dedicated=(--gps 1 --renderers 1)
 colocated=(--roles colocated --gps 2 --renderers 2)
 runs=(--opaque-threshold 0 --payload runs --frames-in-flight 1 --look-ahead 1)
@@ -35,6 +36,7 @@ row runs-half 2 "${runs[@]}" --precision half "${dedicated[@]}"
 row runs-u8 2 "${runs[@]}" --precision u8 "${dedicated[@]}"
 row frames-in-flight-2 2 "${none[@]:0:6}" --frames-in-flight 2 --look-ahead 1 "${dedicated[@]}"
 row look-ahead-4 2 "${none[@]:0:6}" --frames-in-flight 1 --look-ahead 4 "${dedicated[@]}"
+row look-ahead-4,-send-ahead-16 2 "${none[@]:0:6}" --frames-in-flight 1 "${ahead[@]}" "${dedicated[@]}"
 row colocated 2 "${none[@]}" "${colocated[@]}"
 slices=(--image-plane slices)
 row slices-plane 2 "${runs[@]}" "${slices[@]}" "${dedicated[@]}"
@@ -42,7 +44,7 @@ row slices-plane,-2-samples 2 "${runs[@]}" "${slices[@]}" --samples 2 "${dedicat
 row undersample-2 2 "${none[@]}" --undersample 2 "${dedicated[@]}"
 row undersample-2-prefiltered 2 "${none[@]}" --undersample 2 --prefilter "${dedicated[@]}"
 row undersample-4 2 "${none[@]}" --undersample 4 "${dedicated[@]}"
-all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 1 --look-ahead 4)
+all=(--opaque-threshold 0.001953125 --payload runs --frames-in-flight 1 "${ahead[@]}")
 row all,-on-the-screen 2 "${all[@]}" "${colocated[@]}"
 row all 2 "${all[@]}" "${slices[@]}" "${colocated[@]}"
 row all,-u8 2 "${all[@]}" "${slices[@]}" --precision u8 "${colocated[@]}"
@@ -69,7 +71,7 @@ held_rows() {
   local plane size
   sed 's/$/ 0 2/' "$work/views.txt" >"$work/zoomed.txt"
   for plane in screen slices; do
-    local in_plane=(--image-plane "$plane" --frames-in-flight 1 --look-ahead 4) name=held-$plane
+    local in_plane=(--image-plane "$plane" --frames-in-flight 1 "${ahead[@]}") name=held-$plane
     default "$name-one-process" 0 "$head" --tf mr-soft "${in_plane[@]}"
     default "$name-2-colocated" 2 "$head" --tf mr-soft "${in_plane[@]}" "${colocated[@]}"
     default "$name-16-colocated" 16 "$head" --tf mr-soft "${in_plane[@]}" --roles colocated --gps 16 --renderers 16

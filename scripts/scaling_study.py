@@ -45,9 +45,13 @@ MACHINE = {"ring": "infiniband-fat-tree.toml", "mesh": "mesh.toml"}
 SLOW_NETWORK = "ethernet-cluster.toml"
 # Options on top of the others, and how many frames: with more than one, the median of the time between frames counts.
 REMEDIES = {"as it is": ({}, 1), "1 slot": ({"slots": 1}, 1), "16 slots": ({"slots": 16}, 1), "look ahead 4": ({"look-ahead": 4}, 1),
+            "send ahead 4": ({"send-ahead": 4}, 1), "send ahead 16, 16 slots": ({"send-ahead": 16, "slots": 16}, 1),
+            "look ahead 4, send ahead 16, 16 slots": ({"look-ahead": 4, "send-ahead": 16, "slots": 16}, 1),
             "2 frames in flight": ({"frames-in-flight": 2}, 4), "2 frames in flight, look ahead 64": ({"frames-in-flight": 2, "look-ahead": 64}, 4),
             "2 frames in flight, look ahead 64, 1024 slots": ({"frames-in-flight": 2, "look-ahead": 64, "slots": 1024}, 4),
             "4 frames in flight, look ahead 128, 1024 slots": ({"frames-in-flight": 4, "look-ahead": 128, "slots": 1024}, 8),
+            "4 frames in flight, look ahead 128, send ahead 1024, 1024 slots": (
+                {"frames-in-flight": 4, "look-ahead": 128, "send-ahead": 1024, "slots": 1024}, 8),
             "half the slices": ({"undersample": 2}, 1)}
 # Every slice lies flat on the screen, and the cube fills the picture.
 FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--zoom", 1.7]

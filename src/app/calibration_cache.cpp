@@ -52,6 +52,7 @@ json layout_json(const RunOptions& run, const Layout& layout) {
           {"slots", run.protocol.slots},
           {"link_slots", run.protocol.link_slots},
           {"look_ahead", run.protocol.look_ahead},
+          {"send_ahead", run.protocol.send_ahead},
           {"threads_per_rank", run.protocol.threads_per_rank}};
 }
 

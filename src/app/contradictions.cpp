@@ -21,6 +21,8 @@ void refuse_contradictions(const CLI::App& app) {
       {"--path", "--azimuth", "the path gives each frame's azimuth: leave it out"},
       {"--path", "--elevation", "the path gives each frame's elevation: leave it out"},
       {"--mesh", "--gps", "the mesh says how many GPs there are: leave out --gps"},
+      {"--mesh", "--send-ahead",
+       "in a mesh tokens wait, so that payloads do not meet: leave out --send-ahead"},
       {"--progressive", "--undersample", "progressive pictures begin with 4 anyway: leave out --undersample"},
       {"--count-only", "--output", "nothing is drawn that could be written: leave out -o"},
       {"--presets", "--gps", "the presets need no volume: ask for one thing at a time"},

@@ -129,6 +129,9 @@ void add_run_options(CLI::App& app, RunOptions& o) {
          app.add_option("--look-ahead", o.protocol.look_ahead,
                         "Slices a GP prepares before their tokens have passed")
              ->capture_default_str(),
+         app.add_option("--send-ahead", o.protocol.send_ahead,
+                        "Payloads that a token leaves behind before it waits until one is accepted")
+             ->capture_default_str(),
          app.add_option("--stall-timeout", o.protocol.stall_timeout,
                         "Seconds without any progress until a run is given up")
              ->capture_default_str(),

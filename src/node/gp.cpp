@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 
 #include "node/counting_engine.hpp"
 #include "node/empty_space.hpp"
@@ -33,11 +34,13 @@ struct Gp::Frame {
   std::deque<PreparedSlice> prepared;
   std::map<int, std::vector<HeldToken>>
       waiting_tokens;  ///< step → tokens that came before the slice was ready
+  std::set<std::pair<int, std::uint32_t>>
+      left_behind;  ///< Renderer and sequence of payloads whose tokens moved on before they were accepted
   std::size_t steps_done = 0;
   bool dropped = false;  ///< slices not yet sent are left out
   NodeStats stats;
 
-  bool done() const { return steps_done == steps.size(); }
+  bool done() const { return steps_done == steps.size() && left_behind.empty(); }
 };
 
 Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceStore slices, Post post)
@@ -81,7 +84,8 @@ void Gp::begin_frame(const FrameSpec& spec) {
       // Their order follows the traversal's, which is what keeps a mesh free of contention (net/mesh.hpp).
       for (int k = 0; k < layout_.renderers; ++k) {
         const int renderer = traversal.ascending ? k : layout_.renderers - 1 - k;
-        if (drawing[std::size_t(renderer)]) front.push_back({renderer, 0});
+        if (drawing[std::size_t(renderer)])
+          front.push_back({renderer, 0, credits_of(std::uint32_t(options_.slots))});
       }
       frame->stats.tokens_issued = front.size();
     }
@@ -143,7 +147,7 @@ void Gp::take_token(Frame& frame, const Header& h) {
     throw RunError(
         fmt::format("{} got Renderer {}'s token for step {} of frame {}, whose slice is not its own",
                     to_string(id()), h.renderer, h.step, h.frame));
-  const HeldToken token{h.renderer, h.sequence};
+  const HeldToken token{h.renderer, h.sequence, h.region};
   if (trace_) trace_->mark(Moment::take_token, h.frame, h.step, h.renderer, now_seconds());
   for (auto& slice : frame.prepared) {
     if (slice.step != h.step) continue;
@@ -182,19 +186,31 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
   frame.stats.splats_sent += slice.encoded.splats[std::size_t(token.renderer)];
   frame.stats.payload_bytes_sent += Message::body_size(payload);
   ++frame.stats.payloads_sent;
-  slice.awaiting_accept[token.renderer] = token.sequence;
   if (trace_) trace_->mark(Moment::send_payload, h.frame, h.step, h.renderer, now_seconds());
   post_(Message(h, std::move(payload)));
   payload = {};
+  if (token.credits == 0) {
+    slice.awaiting_accept[token.renderer] = token.sequence;
+    return;
+  }
+  frame.left_behind.emplace(token.renderer, token.sequence);
+  pass_token(frame, slice.step, {token.renderer, token.sequence + 1, token.credits - 1});
+  --slice.tokens_left;
+}
+
+/// In a mesh a token waits for every accept: that is what keeps payloads from meeting (net/mesh.hpp).
+std::uint32_t Gp::credits_of(std::uint32_t free_slots) const {
+  return layout_.routed() ? 0 : std::min(free_slots, std::uint32_t(options_.send_ahead));
 }
 
 void Gp::take_accept(Frame& frame, const Header& h) {
+  if (frame.left_behind.erase({h.renderer, h.sequence}) > 0) return;
   for (auto& slice : frame.prepared) {
     if (slice.step != h.step) continue;
     const auto sent = slice.awaiting_accept.find(h.renderer);
     if (sent == slice.awaiting_accept.end() || sent->second != h.sequence) break;
     slice.awaiting_accept.erase(sent);
-    pass_token(frame, slice.step, {h.renderer, h.sequence + 1});
+    pass_token(frame, slice.step, {h.renderer, h.sequence + 1, credits_of(h.region)});
     --slice.tokens_left;
     return;
   }
@@ -208,7 +224,8 @@ void Gp::pass_token(Frame& frame, int step, HeldToken token) {
            .source = index_,
            .frame = frame.spec.frame,
            .renderer = token.renderer,
-           .sequence = token.sequence};
+           .sequence = token.sequence,
+           .region = token.credits};
   if (step + 1 == frame.geometry.slices) {
     ++frame.stats.tokens_retired;
     h.kind = Kind::frame_end;
@@ -349,8 +366,11 @@ std::string Gp::waiting_for() const {
                          layout_.gp_of_slice(frame->geometry.traversal.slice_at(std::max(0, slice.step - 1),
                                                                                 frame->geometry.slices)));
     }
-    if (!frame->done())
+    if (frame->steps_done < frame->steps.size())
       return fmt::format("{} has slices of frame {} left to encode", to_string(id()), frame->spec.frame);
+    if (!frame->left_behind.empty())
+      return fmt::format("{} waits for Renderer {} to accept a payload of frame {}", to_string(id()),
+                         frame->left_behind.begin()->first, frame->spec.frame);
   }
   return {};
 }

@@ -15,6 +15,8 @@ void check(const ProtocolOptions& options) {
   at_least_one("--slots", options.slots);
   at_least_one("--link-slots", options.link_slots);
   at_least_one("--look-ahead", options.look_ahead);
+  if (options.send_ahead < 0)
+    throw InputError(fmt::format("--send-ahead is {}", options.send_ahead), "it must be at least 0");
   at_least_one("--threads-per-rank", options.threads_per_rank);
   if (options.threads_per_rank > ThreadTeam::most_threads)
     throw InputError(

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <utility>
+#include <vector>
 
 #include "node/counting_engine.hpp"
 #include "ringsplat/base/clock.hpp"
@@ -74,15 +75,24 @@ void Renderer::take_payload(Frame& frame, Message message) {
   if (h.sequence < frame.next || !frame.payloads.emplace(h.sequence, std::move(message)).second)
     throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}",
                                to_string(id()), h.sequence, h.frame, to_string(h.from())));
+  const std::uint32_t slots_end = frame.next + std::uint32_t(options_.slots);
+  if (h.sequence > slots_end)
+    throw RunError(fmt::format("{} got payload {} of frame {} from {} while it had slots for those before {}",
+                               to_string(id()), h.sequence, h.frame, to_string(h.from()), slots_end));
   frame.not_accepted.push_back(h);
   accept_what_fits(frame);
 }
 
+/// Payloads have slots in the order of their numbers, not of their arrival: those before one that is here
+/// were all sent, and need theirs.
 void Renderer::accept_what_fits(Frame& frame) {
-  while (!frame.not_accepted.empty() && frame.slots_in_use < options_.slots) {
-    Header h = frame.not_accepted.front();
-    frame.not_accepted.pop_front();
-    ++frame.slots_in_use;
+  const std::uint32_t slots_end = frame.next + std::uint32_t(options_.slots);
+  const auto fits = [&](const Header& h) { return h.sequence < slots_end; };
+  const auto waiting = std::stable_partition(frame.not_accepted.begin(), frame.not_accepted.end(), fits);
+  const std::vector<Header> accepted(frame.not_accepted.begin(), waiting);
+  frame.not_accepted.erase(frame.not_accepted.begin(), waiting);
+  for (Header h : accepted) {
+    h.region = slots_end - 1 - h.sequence;
     std::swap(h.source, h.destination);
     std::swap(h.source_role, h.destination_role);
     h.kind = Kind::accept;
@@ -152,7 +162,6 @@ void Renderer::finish_payload(Frame& frame) {
   frame.payloads.erase(frame.next);
   ++frame.next;
   ++frame.stats.payloads_drawn;
-  --frame.slots_in_use;
   accept_what_fits(frame);
 }
 

@@ -111,6 +111,7 @@ const std::vector<Case>& cases() {
       {{"+", "--slots", "0"}, "slots"},
       {{"+", "--frames-in-flight", "0"}, "frames"},
       {{"+", "--look-ahead", "0"}, "look"},
+      {{"+", "--send-ahead", "-1"}, "--send-ahead is -1"},
       {{"+", "--threads-per-rank", "0"}, "at least 1", true},
       {{"+", "--threads-per-rank", "-2"}, "at least 1"},
       {{"+", "--threads-per-rank", "100000"}, "for each core"},

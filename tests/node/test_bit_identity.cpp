@@ -82,7 +82,8 @@ TEST_CASE("the image has the same bits whatever the order and delay of messages"
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const LoopbackOptions loopback{.seed = seed, .reorder = true, .max_delay = int(seed % 7)};
     const int gps = std::array{1, 2, 3, 5, 8}[seed % 5], renderers = 1 + int(seed / 5) % 4;
-    const ProtocolOptions protocol{.slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3};
+    const ProtocolOptions protocol{
+        .slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3, .send_ahead = int(seed / 2 % 4)};
     const auto placement = seed % 2 == 0 ? Placement::dedicated : Placement::colocated;
     INFO(fmt::format("seed {}, {} GPs, {} Renderers", seed, gps, renderers));
     REQUIRE(render_loopback(*source, spec, gps, renderers, loopback, placement, protocol).image == alone);

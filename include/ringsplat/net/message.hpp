@@ -22,7 +22,7 @@ enum class Kind : std::uint8_t {
   frame_spec,  ///< rank 0 → every rank, along a binomial tree: a frame begins
   token,    ///< GP → GP: permission to send `step`'s payload to Renderer `index` (the header's `renderer`)
   payload,  ///< GP → Renderer: one slice's bytes for one Renderer
-  accept,   ///< Renderer → GP: the payload has a slot; the token may move on
+  accept,   ///< Renderer → GP: the payload has a slot
   frame_end,  ///< last GP → Renderer: the frame has `sequence` payloads
   tile,       ///< Renderer → frame buffer: one finished region
   report,     ///< GP or Renderer → frame buffer: this node's part of the frame is over, with its counts
@@ -49,8 +49,10 @@ struct Header {
   std::int32_t step = 0;       ///< traversal step of tokens, payloads and accepts
   std::int32_t renderer = 0;   ///< whose token, payload or accept this is
   std::uint32_t sequence = 0;  ///< tokens: the next one; payloads, accepts: this one; frame_end: how many
-  std::uint32_t region = 0;    ///< of a tile; the channel of a credit; the number of a payload's passes
-  std::uint64_t bytes = 0;     ///< of the body
+  /// Of a tile; the channel of a credit; the number of a payload's passes; of a token, the payloads that may
+  /// be sent before one must be accepted; of an accept, the slots that are left for those behind it.
+  std::uint32_t region = 0;
+  std::uint64_t bytes = 0;  ///< of the body
 
   NodeId from() const { return {source_role, source}; }
   NodeId to() const { return {destination_role, destination}; }

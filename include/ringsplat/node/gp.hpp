@@ -14,10 +14,10 @@ namespace ringsplat {
 
 /// Graphics Processor (Neumann 1992, section 3): prepares its slices of a traversal in order, sends a slice's
 /// payload to a Renderer when that Renderer's token for the slice is here, and passes the token on once the
-/// payload is accepted.
+/// payload is accepted, or, beyond the paper, at once while the token knows of free slots (`send_ahead`).
 ///
-/// At most `look_ahead` slices are prepared at once, and one payload a Renderer is on its way, so its memory
-/// is bounded.
+/// At most `look_ahead` slices are prepared at once, and no more payloads are on their way to a Renderer than
+/// it has slots, but for one, so memory is bounded.
 class Gp final : public Node {
  public:
   Gp(int index, const Layout& layout, const ProtocolOptions& options, SliceStore slices, Post post);
@@ -37,8 +37,10 @@ class Gp final : public Node {
   struct HeldToken {
     int renderer;
     std::uint32_t sequence;
+    std::uint32_t credits;  ///< payloads that need not be accepted before it moves on
   };
 
+  std::uint32_t credits_of(std::uint32_t free_slots) const;
   EmptySpace& empty_space_of(int level);
   Frame* find_frame(std::int64_t frame);
   bool encode_some();

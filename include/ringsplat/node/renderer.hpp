@@ -32,9 +32,8 @@ class Renderer final : public Node {
  private:
   struct Frame {
     FrameSpec spec;
-    std::map<std::uint32_t, Message> payloads;  ///< by sequence, accepted or not, not yet drawn
-    std::deque<Header> not_accepted;            ///< payloads that wait for a slot
-    int slots_in_use = 0;
+    std::map<std::uint32_t, Message> payloads;       ///< by sequence, accepted or not, not yet drawn
+    std::deque<Header> not_accepted;                 ///< payloads that wait for a slot
     std::uint32_t next = 0;                          ///< sequence of the payload to draw now
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
     bool painting = false;                           ///< payload `next` is being drawn
