@@ -50,8 +50,6 @@ REMEDIES = {"as it is": ({}, 1), "1 slot": ({"slots": 1}, 1), "16 slots": ({"slo
             "2 frames in flight": ({"frames-in-flight": 2}, 4), "2 frames in flight, look ahead 64": ({"frames-in-flight": 2, "look-ahead": 64}, 4),
             "2 frames in flight, look ahead 64, 1024 slots": ({"frames-in-flight": 2, "look-ahead": 64, "slots": 1024}, 4),
             "4 frames in flight, look ahead 128, 1024 slots": ({"frames-in-flight": 4, "look-ahead": 128, "slots": 1024}, 8),
-            "4 frames in flight, look ahead 128, send ahead 1024, 1024 slots": (
-                {"frames-in-flight": 4, "look-ahead": 128, "send-ahead": 1024, "slots": 1024}, 8),
             "half the slices": ({"undersample": 2}, 1)}
 # Every slice lies flat on the screen, and the cube fills the picture.
 FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--zoom", 1.7]
