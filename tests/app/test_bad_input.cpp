@@ -123,6 +123,7 @@ const std::vector<Case>& cases() {
        "--offset"},
       // Contradictions.
       {{"+", "--orbit", "3", "--path", "{in}/bad_path.csv"}, "--orbit and --path", true},
+      {{"+", "--topology", "mesh", "--mesh", "2x2", "--send-ahead", "4"}, "--mesh and --send-ahead"},
       {{"+", "--orbit", "3", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},
        "--matrix and --orbit"},
       {{"+", "--azimuth", "3", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},

@@ -88,6 +88,7 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit") {
   same({}, 2);
   same({"--gps", "2"}, 3);
   same({"--roles", "colocated"}, 3);
+  same({"--roles", "colocated", "--look-ahead", "3", "--send-ahead", "4"}, 7);
 }
 
 TEST_CASE("an orbit makes numbered frames and a summary") {

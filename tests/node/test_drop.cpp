@@ -59,9 +59,10 @@ TEST_CASE("dropped frames end at any moment, and the others have the bits they h
     Scene scene = load_scene(volume, {}, layout, wiring);
     Browsing browsing{.specs = specs, .patience = int(7 * seed % 90)};
     INFO(fmt::format("seed {}", seed));
-    render_frames(std::move(scene), layout,
-                  {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2)}, browsing.director(),
-                  wiring);
+    render_frames(
+        std::move(scene), layout,
+        {.frames_in_flight = 1 + int(seed % 3), .slots = 1 + int(seed % 2), .send_ahead = int(seed / 3 % 3)},
+        browsing.director(), wiring);
     std::size_t kept = 0;
     for (const auto& [frame, image] : browsing.done) {
       kept += !Browsing::turns_away_from(frame);

@@ -96,7 +96,8 @@ TEST_CASE(
   spec.opaque_threshold = 1.0 / 512;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const LoopbackOptions loopback{.seed = seed, .reorder = true, .max_delay = int(seed % 7)};
-    const ProtocolOptions protocol{.slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3};
+    const ProtocolOptions protocol{
+        .slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3, .send_ahead = int(seed / 2 % 4)};
     spec.region_size = std::array{32, 7, 100, 4096}[seed % 4];
     spec.payload = seed % 5 == 0 ? PayloadForm::words : PayloadForm::runs;
     INFO("seed " << seed);
