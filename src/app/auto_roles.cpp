@@ -70,7 +70,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
 }
 
 int drawing_renderers(const Layout& layout, Launch& launch) {
-  // Whoever asks for so many Renderers by name gets them; a simulated machine's cores are not this one's.
+  // Dedicated Renderers have nothing else to do; a simulated machine's cores are not this one's.
   if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
   const int cores = count_cores(launch.collectives());
   return cores < layout.ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
