@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <new>
+#include <span>
 
 #include "app/role_choice.hpp"
 #include "ringsplat/model/charge.hpp"
@@ -13,9 +13,8 @@ namespace ringsplat::app {
 namespace {
 
 Block to_block(const std::string& text) {
-  Block block(text.size());
-  std::memcpy(block.data(), text.data(), text.size());
-  return block;
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
 }
 
 std::string to_text(const Block& block) {
