@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <utility>
-#include <vector>
 
 #include "node/counting_engine.hpp"
 #include "ringsplat/base/clock.hpp"
@@ -75,31 +74,26 @@ void Renderer::take_payload(Frame& frame, Message message) {
   if (h.sequence < frame.next || !frame.payloads.emplace(h.sequence, std::move(message)).second)
     throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}",
                                to_string(id()), h.sequence, h.frame, to_string(h.from())));
-  const std::uint32_t slots_end = frame.next + std::uint32_t(options_.slots);
-  if (h.sequence > slots_end)
+  if (h.sequence > slots_end(frame))
     throw RunError(fmt::format("{} got payload {} of frame {} from {} while it had slots for those before {}",
-                               to_string(id()), h.sequence, h.frame, to_string(h.from()), slots_end));
-  frame.not_accepted.push_back(h);
-  accept_what_fits(frame);
+                               to_string(id()), h.sequence, h.frame, to_string(h.from()), slots_end(frame)));
+  if (h.sequence < slots_end(frame)) accept(frame, h);
 }
 
 /// Payloads have slots in the order of their numbers, not of their arrival: those before one that is here
-/// were all sent, and need theirs.
-void Renderer::accept_what_fits(Frame& frame) {
-  const std::uint32_t slots_end = frame.next + std::uint32_t(options_.slots);
-  const auto fits = [&](const Header& h) { return h.sequence < slots_end; };
-  const auto waiting = std::stable_partition(frame.not_accepted.begin(), frame.not_accepted.end(), fits);
-  const std::vector<Header> accepted(frame.not_accepted.begin(), waiting);
-  frame.not_accepted.erase(frame.not_accepted.begin(), waiting);
-  for (Header h : accepted) {
-    h.region = slots_end - 1 - h.sequence;
-    std::swap(h.source, h.destination);
-    std::swap(h.source_role, h.destination_role);
-    h.kind = Kind::accept;
-    Bytes news;
-    if (frame.begun) painter_->opaque_news(h.destination, news);
-    post_(Message(h, std::move(news)));
-  }
+/// were all sent, and need theirs. So only the payload of this number can be here and wait for one.
+std::uint32_t Renderer::slots_end(const Frame& frame) const {
+  return frame.next + std::uint32_t(options_.slots);
+}
+
+void Renderer::accept(const Frame& frame, Header h) {
+  h.region = slots_end(frame) - 1 - h.sequence;
+  std::swap(h.source, h.destination);
+  std::swap(h.source_role, h.destination_role);
+  h.kind = Kind::accept;
+  Bytes news;
+  if (frame.begun) painter_->opaque_news(h.destination, news);
+  post_(Message(h, std::move(news)));
 }
 
 bool Renderer::advance() {
@@ -162,7 +156,8 @@ void Renderer::finish_payload(Frame& frame) {
   frame.payloads.erase(frame.next);
   ++frame.next;
   ++frame.stats.payloads_drawn;
-  accept_what_fits(frame);
+  const auto waiting = frame.payloads.find(slots_end(frame) - 1);
+  if (waiting != frame.payloads.end()) accept(frame, waiting->second.header);
 }
 
 std::uint64_t Renderer::painted_splats() const {

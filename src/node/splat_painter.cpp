@@ -27,9 +27,9 @@ class SplatPainter final : public Painter {
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
-    const bool as_before = regions_ == geometry.regions && geometry_.dealt_to == geometry.dealt_to;
+    const bool as_before = geometry_.regions == geometry.regions && geometry_.dealt_to == geometry.dealt_to;
     geometry_ = geometry;
-    if (!as_before) lay_out(geometry.regions);
+    if (!as_before) lay_out();
     const FrameKernel kernel =
         make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
     for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
@@ -44,7 +44,8 @@ class SplatPainter final : public Painter {
 
   void begin(int step, std::span<const std::byte> body) override {
     const auto owned = [this](int region) {
-      return region >= 0 && region < regions_.count() && slot_of_region_[std::size_t(region)] != not_owned;
+      return region >= 0 && region < geometry_.regions.count() &&
+             slot_of_region_[std::size_t(region)] != not_owned;
     };
     try {
       parts_ = lanes_.front().reader->parts(body, owned);
@@ -106,7 +107,7 @@ class SplatPainter final : public Painter {
     for (std::size_t k = 0; k < painters_.size(); ++k) {
       if (!painters_[k].touched()) continue;
       const int region = owned_[k];
-      const PixelRect rect = regions_.rect(region);
+      const PixelRect rect = geometry_.regions.rect(region);
       std::vector<float> rgba(std::size_t(4) * std::size_t(rect.width()) * std::size_t(rect.height()));
       painters_[k].read_tile(rgba);
       Bytes body(sizeof(Header) + rgba.size() * sizeof(float));
@@ -162,8 +163,8 @@ class SplatPainter final : public Painter {
     return aligned ? std::move(aligned) : make_run_reader(spec, geometry_);
   }
 
-  void lay_out(const Regions& regions) {
-    regions_ = regions;
+  void lay_out() {
+    const Regions& regions = geometry_.regions;
     painters_.clear();
     // A painter whose frame was dropped leaves splats in its memory.
     for (Lane& lane : lanes_) lane.memory = make_slice_memory();
@@ -185,7 +186,6 @@ class SplatPainter final : public Painter {
 
   int renderer_, renderers_;
   FrameGeometry geometry_;
-  Regions regions_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
   std::vector<int> owned_;                   ///< regions, ascending
   std::vector<RegionPainter> painters_;      ///< one for each owned region

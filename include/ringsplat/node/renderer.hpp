@@ -33,7 +33,6 @@ class Renderer final : public Node {
   struct Frame {
     FrameSpec spec;
     std::map<std::uint32_t, Message> payloads;       ///< by sequence, accepted or not, not yet drawn
-    std::deque<Header> not_accepted;                 ///< payloads that wait for a slot
     std::uint32_t next = 0;                          ///< sequence of the payload to draw now
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
     bool painting = false;                           ///< payload `next` is being drawn
@@ -48,7 +47,8 @@ class Renderer final : public Node {
 
   Frame& frame_of(const Header& header);
   void take_payload(Frame& frame, Message message);
-  void accept_what_fits(Frame& frame);
+  std::uint32_t slots_end(const Frame& frame) const;
+  void accept(const Frame& frame, Header payload);
   bool draw_some(Frame& frame);
   void finish_payload(Frame& frame);
   void deliver(Frame& frame);
