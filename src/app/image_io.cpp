@@ -40,9 +40,9 @@ const Format* format_of(const fs::path& file) {
 }
 
 /// RGBA, or RGB over the background.
-std::vector<float> linear_pixels(const Image& image, const std::optional<glm::dvec3>& background) {
+Image::Floats linear_pixels(const Image& image, const std::optional<glm::dvec3>& background) {
   if (!background) return image.rgba;
-  std::vector<float> rgb(image.rgba.size() / 4 * 3);
+  Image::Floats rgb(image.rgba.size() / 4 * 3);
   const glm::vec3 behind(*background);
   for (std::size_t p = 0; p < image.rgba.size() / 4; ++p) {
     const float left = 1 - image.rgba[4 * p + 3];
@@ -94,7 +94,7 @@ class SrgbBytes {
   std::array<std::uint8_t, 4097> guess_{};  ///< the byte of k / 4096
 };
 
-std::vector<std::uint8_t> display_pixels(const std::vector<float>& linear, std::size_t channels) {
+std::vector<std::uint8_t> display_pixels(const Image::Floats& linear, std::size_t channels) {
   static const SrgbBytes to_srgb;
   std::vector<std::uint8_t> bytes(linear.size());
   for (std::size_t at = 0; at < linear.size(); at += channels) {
@@ -166,7 +166,7 @@ void write_image(const Image& image, const fs::path& file, const std::optional<g
   check_image_name(file, "the picture", !background);
   const Format& format = *format_of(file);
   const int channels = background ? 3 : 4;
-  const std::vector<float> linear = linear_pixels(image, background);
+  const Image::Floats linear = linear_pixels(image, background);
   const OIIO::ImageSpec spec = make_spec(image, format, channels, settings);
   app::write_beside(file, [&](const fs::path& temporary) {
     if (format.linear_float)

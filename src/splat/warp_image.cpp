@@ -225,13 +225,12 @@ Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp&
   Image screen;
   screen.width = width;
   screen.height = height;
-  const std::size_t row_floats = std::size_t(4) * std::size_t(width);
-  screen.rgba.reserve(row_floats * std::size_t(height));
+  screen.rgba.resize(std::size_t(4) * std::size_t(width) * std::size_t(height));
   for (int y = 0; y < height; ++y) {
-    // Cleared row by row, so that a row is still in the cache when it is written.
-    screen.rgba.resize(screen.rgba.size() + row_floats);
     const WarpedRow row = seen_of_row(plane, firsts, warp, y, width);
-    if (row.first < row.end) HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen.pixel(0, y));
+    std::fill(screen.pixel(0, y), screen.pixel(row.first, y), 0.0F);
+    HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen.pixel(0, y));
+    std::fill(screen.pixel(row.end, y), screen.pixel(0, y + 1), 0.0F);
   }
   return screen;
 }

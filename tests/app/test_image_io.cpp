@@ -112,7 +112,7 @@ TEST_CASE("values that are no number become black, not noise") {
   image.rgba = {NAN, INFINITY, -1, 1};
   write_image(image, folder / "x.png", {}, "");
   const StoredImage back = read_image(folder / "x.png");
-  CHECK(back.image.rgba == std::vector<float>{0, 1, 0, 1});
+  CHECK(back.image.rgba == Image::Floats{0, 1, 0, 1});
 }
 
 TEST_CASE("the same picture gives the same bytes at any time") {

@@ -2,12 +2,17 @@
 #include <cstddef>
 #include <vector>
 
+#include "ringsplat/base/bytes.hpp"
+
 namespace ringsplat {
 
 /// Premultiplied linear RGBA, float32, rows from the top, four floats a pixel.
 struct Image {
+  /// Growing leaves new ones uninitialised.
+  using Floats = std::vector<float, UninitialisedAllocator<float>>;
+
   int width = 0, height = 0;
-  std::vector<float> rgba;
+  Floats rgba;
 
   Image() = default;
   /// A fully transparent image.
