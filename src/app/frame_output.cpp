@@ -118,32 +118,33 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats", label, result.stats.seconds,
                               sum.visible_voxels, sum.splats_sent));
   seconds_.push_back(result.stats.seconds);
-  if (!options_.stats.empty()) {
-    json j = json::parse(to_json_text(result.stats, result.spec, layout_));
-    if (written) j["file"] = file.string();
-    j["volume"] = options_.volume.path;
-    j["memory"] = to_json(memory_);
-    if (error != nullptr) {
-      j["error"] = to_json(*error);
-      j["error"]["seconds"] = error->seconds;
-    }
-    stats_.push_back(j.dump());
+  if (!options_.stats.empty())
+    records_.push_back({result.spec, result.stats, written ? file.string() : std::string(),
+                        error == nullptr ? std::nullopt : std::optional(*error)});
+}
+
+std::string FrameOutput::json_text(const FrameRecord& record) const {
+  json j = json::parse(to_json_text(record.stats, record.spec, layout_));
+  if (!record.picture.empty()) j["file"] = record.picture;
+  j["volume"] = options_.volume.path;
+  j["memory"] = to_json(memory_);
+  if (record.error) {
+    j["error"] = to_json(*record.error);
+    j["error"]["seconds"] = record.error->seconds;
   }
+  if (const auto step = refinements_.find(record.spec.frame); step != refinements_.end()) {
+    const auto& [seconds, rmse, largest] = step->second;
+    j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
+  }
+  return j.dump();
 }
 
 std::string FrameOutput::stats_text() const {
-  std::vector<std::string> stats = stats_;
-  for (std::string& text : stats) {
-    if (refinements_.empty()) break;
-    json j = json::parse(text);
-    const auto step = refinements_.find(j.at("frame").get<std::int64_t>());
-    if (step == refinements_.end()) continue;
-    const auto& [seconds, rmse, largest] = step->second;
-    j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
-    text = j.dump();
-  }
+  std::vector<std::string> texts;
+  texts.reserve(records_.size());
+  for (const FrameRecord& record : records_) texts.push_back(json_text(record));
   const bool lines = fs::path(options_.stats).extension() == ".jsonl";
-  return lines ? fmt::format("{}\n", joined(stats, "\n")) : fmt::format("[\n{}\n]\n", joined(stats, ",\n"));
+  return lines ? fmt::format("{}\n", joined(texts, "\n")) : fmt::format("[\n{}\n]\n", joined(texts, ",\n"));
 }
 
 void FrameOutput::finish() {

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -46,8 +47,17 @@ class FrameOutput {
   static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
  private:
+  /// What --stats says of a frame.
+  struct FrameRecord {
+    FrameSpec spec;
+    FrameStats stats;
+    std::string picture;  ///< its file; empty when none was written
+    std::optional<MeasuredError> error;
+  };
+
   void write(const FinishedFrame& frame, const MeasuredError* error);
   void measure_kept();
+  std::string json_text(const FrameRecord& record) const;
   std::string stats_text() const;
 
   const RenderOptions& options_;
@@ -57,7 +67,8 @@ class FrameOutput {
   Progress& progress_;
   std::vector<FinishedFrame> kept_;  ///< whose error is to be measured
   std::vector<double> seconds_;
-  std::vector<std::string> stats_;                      ///< one JSON object a frame
+  /// Made into text at the end, when no frame waits for a core.
+  std::vector<FrameRecord> records_;
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
   int empty_frames_ = 0;
   FrameWriter writer_;  ///< the last: it uses all of the above
