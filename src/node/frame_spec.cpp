@@ -15,9 +15,6 @@ namespace {
 using nlohmann::json;
 
 json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
-glm::dvec3 vec_from(const json& j) {
-  return {j.at(0).get<double>(), j.at(1).get<double>(), j.at(2).get<double>()};
-}
 
 json to_json(const Camera& c) {
   json j{{"azimuth", c.azimuth}, {"elevation", c.elevation}, {"roll", c.roll}, {"zoom", c.zoom}};
@@ -25,26 +22,11 @@ json to_json(const Camera& c) {
   return j;
 }
 
-Camera camera_from(const json& j) {
-  Camera c{j.at("azimuth"), j.at("elevation"), j.at("roll"), j.at("zoom"), {}};
-  if (j.contains("matrix")) c.matrix = j.at("matrix").get<std::array<double, 12>>();
-  return c;
-}
-
 json to_json(const TransferFunction& tf) {
   json colours = json::array(), opacities = json::array();
   for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
   for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
   return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}, {"nan", to_json(tf.nan_srgb)}};
-}
-
-TransferFunction transfer_function_from(const json& j) {
-  TransferFunction tf;
-  tf.name = j.at("name");
-  for (const auto& p : j.at("colours")) tf.colours.push_back({p.at(0), {p.at(1), p.at(2), p.at(3)}});
-  for (const auto& p : j.at("opacities")) tf.opacities.push_back({p.at(0), p.at(1)});
-  tf.nan_srgb = vec_from(j.at("nan"));
-  return tf;
 }
 
 json to_json(const PhongMaterial& m) {
@@ -62,20 +44,6 @@ json to_json(const KernelOptions& k) {
           {"phases", k.phases},
           {"qee_bits", k.qee_bits},
           {"normalisation", name(k.normalisation)}};
-}
-
-/// The value of that name; throws when there is none.
-template <class T>
-T named(const std::string& word, std::initializer_list<T> values) {
-  for (const T value : values)
-    if (name(value) == word) return value;
-  throw RunError(fmt::format("a frame announcement says '{}', which this build does not know", word),
-                 "all ranks must run the same build");
-}
-
-KernelOptions kernel_from(const json& j) {
-  return {named(j.at("method"), {KernelMethod::qee, KernelMethod::texture}), j.at("phases"), j.at("qee_bits"),
-          named(j.at("normalisation"), {Normalisation::none, Normalisation::constant, Normalisation::exact})};
 }
 
 json to_json(const FrameSpec& s) {
@@ -97,31 +65,6 @@ json to_json(const FrameSpec& s) {
           {"prefilter", s.reduction.prefilter},
           {"payload", name(s.payload)},
           {"precision", name(s.precision)}};
-}
-
-FrameSpec frame_spec_from(const json& j) {
-  FrameSpec s;
-  s.frame = j.at("frame");
-  s.camera = camera_from(j.at("camera"));
-  s.width = j.at("size").at(0);
-  s.height = j.at("size").at(1);
-  s.image_plane = named(j.at("image_plane"), {ImagePlane::screen, ImagePlane::slices});
-  s.plane_samples = j.at("plane_samples");
-  s.region_size = j.at("region");
-  s.dealt_to = j.at("dealt_to");
-  s.transfer_function = transfer_function_from(j.at("transfer_function"));
-  s.shading = j.at("shading") == "phong" ? Shading::phong : Shading::none;
-  const auto& m = j.at("material");
-  s.material = {m.at("ambient"), m.at("diffuse"), m.at("specular"), m.at("exponent")};
-  s.light = vec_from(j.at("light"));
-  s.kernel_radius = j.at("radius");
-  s.kernel = kernel_from(j.at("kernel"));
-  s.opacity_correction = j.at("opacity_correction");
-  s.opaque_threshold = j.at("opaque_threshold");
-  s.reduction = {j.at("undersample"), j.at("prefilter")};
-  s.payload = named(j.at("payload"), {PayloadForm::words, PayloadForm::runs});
-  s.precision = named(j.at("precision"), {Precision::float32, Precision::half, Precision::u8});
-  return s;
 }
 
 }  // namespace
@@ -153,27 +96,6 @@ void check(const FrameSpec& spec) {
     if (!(std::isfinite(v) && v >= 0))
       throw InputError("a Phong coefficient is negative or not a number",
                        "ambient, diffuse, specular and exponent are at least 0");
-}
-
-Bytes encode(const FrameSpec& spec) {
-  json announced = to_json(spec);
-  // No setting: pictures, which hold those, are the same files for any number of Renderers.
-  announced["dealt_to"] = spec.dealt_to;
-  std::vector<std::uint8_t> cbor;
-  json::to_cbor(announced, cbor);
-  Bytes wire(cbor.size());
-  std::memcpy(wire.data(), cbor.data(), cbor.size());
-  return wire;
-}
-
-FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
-  try {
-    const auto* first = reinterpret_cast<const std::uint8_t*>(bytes.data());
-    return frame_spec_from(json::from_cbor(first, first + bytes.size()));
-  } catch (const json::exception& e) {
-    throw RunError(fmt::format("a frame announcement cannot be read: {}", e.what()),
-                   "all ranks must run the same build");
-  }
 }
 
 std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }

@@ -53,16 +53,17 @@ struct FrameSpec {
   Reduction reduction;  ///< of the volume; opacities are corrected for the larger voxels
   PayloadForm payload = PayloadForm::runs;
   Precision precision = Precision::float32;
+  bool operator==(const FrameSpec&) const = default;
 };
 
 /// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero, a
 /// threshold outside [0, 1), words with less than float precision.
 void check(const FrameSpec& spec);
 
-/// Exact, self-describing bytes (CBOR) and back; throws RunError when they are no FrameSpec.
+/// Exact bytes and back, for ranks of one build; throws RunError when they are no FrameSpec.
 Bytes encode(const FrameSpec& spec);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
-/// The same as JSON text, for --stats and image metadata.
+/// As JSON text, for --stats and image metadata.
 std::string to_json_text(const FrameSpec& spec);
 
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
