@@ -1,17 +1,79 @@
 #include "ringsplat/classify/phong.hpp"
 
+#include "ringsplat/base/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "classify/phong.cpp"
 #include <fmt/format.h>
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <limits>
 
 #include "ringsplat/base/error.hpp"
 
+#ifndef RINGSPLAT_PHONG_ONCE
+#define RINGSPLAT_PHONG_ONCE
 namespace ringsplat {
 namespace {
+
+/// Normals that are lit together.
+constexpr std::size_t block = 64;
+
+/// Beyond the largest float there is no colour either: 0 times it must stay 0.
+constexpr float most = std::numeric_limits<float>::max();
+
+struct NormalBlock {
+  const float *x, *y, *z;
+};
+
+struct Lighting {
+  glm::vec3 light, viewer;  ///< unit directions
+  float light_viewer;       ///< cosine between them
+  float ambient, diffuse;
+  float faint;  ///< where the cosine is no more, the highlight is less than half a step of a 16-bit colour
+};
+
+/// Cosines between the mirrored light and the viewer; 0 where no highlight is seen.
+using Mirrored = float[block];
+
+}  // namespace
+}  // namespace ringsplat
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// The entries but for their highlights; true when some of those are not faint. In plain loops, of which a
+/// compiler makes vectors of normals.
+bool LightBlock(const NormalBlock& n, const Lighting& lighting, PhongTable::Entry* entries,
+                Mirrored& mirrored) {
+  const auto [light, viewer, light_viewer, ambient, diffuse, faint] = lighting;
+  int seen = 0;
+  for (std::size_t k = 0; k < block; ++k) {
+    const float facing_light = n.x[k] * light.x + n.y[k] * light.y + n.z[k] * light.z;
+    const float facing_viewer = n.x[k] * viewer.x + n.y[k] * viewer.y + n.z[k] * viewer.z;
+    // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and viewer on
+    // the same side.
+    const float same_side = facing_light * facing_viewer, lobe = 2.0F * same_side - light_viewer;
+    mirrored[k] = same_side > 0 ? lobe : 0.0F;
+    seen |= mirrored[k] > faint ? 1 : 0;
+    entries[k] = {std::min(ambient + diffuse * std::abs(facing_light), most), 0.0F};
+  }
+  return seen != 0;
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+namespace {
+
+HWY_EXPORT(LightBlock);
 
 glm::dvec3 unit_direction(const glm::dvec3& v, const char* what) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -29,22 +91,23 @@ void check(const PhongMaterial& m) {
                        "give ambient, diffuse, specular and exponent from 0 up");
 }
 
-/// Beyond the largest float there is no colour either: 0 times it must stay 0.
-float entry_value(double v) { return float(std::min(v, double(std::numeric_limits<float>::max()))); }
+float to_float(double v) { return static_cast<float>(std::min(v, double(most))); }
 
 /// Half of the codes, one of each two opposite directions, and no_normal.
 constexpr std::size_t half_codes = opposite_codes / 2 + 1;
+/// In whole blocks.
+constexpr std::size_t table_size = (half_codes + block - 1) / block * block;
 
 /// Their normals, decoded once: tables are made anew for every view.
 struct Normals {
-  std::vector<double> x, y, z;
+  std::vector<float> x, y, z;
 };
 const Normals& all_normals() {
   static const Normals normals = [] {
     Normals decoded;
-    for (auto* axis : {&decoded.x, &decoded.y, &decoded.z}) axis->assign(half_codes, 0.0);
+    for (auto* axis : {&decoded.x, &decoded.y, &decoded.z}) axis->assign(table_size, 0.0F);
     for (std::size_t code = 1; code < half_codes; ++code) {
-      const glm::dvec3 n = decode_normal(NormalCode(code));
+      const glm::vec3 n(decode_normal(NormalCode(code)));
       decoded.x[code] = n.x;
       decoded.y[code] = n.y;
       decoded.z[code] = n.z;
@@ -60,31 +123,28 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
                        const glm::dvec3& to_viewer) {
   check(material);
   const glm::dvec3 light = unit_direction(to_light, "light"), viewer = unit_direction(to_viewer, "viewer");
-  const double light_viewer = glm::dot(light, viewer);
-  // Below this the highlight is less than half a step of a 16-bit colour; most powers need not be taken.
-  const double faint = material.exponent > 0 ? std::pow(1e-6, 1.0 / material.exponent) : 0.0;
-  entries_.resize(half_codes);
+  const float specular = to_float(material.specular), exponent = to_float(material.exponent);
+  const Lighting lighting{light,
+                          viewer,
+                          float(glm::dot(light, viewer)),
+                          to_float(material.ambient),
+                          to_float(material.diffuse),
+                          exponent > 0 ? std::pow(1e-6F, 1.0F / exponent) : 0.0F};
+  entries_.resize(table_size);
   const Normals& n = all_normals();
-  // In blocks: first what a compiler makes vectors of, then the few powers.
-  constexpr std::size_t block = 64;
-  for (std::size_t first = 0; first < half_codes; first += block) {
-    const std::size_t count = std::min(block, half_codes - first);
-    std::array<double, block> mirrored;
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::size_t code = first + k;
-      const double facing_light = n.x[code] * light.x + n.y[code] * light.y + n.z[code] * light.z;
-      const double facing_viewer = n.x[code] * viewer.x + n.y[code] * viewer.y + n.z[code] * viewer.z;
-      // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and
-      // viewer on the same side.
-      const double same_side = facing_light * facing_viewer, lobe = 2.0 * same_side - light_viewer;
-      mirrored[k] = same_side > 0 ? lobe : 0.0;
-      entries_[code] = {entry_value(material.ambient + material.diffuse * std::abs(facing_light)), 0.0F};
-    }
-    for (std::size_t k = 0; k < count; ++k)
-      if (mirrored[k] > faint)
-        entries_[first + k].add = entry_value(material.specular * std::pow(mirrored[k], material.exponent));
+  for (std::size_t first = 0; first < table_size; first += block) {
+    Mirrored mirrored;
+    Entry* entries = &entries_[first];
+    // Most powers need not be taken.
+    if (!HWY_DYNAMIC_DISPATCH(LightBlock)({&n.x[first], &n.y[first], &n.z[first]}, lighting, entries,
+                                          mirrored))
+      continue;
+    for (std::size_t k = 0; k < block; ++k)
+      if (mirrored[k] > lighting.faint)
+        entries[k].add = specular * std::pow(std::min(mirrored[k], 1.0F), exponent);
   }
   entries_[no_normal] = {1.0F, 0.0F};
 }
 
 }  // namespace ringsplat
+#endif
