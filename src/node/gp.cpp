@@ -168,8 +168,7 @@ void Gp::use_waiting_tokens(Frame& frame, PreparedSlice& slice) {
 void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
   Bytes& payload = slice.encoded.payloads[std::size_t(token.renderer)];
   if (payload.empty()) {
-    pass_token(frame, slice.step, token);
-    --slice.tokens_left;
+    pass_token(frame, slice, token);
     return;
   }
   Header h{.kind = Kind::payload,
@@ -194,8 +193,7 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
     return;
   }
   frame.left_behind.emplace(token.renderer, token.sequence);
-  pass_token(frame, slice.step, {token.renderer, token.sequence + 1, token.credits - 1});
-  --slice.tokens_left;
+  pass_token(frame, slice, {token.renderer, token.sequence + 1, token.credits - 1});
 }
 
 /// In a mesh a token waits for every accept: that is what keeps payloads from meeting (net/mesh.hpp).
@@ -210,8 +208,7 @@ void Gp::take_accept(Frame& frame, const Header& h) {
     const auto sent = slice.awaiting_accept.find(h.renderer);
     if (sent == slice.awaiting_accept.end() || sent->second != h.sequence) break;
     slice.awaiting_accept.erase(sent);
-    pass_token(frame, slice.step, {h.renderer, h.sequence + 1, credits_of(h.region)});
-    --slice.tokens_left;
+    pass_token(frame, slice, {h.renderer, h.sequence + 1, credits_of(h.region)});
     return;
   }
   throw RunError(
@@ -219,14 +216,15 @@ void Gp::take_accept(Frame& frame, const Header& h) {
                   to_string(id()), to_string(h.from()), h.sequence, h.step, h.frame));
 }
 
-void Gp::pass_token(Frame& frame, int step, HeldToken token) {
+void Gp::pass_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
+  --slice.tokens_left;
   Header h{.source_role = Role::gp,
            .source = index_,
            .frame = frame.spec.frame,
            .renderer = token.renderer,
            .sequence = token.sequence,
            .region = token.credits};
-  if (step + 1 == frame.geometry.slices) {
+  if (slice.step + 1 == frame.geometry.slices) {
     ++frame.stats.tokens_retired;
     h.kind = Kind::frame_end;
     h.destination_role = Role::renderer;
@@ -235,8 +233,9 @@ void Gp::pass_token(Frame& frame, int step, HeldToken token) {
     ++frame.stats.tokens_passed;
     h.kind = Kind::token;
     h.destination_role = Role::gp;
-    h.destination = layout_.gp_of_slice(frame.geometry.traversal.slice_at(step + 1, frame.geometry.slices));
-    h.step = step + 1;
+    h.destination =
+        layout_.gp_of_slice(frame.geometry.traversal.slice_at(slice.step + 1, frame.geometry.slices));
+    h.step = slice.step + 1;
     if (trace_) trace_->mark(Moment::pass_token, h.frame, h.step, h.renderer, now_seconds());
   }
   post_(Message(h));

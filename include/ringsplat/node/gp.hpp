@@ -46,7 +46,7 @@ class Gp final : public Node {
   bool encode_some();
   void use_waiting_tokens(Frame& frame, PreparedSlice& slice);
   void use_token(Frame& frame, PreparedSlice& slice, HeldToken token);
-  void pass_token(Frame& frame, int step, HeldToken token);
+  void pass_token(Frame& frame, PreparedSlice& slice, HeldToken token);
   void take_token(Frame& frame, const Header& header);
   void take_accept(Frame& frame, const Header& header);
   void finish_completed_frames();
