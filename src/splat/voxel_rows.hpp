@@ -58,25 +58,28 @@ class VoxelRows {
     return placed;
   }
 
-  /// Calls use(sums, x, y, pixels) for the region's pixels that kernels can cover, block by block or several
-  /// at once; the last block may end behind the region. `sums` are their RGBA, to be used at once and to be
-  /// changed at will, with the bits that draw_with_stencil sums when it is given the voxels row by row.
+  /// Calls use(sums, x, y, pixels) for the region's pixels that kernels can cover, and a few of others
+  /// between them, in blocks, several at once; the last block may end behind the region. `sums` are their
+  /// RGBA, to be used at once and to be changed at will, with the bits that draw_with_stencil sums when it is
+  /// given the voxels row by row.
   template <class Use>
   void convolve(const AlignedSlice& slice, const Use& use) {
     if (top_ >= bottom_) return;
     const int end = std::min(bottom_ + slice.reach_y + 1, buffer_->height);
     for (int y = std::max(top_ - slice.reach_y, 0); y < end; ++y) {
       const Reaching rows = reaching(slice, y);
-      std::uint64_t before = 0, here = filled_by(rows, 0);
-      for (std::size_t word = 0; word < words_; ++word) {
-        const std::uint64_t behind = filled_by(rows, word + 1);
-        for_each_bit_run(covered(slice, before, here, behind) & inside_[word], [&](int first, int count) {
-          const int x = int(word) * 64 + first - left_;
-          sum(slice, rows, x, y, count / block_pixels);
-          use(sums_.get(), x, y, count);
-        });
-        before = std::exchange(here, behind);
-      }
+      const auto sum_and_use = [&](int x, int x_end) {
+        sum(slice, rows, x, y, (x_end - x) / block_pixels);
+        use(sums_.get(), x, y, x_end - x);
+      };
+      int x = 0, x_end = 0;  // covered pixels that are not summed yet
+      for_each_covered(slice, rows, [&](int first, int count) {
+        // A block between two runs costs less than beginning anew.
+        if (x < x_end && first - x_end > block_pixels) sum_and_use(x, std::exchange(x_end, x));
+        if (x == x_end) x = first;
+        x_end = first + count;
+      });
+      if (x < x_end) sum_and_use(x, x_end);
     }
   }
 
@@ -105,6 +108,17 @@ class VoxelRows {
     for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k) bits |= here << k | before >> (64 - k);
     for (int k = 1; k <= slice.reach_x; ++k) bits |= here >> k | behind << (64 - k);
     return whole_blocks(bits);
+  }
+  /// Calls use(x, pixels) for runs of such blocks, by ascending x; those that meet between two words are two.
+  template <class Use>
+  void for_each_covered(const AlignedSlice& slice, const Reaching& rows, const Use& use) const {
+    std::uint64_t before = 0, here = filled_by(rows, 0);
+    for (std::size_t word = 0; word < words_; ++word) {
+      const std::uint64_t behind = filled_by(rows, word + 1);
+      for_each_bit_run(covered(slice, before, here, behind) & inside_[word],
+                       [&](int first, int count) { use(int(word) * 64 + first - left_, count); });
+      before = std::exchange(here, behind);
+    }
   }
   void sum(const AlignedSlice& slice, const Reaching& rows, int x, int y, int blocks);
 
