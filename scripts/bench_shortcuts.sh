@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
-# What each shortcut costs and gains:  scripts/bench_shortcuts.sh [ROUNDS]   (default 3; nothing else should run)
+# What each shortcut costs and gains:  scripts/bench_shortcuts.sh [ROUNDS [bounds]]   (default 3; nothing else should run)
 #
 # The repository's head, 512x512, Phong, 24 views that traverse all three slice sets, with mr-soft (about 32 % of the
 # voxels visible) and mr-surface (about 11 %). Every row is rendered once a round, all rows in turn, the first (no
 # shortcut) among them; figures are medians over the frames of all rounds. Errors are against the method's truth, at three
-# views, one for each slice set. Prints Markdown tables.
+# views, one for each slice set. Prints Markdown tables; with "bounds" only that of the ratios that are held to bounds.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
-rounds=${1:-3}
+rounds=${1:-3} tables=${2:-all}
+[[ $tables == all || $tables == bounds ]] || die "the second argument can be: bounds"
 
 # Every third view looks along another slice set.
 for ((k = 0; k < 24; ++k)); do echo "$((15 * k)) $((k % 3 == 2 ? 65 : 25 - 50 * (k % 2)))"; done >"$work/views.txt"
@@ -87,13 +88,17 @@ held_rows() {
 
 for ((k = 1; k <= rounds; ++k)); do
   say "round $k of $rounds"
+  held_rows
+  if [[ $tables == bounds ]]; then continue; fi
   for name in "${names[@]}"; do
     for function in soft surface; do table_row "$function" "$name"; done
   done
-  held_rows
 done
-say "errors"
-for name in "${names[@]}"; do
-  for function in soft surface; do error_row "$function" "$name"; done
-done
-python3 "$repo/scripts/bench_shortcuts_report.py" tables "$work" "${names[@]}"
+if [[ $tables == all ]]; then
+  say "errors"
+  for name in "${names[@]}"; do
+    for function in soft surface; do error_row "$function" "$name"; done
+  done
+  python3 "$repo/scripts/bench_shortcuts_report.py" tables "$work" "${names[@]}"
+fi
+python3 "$repo/scripts/bench_shortcuts_report.py" bounds "$work"

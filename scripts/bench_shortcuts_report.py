@@ -2,7 +2,8 @@
 """What scripts/bench_shortcuts.sh needs computed:
 
 bench_shortcuts_report.py front-matrix INFO_JSON SIZE N    a --path file with N times the view from in front that fills SIZE pixels
-bench_shortcuts_report.py tables FOLDER ROW...             Markdown tables from the --stats lines in FOLDER
+bench_shortcuts_report.py tables FOLDER ROW...             Markdown tables of the shortcuts, from the --stats lines in FOLDER
+bench_shortcuts_report.py bounds FOLDER                    the table of what is held to bounds, from there
 """
 import json
 import math
@@ -31,6 +32,17 @@ def milliseconds(folder: Path, name: str, field: str) -> float:
     return 1e3 * statistics.median(f[field] for f in frames(folder, name) if f["frame"] > 0)
 
 
+def by_round(folder: Path, name: str) -> list[float]:
+    """Median milliseconds of each round's run, without its first frame."""
+    rounds: list[list[float]] = []
+    for frame in frames(folder, name):
+        if frame["frame"] == 0:
+            rounds.append([])
+        else:
+            rounds[-1].append(1e3 * frame["seconds"])
+    return [statistics.median(times) for times in rounds]
+
+
 def rms(folder: Path, name: str) -> float:
     return math.sqrt(statistics.mean(f["error"]["rmse"] ** 2 for f in frames(folder, name)))
 
@@ -51,18 +63,16 @@ def shortcuts(folder: Path, rows: list[str]) -> None:
         print()
 
 
-def held(folder: Path) -> None:
-    """Ratios that the project holds to bounds, for both image planes."""
-    planes = ("screen", "slices")
-
-    def time_of(plane: str, name: str) -> float:
-        return milliseconds(folder, f"held-{plane}-{name}", "seconds")
+def bounds(folder: Path) -> None:
+    """Ratios that the project holds to bounds, for both image planes: medians of the rounds' ratios, since a machine's
+    speed may drift from round to round."""
 
     def ratio(what: str, a: str, b: str, bound: str) -> None:
         cells = []
-        for plane in planes:
-            first, second = time_of(plane, a), time_of(plane, b)
-            cells.append(f"{first:.1f} of {second:.1f} ms | {first / second:.2f}")
+        for plane in ("screen", "slices"):
+            first, second = (by_round(folder, f"held-{plane}-{name}") for name in (a, b))
+            quotient = statistics.median(x / y for x, y in zip(first, second))
+            cells.append(f"{statistics.median(first):.1f} of {statistics.median(second):.1f} ms | {quotient:.2f}")
         print(f"| {what} | {' | '.join(cells)} | {bound} |")
 
     print("| | screen | ratio | slices' plane | ratio | bound |\n|---|---|---|---|---|---|")
@@ -80,6 +90,7 @@ if __name__ == "__main__":
     if sys.argv[1] == "front-matrix":
         view = json.dumps({"matrix": front_matrix(json.loads(sys.argv[2]), int(sys.argv[3]))})
         print("\n".join([view] * int(sys.argv[4])))
-    else:
+    elif sys.argv[1] == "tables":
         shortcuts(Path(sys.argv[2]), sys.argv[3:])
-        held(Path(sys.argv[2]))
+    else:
+        bounds(Path(sys.argv[2]))
