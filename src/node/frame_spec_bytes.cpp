@@ -1,8 +1,11 @@
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <string>
-#include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/node/frame_spec.hpp"
 
@@ -80,19 +83,22 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-/// All that a FrameSpec (const or not) holds, one by one: structs have padding.
+/// All that a FrameSpec (const or not) holds, one by one: structs have padding. A member that is added does
+/// not fit the names here.
 template <class Wire, class Spec>
-bool pass(Wire& wire, Spec& s) {
+bool pass(Wire& wire, Spec& spec) {
   const auto all = [&wire](auto&... parts) { return (wire(parts) && ...); };
-  auto& [azimuth, elevation, roll, zoom, matrix] = s.camera;
-  auto& [method, phases, qee_bits, normalisation] = s.kernel;
-  auto& [name, colours, opacities, nan_srgb] = s.transfer_function;
-  auto& [factor, prefilter] = s.reduction;
-  return all(s.frame, azimuth, elevation, roll, zoom, matrix, s.width, s.height, s.image_plane,
-             s.plane_samples, s.region_size, s.dealt_to) &&
-         all(name, colours, opacities, nan_srgb, s.shading, s.material, s.light, s.kernel_radius, method,
-             phases, qee_bits, normalisation) &&
-         all(s.opacity_correction, s.opaque_threshold, factor, prefilter, s.payload, s.precision);
+  auto& [frame, camera, width, height, image_plane, plane_samples, region_size, dealt_to, transfer_function,
+         shading, material, light, kernel_radius, kernel, opacity_correction, opaque_threshold, reduction,
+         payload, precision] = spec;
+  auto& [azimuth, elevation, roll, zoom, matrix] = camera;
+  auto& [name, colours, opacities, nan_srgb] = transfer_function;
+  auto& [method, phases, qee_bits, normalisation] = kernel;
+  auto& [factor, prefilter] = reduction;
+  return all(frame, azimuth, elevation, roll, zoom, matrix, width, height, image_plane, plane_samples) &&
+         all(region_size, dealt_to, name, colours, opacities, nan_srgb, shading, material, light) &&
+         all(kernel_radius, method, phases, qee_bits, normalisation, opacity_correction, opaque_threshold) &&
+         all(factor, prefilter, payload, precision);
 }
 
 }  // namespace
