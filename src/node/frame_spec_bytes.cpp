@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "node/counted_values.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/node/frame_spec.hpp"
@@ -19,10 +20,14 @@ class Writer {
     append(bytes_, value);
     return true;
   }
-  bool operator()(const std::string& text) { return elements(text); }
+  bool operator()(const std::string& text) {
+    append_all(bytes_, text);
+    return true;
+  }
   template <class T>
   bool operator()(const std::vector<T>& values) {
-    return elements(values);
+    append_all(bytes_, values);
+    return true;
   }
   template <class T>
   bool operator()(const std::optional<T>& value) {
@@ -31,13 +36,6 @@ class Writer {
   Bytes take() { return std::move(bytes_); }
 
  private:
-  template <class Container>
-  bool elements(const Container& values) {
-    (*this)(std::uint32_t(values.size()));
-    for (const auto& value : values) (*this)(value);
-    return true;
-  }
-
   Bytes bytes_;
 };
 
@@ -56,10 +54,10 @@ class Reader {
     value = byte == 1;
     return true;
   }
-  bool operator()(std::string& text) { return elements(text); }
+  bool operator()(std::string& text) { return take_all(bytes_, at_, text); }
   template <class T>
   bool operator()(std::vector<T>& values) {
-    return elements(values);
+    return take_all(bytes_, at_, values);
   }
   template <class T>
   bool operator()(std::optional<T>& value) {
@@ -69,16 +67,6 @@ class Reader {
   bool ended() const { return at_ == bytes_.size(); }
 
  private:
-  template <class Container>
-  bool elements(Container& values) {
-    std::uint32_t count = 0;
-    if (!(*this)(count) || count > bytes_.size() - at_) return false;
-    values.resize(count);
-    for (auto& value : values)
-      if (!(*this)(value)) return false;
-    return true;
-  }
-
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;
 };

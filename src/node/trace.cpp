@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "node/counted_values.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
@@ -17,22 +18,6 @@ bool is_waiting(Activity a) { return a == Activity::wait_for_token || a == Activ
 bool continues(const Span& last, Activity activity, std::int64_t frame, std::int32_t step, double begin) {
   return last.activity == activity && last.frame == frame && last.step == step &&
          begin - last.end <= NodeTrace::longest_gap;
-}
-
-template <class T>
-void append_all(Bytes& out, const std::vector<T>& values) {
-  append(out, std::uint64_t(values.size()));
-  for (const T& value : values) append(out, value);
-}
-
-template <class T>
-bool take_all(std::span<const std::byte> in, std::size_t& at, std::vector<T>& values) {
-  std::uint64_t count = 0;
-  if (!take(in, at, count) || count > (in.size() - at) / sizeof(T)) return false;
-  values.resize(count);
-  for (T& value : values)
-    if (!take(in, at, value)) return false;
-  return true;
 }
 
 Block to_block(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
