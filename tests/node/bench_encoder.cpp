@@ -1,6 +1,7 @@
-// What a GP's part of a frame takes alone: all slices of a volume, an orbit of views, as the frame loop would
-// have them encoded for one Renderer, with the news of opaque tiles that it would have had. Prints medians
-// over the views of the best of several repetitions, in milliseconds of the thread's time.
+// What a GP's and a Renderer's part of a frame take alone: all slices of a volume, an orbit of views, as the
+// frame loop would have them encoded for one Renderer, with the news of opaque tiles that it would have had,
+// and drawn. Prints medians over the views of the best of several repetitions, in milliseconds of the thread's
+// time.
 //   bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]
 #include <time.h>
 
@@ -33,7 +34,7 @@ struct View {
   FrameGeometry geometry;
   std::vector<Bytes> news;  ///< after each step
   std::uint64_t visible = 0, sent = 0;
-  double make = 1e300, encode = 1e300;  ///< milliseconds, the best so far
+  double make = 1e300, encode = 1e300, draw = 1e300;  ///< milliseconds, the best so far
 };
 
 View make_view_of(const FrameSpec& orbit, const Grid& grid, int view) {
@@ -55,6 +56,12 @@ EncodedSlice encode_slice(Encoder& encoder, const SliceView& slice) {
   return encoder.finish();
 }
 
+void draw_slice(Painter& painter, int step, const Bytes& payload) {
+  painter.begin(step, body_of(payload));
+  while (!painter.work()) {
+  }
+}
+
 /// Draws the frame once, to know what a Renderer says of opaque tiles.
 void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
   ThreadTeam alone;
@@ -69,9 +76,7 @@ void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
     v.sent += slice.splats[0];
     Bytes news;
     if (!slice.payloads[0].empty()) {
-      painter->begin(step, body_of(slice.payloads[0]));
-      while (!painter->work()) {
-      }
+      draw_slice(*painter, step, slice.payloads[0]);
       painter->opaque_news(0, news);
       encoder->take_opaque_news(body_of(news));
     }
@@ -84,13 +89,23 @@ void measure(View& v, const SliceStore& store, EmptySpace& empty_space) {
   const double start = thread_milliseconds();
   const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space, alone);
   const double made = thread_milliseconds();
+  const auto painter = make_painter(0, 1, alone);
+  painter->begin_frame(v.spec, v.geometry);
+  double encode = 0, draw = 0;
   for (int step = 0; step < v.geometry.slices; ++step) {
     const auto& traversal = v.geometry.traversal;
-    encode_slice(*encoder, store.slice(traversal.axis, traversal.slice_at(step, v.geometry.slices)));
+    const double begin = thread_milliseconds();
+    const EncodedSlice slice =
+        encode_slice(*encoder, store.slice(traversal.axis, traversal.slice_at(step, v.geometry.slices)));
     encoder->take_opaque_news(body_of(v.news[std::size_t(step)]));
+    const double encoded = thread_milliseconds();
+    if (!slice.payloads[0].empty()) draw_slice(*painter, step, slice.payloads[0]);
+    encode += encoded - begin;
+    draw += thread_milliseconds() - encoded;
   }
   v.make = std::min(v.make, made - start);
-  v.encode = std::min(v.encode, thread_milliseconds() - made);
+  v.encode = std::min(v.encode, encode);
+  v.draw = std::min(v.draw, draw);
 }
 
 template <class Figure>
@@ -134,10 +149,11 @@ int main(int argc, char** argv) try {
   for (int k = 0; k < repetitions; ++k)
     for (View& v : all) measure(v, store, empty_space);
   std::printf(
-      "visible %.0f, sent %.0f, encoder made in %.3f ms, slices encoded in %.2f ms, %.1f ns a splat\n",
+      "visible %.0f, sent %.0f, encoder made in %.3f ms, slices encoded in %.2f ms, %.1f ns a splat, drawn in %.2f ms\n",
       median(all, [](const View& v) { return v.visible; }), median(all, [](const View& v) { return v.sent; }),
       median(all, [](const View& v) { return v.make; }), median(all, [](const View& v) { return v.encode; }),
-      median(all, [](const View& v) { return 1e6 * v.encode / double(v.sent); }));
+      median(all, [](const View& v) { return 1e6 * v.encode / double(v.sent); }),
+      median(all, [](const View& v) { return v.draw; }));
 } catch (const std::exception& e) {
   std::fprintf(stderr, "%s\n", e.what());
   return 1;
