@@ -58,18 +58,6 @@ Ends<T> ends_within(double low, double high) {
           std::min(bounded<T>(std::floor(high), 1), int(Limits::max()))};
 }
 
-/// The block of the column, after those that are there.
-VisibleBlock& block_of(VisibleRow& out, int column) {
-  const auto first = std::uint32_t(column / mask_bits * mask_bits);
-  if (out.blocks.empty() || out.blocks.back().first != first) out.blocks.push_back({first, out.visible, 0});
-  return out.blocks.back();
-}
-
-void append(VisibleRow& out, int first, std::uint64_t mask) {
-  block_of(out, first).mask |= mask;
-  out.visible += std::uint32_t(std::popcount(mask));
-}
-
 }  // namespace
 
 Classifier::Classifier(const TransferFunction& tf, ScalarType type, double length)
@@ -120,9 +108,9 @@ ClassifiedSample Classifier::evaluate(double value) const {
 }
 
 template <class T>
-void Classifier::find_by_table(const std::byte* row, int first, int end, VisibleRow& out) const {
+void Classifier::find_by_table(const std::byte* row, int first, int end, std::uint64_t* masks) const {
   using Bits = std::make_unsigned_t<T>;
-  const auto take = [&](int block, std::uint64_t mask) { append(out, block, mask); };
+  const auto take = [&](int block, std::uint64_t mask) { masks[block / mask_bits] |= mask; };
   const auto by_table = [&](int from, int count) {
     return mask_where<T>(row, from, count, [this](T value) { return visible_[table_index(value)]; });
   };
@@ -135,7 +123,7 @@ void Classifier::find_by_table(const std::byte* row, int first, int end, Visible
 }
 
 template <class T>
-void Classifier::classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const {
+void Classifier::find_one_by_one(const std::byte* row, int first, int end, std::uint64_t* masks) const {
   const double low = support_low_, high = support_high_;
   const auto in_support = [&](int from, int count) {
     return mask_where<T>(row, from, count, [low, high](T value) {
@@ -143,44 +131,48 @@ void Classifier::classify_one_by_one(const std::byte* row, int first, int end, V
     });
   };
   for_each_mask(first, end, in_support, [&](int block, std::uint64_t mask) {
-    for (; mask != 0; mask &= mask - 1) {
-      const ClassifiedSample sample = evaluate(double(load<T>(row, block + std::countr_zero(mask))));
-      if (!(sample.opacity > 0)) continue;
-      out.samples[out.visible] = sample;
-      append(out, block, mask & -mask);
-    }
+    for (; mask != 0; mask &= mask - 1)
+      if (evaluate(double(load<T>(row, block + std::countr_zero(mask)))).opacity > 0)
+        masks[block / mask_bits] |= mask & -mask;
   });
 }
 
-void Classifier::find_row(const std::byte* row, int first, int end, VisibleRow& out) const {
+void Classifier::find_row(const std::byte* row, int first, int end, std::uint64_t* masks) const {
   if (!(support_low_ <= support_high_)) return;
   visit_type(type_, [&](auto zero) {
     using T = decltype(zero);
-    if constexpr (sizeof(T) <= 2) {
-      find_by_table<T>(row, first, end, out);
-    } else {
-      const std::size_t most = out.visible + std::size_t(end - first);
-      if (out.samples.size() < most) out.samples.resize(most);
-      classify_one_by_one<T>(row, first, end, out);
-    }
+    if constexpr (sizeof(T) <= 2)
+      find_by_table<T>(row, first, end, masks);
+    else
+      find_one_by_one<T>(row, first, end, masks);
   });
 }
 
-void VisibleRow::keep(const std::vector<std::uint64_t>& kept) {
-  std::uint32_t left = 0;
-  std::size_t blocks_left = 0;
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    const VisibleBlock block = blocks[k];
-    if (kept[k] != 0) blocks[blocks_left++] = {block.first, left, kept[k]};
-    std::uint32_t from = block.sample;
-    for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1, ++from) {
-      if ((kept[k] & mask & -mask) == 0) continue;
-      if (from < samples.size()) samples[left] = samples[from];
-      ++left;
-    }
+void VisibleRow::take(std::span<const std::uint64_t> masks, std::uint32_t first, std::uint32_t end) {
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  blocks.clear();
+  visible = 0;
+  if (first >= end) return;
+  const std::uint32_t first_block = first / mask_bits, last_block = (end - 1) / mask_bits;
+  for (std::uint32_t block = first_block; block <= last_block; ++block) {
+    std::uint64_t mask = masks[block];
+    if (block == first_block) mask &= all << first % mask_bits;
+    if (block == last_block) mask &= all >> (mask_bits - 1 - (end - 1) % mask_bits);
+    if (mask == 0) continue;
+    blocks.push_back({block * mask_bits, visible, mask});
+    visible += std::uint32_t(std::popcount(mask));
   }
-  blocks.resize(blocks_left);
-  visible = left;
+}
+
+void VisibleRow::keep(const std::vector<std::uint64_t>& kept) {
+  std::size_t left = 0;
+  visible = 0;
+  for (std::size_t k = 0; k < blocks.size(); ++k) {
+    if (kept[k] == 0) continue;
+    blocks[left++] = {blocks[k].first, visible, kept[k]};
+    visible += std::uint32_t(std::popcount(kept[k]));
+  }
+  blocks.resize(left);
 }
 
 }  // namespace ringsplat

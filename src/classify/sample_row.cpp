@@ -136,15 +136,30 @@ namespace ringsplat {
 HWY_EXPORT(FillFromTable);
 HWY_EXPORT(LightRow);
 
+namespace {
+
+void evaluate_row(const Classifier& classifier, const VoxelRow& row, VisibleRow& out) {
+  visit_type(classifier.type(), [&](auto zero) {
+    auto sample = out.samples.begin();
+    for (const VisibleBlock& block : out.blocks)
+      for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1)
+        *sample++ = classifier.evaluate(
+            double(load<decltype(zero)>(row.values, int(block.first) + std::countr_zero(mask))));
+  });
+}
+
+}  // namespace
+
 void make_samples(const Classifier& classifier, const VoxelRow& row, const PhongTable* phong,
                   VisibleRow& out) {
   if (row.normals == nullptr) phong = nullptr;
+  if (out.samples.size() < out.visible) out.samples.resize(out.visible);
   if (const auto table = classifier.table()) {
-    if (out.samples.size() < out.visible) out.samples.resize(out.visible);
     HWY_DYNAMIC_DISPATCH(FillFromTable)(*table, classifier.type(), row, phong, out);
-  } else if (phong != nullptr) {
-    HWY_DYNAMIC_DISPATCH(LightRow)(*phong, row, out);
+    return;
   }
+  evaluate_row(classifier, row, out);
+  if (phong != nullptr) HWY_DYNAMIC_DISPATCH(LightRow)(*phong, row, out);
 }
 
 }  // namespace ringsplat

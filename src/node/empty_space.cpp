@@ -1,6 +1,7 @@
 #include "node/empty_space.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace ringsplat {
 
@@ -21,9 +22,28 @@ SliceRuns::SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer
   }
 }
 
-const SliceRuns& EmptySpace::runs(const SliceView& view, const TransferFunction& transfer_function) {
-  if (transfer_function != transfer_function_) {
+VisibleVoxels::VisibleVoxels(SliceRuns runs, const Classifier& finder, int width, int height)
+    : runs_(std::move(runs)), finder_(&finder), row_masks_(masks_of(width)) {
+  if (runs_.empty()) return;
+  masks_.assign(std::size_t(height) * row_masks_, 0);
+  found_.assign(std::size_t(height), 0);
+}
+
+std::span<const std::uint64_t> VisibleVoxels::of_row(const SliceView& slice, int row) {
+  if (runs_.empty()) return {};
+  std::uint64_t* masks = masks_.data() + std::size_t(row) * row_masks_;
+  if (std::exchange(found_[std::size_t(row)], 1) == 0) {
+    const std::byte* values =
+        slice.values + std::size_t(row) * std::size_t(slice.width) * size_of(slice.type);
+    for (const ColumnRun& run : runs_.of_row(row)) finder_->find_row(values, run.first, run.end, masks);
+  }
+  return {masks, row_masks_};
+}
+
+VisibleVoxels& EmptySpace::voxels(const SliceView& view, const TransferFunction& transfer_function) {
+  if (!finder_ || transfer_function != transfer_function_) {
     transfer_function_ = transfer_function;
+    finder_.emplace(transfer_function_, view.type, 1.0);
     for (auto& axis : slices_)
       for (Slice& slice : axis) slice.current = false;
   }
@@ -32,10 +52,11 @@ const SliceRuns& EmptySpace::runs(const SliceView& view, const TransferFunction&
   Slice& slice = axis[std::size_t(view.index)];
   if (!slice.ranges) slice.ranges = std::make_unique<BlockRanges>(view);
   if (!slice.current) {
-    slice.runs = SliceRuns(*slice.ranges, transfer_function, view.width);
+    slice.voxels = {SliceRuns(*slice.ranges, transfer_function, view.width), *finder_, view.width,
+                    view.height};
     slice.current = true;
   }
-  return slice.runs;
+  return slice.voxels;
 }
 
 }  // namespace ringsplat

@@ -1,10 +1,12 @@
 #pragma once
 #include <array>
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/classify/classifier.hpp"
 #include "ringsplat/volume/block_ranges.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 
@@ -31,20 +33,41 @@ class SliceRuns {
   std::vector<ColumnRun> runs_;
 };
 
-/// What of a GP's slices a transfer function makes visible: found when a slice is first asked for, and again
-/// when the transfer function has changed; the blocks' ranges are found once.
+/// The visible voxels of a slice, a bit each: found when a row is first asked for, and kept, as Lacroute and
+/// Levoy 1994 (section 3.1) keep their runs, for all views of a transfer function.
+class VisibleVoxels {
+ public:
+  VisibleVoxels() = default;
+  /// `finder` must outlive it; how far it corrects opacities does not matter.
+  VisibleVoxels(SliceRuns runs, const Classifier& finder, int width, int height);
+  const SliceRuns& runs() const { return runs_; }
+  /// A row's masks, masks_of(width) of them. `slice` is the one whose runs these are. Several threads may ask
+  /// for different rows.
+  std::span<const std::uint64_t> of_row(const SliceView& slice, int row);
+
+ private:
+  SliceRuns runs_;
+  const Classifier* finder_ = nullptr;
+  std::size_t row_masks_ = 0;
+  std::vector<std::uint64_t> masks_;  ///< [row][masks_of(width)]; none of a slice without runs
+  std::vector<std::uint8_t> found_;   ///< by row: 1 when its masks are known
+};
+
+/// What of a GP's slices, all of one scalar type, a transfer function makes visible: found when a slice is
+/// first asked for, and again when the transfer function has changed; the blocks' ranges are found once.
 class EmptySpace {
  public:
   /// Valid until the next call with another transfer function.
-  const SliceRuns& runs(const SliceView& slice, const TransferFunction& transfer_function);
+  VisibleVoxels& voxels(const SliceView& slice, const TransferFunction& transfer_function);
 
  private:
   struct Slice {
     std::unique_ptr<BlockRanges> ranges;
-    SliceRuns runs;
-    bool current = false;  ///< `runs` are those of transfer_function_
+    VisibleVoxels voxels;
+    bool current = false;  ///< `voxels` are those of transfer_function_
   };
   TransferFunction transfer_function_;
+  std::optional<Classifier> finder_;          ///< its
   std::array<std::vector<Slice>, 3> slices_;  ///< by axis and index
 };
 

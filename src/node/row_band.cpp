@@ -15,8 +15,8 @@ RowBand::RowBand(const EncoderFrame& frame)
       y_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].y),
       beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51) {}
 
-void RowBand::begin(const SliceView& slice, const SliceRuns& runs, int first, int end) {
-  rows_.begin(slice, runs);
+void RowBand::begin(const SliceView& slice, VisibleVoxels& visible, int first, int end) {
+  rows_.begin(slice, visible);
   all_in_view_ = is_all_in_view(first, end);
   row_ = first;
   end_ = end;
@@ -33,8 +33,7 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
       encode_row(row_);
     }
     visible += found;
-    voxels += rows_.voxels();
-    outside_ += std::uint64_t(rows_.voxels_outside());
+    voxels += rows_.slice().width;
     ++row_;
   }
   visible_ += std::uint64_t(visible);
@@ -50,12 +49,15 @@ void RowBand::begin_row() {
 
 int RowBand::find_row() {
   const OptionalSeconds timed(stages_ ? &stages_->classify : nullptr);
-  return rows_.find(row_, in_view());
+  const Columns all{0, std::uint32_t(rows_.slice().width)};
+  if (all_in_view_) return rows_.find(row_, all);
+  const Columns columns = in_view(all);
+  const int found = rows_.find(row_, columns);
+  outside_ += std::uint64_t(rows_.voxels_outside(columns));
+  return found;
 }
 
-Columns RowBand::in_view() {
-  const Columns all{0, std::uint32_t(rows_.slice().width)};
-  if (all_in_view_) return all;
+Columns RowBand::in_view(Columns all) {
   begin_row();
   const Columns columns = reaching_x(0, geometry_.width, all);
   return columns.empty() ? columns : reaching_y(0, geometry_.height, columns);

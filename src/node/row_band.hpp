@@ -36,8 +36,8 @@ class RowBand {
   explicit RowBand(const EncoderFrame& frame);
   virtual ~RowBand() = default;
 
-  /// Rows first … end − 1. `runs` must stay valid until they are done.
-  void begin(const SliceView& slice, const SliceRuns& runs, int first, int end);
+  /// Rows first … end − 1 of a slice with these visible voxels, which must stay valid until they are done.
+  void begin(const SliceView& slice, VisibleVoxels& visible, int first, int end);
   /// Encodes rows, but for voxels whose kernels lie outside the image, until so many visible, or so many
   /// transparent, voxels are done; true once the band is complete. Adds what classifying and shading take to
   /// `stages` unless that is null.
@@ -109,8 +109,8 @@ class RowBand {
  private:
   void begin_row();
   int find_row();
-  /// The row's columns whose windows can meet the image.
-  Columns in_view();
+  /// Those of the row's columns whose windows can meet the image.
+  Columns in_view(Columns all);
   bool is_all_in_view(int first, int end);
 
   const EncoderFrame& frame_;

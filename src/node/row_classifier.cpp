@@ -6,23 +6,27 @@
 
 namespace ringsplat {
 
-void RowClassifier::begin(const SliceView& slice, const SliceRuns& runs) {
+void RowClassifier::begin(const SliceView& slice, VisibleVoxels& visible) {
   slice_ = slice;
-  runs_ = &runs;
+  visible_ = &visible;
 }
 
 int RowClassifier::find(int row, Columns columns) {
   row_index_ = row;
-  row_.clear();
-  voxels_ = outside_ = 0;
-  for (const ColumnRun& run : runs_->of_row(row)) {
-    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end)),
-              inside = std::max(end - first, 0);
-    if (inside > 0) shading_.classifier().find_row(values(), first, end, row_);
-    voxels_ += inside;
-    outside_ += run.end - run.first - inside;
-  }
+  if (columns.empty() || visible_->runs().of_row(row).empty())
+    row_.take({}, 0, 0);
+  else
+    row_.take(visible_->of_row(slice_, row), columns.first, columns.end);
   return int(row_.visible);
+}
+
+int RowClassifier::voxels_outside(Columns columns) const {
+  int outside = 0;
+  for (const ColumnRun& run : visible_->runs().of_row(row_index_)) {
+    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
+    outside += run.end - run.first - std::max(end - first, 0);
+  }
+  return outside;
 }
 
 void RowClassifier::make_samples() {

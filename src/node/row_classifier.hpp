@@ -6,21 +6,21 @@
 namespace ringsplat {
 
 /// The visible voxels of one frame's slices, row by row: first where they are, then, of those that are kept,
-/// their lit samples. Empty space is not read.
+/// their lit samples. Only these are read, but for a row's first time.
 class RowClassifier {
  public:
   /// `shading` must outlive it.
   explicit RowClassifier(const FrameShading& shading) : shading_(shading) {}
 
-  /// `runs` must stay valid until the slice is done.
-  void begin(const SliceView& slice, const SliceRuns& runs);
+  /// `visible`, the slice's, must stay valid until it is done.
+  void begin(const SliceView& slice, VisibleVoxels& visible);
   const SliceView& slice() const { return slice_; }
 
   /// Finds the visible voxels in columns of row `row` of the slice; returns how many. What follows speaks of
   /// this row.
   int find(int row, Columns columns);
-  int voxels() const { return voxels_; }           ///< read for it
-  int voxels_outside() const { return outside_; }  ///< in other columns, where some may be visible
+  /// Of the row, in other columns, where some may be visible.
+  int voxels_outside(Columns columns) const;
   /// Where they are, by ascending columns.
   std::span<const VisibleBlock> blocks() const { return row_.blocks; }
   /// Leaves those that `kept`, a mask for each block, has.
@@ -34,8 +34,8 @@ class RowClassifier {
 
   const FrameShading& shading_;
   SliceView slice_;
-  const SliceRuns* runs_ = nullptr;
-  int row_index_ = 0, voxels_ = 0, outside_ = 0;
+  VisibleVoxels* visible_ = nullptr;
+  int row_index_ = 0;
   VisibleRow row_;
 };
 

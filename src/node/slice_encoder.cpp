@@ -27,14 +27,14 @@ class SliceEncoder final : public Encoder {
 
   void begin(const SliceView& slice) override {
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
-    const SliceRuns& runs = empty_space_.runs(slice, frame_.spec.transfer_function);
-    const std::vector<int> bounds = row_bounds(runs, slice.height, threads_.size());
+    VisibleVoxels& visible = empty_space_.voxels(slice, frame_.spec.transfer_function);
+    const std::vector<int> bounds = row_bounds(visible.runs(), slice.height, threads_.size());
     bands_in_use_ = bounds.size() - 1;
     while (bands_.size() < bands_in_use_)
       bands_.push_back(frame_.spec.payload == PayloadForm::words ? make_word_band(frame_)
                                                                  : make_run_band(frame_));
     pieces_.assign(bands_in_use_, {});
-    for (std::size_t k = 0; k < bands_in_use_; ++k) bands_[k]->begin(slice, runs, bounds[k], bounds[k + 1]);
+    for (std::size_t k = 0; k < bands_in_use_; ++k) bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
   }
 
   bool work() override {

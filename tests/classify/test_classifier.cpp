@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "classify/find_visible.hpp"
 #include "classify/message_of.hpp"
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
@@ -53,8 +54,7 @@ Row to_row(const VisibleRow& visible) {
 template <class T>
 Row classify(const Classifier& classifier, const std::vector<T>& values) {
   const auto* row = reinterpret_cast<const std::byte*>(values.data());
-  VisibleRow visible;
-  classifier.find_row(row, 0, int(values.size()), visible);
+  VisibleRow visible = find_visible(classifier, row, int(values.size()));
   make_samples(classifier, {row, nullptr, int(values.size())}, nullptr, visible);
   return to_row(visible);
 }
@@ -198,14 +198,12 @@ TEST_CASE("the opacity correction is exact for 1, and keeps the digits of tiny o
 
 TEST_CASE("rows may be empty, of one voxel, and at any address") {
   const Classifier classifier(two_points(0, 0, 1000, 1), ScalarType::int16, 1.1);
-  VisibleRow row;
-  classifier.find_row(nullptr, 0, 0, row);
-  REQUIRE(row.visible == 0);
+  REQUIRE(find_visible(classifier, nullptr, 0).visible == 0);
   REQUIRE(classify<std::int16_t>(classifier, {7}).where.size() == 1);
   std::byte bytes[9]{};
   const std::int16_t values[4] = {100, -5, 300, 2000};
   std::memcpy(bytes + 1, values, sizeof(values));
-  classifier.find_row(bytes + 1, 0, 4, row);
+  VisibleRow row = find_visible(classifier, bytes + 1, 4);
   make_samples(classifier, {bytes + 1, nullptr, 4}, nullptr, row);
   REQUIRE(to_row(row).where == std::vector<std::uint32_t>{0, 2, 3});
   REQUIRE(row.samples[2].opacity == 1.0F);
@@ -225,13 +223,14 @@ TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole ro
     const Classifier classifier(tf, type_of<TestType>(), 1.2);
     for (const auto& row : {values, smooth}) {
       const Row whole = classify(classifier, row);
-      VisibleRow visible;
-      visible.blocks.push_back({0, 0, 511});  // clear() forgets the row before
-      visible.visible = 9;
-      visible.clear();
+      std::vector<std::uint64_t> masks(masks_of(900), 0);
       for (const auto& [first, end] :
            {std::pair(0, 1), {1, 64}, {64, 64}, {64, 130}, {130, 331}, {331, 332}, {332, 900}})
-        classifier.find_row(reinterpret_cast<const std::byte*>(row.data()), first, end, visible);
+        classifier.find_row(reinterpret_cast<const std::byte*>(row.data()), first, end, masks.data());
+      VisibleRow visible;
+      visible.blocks.push_back({0, 0, 511});  // which take() forgets
+      visible.visible = 9;
+      visible.take(masks, 0, 900);
       make_samples(classifier, {reinterpret_cast<const std::byte*>(row.data()), nullptr, 900}, nullptr,
                    visible);
       const Row stretches = to_row(visible);
@@ -242,12 +241,33 @@ TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole ro
   }
 }
 
+TEST_CASE("of a row's masks any stretch of columns can be taken") {
+  std::mt19937_64 random(3);
+  const std::vector<std::uint64_t> masks{random(), 0, random(), ~std::uint64_t{0}};
+  for (std::uint32_t first = 0; first < 256; first += 7)
+    for (std::uint32_t end = 0; end <= 256; end += 1 + first % 3) {
+      VisibleRow row;
+      row.take(masks, first, end);
+      std::vector<std::uint32_t> expected, taken;
+      for (std::uint32_t column = first; column < end; ++column)
+        if (masks[column / 64] >> column % 64 & 1) expected.push_back(column);
+      std::uint32_t before = 0;
+      for (const VisibleBlock& block : row.blocks) {
+        REQUIRE((block.mask != 0 && block.sample == before));
+        for (std::uint32_t k = 0; k < 64; ++k)
+          if (block.mask >> k & 1) taken.push_back(block.first + k);
+        before = std::uint32_t(taken.size());
+      }
+      REQUIRE(taken == expected);
+      REQUIRE(row.visible == expected.size());
+    }
+}
+
 TEST_CASE("a function that is clear everywhere classifies nothing") {
   for (const auto type : {ScalarType::uint8, ScalarType::float64}) {
     const Classifier classifier(two_points(0, 0, 1, 0), type, 1);
     std::vector<double> values{-infinity, 0, 0.5, 1, infinity, nan_value};
-    VisibleRow row;
-    classifier.find_row(reinterpret_cast<const std::byte*>(values.data()), 0, 6, row);
+    const VisibleRow row = find_visible(classifier, reinterpret_cast<const std::byte*>(values.data()), 6);
     REQUIRE(row.visible == 0);
     REQUIRE(row.blocks.empty());
   }

@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "classify/find_visible.hpp"
 #include "classify/message_of.hpp"
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
@@ -116,8 +117,7 @@ TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, b
   while (normals.size() < values.size()) normals.push_back(NormalCode(random()));
   const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
   const VoxelRow row{bytes, normals.data(), int(values.size())};
-  VisibleRow found;
-  classifier.find_row(bytes, 0, int(values.size()), found);
+  const VisibleRow found = find_visible(classifier, bytes, int(values.size()));
   VisibleRow unlit = found;
   make_samples(classifier, row, nullptr, unlit);
   std::vector<std::uint32_t> columns;
@@ -151,8 +151,7 @@ TEMPLATE_TEST_CASE("voxels that are not kept leave the others as they are", "", 
   std::vector<TestType> values;
   for (int i = 0; i < 300; ++i) values.push_back(TestType(i * 7 % 100));
   const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
-  VisibleRow all;
-  classifier.find_row(bytes, 0, 300, all);
+  VisibleRow all = find_visible(classifier, bytes, 300);
   VisibleRow some = all;
   REQUIRE(some.blocks.size() == 5);
   std::vector<std::uint64_t> kept;

@@ -2,6 +2,7 @@
 #include <limits>
 #include <random>
 
+#include "classify/find_visible.hpp"
 #include "classify/message_of.hpp"
 #include "ringsplat/classify/classifier.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
@@ -27,8 +28,7 @@ struct Data {
   }
   /// The share of voxels with an opacity above zero.
   double visible(const TransferFunction& tf) const {
-    VisibleRow row;
-    Classifier(tf, type, 1.0).find_row(bytes().data(), 0, int(values.size()), row);
+    const VisibleRow row = find_visible(Classifier(tf, type, 1.0), bytes().data(), int(values.size()));
     return row.visible / double(values.size());
   }
 };

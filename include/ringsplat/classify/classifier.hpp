@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "ringsplat/classify/transfer_function.hpp"
@@ -22,13 +23,13 @@ struct VisibleRow {
   std::vector<VisibleBlock> blocks;       ///< by ascending columns
   std::vector<ClassifiedSample> samples;  ///< the voxels', once they are made: the first `visible` ones
   std::uint32_t visible = 0;
-  void clear() {
-    blocks.clear();
-    visible = 0;
-  }
-  /// Forgets the voxels that `kept`, a mask for each block, does not have; their samples too.
+  /// The voxels of columns first … end − 1 that a row's `masks`, a bit a column, have; without samples.
+  void take(std::span<const std::uint64_t> masks, std::uint32_t first, std::uint32_t end);
+  /// Forgets the voxels that `kept`, a mask for each block, does not have. Before samples are made.
   void keep(const std::vector<std::uint64_t>& kept);
 };
+/// Of a row's masks, 64 columns each.
+constexpr std::size_t masks_of(int columns) { return (std::size_t(columns) + 63) / 64; }
 
 /// Turns rows of voxels into colour and opacity, for one transfer function and one view.
 ///
@@ -41,10 +42,9 @@ class Classifier {
   /// Throws InputError for a transfer function that check() refuses and a length that is not positive.
   Classifier(const TransferFunction& tf, ScalarType type, double length);
 
-  /// Appends the visible voxels among columns first … end − 1 of a row of scalars in native byte order, at
-  /// any address, to `out`, which holds none of these columns or later ones; for types without a table with
-  /// their samples. make_samples (sample_row.hpp) is to follow. Safe to call from several threads.
-  void find_row(const std::byte* row, int first, int end, VisibleRow& out) const;
+  /// Sets the bits of the visible voxels among columns first … end − 1 of a row of scalars in native byte
+  /// order, at any address, in the row's `masks`, a bit a column. Safe to call from several threads.
+  void find_row(const std::byte* row, int first, int end, std::uint64_t* masks) const;
 
   /// The sample of each value; those beyond low … high are as these.
   struct Table {
@@ -57,19 +57,21 @@ class Classifier {
     return Table{table_.data(), table_low_, table_high_};
   }
 
+  /// The sample of any value, for types without a table.
+  ClassifiedSample evaluate(double value) const;
+
   ScalarType type() const { return type_; }
 
  private:
-  ClassifiedSample evaluate(double value) const;
   template <class T>
   void make_table();
   std::size_t table_index(int value) const {
     return std::size_t(std::clamp(value, table_low_, table_high_) - table_low_);
   }
   template <class T>
-  void find_by_table(const std::byte* row, int first, int end, VisibleRow& out) const;
+  void find_by_table(const std::byte* row, int first, int end, std::uint64_t* masks) const;
   template <class T>
-  void classify_one_by_one(const std::byte* row, int first, int end, VisibleRow& out) const;
+  void find_one_by_one(const std::byte* row, int first, int end, std::uint64_t* masks) const;
 
   TransferFunction tf_;
   ScalarType type_;
