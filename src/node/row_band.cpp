@@ -1,5 +1,8 @@
 #include "node/row_band.hpp"
 
+#include <optional>
+#include <utility>
+
 namespace ringsplat {
 
 RowBand::RowBand(const EncoderFrame& frame)
@@ -27,11 +30,10 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
   stages_ = stages;
   int visible = 0, voxels = 0;
   while (row_ < end_ && visible < visible_at_most && voxels < voxels_at_most) {
+    row_begun_ = false;
+    row_offset_ = row_ % stride_;
     const int found = find_row();
-    if (found > 0) {
-      if (all_in_view_) begin_row();  // else in_view() has
-      encode_row(row_);
-    }
+    if (found > 0) encode_row(row_);
     visible += found;
     voxels += rows_.slice().width;
     ++row_;
@@ -41,10 +43,10 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
 }
 
 void RowBand::begin_row() {
+  if (std::exchange(row_begun_, true)) return;
   dda_.begin_row(rows_.slice().index, row_);
   x_.begin_row(dda_.row_start().x);
   y_.begin_row(dda_.row_start().y);
-  row_offset_ = row_ % stride_;
 }
 
 int RowBand::find_row() {
@@ -63,17 +65,22 @@ Columns RowBand::in_view(Columns all) {
   return columns.empty() ? columns : reaching_y(0, geometry_.height, columns);
 }
 
-/// Positions run straight, so the corners tell.
 bool RowBand::is_all_in_view(int first, int end) {
-  const auto is_inside = [this](std::uint32_t column) {
-    const PixelWindow window = window_of(column);
-    return window.x0 >= 0 && window.x1 < geometry_.width && window.y0 >= 0 && window.y1 < geometry_.height;
-  };
+  const PixelWindow window = window_of_rows(first, end);
+  return window.x0 >= 0 && window.x1 < geometry_.width && window.y0 >= 0 && window.y1 < geometry_.height;
+}
+
+PixelWindow RowBand::window_of_rows(int first, int end) {
+  row_begun_ = false;
+  std::optional<PixelWindow> all;
   for (const int row : {first, std::max(first, end - 1)}) {
     dda_.begin_row(rows_.slice().index, row);
-    if (!is_inside(0) || !is_inside(std::uint32_t(rows_.slice().width - 1))) return false;
+    for (const std::uint32_t column : {0U, std::uint32_t(rows_.slice().width - 1)}) {
+      const PixelWindow window = window_of(column);
+      all = all ? hull(*all, window) : window;
+    }
   }
-  return true;
+  return *all;
 }
 
 void RowBand::clear_counts() {

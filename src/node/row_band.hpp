@@ -57,8 +57,15 @@ class RowBand {
   void clear_counts();
 
  protected:
-  /// Puts the row's visible voxels, of which there are some, into their regions' parts.
+  /// Puts the row's visible voxels, of which there are some, into their regions' parts. To begin with
+  /// begin_row() if it asks where voxels lie.
   virtual void encode_row(int row) = 0;
+  void begin_row();
+  /// Of all voxels of rows first … end − 1, whose positions run straight, but for rounding. Leaves the row to
+  /// be begun again.
+  PixelWindow window_of_rows(int first, int end);
+  /// The band's last row, and one more.
+  int end() const { return end_; }
   /// To be called by encode_row, once it has left out what it can.
   void make_samples() {
     const OptionalSeconds timed(stages_ ? &stages_->shade : nullptr);
@@ -107,7 +114,6 @@ class RowBand {
   KernelReach reach_;
 
  private:
-  void begin_row();
   int find_row();
   /// Those of the row's columns whose windows can meet the image.
   Columns in_view(Columns all);
@@ -122,6 +128,7 @@ class RowBand {
   /// rounding.
   glm::dvec2 beyond_;
   int row_ = 0, end_ = 0;
+  bool row_begun_ = false;
   bool all_in_view_ = false;  ///< of the slice's rows
   int row_offset_ = 0;        ///< within the stride
   std::uint64_t visible_ = 0, outside_ = 0;

@@ -47,10 +47,71 @@ class RunBand final : public RowBand {
     std::uint64_t mask;
   };
 
+  /// Some of a slice's rows that lie together.
+  struct Rows {
+    int slice = -1, first = 0, end = 0;
+    int region = none;                                     ///< that takes all their voxels, if one does
+    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;  ///< of what they cover there
+    static constexpr int none = -1;
+    bool has(int of_slice, int row) const { return of_slice == slice && row >= first && row < end; }
+  };
+
   void encode_row(int row) override {
-    find_pieces();
+    if (!together_.has(rows_.slice().index, row)) together_ = rows_from(row);
+    if (together_.region == Rows::none) {
+      begin_row();
+      find_pieces();
+    } else if (together_.hidden == OpaqueCover::Cover::none) {
+      append_row(together_.region, row);
+      return;
+    } else if (together_.hidden == OpaqueCover::Cover::some) {
+      begin_row();
+      pieces_.clear();
+      find_pieces_of(together_.region, all_columns());
+    } else {
+      return;
+    }
     if (pieces_.empty()) return;
     leave_out_unsent();
+    if (pieces_.front().region == pieces_.back().region)
+      append_row(pieces_.front().region, row);
+    else
+      append_pieces(row);
+  }
+
+  /// Few enough to lie in one region, and enough to be worth asking for once.
+  Rows rows_from(int row) {
+    constexpr int most = 8;
+    Rows rows{rows_.slice().index, row, std::min(row + most, end())};
+    PixelWindow window = window_of_rows(rows.first, rows.end);
+    window = {window.x0 - 1, window.y0 - 1, window.x1 + 1, window.y1 + 1};  // for rounding
+    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    if (touched.width() != 1 || touched.height() != 1) return rows;
+    rows.region = touched.y0 * geometry_.regions.columns() + touched.x0;
+    if (cover(rows.region).worth_asking()) {
+      const PixelRect& pixels = rect(rows.region);
+      rows.hidden = cover(rows.region)
+                        .of(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
+                            double(window.x1 - pixels.x0), double(window.y1 - pixels.y0));
+    }
+    return rows;
+  }
+
+  /// All the row's voxels go to the region.
+  void append_row(int region, int row) {
+    make_samples();
+    const auto samples = rows_.samples();
+    Part& part = parts_[std::size_t(region)];
+    const std::size_t at = part.voxels.size();
+    part.voxels.resize(at + samples.size());
+    pack(&samples.front().r, samples.size(), part.voxels.data() + at);
+    for (const VisibleBlock& block : rows_.blocks()) {
+      part.blocks.push_back({std::uint32_t(row), block.first, block.mask});
+      count(region, int(block.first), block.mask);
+    }
+  }
+
+  void append_pieces(int row) {
     make_samples();
     const auto samples = rows_.samples();
     packed_.resize(samples.size());
@@ -63,11 +124,16 @@ class RunBand final : public RowBand {
     }
   }
 
+  /// From the first to the last visible one.
+  Columns all_columns() const {
+    const VisibleBlock &front = rows_.blocks().front(), &back = rows_.blocks().back();
+    return {front.first + std::uint32_t(std::countr_zero(front.mask)),
+            back.first + std::uint32_t(std::bit_width(back.mask))};
+  }
+
   void find_pieces() {
     pieces_.clear();
-    const VisibleBlock &front = rows_.blocks().front(), &back = rows_.blocks().back();
-    const Columns all{front.first + std::uint32_t(std::countr_zero(front.mask)),
-                      back.first + std::uint32_t(std::bit_width(back.mask))};
+    const Columns all = all_columns();
     const PixelWindow window = window_of(all.first, all.end - 1);
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
     for (int y = touched.y0; y < touched.y1; ++y) {
@@ -110,8 +176,7 @@ class RunBand final : public RowBand {
 
   /// Of the voxels in columns first … last: positions run straight.
   PixelWindow window_of(std::uint32_t first, std::uint32_t last) const {
-    const PixelWindow a = RowBand::window_of(first), b = RowBand::window_of(last);
-    return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+    return hull(RowBand::window_of(first), RowBand::window_of(last));
   }
   /// Of the windows of the voxels in columns first … last, whose positions run straight; wider by a rounding.
   OpaqueCover::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
@@ -215,6 +280,7 @@ class RunBand final : public RowBand {
     values.clear();
   }
 
+  Rows together_;
   std::vector<Part> parts_;          ///< by region
   std::vector<Piece> pieces_;        ///< of the row, region by region
   std::vector<std::uint64_t> sent_;  ///< by block: the voxels that any region gets

@@ -34,7 +34,8 @@ class SliceEncoder final : public Encoder {
       bands_.push_back(frame_.spec.payload == PayloadForm::words ? make_word_band(frame_)
                                                                  : make_run_band(frame_));
     pieces_.assign(bands_in_use_, {});
-    for (std::size_t k = 0; k < bands_in_use_; ++k) bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
+    for (std::size_t k = 0; k < bands_in_use_; ++k)
+      bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
   }
 
   bool work() override {

@@ -30,6 +30,7 @@ class WordBand final : public RowBand {
 
  private:
   void encode_row(int) override {
+    begin_row();
     make_samples();
     auto sample = rows_.samples().begin();
     for (const VisibleBlock& block : rows_.blocks())

@@ -13,7 +13,8 @@ struct VoxelRow {
   int columns;
 };
 
-/// Makes the samples of visible voxels that classifier.find_row found in a row, each lit by its own normal; unlit where `phong` or the normals are null. The same bits at every vector width.
+/// Makes the samples of visible voxels that classifier.find_row found in a row, each lit by its own normal;
+/// unlit where `phong` or the normals are null. The same bits at every vector width.
 void make_samples(const Classifier& classifier, const VoxelRow& row, const PhongTable* phong,
                   VisibleRow& out);
 

@@ -19,6 +19,10 @@ inline KernelReach kernel_reach(const Footprint& footprint) {
 struct PixelWindow {
   std::int64_t x0, y0, x1, y1;
 };
+/// The smallest with both.
+inline PixelWindow hull(const PixelWindow& a, const PixelWindow& b) {
+  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
+}
 inline PixelWindow pixel_window(const Anchored& at, KernelReach reach) {
   return {at.anchor_x - reach.x, at.anchor_y - reach.y, at.anchor_x + reach.x + 1, at.anchor_y + reach.y + 1};
 }
