@@ -17,14 +17,8 @@ namespace ringsplat::HWY_NAMESPACE {
 
 void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
   for (std::size_t i = 0; i < floats; i += 4) {
-    float* pixel = slice + i;
-    float* behind = image + i;
-    const float opacity = std::min(std::max(pixel[3], 0.0F), 1.0F), left = 1.0F - behind[3];
-    const float transmittance = left < opaque ? 0.0F : left;
-    for (int k = 0; k < 4; ++k) {
-      behind[k] = std::fma(transmittance, std::min(std::max(pixel[k], 0.0F), opacity), behind[k]);
-    }
-    std::fill_n(pixel, 4, 0.0F);
+    composite_pixel(slice + i, opaque, image + i);
+    std::fill_n(slice + i, 4, 0.0F);
   }
 }
 
@@ -32,16 +26,9 @@ void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::siz
 
 void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
   const Floats d;
-  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F), least = hn::Set(d, opaque);
   for (std::size_t i = 0; i < floats; i += lanes) {
-    const auto pixel = hn::Load(d, slice + i);
-    hn::Store(zero, d, slice + i);
-    const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(pixel), zero), one);
-    const auto added = hn::Min(hn::Max(pixel, zero), opacity);
-    const auto behind = hn::Load(d, image + i);
-    const auto left = hn::Sub(one, hn::Broadcast<3>(behind));
-    const auto transmittance = hn::IfThenZeroElse(hn::Lt(left, least), left);
-    hn::Store(hn::MulAdd(transmittance, added, behind), d, image + i);
+    composite_pixels(hn::Load(d, slice + i), hn::Set(d, opaque), image + i);
+    hn::Store(hn::Zero(d), d, slice + i);
   }
 }
 

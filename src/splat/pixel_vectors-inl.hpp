@@ -8,6 +8,7 @@
 
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -52,6 +53,15 @@ HWY_INLINE void store_pixel(const Colour& colour, float* pixel) {
 
 HWY_INLINE void add_to(float* pixel, float weight, const Colour& colour) {
   for (int i = 0; i < 4; ++i) pixel[i] = std::fma(weight, colour.rgba[i], pixel[i]);
+}
+
+/// Composites a slice's sums behind a pixel of the image; true when that is opaque then.
+HWY_INLINE bool composite_pixel(const float* sums, float opaque, float* image) {
+  const float opacity = std::min(std::max(sums[3], 0.0F), 1.0F), left = 1.0F - image[3];
+  const float transmittance = left < opaque ? 0.0F : left;
+  for (int k = 0; k < 4; ++k)
+    image[k] = std::fma(transmittance, std::min(std::max(sums[k], 0.0F), opacity), image[k]);
+  return 1.0F - image[3] < opaque;
 }
 
 #else
@@ -117,6 +127,20 @@ HWY_INLINE Colour load_colour(const Splat& splat) {
   HWY_ALIGN float colour[4];
   hn::Store(premultiply(&splat.red, splat.opacity), FourFloats(), colour);
   return hn::LoadDup128(Floats(), colour);
+}
+
+/// Composites a slice's sums behind pixels of the image; which of these are opaque then.
+HWY_INLINE hn::Mask<Floats> composite_pixels(FloatVector sums, FloatVector opaque, float* image) {
+  const Floats d;
+  const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);
+  const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(sums), zero), one);
+  const auto added = hn::Min(hn::Max(sums, zero), opacity);
+  const auto behind = hn::Load(d, image);
+  const auto left = hn::Sub(one, hn::Broadcast<3>(behind));
+  const auto transmittance = hn::IfThenZeroElse(hn::Lt(left, opaque), left);
+  const auto after = hn::MulAdd(transmittance, added, behind);
+  hn::Store(after, d, image);
+  return hn::Lt(hn::Sub(one, hn::Broadcast<3>(after)), opaque);
 }
 
 HWY_INLINE void add_to(float* pixels, FloatVector weights, FloatVector colour) {

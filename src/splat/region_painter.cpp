@@ -197,8 +197,7 @@ struct RegionPainter::State {
   template <class Use>
   void sweep(const Use& use) {
     if (aligned) {
-      voxels.convolve(*aligned, use);
-      voxels.clear();
+      voxels.sum(*aligned, use);
       return;
     }
     const auto& touched_runs = runs_of_pixels();
@@ -210,6 +209,19 @@ struct RegionPainter::State {
           int(round_up(run.last + 1)) - first);
     }
     std::fill(runs.begin(), runs.end(), Run{});
+  }
+
+  void composite_slice(glm::dvec2 voxel) {
+    if (aligned && !kernel.lattice_sum) {
+      voxels.composite(*aligned, image.get(), image_row_floats(), opaque_threshold);
+      return;
+    }
+    sweep([&](float* sums, int x, int y, int pixels) {
+      if (kernel.lattice_sum)
+        kernel.lattice_sum->divide_row(sums, std::size_t(pixels), x0 + x, y0 + y, voxel);
+      composite_row(sums, image.get() + y * image_row_floats() + x * floats_a_pixel,
+                    std::size_t(pixels * floats_a_pixel), opaque_threshold);
+    });
   }
 
   void forget_slice() {
@@ -290,12 +302,7 @@ void RegionPainter::composite(glm::dvec2 voxel) {
   auto& s = *state_;
   if (!s.touched) s.forget_slice();
   if (!s.pending) return;
-  s.sweep([&](float* sums, int x, int y, int pixels) {
-    if (s.kernel.lattice_sum)
-      s.kernel.lattice_sum->divide_row(sums, std::size_t(pixels), s.x0 + x, s.y0 + y, voxel);
-    composite_row(sums, s.image.get() + y * s.image_row_floats() + x * floats_a_pixel,
-                  std::size_t(pixels * floats_a_pixel), s.opaque_threshold);
-  });
+  s.composite_slice(voxel);
   s.done_with_slice();
   // Reading the whole image takes as long as a slice's composition; the news of an opaque tile can wait a
   // little.

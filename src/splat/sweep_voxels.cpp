@@ -1,0 +1,339 @@
+#include "splat/sweep_voxels.hpp"
+
+#include "splat/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "splat/sweep_voxels.cpp"
+#include <hwy/foreach_target.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <utility>
+
+#include "ringsplat/base/bit_runs.hpp"
+#include "splat/pixel_vectors-inl.hpp"
+#include "splat/stencil.hpp"
+#include "splat/whole_steps.hpp"
+
+// Highway compiles this file once for each instruction set; what follows is the same for all.
+#ifndef RINGSPLAT_SWEEP_VOXELS_ONCE
+#define RINGSPLAT_SWEEP_VOXELS_ONCE
+namespace ringsplat {
+namespace {
+
+constexpr int block_floats = 4 * block_pixels;
+
+/// Rows of anchors, a step apart, whose kernels reach a row of pixels.
+struct Reaching {
+  int first, end, step;  ///< anchors' y, from the region's corner
+  int count() const { return (end - first + step - 1) / step; }
+};
+
+Reaching reaching(const PlacedVoxelRows& voxels, const AlignedSlice& slice, int y) {
+  const int least = y + slice.reach_y - slice.end_row + 1, step = slice.step_y;
+  const int steps = std::max(least - voxels.top + step - 1, 0) / step;
+  return {voxels.top + steps * step, std::min(y + slice.reach_y - slice.first_row + 1, voxels.bottom), step};
+}
+
+std::uint64_t* filled_row(const PlacedVoxelRows& voxels, int y) {
+  return voxels.filled + y * std::ptrdiff_t(voxels.row_words);
+}
+
+/// Blocks of a row of pixels and the voxels whose kernels cover them.
+struct BlockSums {
+  const float* voxels;            ///< the first block's leftmost voxel of the topmost row that reaches it
+  std::ptrdiff_t row_floats;      ///< from one of these rows to the next
+  const float* weights;           ///< of the topmost row
+  std::ptrdiff_t weights_floats;  ///< from a row's weights to those of the row above
+  int rows, taps, voxel_floats;   ///< voxel_floats: from a voxel to the next
+  int blocks;
+};
+
+BlockSums block_sums(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows, int x,
+                     int y, int blocks) {
+  const int leftmost = x + slice.reach_x - (slice.taps - 1) * slice.step_x;
+  // Steps are powers of two: a remainder of negative numbers too.
+  const int phase = (x + slice.reach_x - voxels.phase_x) & (slice.step_x - 1);
+  const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
+  const int row = y - rows.first + slice.reach_y;
+  return {voxels.buffer.origin + rows.first * voxels.buffer.row_floats + std::ptrdiff_t{4} * leftmost,
+          rows.step * voxels.buffer.row_floats,
+          slice.weights.data() + row * row_weights + std::ptrdiff_t{4} * phase,
+          rows.step * row_weights,
+          rows.count(),
+          slice.taps,
+          4 * slice.step_x,
+          blocks};
+}
+
+}  // namespace
+}  // namespace ringsplat
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+#if RINGSPLAT_ONE_BY_ONE
+
+/// The blocks that kernels of those rows can cover, but for what `opaque`, if not null, has: from reach
+/// before an anchor to reach + 1 behind it, of which a voxel fills the first pixels.
+void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
+                  const std::uint64_t* opaque, std::uint64_t* covered) {
+  for (std::size_t word = 0; word < voxels.row_words; ++word) {
+    std::uint64_t before = 0, here = 0, behind = 0;
+    for (int y = rows.first; y < rows.end; y += rows.step) {
+      const std::uint64_t* filled = filled_row(voxels, y) + word;
+      before |= filled[-1];
+      here |= filled[0];
+      behind |= filled[1];
+    }
+    std::uint64_t bits = here;
+    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k) bits |= here << k | before >> (64 - k);
+    for (int k = 1; k <= slice.reach_x; ++k) bits |= here >> k | behind << (64 - k);
+    covered[word] = whole_blocks(bits) & voxels.inside[word];
+    if (opaque != nullptr) covered[word] &= ~opaque[word];
+  }
+}
+
+using BlockOfSums = float[block_floats];
+
+template <class Take>
+void convolve(const BlockSums& in, const Take& take) {
+  for (int block = 0; block < in.blocks; ++block) {
+    BlockOfSums sums;
+    for (int i = 0; i < block_floats; ++i) {
+      sums[i] = 0;
+      for (int row = 0; row < in.rows; ++row) {
+        const float* voxel = in.voxels + block * block_floats + row * in.row_floats + i;
+        const float* weight = in.weights - row * in.weights_floats + i;
+        for (int tap = 0; tap < in.taps; ++tap)
+          sums[i] = std::fma(weight[tap * tap_floats], voxel[tap * in.voxel_floats], sums[i]);
+      }
+    }
+    take(block, sums);
+  }
+}
+
+void store(const BlockOfSums& sums, float* to) { std::copy_n(sums, block_floats, to); }
+
+bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
+  bool all = true;
+  for (int i = 0; i < block_floats; i += 4) all &= composite_pixel(sums + i, opaque, image + i);
+  return all;
+}
+
+#else
+
+using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
+
+void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
+                  const std::uint64_t* opaque, std::uint64_t* covered) {
+  const Words d;
+  for (std::size_t word = 0; word < voxels.row_words; word += hn::Lanes(d)) {
+    auto before = hn::Zero(d), here = before, behind = before;
+    for (int y = rows.first; y < rows.end; y += rows.step) {
+      const std::uint64_t* filled = filled_row(voxels, y) + word;
+      before = hn::Or(before, hn::LoadU(d, filled - 1));
+      here = hn::Or(here, hn::LoadU(d, filled));
+      behind = hn::Or(behind, hn::LoadU(d, filled + 1));
+    }
+    auto bits = here;
+    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k)
+      bits = hn::Or(bits, hn::Or(hn::ShiftLeftSame(here, k), hn::ShiftRightSame(before, 64 - k)));
+    for (int k = 1; k <= slice.reach_x; ++k)
+      bits = hn::Or(bits, hn::Or(hn::ShiftRightSame(here, k), hn::ShiftLeftSame(behind, 64 - k)));
+    bits = hn::Or(bits, hn::ShiftRight<1>(bits));
+    bits = hn::And(hn::Or(bits, hn::ShiftRight<2>(bits)), hn::Set(d, 0x1111111111111111));
+    bits = hn::Or(bits, hn::ShiftLeft<1>(bits));
+    bits = hn::And(hn::Or(bits, hn::ShiftLeft<2>(bits)), hn::LoadU(d, voxels.inside + word));
+    if (opaque != nullptr) bits = hn::AndNot(hn::LoadU(d, opaque + word), bits);
+    hn::StoreU(bits, d, covered + word);
+  }
+}
+
+constexpr int parts = block_floats / int(lanes);
+using BlockOfSums = FloatVector[parts];
+
+/// Any number of taps.
+template <class Take>
+HWY_INLINE void convolve_any(const BlockSums& in, const Take& take) {
+  const Floats d;
+  for (int block = 0; block < in.blocks; ++block) {
+    BlockOfSums sums;
+    for (int i = 0; i < parts; ++i) {
+      const float* voxels = in.voxels + block * block_floats + i * int(lanes);
+      const float* weights = in.weights + i * int(lanes);
+      sums[i] = hn::Zero(d);
+      for (int row = 0; row < in.rows; ++row, voxels += in.row_floats, weights -= in.weights_floats) {
+        for (int tap = 0; tap < in.taps; ++tap)
+          sums[i] = hn::MulAdd(hn::LoadU(d, weights + tap * tap_floats),
+                               hn::LoadU(d, voxels + tap * in.voxel_floats), sums[i]);
+      }
+    }
+    take(block, sums);
+  }
+}
+
+/// The same for four taps, as most kernels have, of `blocks` blocks: sums of their own, so that no addition
+/// waits for the one before. `alike`: at one pixel a voxel a tap has one weight in all pixels.
+template <int rows, bool alike, int blocks, class Take>
+HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) {
+  const Floats d;
+  constexpr int taps = 4;
+  BlockOfSums sums[blocks];
+  for (auto& block : sums)
+    for (auto& part : block) part = hn::Zero(d);
+  for (int row = 0; row < rows; ++row) {
+    for (int tap = 0; tap < taps; ++tap) {
+      const float* weight = in.weights + tap * tap_floats - row * in.weights_floats;
+      const float* voxels = in.voxels + first * block_floats + row * in.row_floats + tap * in.voxel_floats;
+      for (int block = 0; block < blocks; ++block)
+        for (int i = 0; i < parts; ++i)
+          sums[block][i] =
+              hn::MulAdd(alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + i * int(lanes)),
+                         hn::LoadU(d, voxels + block * block_floats + i * int(lanes)), sums[block][i]);
+    }
+  }
+  for (int block = 0; block < blocks; ++block) take(first + block, sums[block]);
+}
+
+template <int rows, bool alike, class Take>
+HWY_INLINE void convolve_rows(const BlockSums& in, const Take& take) {
+  int block = 0;
+  for (; block + 2 <= in.blocks; block += 2) convolve_some<rows, alike, 2>(in, block, take);
+  if (block < in.blocks) convolve_some<rows, alike, 1>(in, block, take);
+}
+
+template <bool alike, class Take>
+HWY_INLINE void convolve_four_taps(const BlockSums& in, const Take& take) {
+  switch (in.rows) {
+    case 1:
+      return convolve_rows<1, alike>(in, take);
+    case 2:
+      return convolve_rows<2, alike>(in, take);
+    case 3:
+      return convolve_rows<3, alike>(in, take);
+    case 4:
+      return convolve_rows<4, alike>(in, take);
+    default:
+      return convolve_any(in, take);
+  }
+}
+
+template <class Take>
+HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
+  if (in.taps != 4)
+    convolve_any(in, take);
+  else if (in.voxel_floats == 4)
+    convolve_four_taps<true>(in, take);
+  else
+    convolve_four_taps<false>(in, take);
+}
+
+HWY_INLINE void store(const BlockOfSums& sums, float* to) {
+  for (int i = 0; i < parts; ++i) hn::Store(sums[i], Floats(), to + i * int(lanes));
+}
+
+/// True when all pixels of the image are opaque then.
+HWY_INLINE bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
+  const Floats d;
+  auto all = hn::FirstN(d, lanes);
+  for (int i = 0; i < parts; ++i)
+    all = hn::And(all, composite_pixels(sums[i], hn::Set(d, opaque), image + i * int(lanes)));
+  return hn::AllTrue(d, all);
+}
+
+#endif
+
+/// Calls use(row of anchors, x, y, blocks) for runs of blocks, row by row; when a row of anchors reaches no
+/// further ones, its voxels are taken out, while they are still near.
+template <class Use>
+HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* opaque,
+                      std::uint64_t* covered, const Use& use) {
+  const int begin = std::max(voxels.top - slice.reach_y, 0),
+            end = std::min(voxels.bottom + slice.reach_y + 1, voxels.buffer.height);
+  int taken_out = voxels.top;
+  for (int y = begin; y < end; ++y) {
+    const Reaching rows = reaching(voxels, slice, y);
+    if (rows.first > taken_out) take_out(voxels, std::exchange(taken_out, rows.first), rows.first);
+    find_covered(voxels, slice, rows,
+                 opaque != nullptr ? opaque + std::size_t(y) * voxels.row_words : nullptr, covered);
+    int x = 0, x_end = 0;  // covered pixels that are not summed yet
+    for (std::size_t word = 0; word < voxels.row_words; ++word) {
+      for_each_bit_run(covered[word], [&](int first, int count) {
+        first += int(word) * 64 - voxels.left;
+        // A block between two runs costs less than beginning anew.
+        if (x < x_end && first - x_end > block_pixels) {
+          use(rows, x, y, (x_end - x) / block_pixels);
+          x_end = x;
+        }
+        if (x == x_end) x = first;
+        x_end = first + count;
+      });
+    }
+    if (x < x_end) use(rows, x, y, (x_end - x) / block_pixels);
+  }
+  take_out(voxels, taken_out, voxels.bottom);
+}
+
+void CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                     std::uint64_t* covered) {
+  sweep(voxels, slice, image.opaque, covered, [&](const Reaching& rows, int x, int y, int blocks) {
+    float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
+    std::uint64_t* opaque = image.opaque + std::size_t(y) * voxels.row_words;
+    convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, const BlockOfSums& sums) {
+      if (!composite_block(sums, image.opaque_threshold, to + block * block_floats)) return;
+      const int pixel = voxels.left + x + block * block_pixels;
+      opaque[pixel / 64] |= std::uint64_t{15} << pixel % 64;
+    });
+  });
+}
+
+void SumVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* covered, float* sums,
+               const std::function<void(float*, int, int, int)>& use) {
+  sweep(voxels, slice, nullptr, covered, [&](const Reaching& rows, int x, int y, int blocks) {
+    convolve(block_sums(voxels, slice, rows, x, y, blocks),
+             [&](int block, const BlockOfSums& block_sum) { store(block_sum, sums + block * block_floats); });
+    use(sums, x, y, blocks * block_pixels);
+  });
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+
+HWY_EXPORT(CompositeVoxels);
+HWY_EXPORT(SumVoxels);
+
+void composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                      std::uint64_t* covered) {
+  HWY_DYNAMIC_DISPATCH(CompositeVoxels)(voxels, slice, image, covered);
+}
+
+void sum_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* covered, float* sums,
+                const std::function<void(float*, int, int, int)>& use) {
+  HWY_DYNAMIC_DISPATCH(SumVoxels)(voxels, slice, covered, sums, use);
+}
+
+void take_out(const PlacedVoxelRows& voxels, int first, int end) {
+  for (int y = first; y < end; ++y) {
+    std::uint64_t* filled = filled_row(voxels, y);
+    for (std::size_t word = 0; word < voxels.row_words; ++word) {
+      for_each_bit_run(whole_blocks(std::exchange(filled[word], 0)), [&](int first_pixel, int count) {
+        float* pixels = voxels.buffer.origin + y * voxels.buffer.row_floats +
+                        std::ptrdiff_t{4} * (int(word) * 64 + first_pixel - voxels.left);
+        // Few at a time: a length that is not known here would be a call, or a slow instruction for long
+        // ones.
+        for (int block = 0; block < count / block_pixels; ++block, pixels += block_floats)
+          std::memset(pixels, 0, sizeof(float) * block_floats);
+      });
+    }
+  }
+}
+
+}  // namespace ringsplat
+#endif

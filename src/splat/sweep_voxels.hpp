@@ -1,0 +1,56 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "ringsplat/splat/aligned_slice.hpp"
+#include "splat/slice_buffer.hpp"
+
+namespace ringsplat {
+
+/// Of every four bits, of a word's first ones on: the first is set where any was.
+inline std::uint64_t first_of_blocks(std::uint64_t bits) {
+  bits |= bits >> 1;
+  return (bits | bits >> 2) & 0x1111111111111111;
+}
+inline std::uint64_t whole_blocks(std::uint64_t bits) { return first_of_blocks(bits) * 15; }
+
+/// Words of a row of bits, a bit a pixel, are whole vectors of as many.
+inline constexpr std::size_t words_a_vector = 8;
+
+/// A region's voxels of one aligned slice: premultiplied, each in the slice buffer at its anchor and in the
+/// pixels from there to the next voxel's. Rows of bits begin `left` pixels before the region.
+struct PlacedVoxelRows {
+  SliceBuffer buffer;
+  std::uint64_t* filled = nullptr;        ///< which pixels hold voxels, of the region's first row of anchors
+  const std::uint64_t* inside = nullptr;  ///< the region's pixels, whole blocks
+  std::size_t row_words = 0;  ///< whole vectors; the last one is 0, as is the one before the first
+  int left = 0;
+  int top = 0, bottom = 0;  ///< rows of anchors top … bottom − 1, the first of which holds voxels
+  int phase_x = 0;          ///< of the voxels' anchors, modulo their step
+};
+
+/// A region's composited pixels.
+struct ImageRows {
+  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
+  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
+  float opaque_threshold = 0;       ///< transmittances below it count as 0
+  std::uint64_t* opaque = nullptr;  ///< rows of bits: blocks of which all pixels are opaque
+};
+
+/// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once and not once for
+/// each of its voxels; composites them behind the image, but for what is opaque there; and takes the voxels
+/// out. `covered` has room for a row of bits. The bits that draw_with_stencil sums, given the voxels row by
+/// row, and composite_row makes of them.
+void composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                      std::uint64_t* covered);
+
+/// The same sums, one run of blocks after another, in `sums`, which has room for a row, 64-byte aligned:
+/// calls use(sums, x, y, pixels) for each, which may change them. The last block may end behind the region.
+void sum_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* covered, float* sums,
+                const std::function<void(float*, int, int, int)>& use);
+
+/// Takes the voxels out of rows of anchors first … end − 1.
+void take_out(const PlacedVoxelRows& voxels, int first, int end);
+
+}  // namespace ringsplat
