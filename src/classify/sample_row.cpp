@@ -47,20 +47,53 @@ HWY_INLINE Colour light(Colour colour, const PhongTable::Entry& entry) {
 /// The columns of a block: all but in a row's last one, which has fewer.
 using WholeBlock = std::integral_constant<int, mask_bits>;
 
-/// Their places in a table, made together: vectors of columns, since their number is known here.
-using Places = std::uint16_t[mask_bits];
+/// Their places in a table, made together.
+template <class Place>
+struct Places {
+  Place of[mask_bits];
+};
 
-template <class T, class Count>
-HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, Count count,
-                                 Places& places) {
-  for (int i = 0; i < count; ++i)
-    places[i] = std::uint16_t(std::clamp<int>(load<T>(row, i), table.low, table.high) - table.low);
+template <class T>
+HWY_INLINE std::make_unsigned_t<T> place_of_value(const Classifier::Table& table, T value) {
+  return std::make_unsigned_t<T>(std::clamp<int>(value, table.low, table.high) - table.low);
 }
 
-template <class Count>
-HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, Count count, Places& places) {
-  for (int i = 0; i < count; ++i) places[i] = PhongTable::place_of(normals[i]);
+template <class T>
+HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, int count,
+                                 Places<std::make_unsigned_t<T>>& places) {
+  for (int i = 0; i < count; ++i) places.of[i] = place_of_value(table, load<T>(row, i));
 }
+
+HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, int count,
+                                  Places<std::uint16_t>& places) {
+  for (int i = 0; i < count; ++i) places.of[i] = PhongTable::place_of(normals[i]);
+}
+
+#if !RINGSPLAT_ONE_BY_ONE
+
+/// Of a whole block: differences stay within the type, which a compiler does not see.
+template <class T>
+HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, WholeBlock,
+                                 Places<std::make_unsigned_t<T>>& places) {
+  const hn::CappedTag<T, mask_bits> d;
+  const auto low = hn::Set(d, T(table.low)), high = hn::Set(d, T(table.high));
+  for (std::size_t i = 0; i < mask_bits; i += hn::Lanes(d)) {
+    const auto value = hn::LoadU(d, reinterpret_cast<const T*>(row) + i);
+    hn::StoreU(hn::Sub(hn::Min(hn::Max(value, low), high), low), d, reinterpret_cast<T*>(places.of) + i);
+  }
+}
+
+HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, WholeBlock,
+                                  Places<std::uint16_t>& places) {
+  const hn::CappedTag<std::uint16_t, mask_bits> d;
+  for (std::size_t i = 0; i < mask_bits; i += hn::Lanes(d)) {
+    const auto code = hn::LoadU(d, normals + i);
+    const auto opposite = hn::SaturatedSub(hn::Set(d, std::uint16_t(opposite_codes)), code);
+    hn::StoreU(hn::Min(code, opposite), d, places.of + i);
+  }
+}
+
+#endif
 
 /// Calls use(count) with how many of the row's columns the block has.
 template <class Use>
@@ -84,19 +117,20 @@ HWY_INLINE void fill_block(const VisibleBlock& block, ClassifiedSample* samples,
 template <class T>
 HWY_INLINE void fill_from_table(const Classifier::Table& table, const VoxelRow& row, const PhongTable* phong,
                                 VisibleRow& out) {
-  Places values, entries;
+  Places<std::make_unsigned_t<T>> values;
+  Places<std::uint16_t> entries;
   ClassifiedSample* const samples = out.samples.data();
   for (const VisibleBlock& block : out.blocks) {
     with_columns(block, row.columns, [&](auto count) {
       places_of_values<T>(table, row.values + sizeof(T) * block.first, count, values);
       if (phong != nullptr) places_of_normals(row.normals + block.first, count, entries);
     });
-    const auto unlit = [&](int i) { return read(table.samples[values[i]]); };
+    const auto unlit = [&](int i) { return read(table.samples[values.of[i]]); };
     if (phong == nullptr)
       fill_block(block, samples, [&](int i, std::uint32_t) { return unlit(i); });
     else
       fill_block(block, samples, [&, lights = phong->entries()](int i, std::uint32_t) {
-        return light(unlit(i), lights[entries[i]]);
+        return light(unlit(i), lights[entries.of[i]]);
       });
   }
 }
@@ -116,13 +150,13 @@ void FillFromTable(const Classifier::Table& table, ScalarType type, const VoxelR
 }
 
 void LightRow(const PhongTable& phong, const VoxelRow& row, VisibleRow& out) {
-  Places entries;
+  Places<std::uint16_t> entries;
   ClassifiedSample* const samples = out.samples.data();
   for (const VisibleBlock& block : out.blocks) {
     with_columns(block, row.columns,
                  [&](auto count) { places_of_normals(row.normals + block.first, count, entries); });
     fill_block(block, samples, [&, lights = phong.entries()](int i, std::uint32_t k) {
-      return light(read(samples[block.sample + k]), lights[entries[i]]);
+      return light(read(samples[block.sample + k]), lights[entries.of[i]]);
     });
   }
 }
