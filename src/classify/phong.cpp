@@ -47,10 +47,9 @@ using Mirrored = float[block];
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-/// The entries but for their highlights; true when some of those are not faint. In plain loops, of which a
-/// compiler makes vectors of normals.
-bool LightBlock(const NormalBlock& n, const Lighting& lighting, PhongTable::Entry* entries,
-                Mirrored& mirrored) {
+/// The scales; true when some highlights are not faint. In plain loops, of which a compiler makes vectors of
+/// normals.
+bool LightBlock(const NormalBlock& n, const Lighting& lighting, float* scales, Mirrored& mirrored) {
   const auto [light, viewer, light_viewer, ambient, diffuse, faint] = lighting;
   int seen = 0;
   for (std::size_t k = 0; k < block; ++k) {
@@ -61,7 +60,7 @@ bool LightBlock(const NormalBlock& n, const Lighting& lighting, PhongTable::Entr
     const float same_side = facing_light * facing_viewer, lobe = 2.0F * same_side - light_viewer;
     mirrored[k] = same_side > 0 ? lobe : 0.0F;
     seen |= mirrored[k] > faint ? 1 : 0;
-    entries[k] = {std::min(ambient + diffuse * std::abs(facing_light), most), 0.0F};
+    scales[k] = std::min(ambient + diffuse * std::abs(facing_light), most);
   }
   return seen != 0;
 }
@@ -130,20 +129,24 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
                           to_float(material.ambient),
                           to_float(material.diffuse),
                           exponent > 0 ? std::pow(1e-6F, 1.0F / exponent) : 0.0F};
-  entries_.resize(table_size);
+  scales_.resize(table_size);
+  highlights_.resize(table_size);
   const Normals& n = all_normals();
   for (std::size_t first = 0; first < table_size; first += block) {
     Mirrored mirrored;
-    Entry* entries = &entries_[first];
+    float* scales = &scales_[first];
     // Most powers need not be taken.
-    if (!HWY_DYNAMIC_DISPATCH(LightBlock)({&n.x[first], &n.y[first], &n.z[first]}, lighting, entries,
+    if (!HWY_DYNAMIC_DISPATCH(LightBlock)({&n.x[first], &n.y[first], &n.z[first]}, lighting, scales,
                                           mirrored))
       continue;
-    for (std::size_t k = 0; k < block; ++k)
-      if (mirrored[k] > lighting.faint)
-        entries[k].add = specular * std::pow(std::min(mirrored[k], 1.0F), exponent);
+    for (std::size_t k = 0; k < block; ++k) {
+      if (!(mirrored[k] > lighting.faint)) continue;
+      scales[k] = -scales[k];
+      highlights_[first + k] = specular * std::pow(std::min(mirrored[k], 1.0F), exponent);
+    }
   }
-  entries_[no_normal] = {1.0F, 0.0F};
+  scales_[no_normal] = 1;
+  highlights_[no_normal] = 0;
 }
 
 }  // namespace ringsplat

@@ -22,9 +22,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Colour = ClassifiedSample;
 HWY_INLINE Colour read(const ClassifiedSample& sample) { return sample; }
 HWY_INLINE void write(const Colour& colour, ClassifiedSample& sample) { sample = colour; }
-HWY_INLINE Colour light(const Colour& s, const PhongTable::Entry& entry) {
-  return {std::min(s.r * entry.scale + entry.add, 1.0F), std::min(s.g * entry.scale + entry.add, 1.0F),
-          std::min(s.b * entry.scale + entry.add, 1.0F), s.opacity};
+HWY_INLINE Colour light(const Colour& s, const PhongTable::Entries& lights, std::uint16_t place) {
+  const float scale = std::abs(lights.scales[place]), add = lights.highlights[lights.highlight_of(place)];
+  return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
+          std::min(s.b * scale + add, 1.0F), s.opacity};
 }
 
 #else
@@ -35,10 +36,11 @@ HWY_INLINE Colour read(const ClassifiedSample& sample) { return hn::LoadU(FourFl
 HWY_INLINE void write(Colour colour, ClassifiedSample& sample) {
   hn::StoreU(colour, FourFloats(), &sample.r);
 }
-HWY_INLINE Colour light(Colour colour, const PhongTable::Entry& entry) {
+HWY_INLINE Colour light(Colour colour, const PhongTable::Entries& lights, std::uint16_t place) {
   const FourFloats d;
-  const auto lit =
-      hn::Min(hn::Add(hn::Mul(colour, hn::Set(d, entry.scale)), hn::Set(d, entry.add)), hn::Set(d, 1.0F));
+  const auto scale = hn::Abs(hn::Set(d, lights.scales[place])),
+             add = hn::Set(d, lights.highlights[lights.highlight_of(place)]);
+  const auto lit = hn::Min(hn::Add(hn::Mul(colour, scale), add), hn::Set(d, 1.0F));
   return hn::IfThenElse(hn::FirstN(d, 3), lit, colour);
 }
 
@@ -130,7 +132,7 @@ HWY_INLINE void fill_from_table(const Classifier::Table& table, const VoxelRow& 
       fill_block(block, samples, [&](int i, std::uint32_t) { return unlit(i); });
     else
       fill_block(block, samples, [&, lights = phong->entries()](int i, std::uint32_t) {
-        return light(unlit(i), lights[entries.of[i]]);
+        return light(unlit(i), lights, entries.of[i]);
       });
   }
 }
@@ -156,7 +158,7 @@ void LightRow(const PhongTable& phong, const VoxelRow& row, VisibleRow& out) {
     with_columns(block, row.columns,
                  [&](auto count) { places_of_normals(row.normals + block.first, count, entries); });
     fill_block(block, samples, [&, lights = phong.entries()](int i, std::uint32_t k) {
-      return light(read(samples[block.sample + k]), lights[entries.of[i]]);
+      return light(read(samples[block.sample + k]), lights, entries.of[i]);
     });
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 #include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
@@ -25,24 +27,29 @@ class PhongTable {
 
   /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
   ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
-    return entries_[place_of(normal)].light(s);
+    const std::uint16_t place = place_of(normal);
+    const float scale = std::abs(scales_[place]), add = highlights_[entries().highlight_of(place)];
+    return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
+            std::min(s.b * scale + add, 1.0F), s.opacity};
   }
 
-  struct Entry {
-    float scale, add;
-    ClassifiedSample light(const ClassifiedSample& s) const {
-      return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
-              std::min(s.b * scale + add, 1.0F), s.opacity};
+  /// A colour is multiplied by |scale|, and the highlight is added. Most normals have none, and the table is
+  /// larger than a cache's share: so scales below zero, or −0, tell which have one, and others' are not read.
+  struct Entries {
+    const float *scales, *highlights;
+    /// Where the highlight of a place is: there or, of those without one, at 0.
+    std::uint16_t highlight_of(std::uint16_t place) const {
+      return std::uint16_t(place & (std::bit_cast<std::int32_t>(scales[place]) >> 31));
     }
   };
-  const Entry* entries() const { return entries_.data(); }
+  Entries entries() const { return {scales_.data(), highlights_.data()}; }
   /// Among the entries; numbers that are no code have no_normal's.
   static std::uint16_t place_of(NormalCode normal) {
     return std::uint16_t(std::max(std::min(int(normal), opposite_codes - int(normal)), 0));
   }
 
  private:
-  std::vector<Entry> entries_;
+  std::vector<float> scales_, highlights_;  ///< by place; of place 0, no_normal's, 1 and 0
 };
 
 }  // namespace ringsplat
