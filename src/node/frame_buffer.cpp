@@ -68,7 +68,7 @@ bool FrameBuffer::announce_next() {
   if (spec->dealt_to == 0) spec->dealt_to = layout_.renderers;
   Frame frame;
   frame.geometry = make_geometry(*spec, grid_);
-  frame.image = Image(frame.geometry.width, frame.geometry.height);
+  frame.image = Image::uninitialised(frame.geometry.width, frame.geometry.height);
   frame.filled = {frame.image.width, frame.image.height, -1, -1};
   frame.owners = frame.geometry.owners(layout_.renderers);
   frame.tile_here.resize(std::size_t(frame.geometry.regions.count()));
@@ -159,7 +159,18 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
   --frame.reports_missing;
 }
 
+/// Most pixels come with tiles.
+void FrameBuffer::clear_where_no_tile_came(Frame& frame) {
+  for (int region = 0; region < frame.geometry.regions.count(); ++region) {
+    if (frame.tile_here[std::size_t(region)]) continue;
+    const PixelRect rect = frame.geometry.regions.rect(region);
+    for (int y = rect.y0; y < rect.y1; ++y)
+      std::fill(frame.image.pixel(rect.x0, y), frame.image.pixel(rect.x1, y), 0.0F);
+  }
+}
+
 void FrameBuffer::complete(Frame&& frame) {
+  if (!frame.stats.dropped) clear_where_no_tile_came(frame);
   if (frame.geometry.warp && !frame.stats.dropped)
     frame.image =
         warp_image(frame.image, frame.filled, *frame.geometry.warp, frame.spec.width, frame.spec.height);

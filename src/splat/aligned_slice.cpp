@@ -44,6 +44,7 @@ class Window {
 };
 
 void take_weights(const Window& window, AlignedSlice& slice) {
+  slice.covered.reserve(std::size_t(window.width()) * std::size_t(window.height()));
   slice.first_row = window.height();
   slice.end_row = 0;
   for (int row = 0; row < window.height(); ++row) {
@@ -55,6 +56,7 @@ void take_weights(const Window& window, AlignedSlice& slice) {
     }
   }
   slice.taps = (window.width() + slice.step_x - 1) / slice.step_x;
+  slice.weights.reserve(std::size_t(window.height()) * std::size_t(slice.taps) * tap_floats);
   for (int row = 0; row < window.height(); ++row) {
     for (int tap = 0; tap < slice.taps; ++tap) {
       for (int pixel = 0; pixel < tap_floats / 4; ++pixel) {

@@ -222,10 +222,7 @@ Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp&
   const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),
                            std::min<std::int64_t>(filled.x1, plane.width - 4),
                            std::min<std::int64_t>(filled.y1, plane.height - 4)};
-  Image screen;
-  screen.width = width;
-  screen.height = height;
-  screen.rgba.resize(std::size_t(4) * std::size_t(width) * std::size_t(height));
+  Image screen = Image::uninitialised(width, height);
   for (int y = 0; y < height; ++y) {
     const WarpedRow row = seen_of_row(plane, firsts, warp, y, width);
     std::fill(screen.pixel(0, y), screen.pixel(row.first, y), 0.0F);

@@ -17,6 +17,14 @@ struct Image {
   Image() = default;
   /// A fully transparent image.
   Image(int w, int h) : width(w), height(h), rgba(std::size_t(4) * std::size_t(w) * std::size_t(h), 0.0F) {}
+  /// To be written whole.
+  static Image uninitialised(int w, int h) {
+    Image image;
+    image.width = w;
+    image.height = h;
+    image.rgba.resize(std::size_t(4) * std::size_t(w) * std::size_t(h));
+    return image;
+  }
   float* pixel(int x, int y) {
     return rgba.data() + 4 * (std::size_t(y) * std::size_t(width) + std::size_t(x));
   }

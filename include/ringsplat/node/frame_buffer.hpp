@@ -76,6 +76,7 @@ class FrameBuffer final : public Node {
   void take_tile(Frame& frame, const Message& message);
   void take_report(Frame& frame, const Message& message);
   void take_link_report(const Message& message);
+  static void clear_where_no_tile_came(Frame& frame);
   void complete(Frame&& frame);
   void hand_over(Settling&& settled);
 
