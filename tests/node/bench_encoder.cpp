@@ -1,7 +1,7 @@
 // What a GP's and a Renderer's part of a frame take alone: all slices of a volume, an orbit of views, as the
 // frame loop would have them encoded for one Renderer, with the news of opaque tiles that it would have had,
-// and drawn. Prints medians over the views of the best of several repetitions, in milliseconds of the thread's
-// time.
+// and drawn. Prints medians over the views of the best of several repetitions, in milliseconds of the
+// thread's time.
 //   bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]
 #include <time.h>
 
@@ -149,7 +149,8 @@ int main(int argc, char** argv) try {
   for (int k = 0; k < repetitions; ++k)
     for (View& v : all) measure(v, store, empty_space);
   std::printf(
-      "visible %.0f, sent %.0f, encoder made in %.3f ms, slices encoded in %.2f ms, %.1f ns a splat, drawn in %.2f ms\n",
+      "visible %.0f, sent %.0f, encoder made in %.3f ms, slices encoded in %.2f ms, %.1f ns a splat, drawn "
+      "in %.2f ms\n",
       median(all, [](const View& v) { return v.visible; }), median(all, [](const View& v) { return v.sent; }),
       median(all, [](const View& v) { return v.make; }), median(all, [](const View& v) { return v.encode; }),
       median(all, [](const View& v) { return 1e6 * v.encode / double(v.sent); }),
