@@ -4,7 +4,7 @@
 #
 # The repository's head, 512x512, 24 views that traverse all three slice sets, the opacities of mr-soft (about 32 % of
 # the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded; ringsplat with two colocated ranks, on the screen and in the
-# plane of the slices. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
+# plane of the slices, and there with one GP and one Renderer as well. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
 # Prints a Markdown table. VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
@@ -63,15 +63,17 @@ frames() {
   "$@" 2>>"$work/log" | tail -n +2 >>"$list" || { cat "$work/log" >&2; die "$1 failed"; }
 }
 
+colocated="--roles colocated --gps 2 --renderers 2"
 declare -A setting=(
-  [screen]=""
-  [slices]="--image-plane slices"
-  [sharp]="--image-plane slices --radius 1 --normalisation exact"
+  [screen]="$colocated"
+  [slices]="$colocated --image-plane slices"
+  [apart]="--gps 1 --renderers 1 --image-plane slices"
+  [sharp]="$colocated --image-plane slices --radius 1 --normalisation exact"
 )
 
 ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...
   # shellcheck disable=SC2086  # a setting's options are words
-  run_ranks 2 "$build/ringsplat" render "${volume[@]}" --roles colocated --gps 2 --renderers 2 --look-ahead 4 --slots 16 --send-ahead 16 --size 512 --tf "$work/$2.json" --shading "$3" \
+  run_ranks 2 "$build/ringsplat" render "${volume[@]}" --look-ahead 4 --slots 16 --send-ahead 16 --size 512 --tf "$work/$2.json" --shading "$3" \
     --path "$work/$4" ${setting[$1]} "${options[@]}" "${@:5}" >/dev/null
 }
 

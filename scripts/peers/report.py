@@ -13,6 +13,7 @@ from pathlib import Path
 NAMES = {
     "screen": "ringsplat, on the screen",
     "slices": "ringsplat, in the slices' plane",
+    "apart": "ringsplat, in the slices' plane, one GP and one Renderer",
     "sharp": "ringsplat, in the slices' plane, radius 1, exact normalisation",
     "vtk": "VTK fixed-point, all cores",
     "volpack": "VolPack, one core",
