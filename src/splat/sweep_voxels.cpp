@@ -37,6 +37,12 @@ Reaching reaching(const PlacedVoxelRows& voxels, const AlignedSlice& slice, int 
   return {voxels.top + steps * step, std::min(y + slice.reach_y - slice.first_row + 1, voxels.bottom), step};
 }
 
+/// Of every four bits, of a word's first ones on: all are set where any was.
+std::uint64_t whole_blocks(std::uint64_t bits) {
+  bits |= bits >> 1;
+  return ((bits | bits >> 2) & 0x1111111111111111) * 15;
+}
+
 std::uint64_t* filled_row(const PlacedVoxelRows& voxels, int y) {
   return voxels.filled + y * std::ptrdiff_t(voxels.row_words);
 }
@@ -75,27 +81,36 @@ BlockSums block_sums(const PlacedVoxelRows& voxels, const AlignedSlice& slice, c
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-#if RINGSPLAT_ONE_BY_ONE
+using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
 
 /// The blocks that kernels of those rows can cover, but for what `opaque`, if not null, has: from reach
 /// before an anchor to reach + 1 behind it, of which a voxel fills the first pixels.
 void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
                   const std::uint64_t* opaque, std::uint64_t* covered) {
-  for (std::size_t word = 0; word < voxels.row_words; ++word) {
-    std::uint64_t before = 0, here = 0, behind = 0;
+  const Words d;
+  for (std::size_t word = 0; word < voxels.row_words; word += hn::Lanes(d)) {
+    auto before = hn::Zero(d), here = before, behind = before;
     for (int y = rows.first; y < rows.end; y += rows.step) {
       const std::uint64_t* filled = filled_row(voxels, y) + word;
-      before |= filled[-1];
-      here |= filled[0];
-      behind |= filled[1];
+      before = hn::Or(before, hn::LoadU(d, filled - 1));
+      here = hn::Or(here, hn::LoadU(d, filled));
+      behind = hn::Or(behind, hn::LoadU(d, filled + 1));
     }
-    std::uint64_t bits = here;
-    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k) bits |= here << k | before >> (64 - k);
-    for (int k = 1; k <= slice.reach_x; ++k) bits |= here >> k | behind << (64 - k);
-    covered[word] = whole_blocks(bits) & voxels.inside[word];
-    if (opaque != nullptr) covered[word] &= ~opaque[word];
+    auto bits = here;
+    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k)
+      bits = hn::Or(bits, hn::Or(hn::ShiftLeftSame(here, k), hn::ShiftRightSame(before, 64 - k)));
+    for (int k = 1; k <= slice.reach_x; ++k)
+      bits = hn::Or(bits, hn::Or(hn::ShiftRightSame(here, k), hn::ShiftLeftSame(behind, 64 - k)));
+    bits = hn::Or(bits, hn::ShiftRight<1>(bits));
+    bits = hn::And(hn::Or(bits, hn::ShiftRight<2>(bits)), hn::Set(d, 0x1111111111111111));
+    bits = hn::Or(bits, hn::ShiftLeft<1>(bits));
+    bits = hn::And(hn::Or(bits, hn::ShiftLeft<2>(bits)), hn::LoadU(d, voxels.inside + word));
+    if (opaque != nullptr) bits = hn::AndNot(hn::LoadU(d, opaque + word), bits);
+    hn::StoreU(bits, d, covered + word);
   }
 }
+
+#if RINGSPLAT_ONE_BY_ONE
 
 using BlockOfSums = float[block_floats];
 
@@ -125,33 +140,6 @@ bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
 }
 
 #else
-
-using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
-
-void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
-                  const std::uint64_t* opaque, std::uint64_t* covered) {
-  const Words d;
-  for (std::size_t word = 0; word < voxels.row_words; word += hn::Lanes(d)) {
-    auto before = hn::Zero(d), here = before, behind = before;
-    for (int y = rows.first; y < rows.end; y += rows.step) {
-      const std::uint64_t* filled = filled_row(voxels, y) + word;
-      before = hn::Or(before, hn::LoadU(d, filled - 1));
-      here = hn::Or(here, hn::LoadU(d, filled));
-      behind = hn::Or(behind, hn::LoadU(d, filled + 1));
-    }
-    auto bits = here;
-    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k)
-      bits = hn::Or(bits, hn::Or(hn::ShiftLeftSame(here, k), hn::ShiftRightSame(before, 64 - k)));
-    for (int k = 1; k <= slice.reach_x; ++k)
-      bits = hn::Or(bits, hn::Or(hn::ShiftRightSame(here, k), hn::ShiftLeftSame(behind, 64 - k)));
-    bits = hn::Or(bits, hn::ShiftRight<1>(bits));
-    bits = hn::And(hn::Or(bits, hn::ShiftRight<2>(bits)), hn::Set(d, 0x1111111111111111));
-    bits = hn::Or(bits, hn::ShiftLeft<1>(bits));
-    bits = hn::And(hn::Or(bits, hn::ShiftLeft<2>(bits)), hn::LoadU(d, voxels.inside + word));
-    if (opaque != nullptr) bits = hn::AndNot(hn::LoadU(d, opaque + word), bits);
-    hn::StoreU(bits, d, covered + word);
-  }
-}
 
 constexpr int parts = block_floats / int(lanes);
 using BlockOfSums = FloatVector[parts];
@@ -257,7 +245,9 @@ HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, 
   int taken_out = voxels.top;
   for (int y = begin; y < end; ++y) {
     const Reaching rows = reaching(voxels, slice, y);
-    if (rows.first > taken_out) take_out(voxels, std::exchange(taken_out, rows.first), rows.first);
+    // Beyond the last row of anchors none has voxels.
+    const int done = std::min(rows.first, voxels.bottom);
+    if (done > taken_out) take_out(voxels, std::exchange(taken_out, done), done);
     find_covered(voxels, slice, rows,
                  opaque != nullptr ? opaque + std::size_t(y) * voxels.row_words : nullptr, covered);
     int x = 0, x_end = 0;  // covered pixels that are not summed yet

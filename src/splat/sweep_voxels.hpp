@@ -8,13 +8,6 @@
 
 namespace ringsplat {
 
-/// Of every four bits, of a word's first ones on: the first is set where any was.
-inline std::uint64_t first_of_blocks(std::uint64_t bits) {
-  bits |= bits >> 1;
-  return (bits | bits >> 2) & 0x1111111111111111;
-}
-inline std::uint64_t whole_blocks(std::uint64_t bits) { return first_of_blocks(bits) * 15; }
-
 /// Words of a row of bits, a bit a pixel, are whole vectors of as many.
 inline constexpr std::size_t words_a_vector = 8;
 
