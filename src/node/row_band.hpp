@@ -84,13 +84,12 @@ class RowBand {
       passes |= std::uint16_t(1U << (first + std::countr_zero(mask)) % stride_);
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
-  /// True when the pixels (inclusive, on the screen) inside the region are opaque, as far as is known here.
-  bool hidden(int region, const PixelWindow& window) const {
-    if (!cover(region).worth_asking()) return false;
+  /// How much of the pixels (inclusive, on the screen) inside the region is opaque, as far as is known here.
+  OpaqueCover::Cover hidden(int region, const PixelWindow& window) const {
+    if (!cover(region).worth_asking()) return OpaqueCover::Cover::none;
     const PixelRect& pixels = rect(region);
     return cover(region).of(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
-                            double(window.x1 - pixels.x0),
-                            double(window.y1 - pixels.y0)) == OpaqueCover::Cover::all;
+                            double(window.x1 - pixels.x0), double(window.y1 - pixels.y0));
   }
   const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }

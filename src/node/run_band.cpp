@@ -58,19 +58,15 @@ class RunBand final : public RowBand {
 
   void encode_row(int row) override {
     if (!together_.has(rows_.slice().index, row)) together_ = rows_from(row);
-    if (together_.region == Rows::none) {
-      begin_row();
-      find_pieces();
-    } else if (together_.hidden == OpaqueCover::Cover::none) {
-      append_row(together_.region, row);
-      return;
-    } else if (together_.hidden == OpaqueCover::Cover::some) {
-      begin_row();
-      pieces_.clear();
+    if (together_.hidden == OpaqueCover::Cover::all) return;
+    const bool to_one = together_.region != Rows::none;
+    if (to_one && together_.hidden == OpaqueCover::Cover::none) return append_row(together_.region, row);
+    begin_row();
+    pieces_.clear();
+    if (to_one)
       find_pieces_of(together_.region, all_columns());
-    } else {
-      return;
-    }
+    else
+      find_pieces();
     if (pieces_.empty()) return;
     leave_out_unsent();
     if (pieces_.front().region == pieces_.back().region)
@@ -88,12 +84,7 @@ class RunBand final : public RowBand {
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
     if (touched.width() != 1 || touched.height() != 1) return rows;
     rows.region = touched.y0 * geometry_.regions.columns() + touched.x0;
-    if (cover(rows.region).worth_asking()) {
-      const PixelRect& pixels = rect(rows.region);
-      rows.hidden = cover(rows.region)
-                        .of(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
-                            double(window.x1 - pixels.x0), double(window.y1 - pixels.y0));
-    }
+    rows.hidden = hidden(rows.region, window);
     return rows;
   }
 
@@ -132,7 +123,6 @@ class RunBand final : public RowBand {
   }
 
   void find_pieces() {
-    pieces_.clear();
     const Columns all = all_columns();
     const PixelWindow window = window_of(all.first, all.end - 1);
     const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);

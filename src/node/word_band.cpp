@@ -60,7 +60,7 @@ class WordBand final : public RowBand {
 
   void put(int region, const Anchored& at, const PixelWindow& window, int column,
            const ClassifiedSample& sample) {
-    if (hidden(region, window)) return;
+    if (hidden(region, window) == OpaqueCover::Cover::all) return;
     WordPart& part = parts_[std::size_t(region)];
     const auto fits = [&] {
       const std::int64_t dx = at.anchor_x - part.head.base_x, dy = at.anchor_y - part.head.base_y;
