@@ -51,24 +51,18 @@ using WholeBlock = std::integral_constant<int, mask_bits>;
 
 /// Their places in a table, made together.
 template <class Place>
-struct Places {
-  Place of[mask_bits];
-};
-
-template <class T>
-HWY_INLINE std::make_unsigned_t<T> place_of_value(const Classifier::Table& table, T value) {
-  return std::make_unsigned_t<T>(std::clamp<int>(value, table.low, table.high) - table.low);
-}
+using Places = Place[mask_bits];
 
 template <class T>
 HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, int count,
                                  Places<std::make_unsigned_t<T>>& places) {
-  for (int i = 0; i < count; ++i) places.of[i] = place_of_value(table, load<T>(row, i));
+  for (int i = 0; i < count; ++i)
+    places[i] = std::make_unsigned_t<T>(std::clamp<int>(load<T>(row, i), table.low, table.high) - table.low);
 }
 
 HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, int count,
                                   Places<std::uint16_t>& places) {
-  for (int i = 0; i < count; ++i) places.of[i] = PhongTable::place_of(normals[i]);
+  for (int i = 0; i < count; ++i) places[i] = PhongTable::place_of(normals[i]);
 }
 
 #if !RINGSPLAT_ONE_BY_ONE
@@ -81,7 +75,7 @@ HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte
   const auto low = hn::Set(d, T(table.low)), high = hn::Set(d, T(table.high));
   for (std::size_t i = 0; i < mask_bits; i += hn::Lanes(d)) {
     const auto value = hn::LoadU(d, reinterpret_cast<const T*>(row) + i);
-    hn::StoreU(hn::Sub(hn::Min(hn::Max(value, low), high), low), d, reinterpret_cast<T*>(places.of) + i);
+    hn::StoreU(hn::Sub(hn::Min(hn::Max(value, low), high), low), d, reinterpret_cast<T*>(places) + i);
   }
 }
 
@@ -91,7 +85,7 @@ HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, WholeB
   for (std::size_t i = 0; i < mask_bits; i += hn::Lanes(d)) {
     const auto code = hn::LoadU(d, normals + i);
     const auto opposite = hn::SaturatedSub(hn::Set(d, std::uint16_t(opposite_codes)), code);
-    hn::StoreU(hn::Min(code, opposite), d, places.of + i);
+    hn::StoreU(hn::Min(code, opposite), d, places + i);
   }
 }
 
@@ -127,12 +121,12 @@ HWY_INLINE void fill_from_table(const Classifier::Table& table, const VoxelRow& 
       places_of_values<T>(table, row.values + sizeof(T) * block.first, count, values);
       if (phong != nullptr) places_of_normals(row.normals + block.first, count, entries);
     });
-    const auto unlit = [&](int i) { return read(table.samples[values.of[i]]); };
+    const auto unlit = [&](int i) { return read(table.samples[values[i]]); };
     if (phong == nullptr)
       fill_block(block, samples, [&](int i, std::uint32_t) { return unlit(i); });
     else
       fill_block(block, samples, [&, lights = phong->entries()](int i, std::uint32_t) {
-        return light(unlit(i), lights, entries.of[i]);
+        return light(unlit(i), lights, entries[i]);
       });
   }
 }
@@ -158,7 +152,7 @@ void LightRow(const PhongTable& phong, const VoxelRow& row, VisibleRow& out) {
     with_columns(block, row.columns,
                  [&](auto count) { places_of_normals(row.normals + block.first, count, entries); });
     fill_block(block, samples, [&, lights = phong.entries()](int i, std::uint32_t k) {
-      return light(read(samples[block.sample + k]), lights, entries.of[i]);
+      return light(read(samples[block.sample + k]), lights, entries[i]);
     });
   }
 }
