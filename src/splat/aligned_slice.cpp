@@ -45,22 +45,33 @@ class Window {
 
 void take_weights(const Window& window, AlignedSlice& slice) {
   slice.covered.reserve(std::size_t(window.width()) * std::size_t(window.height()));
+  slice.first_column = window.width();
   slice.first_row = window.height();
-  slice.end_row = 0;
+  slice.end_column = slice.end_row = 0;
   for (int row = 0; row < window.height(); ++row) {
     for (int column = 0; column < window.width(); ++column) {
       if (!(window.weight(row, column) > 0)) continue;
       slice.covered.push_back({column - slice.reach_x, row - slice.reach_y});
+      slice.first_column = std::min(slice.first_column, column);
+      slice.end_column = std::max(slice.end_column, column + 1);
       slice.first_row = std::min(slice.first_row, row);
       slice.end_row = row + 1;
     }
   }
-  slice.taps = (window.width() + slice.step_x - 1) / slice.step_x;
+  // A narrow kernel may lie between all pixels.
+  if (slice.covered.empty()) {
+    slice.first_column = slice.first_row = slice.taps = 0;
+    return;
+  }
+  // Steps from the window's first column to those of the rightmost and of the leftmost voxel.
+  const int least = slice.first_column / slice.step_x, most = (slice.end_column - 1) / slice.step_x;
+  slice.taps = most - least + 1;
+  slice.first_tap_x = slice.reach_x - most * slice.step_x;
   slice.weights.reserve(std::size_t(window.height()) * std::size_t(slice.taps) * tap_floats);
   for (int row = 0; row < window.height(); ++row) {
     for (int tap = 0; tap < slice.taps; ++tap) {
       for (int pixel = 0; pixel < tap_floats / 4; ++pixel) {
-        const int column = pixel % slice.step_x + (slice.taps - 1 - tap) * slice.step_x;
+        const int column = pixel % slice.step_x + (most - tap) * slice.step_x;
         slice.weights.insert(slice.weights.end(), 4, window.weight(row, column));
       }
     }

@@ -59,7 +59,7 @@ struct BlockSums {
 
 BlockSums block_sums(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows, int x,
                      int y, int blocks) {
-  const int leftmost = x + slice.reach_x - (slice.taps - 1) * slice.step_x;
+  const int leftmost = x + slice.first_tap_x;
   // Steps are powers of two: a remainder of negative numbers too.
   const int phase = (x + slice.reach_x - voxels.phase_x) & (slice.step_x - 1);
   const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
@@ -83,11 +83,13 @@ namespace ringsplat::HWY_NAMESPACE {
 
 using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
 
-/// The blocks that kernels of those rows can cover, but for what `opaque`, if not null, has: from reach
-/// before an anchor to reach + 1 behind it, of which a voxel fills the first pixels.
+/// The blocks that kernels of those rows can cover, but for what `opaque`, if not null, has. Of the pixels
+/// from an anchor on, a voxel fills those up to the next.
 void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
                   const std::uint64_t* opaque, std::uint64_t* covered) {
   const Words d;
+  const int pixels_before = slice.reach_x - slice.first_column,
+            pixels_behind = slice.end_column - slice.reach_x - slice.step_x;
   for (std::size_t word = 0; word < voxels.row_words; word += hn::Lanes(d)) {
     auto before = hn::Zero(d), here = before, behind = before;
     for (int y = rows.first; y < rows.end; y += rows.step) {
@@ -97,9 +99,9 @@ void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, cons
       behind = hn::Or(behind, hn::LoadU(d, filled + 1));
     }
     auto bits = here;
-    for (int k = 1; k <= slice.reach_x + 2 - slice.step_x; ++k)
+    for (int k = 1; k <= pixels_behind; ++k)
       bits = hn::Or(bits, hn::Or(hn::ShiftLeftSame(here, k), hn::ShiftRightSame(before, 64 - k)));
-    for (int k = 1; k <= slice.reach_x; ++k)
+    for (int k = 1; k <= pixels_before; ++k)
       bits = hn::Or(bits, hn::Or(hn::ShiftRightSame(here, k), hn::ShiftLeftSame(behind, 64 - k)));
     bits = hn::Or(bits, hn::ShiftRight<1>(bits));
     bits = hn::And(hn::Or(bits, hn::ShiftRight<2>(bits)), hn::Set(d, 0x1111111111111111));
@@ -164,12 +166,11 @@ HWY_INLINE void convolve_any(const BlockSums& in, const Take& take) {
   }
 }
 
-/// The same for four taps, as most kernels have, of `blocks` blocks: sums of their own, so that no addition
-/// waits for the one before. `alike`: at one pixel a voxel a tap has one weight in all pixels.
-template <int rows, bool alike, int blocks, class Take>
+/// The same for so many rows and taps, of `blocks` blocks: sums of their own, so that no addition waits for
+/// the one before. `alike`: at one pixel a voxel a tap has one weight in all pixels.
+template <bool alike, int taps, int rows, int blocks, class Take>
 HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) {
   const Floats d;
-  constexpr int taps = 4;
   BlockOfSums sums[blocks];
   for (auto& block : sums)
     for (auto& part : block) part = hn::Zero(d);
@@ -187,24 +188,39 @@ HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) 
   for (int block = 0; block < blocks; ++block) take(first + block, sums[block]);
 }
 
-template <int rows, bool alike, class Take>
+template <bool alike, int taps, int rows, class Take>
 HWY_INLINE void convolve_rows(const BlockSums& in, const Take& take) {
   int block = 0;
-  for (; block + 2 <= in.blocks; block += 2) convolve_some<rows, alike, 2>(in, block, take);
-  if (block < in.blocks) convolve_some<rows, alike, 1>(in, block, take);
+  for (; block + 2 <= in.blocks; block += 2) convolve_some<alike, taps, rows, 2>(in, block, take);
+  if (block < in.blocks) convolve_some<alike, taps, rows, 1>(in, block, take);
 }
 
-template <bool alike, class Take>
-HWY_INLINE void convolve_four_taps(const BlockSums& in, const Take& take) {
+template <bool alike, int taps, class Take>
+HWY_INLINE void convolve_taps(const BlockSums& in, const Take& take) {
   switch (in.rows) {
     case 1:
-      return convolve_rows<1, alike>(in, take);
+      return convolve_rows<alike, taps, 1>(in, take);
     case 2:
-      return convolve_rows<2, alike>(in, take);
+      return convolve_rows<alike, taps, 2>(in, take);
     case 3:
-      return convolve_rows<3, alike>(in, take);
+      return convolve_rows<alike, taps, 3>(in, take);
     case 4:
-      return convolve_rows<4, alike>(in, take);
+      return convolve_rows<alike, taps, 4>(in, take);
+    default:
+      return convolve_any(in, take);
+  }
+}
+
+/// As most kernels have: two taps at radius 1, two or three at 1.1, three or four at 1.6.
+template <bool alike, class Take>
+HWY_INLINE void convolve_some_taps(const BlockSums& in, const Take& take) {
+  switch (in.taps) {
+    case 2:
+      return convolve_taps<alike, 2>(in, take);
+    case 3:
+      return convolve_taps<alike, 3>(in, take);
+    case 4:
+      return convolve_taps<alike, 4>(in, take);
     default:
       return convolve_any(in, take);
   }
@@ -212,12 +228,10 @@ HWY_INLINE void convolve_four_taps(const BlockSums& in, const Take& take) {
 
 template <class Take>
 HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
-  if (in.taps != 4)
-    convolve_any(in, take);
-  else if (in.voxel_floats == 4)
-    convolve_four_taps<true>(in, take);
+  if (in.voxel_floats == 4)
+    convolve_some_taps<true>(in, take);
   else
-    convolve_four_taps<false>(in, take);
+    convolve_some_taps<false>(in, take);
 }
 
 HWY_INLINE void store(const BlockOfSums& sums, float* to) {

@@ -2,6 +2,7 @@
 
 #include <cstring>
 #include <random>
+#include <set>
 
 #include "splat/painter_kernels.hpp"
 #include "splat/scene.hpp"
@@ -128,7 +129,7 @@ FrameKernel kernel_of(const ViewTransform& view, double radius) {
 
 TEST_CASE("rows of voxels draw the bits of their splats, on every instruction set") {
   for (const auto& [step_x, step_y] : {std::pair{1.0, 1.0}, {2.0, 2.0}, {4.0, 4.0}, {1.0, 2.0}, {4.0, 1.0}}) {
-    for (const double radius : {0.5, 1.0, 1.6, 2.4, 5.0}) {
+    for (const double radius : {0.5, 1.0, 1.1, 1.6, 2.4, 5.0}) {
       const ViewTransform view = aligned_view(step_x, step_y);
       const FrameKernel kernel = kernel_of(view, radius);
       const auto runs = random_runs(unsigned(10 * radius));
@@ -145,6 +146,26 @@ TEST_CASE("rows of voxels draw the bits of their splats, on every instruction se
       use_vector_target("");
     }
   }
+}
+
+/// How many voxels of a row reach a pixel goes by where between the pixels they lie.
+TEST_CASE("rows of voxels draw the bits of their splats wherever between the pixels they lie") {
+  std::set<int> taps;
+  for (const double step : {1.0, 2.0}) {
+    for (const double radius : {0.5, 1.0, 1.1, 1.6}) {
+      for (const double place : {0.0, 0.05, 0.3, 0.5, 0.95}) {
+        ViewTransform view = aligned_view(step, step);
+        view.linear[2] = {0, 0, 1};
+        view.offset = {11.5 + place, -13.5 + place, 0};
+        const FrameKernel kernel = kernel_of(view, radius);
+        const auto runs = random_runs(unsigned(100 * (radius + place)));
+        INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel");
+        CHECK(same_bits(paint_rows(kernel, view, runs).tile, paint_splats(kernel, view, runs).tile));
+        taps.insert(make_aligned_slice(kernel, view, Axis::z, slice)->taps);
+      }
+    }
+  }
+  CHECK(taps == std::set{1, 2, 3, 4});
 }
 
 TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {

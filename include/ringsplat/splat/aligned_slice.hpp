@@ -16,9 +16,11 @@ struct AlignedSlice {
   int step_x = 1, step_y = 1;
   std::int64_t anchor_x = 0, anchor_y = 0;  ///< of voxel (0, 0), a pixel of the plane
   int reach_x = 1, reach_y = 1;             ///< as in KernelReach
-  int first_row = 0,
-      end_row = 4;  ///< rows with a weight above zero, of those from reach_y before the anchor on
-  int taps = 4;     ///< voxels of a row that can reach one pixel
+  /// Columns and rows with a weight above zero, of those from reach before the anchor on. A kernel covers the
+  /// whole window only where its voxel lies half-way between pixels.
+  int first_column = 0, end_column = 4, first_row = 0, end_row = 4;
+  int taps = 4;         ///< voxels of a row that can reach one pixel
+  int first_tap_x = 0;  ///< from a pixel to the leftmost of them, in pixels
   /// [rows][taps][7 pixels][4]: the tap-th voxel's weight (the leftmost is the first) in each pixel from
   /// reach_x before an anchor on, which is again what it is a step further; each weight four times, once for
   /// each channel.
