@@ -76,6 +76,7 @@ held_rows() {
     default "$name-one-process" 0 "$head" --tf mr-soft "${in_plane[@]}"
     default "$name-2-colocated" 2 "$head" --tf mr-soft "${in_plane[@]}" "${colocated[@]}"
     default "$name-16-colocated" 16 "$head" --tf mr-soft "${in_plane[@]}" --roles colocated --gps 16 --renderers 16
+    default "$name-16-auto" 16 "$head" --tf mr-soft "${in_plane[@]}" --gps auto
     default "$name-surface" 2 "$head" --tf mr-surface "${in_plane[@]}" "${colocated[@]}"
     default "$name-undersampled" 2 "$head" --tf mr-soft "${in_plane[@]}" --undersample 2 "${colocated[@]}"
     default "$name-prefiltered" 2 "$head" --tf mr-soft "${in_plane[@]}" --undersample 2 --prefilter "${colocated[@]}"

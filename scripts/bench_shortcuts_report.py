@@ -82,6 +82,7 @@ def bounds(folder: Path) -> None:
     ratio("prefiltered, of skipped", "prefiltered", "undersampled", "at most 1.3")
     ratio("one process, of 2 colocated ranks", "one-process", "2-colocated", "at least 1.7")
     ratio("16 colocated ranks, of 2", "16-colocated", "2-colocated", "at most 1.33")
+    ratio("16 ranks with `--gps auto`, of 2", "16-auto", "2-colocated", "at most 1.33")
     few, many = (frames(folder, f"held-screen-front-{size}")[0]["total"]["splats_drawn"] for size in (256, 512))
     ratio("a quarter of the picture, of the whole", "front-256", "front-512", f"its splats: {few / many:.2f}")
 

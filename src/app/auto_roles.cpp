@@ -44,10 +44,14 @@ void say(const FrameCosts& costs, const RankCosts& ranks, const std::vector<Pred
 
 Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, Launch& launch) {
+  const Places places = count_places(launch.collectives());
+  // Idle are the last ranks, and those may be all of one machine's.
+  const int cores = places.machines == 1 ? places.cores : 0;
   const auto layouts =
-      those_that_fit(layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks()), grid, load);
+      those_that_fit(layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), cores), grid, load);
   RankCosts ranks;
-  ranks.cores = count_cores(launch.collectives());
+  ranks.cores = places.cores;
+  ranks.sharing = usual_sharing;
   ranks.hop = measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {
@@ -72,8 +76,8 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
 int drawing_renderers(const Layout& layout, Launch& launch) {
   // Dedicated Renderers have nothing else to do; a simulated machine's cores are not this one's.
   if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
-  const int cores = count_cores(launch.collectives());
-  return cores < layout.ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
+  const int cores = count_places(launch.collectives()).cores;
+  return cores < layout.working_ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
 }
 
 }  // namespace ringsplat::app

@@ -193,7 +193,7 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
                                 f.machine ? &*f.machine : nullptr);
   progress.end();
   f.ranks = f.machine ? described_rank_costs(*f.machine, o.ranks) : usual_rank_costs(o.ranks, cores);
-  f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true));
+  f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true, f.machine ? 0 : cores));
   return f;
 }
 
@@ -209,6 +209,7 @@ nlohmann::json to_json(const Forecast& f) {
     layouts.push_back({{"layout", describe(p.layout)},
                        {"gps", p.layout.gps},
                        {"renderers", p.layout.renderers},
+                       {"idle", p.layout.idle},
                        {"roles", p.layout.placement == Placement::colocated ? "colocated" : "dedicated"},
                        {"mesh", {p.layout.mesh_columns, p.layout.mesh_rows}},
                        {"topology", p.layout.topology == Topology::mesh ? "mesh" : "ring"},

@@ -155,7 +155,7 @@ Layout layout_on_ranks(const RunOptions& o, int ranks) {
 
 }  // namespace
 
-std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks) {
+std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks, int cores) {
   if (!over_mpi)
     throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
                      "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
@@ -166,7 +166,7 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
-  auto layouts = possible_layouts(ranks, false);
+  auto layouts = possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
   std::erase_if(layouts, [&](const Layout& l) {
     return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
            l.placement != o.placement.value_or(l.placement);

@@ -55,8 +55,10 @@ class Launch {
 };
 
 /// Where --gps auto and --renderers auto may choose from: the splits of a ring that the other options allow.
+/// When neither number is given, of more ranks than `cores`, if not 0, some may be idle.
 /// Throws InputError when there is nothing to choose: in one process, in a mesh, by counts that cannot be.
-std::vector<Layout> layouts_to_choose_from(const RunOptions& options, bool over_mpi, int ranks);
+std::vector<Layout> layouts_to_choose_from(const RunOptions& options, bool over_mpi, int ranks,
+                                           int cores = 0);
 
 /// Which nodes the run has, from the options and the job's number of ranks (in loopback there may be any
 /// number of nodes in the one process). Without options: dedicated, a third of the ranks draw; on a single

@@ -262,7 +262,7 @@ double measure_hop(Transport& transport) {
   return hop;
 }
 
-int count_cores(Collectives& collectives) {
+Places count_places(Collectives& collectives) {
   struct Place {
     std::array<char, 256> machine{};
     cpu_set_t cores{};
@@ -288,12 +288,13 @@ int count_cores(Collectives& collectives) {
   }
   int cores = 0;
   for (const auto& [name, machine] : machines) cores += std::min(machine.ranks, CPU_COUNT(&machine.cores));
-  return std::max(1, cores);
+  return {std::max(1, cores), int(machines.size())};
 }
 
 RankCosts usual_rank_costs(int ranks, int cores) {
   RankCosts costs;
   costs.cores = cores;
+  costs.sharing = usual_sharing;
   if (ranks > cores) costs.hop = 5.4e-6 * ranks / cores;
   return costs;
 }

@@ -33,8 +33,16 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
 /// so while no other message is on its way; the result is rank 0's. Zero on one rank.
 double measure_hop(Transport& transport);
 
-/// Cores that the job's ranks share: on each machine its cores, or as many as there are ranks. Collective.
-int count_cores(Collectives& collectives);
+struct Places {
+  int cores = 1;  ///< that the job's ranks share: on each machine its cores, or as many as there are ranks
+  int machines = 1;
+};
+/// Where the job's ranks run. Collective.
+Places count_places(Collectives& collectives);
+
+/// RankCosts::sharing on one machine, from docs/performance.md: sixteen ranks on two cores take 1.4 to 1.9
+/// times as long as two.
+inline constexpr double usual_sharing = 1.4;
 
 /// What a hop takes where no other rank is there to measure it, from docs/performance.md: 2.5 µs with a core
 /// for each rank; ranks that share cores wait for one.

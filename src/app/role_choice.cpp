@@ -49,6 +49,19 @@ double hops_a_slice(const Layout& layout) {
   return token / layout.gps + payload / layout.gps / layout.renderers;
 }
 
+/// What was found is for all ranks; with idle ones those that work have cores of their own.
+double hop_seconds(const RankCosts& ranks, const Layout& layout) {
+  return layout.idle > 0 ? std::min(ranks.hop, RankCosts{}.hop) : ranks.hop;
+}
+
+std::vector<Layout> rings(int ranks) {
+  std::vector<Layout> layouts;
+  for (int renderers = 1; renderers < ranks; ++renderers)
+    layouts.push_back({.gps = ranks - renderers, .renderers = renderers});
+  layouts.push_back({.gps = ranks, .renderers = ranks, .placement = Placement::colocated});
+  return layouts;
+}
+
 }  // namespace
 
 double FrameCosts::renderer() const { return std::accumulate(region.begin(), region.end(), 0.0); }
@@ -71,7 +84,7 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
   const auto renderers = by_renderer(costs, layout.renderers);
   double longest = 0;
   if (layout.placement == Placement::colocated) {
-    for (int rank = 0; rank < layout.ranks(); ++rank) {
+    for (int rank = 0; rank < layout.working_ranks(); ++rank) {
       const double gp = rank < layout.gps ? gp_seconds(costs, rank, layout.gps) : 0;
       const double renderer = rank < layout.renderers ? renderers[std::size_t(rank)] : 0;
       if (rank > 0 && gp + renderer <= longest) continue;
@@ -84,25 +97,30 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
     p.renderer = *std::max_element(renderers.begin(), renderers.end());
     longest = std::max(p.gp, p.renderer);
   }
-  const int cores = std::max(1, std::min(ranks.cores, layout.ranks()));
+  const int cores = std::max(1, std::min(ranks.cores, layout.working_ranks()));
   p.shared = (costs.gp + costs.frame * layout.gps + costs.renderer()) / cores;
   p.limit = p.shared > longest * (1 + 1e-9) ? Limit::cores
             : p.gp >= p.renderer            ? Limit::gps
                                             : Limit::renderers;
   const double hops = costs.slices * hops_a_slice(layout);
-  p.tokens = layout.ranks() == 1
-                 ? 0
-                 : hops * std::max(ranks.hop, layout.renderers * ranks.message_software / cores) +
-                       costs.slices * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
+  p.tokens =
+      layout.working_ranks() == 1
+          ? 0
+          : hops * std::max(hop_seconds(ranks, layout), layout.renderers * ranks.message_software / cores) +
+                costs.slices * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
   p.seconds = std::max(longest, p.shared) + p.tokens;
+  if (layout.working_ranks() > ranks.cores) p.seconds *= ranks.sharing;
   return p;
 }
 
-std::vector<Layout> possible_layouts(int ranks, bool meshes) {
-  std::vector<Layout> layouts;
-  for (int renderers = 1; renderers < ranks; ++renderers)
-    layouts.push_back({.gps = ranks - renderers, .renderers = renderers});
-  layouts.push_back({.gps = ranks, .renderers = ranks, .placement = Placement::colocated});
+std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores) {
+  std::vector<Layout> layouts = rings(ranks);
+  if (cores > 0 && cores < ranks) {
+    for (Layout layout : rings(cores)) {
+      layout.idle = ranks - cores;
+      layouts.push_back(layout);
+    }
+  }
   for (int rows = 2; meshes && rows <= ranks / 3; ++rows)
     for (const int ends : {1, 2}) {
       const int gps = ranks - ends * rows;
@@ -130,8 +148,11 @@ std::string describe(const Layout& layout) {
   if (layout.topology == Topology::mesh)
     return fmt::format("mesh of {}x{} + {}", layout.mesh_columns, layout.mesh_rows,
                        some(layout.renderers, "Renderer"));
-  if (layout.placement == Placement::colocated) return some(layout.ranks(), "colocated rank");
-  return fmt::format("{} + {}", some(layout.gps, "GP"), some(layout.renderers, "Renderer"));
+  const std::string working =
+      layout.placement == Placement::colocated
+          ? some(layout.working_ranks(), "colocated rank")
+          : fmt::format("{} + {}", some(layout.gps, "GP"), some(layout.renderers, "Renderer"));
+  return layout.idle > 0 ? fmt::format("{}, {} idle", working, layout.idle) : working;
 }
 
 std::string describe(const FrameCosts& costs) {

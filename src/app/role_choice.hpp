@@ -25,6 +25,7 @@ struct RankCosts {
   int cores = 1;                   ///< that all ranks share
   double hop = 2.5e-6;             ///< seconds from sending a message to having it
   double message_software = 2e-6;  ///< seconds of a core for one message, on both sides together
+  double sharing = 1;              ///< times as long a frame takes where ranks share cores
   double token = 0;                ///< seconds of a GP for a token that it passes on, besides messages
 };
 
@@ -49,15 +50,16 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
 
 /// Every way to give `ranks` ranks their roles: in a ring all dedicated splits and all ranks colocated; with
 /// `meshes` also every mesh of at least two columns and two rows that fills them, with a Renderer at the left
-/// end or at both ends of every row.
-std::vector<Layout> possible_layouts(int ranks, bool meshes);
+/// end or at both ends of every row. Of more ranks than `cores`, if not 0, also rings of as many as there are
+/// cores, in which the others are idle.
+std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores = 0);
 
 /// Predictions of these layouts, the fastest first; of equals the one with fewer Renderers, then with fewer
 /// GPs, then dedicated, then a ring.
 std::vector<Prediction> predict_all(const FrameCosts& costs, const RankCosts& ranks,
                                     const std::vector<Layout>& layouts);
 
-/// "4 GPs + 2 Renderers", "3 colocated ranks", "mesh of 4x3 + 6 Renderers".
+/// "4 GPs + 2 Renderers", "3 colocated ranks, 5 idle", "mesh of 4x3 + 6 Renderers".
 std::string describe(const Layout& layout);
 /// "668005 visible voxels of 39.5 ns on a GP, 725382 splats of 59.1 ns on a Renderer", for messages.
 std::string describe(const FrameCosts& costs);

@@ -27,12 +27,11 @@ class MpiTransport final : public Transport {
     // How many ranks share this machine is asked of MPI, not of the launcher: what a launcher knows of
     // oversubscription is lost in containers and under srun.
     MPI_Comm here = MPI_COMM_NULL;
-    int ranks_here = 1;
     checked(MPI_Comm_split_type(comm_.get(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here),
             "MPI_Comm_split_type");
-    MPI_Comm_size(here, &ranks_here);
+    MPI_Comm_size(here, &ranks_here_);
     MPI_Comm_free(&here);
-    if (ranks_here <= sysconf(_SC_NPROCESSORS_ONLN)) yields_ = yields_with_own_core;
+    yields_ = yields_among(ranks_here_);
     // Without this a sleep of 20 microseconds takes 70.
     prctl(PR_SET_TIMERSLACK, 1000UL);
   }
@@ -88,8 +87,17 @@ class MpiTransport final : public Transport {
     if (sending_.size() > 16) sends_done();
   }
 
+  void only_first_work(int ranks) override {
+    idle_ = rank() >= ranks;
+    yields_ = yields_among(std::min(ranks, ranks_here_));
+  }
+
   void wait_next() override {
     sends_done();
+    if (idle_) {
+      sleep(10'000'000);
+      return;
+    }
     constexpr int spins = 32;
     ++waits_;
     if (waits_ <= spins) return;
@@ -99,8 +107,7 @@ class MpiTransport final : public Transport {
     }
     // Someone else needs this core more than a rank that has waited this long.
     constexpr long shortest = 20'000, longest = 200'000;  // nanoseconds
-    const timespec pause{0, std::min(longest, shortest * (1 + (waits_ - spins - yields_) / 16))};
-    nanosleep(&pause, nullptr);
+    sleep(std::min(longest, shortest * (1 + (waits_ - spins - yields_) / 16)));
   }
 
  private:
@@ -108,6 +115,18 @@ class MpiTransport final : public Transport {
     Message message;
     std::vector<MPI_Request> requests;
   };
+
+  static void sleep(long nanoseconds) {
+    const timespec pause{0, nanoseconds};
+    nanosleep(&pause, nullptr);
+  }
+
+  /// Before the first sleep: a few where ranks share cores; some ten milliseconds' worth where each has its
+  /// own, since nobody else wants it.
+  static long yields_among(int ranks) {
+    constexpr long on_shared_cores = 64, with_own_core = 20'000;
+    return ranks <= sysconf(_SC_NPROCESSORS_ONLN) ? with_own_core : on_shared_cores;
+  }
 
   void start(Sending& sending, std::span<const std::byte> part, int destination, int tag) {
     MPI_Request request = MPI_REQUEST_NULL;
@@ -138,11 +157,9 @@ class MpiTransport final : public Transport {
   OwnedComm comm_;
   std::size_t largest_part_;
   std::list<Sending> sending_;
-  // Yields before the first sleep: a few where ranks share cores; some ten milliseconds' worth where every
-  // rank has its own, since nobody else wants it.
-  static constexpr long yields_on_shared_cores = 64, yields_with_own_core = 20'000;
-  long yields_ = yields_on_shared_cores;
-  long waits_ = 0;
+  int ranks_here_ = 1;
+  bool idle_ = false;
+  long yields_ = 0, waits_ = 0;
 };
 
 }  // namespace

@@ -8,7 +8,7 @@
 
 namespace ringsplat {
 
-int Layout::ranks() const {
+int Layout::working_ranks() const {
   return placement == Placement::dedicated ? gps + renderers : std::max(gps, renderers);
 }
 
@@ -61,6 +61,8 @@ void check_mesh(const Layout& mesh) {
         fmt::format("--renderers is {}, but a mesh of {} row(s) has only {} row ends for Renderers",
                     mesh.renderers, rows, 2 * rows),
         fmt::format("use --renderers {} or fewer, or a mesh with more rows", 2 * rows));
+  if (mesh.idle > 0)
+    throw InputError(fmt::format("a mesh has no idle ranks, but {} are asked for", mesh.idle));
   if (mesh.placement != Placement::dedicated)
     throw InputError("a mesh has its Renderers at the ends of its rows, on ranks of their own",
                      "leave out --roles colocated, or use --topology ring");
@@ -76,6 +78,7 @@ void check(const Layout& layout) {
     throw InputError(
         fmt::format("--renderers is {}, but a frame needs at least one Renderer", layout.renderers),
         "use --renderers 1 or more");
+  if (layout.idle < 0) throw InputError(fmt::format("{} ranks cannot be idle", layout.idle));
   if (layout.topology == Topology::mesh) check_mesh(layout);
 }
 

@@ -20,6 +20,7 @@ Host::Host(const Layout& layout, const ProtocolOptions& options, const Grid& gri
       observer = [lock_step](const Link& link, const Header& header) { lock_step->record(link, header); };
     router_.emplace(layout, options.link_slots, transport, std::move(observer));
   }
+  if (layout.idle > 0) transport.only_first_work(layout.working_ranks());
   const Post send = [this](Message m) { post(std::move(m)); };
   for (const NodeId node : layout.nodes_on(transport.rank())) {
     switch (node.role) {
@@ -74,7 +75,9 @@ bool Host::release_kept() {
 }
 
 void Host::announce(Message message) {
-  for (const int child : announcement_children(rank(), layout_.ranks())) {
+  // Idle ranks only hear of the end.
+  const int ranks = message.header.kind == Kind::shutdown ? layout_.ranks() : layout_.working_ranks();
+  for (const int child : announcement_children(rank(), ranks)) {
     Message copy = message;
     copy.header.destination_role = Role::host;
     copy.header.destination = child;

@@ -112,6 +112,7 @@ std::string to_json_text(const FrameStats& stats, const FrameSpec& spec, const L
   j["layout"] = {{"gps", layout.gps},
                  {"renderers", layout.renderers},
                  {"ranks", layout.ranks()},
+                 {"idle", layout.idle},
                  {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
                  {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"}};
   if (layout.topology == Topology::mesh) {

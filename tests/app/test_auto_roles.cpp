@@ -47,8 +47,10 @@ TEST_CASE("chosen roles are said, and give the bits of any others") {
     const auto lines = lines_with(ended.err, "info: chose ");
     REQUIRE(lines.size() == 1);
     const int gps = layout.at("gps").get<int>(), renderers = layout.at("renderers").get<int>();
+    const int idle = layout.at("idle").get<int>();
+    CHECK((lines.front().find(std::to_string(idle) + " idle:") != std::string::npos) == (idle > 0));
     const std::string said = layout.at("roles") == "colocated"
-                                 ? std::to_string(ranks) + " colocated rank"
+                                 ? std::to_string(ranks - idle) + " colocated rank"
                                  : std::to_string(gps) + " GP" + (gps == 1 ? "" : "s") + " + " +
                                        std::to_string(renderers) + " Renderer";
     CHECK_THAT(lines.front(), Catch::Matchers::Contains("chose " + said));
@@ -56,7 +58,7 @@ TEST_CASE("chosen roles are said, and give the bits of any others") {
   };
   for (const int ranks : {1, 2, 3, 5}) check_choice({"--gps", "auto"}, ranks);
   CHECK(check_choice({"--renderers", "auto", "--roles", "dedicated"}, 3).at("roles") == "dedicated");
-  CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);
+  CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);  // so none is idle
 }
 
 TEST_CASE("roles that cannot be chosen are refused") {

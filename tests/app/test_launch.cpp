@@ -1,5 +1,6 @@
 #include "app/launch.hpp"
 
+#include <algorithm>
 #include <new>
 
 #include "support/catch.hpp"
@@ -39,6 +40,17 @@ TEST_CASE("one count follows from the other and the job's") {
   CHECK(choose_layout(options({}, {}, Placement::colocated), true, 5) ==
         Layout{5, 5, Placement::colocated, Topology::ring});
   CHECK(choose_layout(options(12, 4), false, 1) == Layout{12, 4, Placement::dedicated, Topology::ring});
+}
+
+TEST_CASE("ranks beyond the cores may be idle when no count was given") {
+  const auto may_be_idle = [](const RunOptions& o) {
+    const auto layouts = layouts_to_choose_from(o, true, 5, 2);
+    return std::any_of(layouts.begin(), layouts.end(), [](const Layout& l) { return l.idle > 0; });
+  };
+  CHECK(may_be_idle({}));
+  CHECK(may_be_idle(options({}, {}, Placement::colocated)));
+  CHECK_FALSE(may_be_idle(options({}, 2)));
+  CHECK_FALSE(may_be_idle(options(2, {})));
 }
 
 TEST_CASE("counts that do not fit are refused with the number that does") {

@@ -54,6 +54,33 @@ TEST_CASE("every way to give ranks their roles is there once and uses them all")
   CHECK_FALSE(has(twenty_four, mesh_layout(4, 4, 4)));
 }
 
+TEST_CASE("of more ranks than cores some may be idle") {
+  const auto idle = [](const Layout& layout) { return layout.idle > 0; };
+  for (const int ranks : {1, 2, 3, 16}) {
+    for (const int cores : {1, 2, 3}) {
+      auto layouts = possible_layouts(ranks, true, cores);
+      INFO(ranks << " ranks, " << cores << " cores");
+      for (const Layout& layout : layouts) {
+        CHECK_NOTHROW(check(layout));
+        CHECK(layout.ranks() == ranks);
+        if (idle(layout)) CHECK(layout.working_ranks() == cores);
+      }
+      CHECK(std::count_if(layouts.begin(), layouts.end(), idle) == (ranks > cores ? cores : 0));
+      std::erase_if(layouts, idle);
+      CHECK(layouts == possible_layouts(ranks, true));
+    }
+  }
+  // What is to compute is the same, but sixteen ranks share cores and pass more tokens.
+  const FrameCosts c = costs(60 * ms, 40 * ms, 100, 64);
+  const auto all = predict_all(c, usual_rank_costs(16, 2), possible_layouts(16, false, 2));
+  CHECK(describe(all.front().layout) == "2 colocated ranks, 14 idle");
+  CHECK(all.front().seconds < all.back().seconds / 1.4);
+  RankCosts shared{.cores = 2, .hop = 0, .message_software = 0, .sharing = 1.5};
+  const Layout sixteen{.gps = 16, .renderers = 16, .placement = Placement::colocated};
+  CHECK(predict(c, shared, sixteen).seconds == Approx(1.5 * 50 * ms));
+  CHECK(predict(c, shared, all.front().layout).seconds == Approx(50 * ms));
+}
+
 TEST_CASE("the best split shares the work as the two sides' costs ask for") {
   // In the continuum G : R = gp : renderer; colocated ranks share it evenly and can only be better.
   for (const int ranks : {2, 3, 5, 7, 8, 12, 13, 16, 23, 31, 32, 47, 61, 64}) {

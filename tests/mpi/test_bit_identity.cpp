@@ -68,6 +68,26 @@ TEST_CASE("the image has the same bits on any number of ranks as in one process"
   REQUIRE(compared >= 2);
 }
 
+TEST_CASE("idle ranks take no part, frame after frame") {
+  int rank = 0, ranks = 0;
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks);
+  const auto source = synth_source("jack", make_grid({25, 22, 24}));
+  for (const double azimuth : {33.0, 123.0}) {
+    const FrameSpec spec = oblique_view(azimuth);
+    Image alone;
+    if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
+    for (Layout layout :
+         {Layout{1, 1}, Layout{2, 2, Placement::colocated}, Layout{1, 1, Placement::colocated}}) {
+      if (layout.ranks() > ranks) continue;
+      layout.idle = ranks - layout.ranks();
+      const Image image = render_on_ranks(layout, spec, *source);
+      INFO(fmt::format("azimuth {}, {} of {} ranks idle", azimuth, layout.idle, ranks));
+      CHECK((rank != 0 || image == alone));
+    }
+  }
+}
+
 TEST_CASE("threads that share the work of ranks keep the bits") {
   int rank = 0, ranks = 0, level = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);

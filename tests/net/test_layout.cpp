@@ -22,6 +22,24 @@ TEST_CASE("every node lives on exactly one rank, and that rank knows it") {
       }
 }
 
+TEST_CASE("idle ranks are behind all others and host nothing") {
+  for (const auto placement : {Placement::dedicated, Placement::colocated}) {
+    const Layout all{.gps = 3, .renderers = 2, .placement = placement};
+    Layout some = all;
+    some.idle = 4;
+    CHECK(some.working_ranks() == all.ranks());
+    CHECK(some.ranks() == all.ranks() + 4);
+    for (int rank = 0; rank < some.ranks(); ++rank) CHECK(some.nodes_on(rank) == all.nodes_on(rank));
+    CHECK(some.nodes_on(all.ranks()).empty());
+    CHECK_NOTHROW(check(some));
+    some.idle = -1;
+    CHECK_THROWS_AS(check(some), InputError);
+  }
+  Layout mesh = mesh_layout(2, 2, 2);
+  mesh.idle = 1;
+  CHECK_THROWS_AS(check(mesh), InputError);
+}
+
 TEST_CASE("an announcement reaches every rank exactly once") {
   for (const int ranks : {1, 2, 3, 4, 5, 8, 13, 64, 509, 1024}) {
     std::multiset<int> reached{0};

@@ -24,8 +24,10 @@ struct Layout {
   Topology topology = Topology::ring;
   int mesh_columns = 0, mesh_rows = 0;
   Routing routing = Routing::manhattan;
+  int idle = 0;  ///< ranks behind all others that host no node
 
-  int ranks() const;
+  int ranks() const { return working_ranks() + idle; }
+  int working_ranks() const;
   int rank_of(NodeId node) const;
   std::vector<NodeId> nodes_on(int rank) const;
   int gp_of_slice(int slice) const { return slice % gps; }
