@@ -4,7 +4,7 @@
 #
 # The repository's head, 512x512, 24 views that traverse all three slice sets, the opacities of mr-soft (about 32 % of
 # the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded; ringsplat with two colocated ranks, on the screen and in the
-# plane of the slices, and there with one GP and one Renderer as well. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
+# plane of the slices, and there with kernels of radius 1.1 and with one GP and one Renderer as well. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
 # Prints a Markdown table. VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
@@ -67,8 +67,9 @@ colocated="--roles colocated --gps 2 --renderers 2"
 declare -A setting=(
   [screen]="$colocated"
   [slices]="$colocated --image-plane slices"
+  [sharp]="$colocated --image-plane slices --radius 1.1"
   [apart]="--gps 1 --renderers 1 --image-plane slices"
-  [sharp]="$colocated --image-plane slices --radius 1 --normalisation exact"
+  [sharp-apart]="--gps 1 --renderers 1 --image-plane slices --radius 1.1"
 )
 
 ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...

@@ -13,8 +13,9 @@ from pathlib import Path
 NAMES = {
     "screen": "ringsplat, on the screen",
     "slices": "ringsplat, in the slices' plane",
+    "sharp": "ringsplat, in the slices' plane, radius 1.1",
     "apart": "ringsplat, in the slices' plane, one GP and one Renderer",
-    "sharp": "ringsplat, in the slices' plane, radius 1, exact normalisation",
+    "sharp-apart": "ringsplat, in the slices' plane, one GP and one Renderer, radius 1.1",
     "vtk": "VTK fixed-point, all cores",
     "volpack": "VolPack, one core",
 }
