@@ -73,15 +73,28 @@ float LatticeSum::reciprocal(glm::dvec2 lattice) const {
   return factors[0];
 }
 
+/// Summed at the same pixel wherever a row begins, so that its bits are the same.
+float LatticeSum::factor_of_phase(int x, int y, glm::dvec2 voxel) const {
+  const glm::dvec2 lattice = to_lattice_ * (glm::dvec2(x + 0.5, y + 0.5) - voxel);
+  return reciprocal(lattice - glm::floor(lattice));
+}
+
+void LatticeSum::fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel,
+                              float (&factors)[4][16]) const {
+  float of_phase[most_whole_steps][most_whole_steps];
+  for (int v = 0; v < phases_y_; ++v)
+    for (int u = 0; u < phases_x_; ++u) of_phase[v][u] = factor_of_phase(u, v, voxel);
+  for (int row = 0; row < 4; ++row)
+    for (int column = 0; column < 4; ++column)
+      std::fill_n(factors[row] + std::ptrdiff_t{4} * column, 4,
+                  of_phase[phase_of(y + row, phases_y_)][phase_of(x + column, phases_x_)]);
+}
+
 void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
                                   glm::dvec2 voxel) const {
-  // Summed at the same pixel wherever the row begins, so that its bits are the same.
   float factors[most_whole_steps];
-  for (int phase = 0; phase < phases_x_; ++phase) {
-    const glm::dvec2 pixel(phase + 0.5, static_cast<double>(phase_of(y, phases_y_)) + 0.5);
-    const glm::dvec2 lattice = to_lattice_ * (pixel - voxel);
-    factors[phase] = reciprocal(lattice - glm::floor(lattice));
-  }
+  for (int phase = 0; phase < phases_x_; ++phase)
+    factors[phase] = factor_of_phase(phase, int(phase_of(y, phases_y_)), voxel);
   auto phase = phase_of(x, phases_x_);
   for (std::size_t i = 0; i < count; ++i, rgba += 4) {
     for (int c = 0; c < 4; ++c) rgba[c] *= factors[phase];

@@ -196,10 +196,6 @@ struct RegionPainter::State {
   /// is 0 after it if `use` leaves its sums so.
   template <class Use>
   void sweep(const Use& use) {
-    if (aligned) {
-      voxels.sum(*aligned, use);
-      return;
-    }
     const auto& touched_runs = runs_of_pixels();
     for (int y = 0; y < height; ++y) {
       const Run& run = touched_runs[static_cast<std::size_t>(y)];
@@ -212,8 +208,11 @@ struct RegionPainter::State {
   }
 
   void composite_slice(glm::dvec2 voxel) {
-    if (aligned && !kernel.lattice_sum) {
-      voxels.composite(*aligned, image.get(), image_row_floats(), opaque_threshold);
+    if (aligned) {
+      float factors[4][16];
+      if (kernel.lattice_sum) kernel.lattice_sum->fill_factors(x0, y0, voxel, factors);
+      voxels.composite(*aligned, image.get(), image_row_floats(), opaque_threshold,
+                       kernel.lattice_sum ? factors : nullptr);
       return;
     }
     sweep([&](float* sums, int x, int y, int pixels) {

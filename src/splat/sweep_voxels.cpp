@@ -83,7 +83,7 @@ namespace ringsplat::HWY_NAMESPACE {
 
 using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
 
-/// The blocks that kernels of those rows can cover, but for what `opaque`, if not null, has. Of the pixels
+/// The blocks that kernels of those rows can cover, but for what `opaque` has. Of the pixels
 /// from an anchor on, a voxel fills those up to the next.
 void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
                   const std::uint64_t* opaque, std::uint64_t* covered) {
@@ -107,8 +107,7 @@ void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, cons
     bits = hn::And(hn::Or(bits, hn::ShiftRight<2>(bits)), hn::Set(d, 0x1111111111111111));
     bits = hn::Or(bits, hn::ShiftLeft<1>(bits));
     bits = hn::And(hn::Or(bits, hn::ShiftLeft<2>(bits)), hn::LoadU(d, voxels.inside + word));
-    if (opaque != nullptr) bits = hn::AndNot(hn::LoadU(d, opaque + word), bits);
-    hn::StoreU(bits, d, covered + word);
+    hn::StoreU(hn::AndNot(hn::LoadU(d, opaque + word), bits), d, covered + word);
   }
 }
 
@@ -133,12 +132,14 @@ void convolve(const BlockSums& in, const Take& take) {
   }
 }
 
-void store(const BlockOfSums& sums, float* to) { std::copy_n(sums, block_floats, to); }
-
 bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
   bool all = true;
   for (int i = 0; i < block_floats; i += 4) all &= composite_pixel(sums + i, opaque, image + i);
   return all;
+}
+
+void multiply(BlockOfSums& sums, const float* factors) {
+  for (int i = 0; i < block_floats; ++i) sums[i] *= factors[i];
 }
 
 #else
@@ -234,8 +235,9 @@ HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
     convolve_some_taps<false>(in, take);
 }
 
-HWY_INLINE void store(const BlockOfSums& sums, float* to) {
-  for (int i = 0; i < parts; ++i) hn::Store(sums[i], Floats(), to + i * int(lanes));
+HWY_INLINE void multiply(BlockOfSums& sums, const float* factors) {
+  const Floats d;
+  for (int i = 0; i < parts; ++i) sums[i] = hn::Mul(sums[i], hn::LoadU(d, factors + i * int(lanes)));
 }
 
 /// True when all pixels of the image are opaque then.
@@ -262,8 +264,7 @@ HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, 
     // Beyond the last row of anchors none has voxels.
     const int done = std::min(rows.first, voxels.bottom);
     if (done > taken_out) take_out(voxels, std::exchange(taken_out, done), done);
-    find_covered(voxels, slice, rows,
-                 opaque != nullptr ? opaque + std::size_t(y) * voxels.row_words : nullptr, covered);
+    find_covered(voxels, slice, rows, opaque + std::size_t(y) * voxels.row_words, covered);
     int x = 0, x_end = 0;  // covered pixels that are not summed yet
     for (std::size_t word = 0; word < voxels.row_words; ++word) {
       for_each_bit_run(covered[word], [&](int first, int count) {
@@ -287,20 +288,13 @@ void CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, c
   sweep(voxels, slice, image.opaque, covered, [&](const Reaching& rows, int x, int y, int blocks) {
     float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
     std::uint64_t* opaque = image.opaque + std::size_t(y) * voxels.row_words;
-    convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, const BlockOfSums& sums) {
+    const float* factors = image.factors != nullptr ? image.factors[y % 4] : nullptr;
+    convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, BlockOfSums& sums) {
+      if (factors != nullptr) multiply(sums, factors);
       if (!composite_block(sums, image.opaque_threshold, to + block * block_floats)) return;
       const int pixel = voxels.left + x + block * block_pixels;
       opaque[pixel / 64] |= std::uint64_t{15} << pixel % 64;
     });
-  });
-}
-
-void SumVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* covered, float* sums,
-               const std::function<void(float*, int, int, int)>& use) {
-  sweep(voxels, slice, nullptr, covered, [&](const Reaching& rows, int x, int y, int blocks) {
-    convolve(block_sums(voxels, slice, rows, x, y, blocks),
-             [&](int block, const BlockOfSums& block_sum) { store(block_sum, sums + block * block_floats); });
-    use(sums, x, y, blocks * block_pixels);
   });
 }
 
@@ -311,16 +305,10 @@ HWY_AFTER_NAMESPACE();
 namespace ringsplat {
 
 HWY_EXPORT(CompositeVoxels);
-HWY_EXPORT(SumVoxels);
 
 void composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
                       std::uint64_t* covered) {
   HWY_DYNAMIC_DISPATCH(CompositeVoxels)(voxels, slice, image, covered);
-}
-
-void sum_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* covered, float* sums,
-                const std::function<void(float*, int, int, int)>& use) {
-  HWY_DYNAMIC_DISPATCH(SumVoxels)(voxels, slice, covered, sums, use);
 }
 
 void take_out(const PlacedVoxelRows& voxels, int first, int end) {

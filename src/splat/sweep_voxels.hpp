@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 
 #include "ringsplat/splat/aligned_slice.hpp"
 #include "splat/slice_buffer.hpp"
@@ -25,10 +24,11 @@ struct PlacedVoxelRows {
 
 /// A region's composited pixels.
 struct ImageRows {
-  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
-  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
-  float opaque_threshold = 0;       ///< transmittances below it count as 0
-  std::uint64_t* opaque = nullptr;  ///< rows of bits: blocks of which all pixels are opaque
+  float* first = nullptr;                ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
+  std::ptrdiff_t row_floats = 0;         ///< from a row to the next
+  float opaque_threshold = 0;            ///< transmittances below it count as 0
+  std::uint64_t* opaque = nullptr;       ///< rows of bits: blocks of which all pixels are opaque
+  const float (*factors)[16] = nullptr;  ///< of the sums of a block in rows y modulo 4; null: 1
 };
 
 /// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once and not once for
@@ -37,11 +37,6 @@ struct ImageRows {
 /// row, and composite_row makes of them.
 void composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
                       std::uint64_t* covered);
-
-/// The same sums, one run of blocks after another, in `sums`, which has room for a row, 64-byte aligned:
-/// calls use(sums, x, y, pixels) for each, which may change them. The last block may end behind the region.
-void sum_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* covered, float* sums,
-                const std::function<void(float*, int, int, int)>& use);
 
 /// Takes the voxels out of rows of anchors first … end − 1.
 void take_out(const PlacedVoxelRows& voxels, int first, int end);

@@ -1,7 +1,6 @@
 #include "splat/voxel_rows.hpp"
 
 #include <limits>
-#include <new>
 
 #include "splat/stencil.hpp"
 #include "splat/whole_steps.hpp"
@@ -24,8 +23,6 @@ void VoxelRows::prepare(const SliceBuffer& buffer, int left, int reach_x, int re
   opaque_.assign(std::size_t(buffer.height) * words_, 0);
   covered_.assign(words_, 0);
   forget_rows();
-  sums_ = hwy::AllocateAligned<float>(std::size_t(inside) * 4);
-  if (!sums_) throw std::bad_alloc();
 }
 
 void VoxelRows::forget_rows() {
@@ -38,15 +35,10 @@ PlacedVoxelRows VoxelRows::placed() {
 }
 
 void VoxelRows::composite(const AlignedSlice& slice, float* image, std::ptrdiff_t row_floats,
-                          float opaque_threshold) {
+                          float opaque_threshold, const float (*factors)[16]) {
   if (top_ >= bottom_) return;
-  composite_voxels(placed(), slice, {image, row_floats, opaque_threshold, opaque_.data()}, covered_.data());
-  forget_rows();
-}
-
-void VoxelRows::sum(const AlignedSlice& slice, const std::function<void(float*, int, int, int)>& use) {
-  if (top_ >= bottom_) return;
-  sum_voxels(placed(), slice, covered_.data(), sums_.get(), use);
+  composite_voxels(placed(), slice, {image, row_floats, opaque_threshold, opaque_.data(), factors},
+                   covered_.data());
   forget_rows();
 }
 

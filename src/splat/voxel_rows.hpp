@@ -1,10 +1,7 @@
 #pragma once
-#include <hwy/aligned_allocator.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "splat/place_voxels.hpp"
@@ -35,13 +32,11 @@ class VoxelRows {
   }
 
   /// Composites the slice behind the region's image, rows of RGBA that are 64-byte aligned, and takes its
-  /// voxels out. Pixels whose transmittance is below the threshold are left as they are.
-  void composite(const AlignedSlice& slice, float* image, std::ptrdiff_t row_floats, float opaque_threshold);
-
-  /// Calls use(sums, x, y, pixels) for the region's pixels that kernels can cover, and a few of others
-  /// between them, in blocks, several at once; the last block may end behind the region. `sums` are their
-  /// RGBA, to be used at once and to be changed at will. Takes the voxels out.
-  void sum(const AlignedSlice& slice, const std::function<void(float*, int, int, int)>& use);
+  /// voxels out. Pixels whose transmittance is below the threshold are left as they are. `factors`: of the
+  /// sums in the region's first four by four pixels, which all others repeat, each once for each channel; or
+  /// null.
+  void composite(const AlignedSlice& slice, float* image, std::ptrdiff_t row_floats, float opaque_threshold,
+                 const float (*factors)[16]);
 
   /// Takes all voxels out.
   void clear();
@@ -63,7 +58,6 @@ class VoxelRows {
   std::vector<std::uint64_t> covered_;  ///< [words]: of a row, while it is swept
   int top_ = 0, bottom_ = 0;  ///< rows of anchors top_ … bottom_ − 1, the first of which holds voxels
   int phase_x_ = 0;           ///< of the voxels' anchors, modulo their step
-  hwy::AlignedFreeUniquePtr<float[]> sums_;
 };
 
 }  // namespace ringsplat

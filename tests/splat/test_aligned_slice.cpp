@@ -121,8 +121,8 @@ Painted paint_splats(const FrameKernel& kernel, const ViewTransform& view, const
   return finish(painter, counts);
 }
 
-FrameKernel kernel_of(const ViewTransform& view, double radius) {
-  return make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, {});
+FrameKernel kernel_of(const ViewTransform& view, double radius, const KernelOptions& options = {}) {
+  return make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options);
 }
 
 }  // namespace
@@ -157,11 +157,15 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
         ViewTransform view = aligned_view(step, step);
         view.linear[2] = {0, 0, 1};
         view.offset = {11.5 + place, -13.5 + place, 0};
-        const FrameKernel kernel = kernel_of(view, radius);
         const auto runs = random_runs(unsigned(100 * (radius + place)));
-        INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel");
-        CHECK(same_bits(paint_rows(kernel, view, runs).tile, paint_splats(kernel, view, runs).tile));
-        taps.insert(make_aligned_slice(kernel, view, Axis::z, slice)->taps);
+        for (const auto normalisation : {Normalisation::constant, Normalisation::exact}) {
+          if (normalisation == Normalisation::exact && radius < 1) continue;
+          const FrameKernel kernel = kernel_of(view, radius, {.normalisation = normalisation});
+          INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel"
+                    << (kernel.lattice_sum ? ", exact" : ""));
+          CHECK(same_bits(paint_rows(kernel, view, runs).tile, paint_splats(kernel, view, runs).tile));
+          taps.insert(make_aligned_slice(kernel, view, Axis::z, slice)->taps);
+        }
       }
     }
   }

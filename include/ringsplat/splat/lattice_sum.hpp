@@ -34,7 +34,13 @@ class LatticeSum {
   /// of the slice lies at `voxel`, in pixels.
   void divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
 
+  /// What divide_row multiplies the four by four pixels from (x, y) on by, which all others repeat; for
+  /// voxels a whole number of pixels apart, as in an AlignedSlice. Row by row, each factor once for each
+  /// channel.
+  void fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel, float (&factors)[4][16]) const;
+
  private:
+  float factor_of_phase(int x, int y, glm::dvec2 voxel) const;
   void divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
                         glm::dvec2 voxel) const;
 
