@@ -83,8 +83,8 @@ namespace ringsplat::HWY_NAMESPACE {
 
 using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
 
-/// The blocks that kernels of those rows can cover, but for what `opaque` has. Of the pixels
-/// from an anchor on, a voxel fills those up to the next.
+/// The blocks that kernels of those rows can cover, but for what `opaque` has. Of the pixels from an anchor
+/// on, a voxel fills those up to the next.
 void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
                   const std::uint64_t* opaque, std::uint64_t* covered) {
   const Words d;
