@@ -49,9 +49,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
   const int cores = places.machines == 1 ? places.cores : 0;
   const auto layouts =
       those_that_fit(layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), cores), grid, load);
-  RankCosts ranks;
-  ranks.cores = places.cores;
-  ranks.sharing = usual_sharing;
+  RankCosts ranks = usual_rank_costs(launch.ranks(), places.cores);
   ranks.hop = measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {

@@ -40,12 +40,9 @@ struct Places {
 /// Where the job's ranks run. Collective.
 Places count_places(Collectives& collectives);
 
-/// RankCosts::sharing on one machine, from docs/performance.md: sixteen ranks on two cores take 1.4 to 1.9
-/// times as long as two.
-inline constexpr double usual_sharing = 1.4;
-
-/// What a hop takes where no other rank is there to measure it, from docs/performance.md: 2.5 µs with a core
-/// for each rank; ranks that share cores wait for one.
+/// What is known of this machine where no other rank is there to measure it, from docs/performance.md: a hop
+/// takes 2.5 µs with a core for each rank; ranks that share cores wait for one, and what they render takes
+/// longer.
 RankCosts usual_rank_costs(int ranks, int cores);
 
 /// What a hop takes on a described machine between neighbours on different hosts; its cores, or one for each
