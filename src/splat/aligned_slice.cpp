@@ -58,12 +58,8 @@ void take_weights(const Window& window, AlignedSlice& slice) {
       slice.end_row = row + 1;
     }
   }
-  // A narrow kernel may lie between all pixels.
-  if (slice.covered.empty()) {
-    slice.first_column = slice.first_row = slice.taps = 0;
-    return;
-  }
-  // Steps from the window's first column to those of the rightmost and of the leftmost voxel.
+  // Steps from the window's first column to those of the rightmost and of the leftmost voxel. There are such:
+  // no kernel is so narrow that it lies between pixels (narrowest_half_width).
   const int least = slice.first_column / slice.step_x, most = (slice.end_column - 1) / slice.step_x;
   slice.taps = most - least + 1;
   slice.first_tap_x = slice.reach_x - most * slice.step_x;

@@ -84,8 +84,8 @@ void LatticeSum::fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel,
   float of_phase[most_whole_steps][most_whole_steps];
   for (int v = 0; v < phases_y_; ++v)
     for (int u = 0; u < phases_x_; ++u) of_phase[v][u] = factor_of_phase(u, v, voxel);
-  for (int row = 0; row < 4; ++row)
-    for (int column = 0; column < 4; ++column)
+  for (int row = 0; row < most_whole_steps; ++row)
+    for (int column = 0; column < most_whole_steps; ++column)
       std::fill_n(factors[row] + std::ptrdiff_t{4} * column, 4,
                   of_phase[phase_of(y + row, phases_y_)][phase_of(x + column, phases_x_)]);
 }

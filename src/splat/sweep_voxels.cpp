@@ -288,7 +288,7 @@ void CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, c
   sweep(voxels, slice, image.opaque, covered, [&](const Reaching& rows, int x, int y, int blocks) {
     float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
     std::uint64_t* opaque = image.opaque + std::size_t(y) * voxels.row_words;
-    const float* factors = image.factors != nullptr ? image.factors[y % 4] : nullptr;
+    const float* factors = image.factors != nullptr ? image.factors[y % most_whole_steps] : nullptr;
     convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, BlockOfSums& sums) {
       if (factors != nullptr) multiply(sums, factors);
       if (!composite_block(sums, image.opaque_threshold, to + block * block_floats)) return;

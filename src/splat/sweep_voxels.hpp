@@ -24,11 +24,12 @@ struct PlacedVoxelRows {
 
 /// A region's composited pixels.
 struct ImageRows {
-  float* first = nullptr;                ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
-  std::ptrdiff_t row_floats = 0;         ///< from a row to the next
-  float opaque_threshold = 0;            ///< transmittances below it count as 0
-  std::uint64_t* opaque = nullptr;       ///< rows of bits: blocks of which all pixels are opaque
-  const float (*factors)[16] = nullptr;  ///< of the sums of a block in rows y modulo 4; null: 1
+  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
+  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
+  float opaque_threshold = 0;       ///< transmittances below it count as 0
+  std::uint64_t* opaque = nullptr;  ///< rows of bits: blocks of which all pixels are opaque
+  /// Of a block's sums, in row y the (y % most_whole_steps)-th; null: 1.
+  const float (*factors)[16] = nullptr;
 };
 
 /// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once and not once for
