@@ -12,7 +12,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ringsplat)
 set_target_properties(ringsplat_flags PROPERTIES EXPORT_NAME flags)
 set_target_properties(ringsplat_itk PROPERTIES EXPORT_NAME itk)
 install(TARGETS ringsplat_cli)
-install(TARGETS ringsplat_library ringsplat_flags ringsplat_itk ${rooms} EXPORT ringsplat-targets)
+install(TARGETS ringsplat_library ringsplat_flags ringsplat_itk ringsplat_openimageio ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} 
   FILES_MATCHING PATTERN "*.hpp" PATTERN app EXCLUDE)

@@ -1,7 +1,5 @@
 #include "ringsplat/app/image_io.hpp"
 
-#include <OpenImageIO/color.h>
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -15,6 +13,8 @@
 
 #include "app/output_file.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/images/image_file.hpp"
+#include "ringsplat/images/srgb.hpp"
 
 namespace ringsplat {
 
@@ -57,7 +57,7 @@ std::uint8_t to_byte(float v) {
   return static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0F) * 255.0F + 0.5F : 0.0F);
 }
 
-/// to_byte(OIIO::linear_to_sRGB(v)), the same bytes, without a power for each value: a picture's would take
+/// to_byte(srgb_of_linear(v)), the same bytes, without a power for each value: a picture's would take
 /// longer than rendering it.
 class SrgbBytes {
  public:
@@ -85,7 +85,7 @@ class SrgbBytes {
     std::uint32_t below = 0, from = std::bit_cast<std::uint32_t>(1.0F);
     while (from - below > 1) {
       const std::uint32_t middle = below + (from - below) / 2;
-      (to_byte(OIIO::linear_to_sRGB(std::bit_cast<float>(middle))) >= byte ? from : below) = middle;
+      (to_byte(srgb_of_linear(std::bit_cast<float>(middle))) >= byte ? from : below) = middle;
     }
     return std::bit_cast<float>(from);
   }
@@ -106,39 +106,30 @@ std::vector<std::uint8_t> display_pixels(const Image::Floats& linear, std::size_
   return bytes;
 }
 
-OIIO::ImageSpec make_spec(const Image& image, const Format& format, int channels,
-                          const std::string& settings) {
-  OIIO::ImageSpec spec(image.width, image.height, channels,
-                       format.linear_float ? OIIO::TypeDesc::FLOAT : OIIO::TypeDesc::UINT8);
-  spec.attribute("Software", "ringsplat " RINGSPLAT_VERSION);
+std::vector<ImageData::Attribute> attributes_of(const Format& format, const std::string& settings) {
+  std::vector<ImageData::Attribute> attributes{{"Software", "ringsplat " RINGSPLAT_VERSION}};
+  const auto add = [&](const char* name, auto value) { attributes.push_back({name, value}); };
   if (!settings.empty()) {
-    spec.attribute("ImageDescription", settings);
-    spec.attribute("ringsplat:settings", settings);
+    add("ImageDescription", settings);
+    add("ringsplat:settings", settings);
   }
-  spec.attribute("oiio:ColorSpace", format.linear_float ? "Linear" : "sRGB");
-  if (!format.linear_float) spec.attribute("oiio:UnassociatedAlpha", 1);
+  add("oiio:ColorSpace", format.linear_float ? "Linear" : "sRGB");
+  if (!format.linear_float) add("oiio:UnassociatedAlpha", 1);
   const std::string ending = format.ending;
   // Without this these writers add the time, and equal pictures would not be equal files.
-  if (ending == ".exr" || ending == ".tif" || ending == ".tiff") spec.attribute("DateTime", "");
-  if (ending == ".jpg" || ending == ".jpeg") spec.attribute("compression", "jpeg:95");
-  return spec;
+  if (ending == ".exr" || ending == ".tif" || ending == ".tiff") add("DateTime", "");
+  if (ending == ".jpg" || ending == ".jpeg") add("compression", "jpeg:95");
+  return attributes;
 }
 
-void write_pixels(const fs::path& file, const OIIO::ImageSpec& spec, const void* pixels,
-                  const fs::path& shown) {
-  const auto out = OIIO::ImageOutput::create(file.string());
-  const auto failed = [&](const std::string& why) {
-    return RunError(fmt::format("{} cannot be written: {}", shown.string(), why), "is the disk full?");
-  };
-  if (!out) throw failed(OIIO::geterror());
-  if (!out->open(file.string(), spec) || !out->write_image(spec.format, pixels) || !out->close())
-    throw failed(out->geterror());
+bool is_float(SampleType type) {
+  return type == SampleType::float16 || type == SampleType::float32 || type == SampleType::float64;
 }
 
 /// The channels of a file as RGBA; grey becomes three, no alpha is opaque.
-Image as_rgba(const OIIO::ImageSpec& spec, const std::vector<float>& values) {
-  Image image(spec.width, spec.height);
-  const int alpha = spec.alpha_channel, channels = spec.nchannels;
+Image as_rgba(const ImageShape& shape, const std::vector<float>& values) {
+  Image image(shape.width, shape.height);
+  const int alpha = shape.alpha_channel, channels = shape.channels;
   const bool grey = channels - (alpha >= 0 ? 1 : 0) < 3;
   for (std::size_t p = 0; p < image.rgba.size() / 4; ++p) {
     const float* from = values.data() + p * std::size_t(channels);
@@ -167,12 +158,17 @@ void write_image(const Image& image, const fs::path& file, const std::optional<g
   const Format& format = *format_of(file);
   const int channels = background ? 3 : 4;
   const Image::Floats linear = linear_pixels(image, background);
-  const OIIO::ImageSpec spec = make_spec(image, format, channels, settings);
+  ImageData data{image.width,   image.height,
+                 channels,      format.linear_float ? SampleType::float32 : SampleType::uint8,
+                 linear.data(), attributes_of(format, settings)};
+  std::vector<std::uint8_t> display;
+  if (!format.linear_float) {
+    display = display_pixels(linear, std::size_t(channels));
+    data.samples = display.data();
+  }
   app::write_beside(file, [&](const fs::path& temporary) {
-    if (format.linear_float)
-      write_pixels(temporary, spec, linear.data(), file);
-    else
-      write_pixels(temporary, spec, display_pixels(linear, std::size_t(channels)).data(), file);
+    if (const std::string problem = write_image_file(temporary, data); !problem.empty())
+      throw RunError(fmt::format("{} cannot be written: {}", file.string(), problem), "is the disk full?");
   });
 }
 
@@ -186,21 +182,21 @@ StoredImage read_image(const fs::path& file) {
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored))
     throw InputError(fmt::format("there is no picture {}", file.string()), "check the path");
-  OIIO::ImageSpec keep_straight;
-  keep_straight.attribute("oiio:UnassociatedAlpha", 1);
-  const auto in = OIIO::ImageInput::open(file.string(), &keep_straight);
-  if (!in) throw bad(OIIO::geterror());
-  const OIIO::ImageSpec spec = in->spec();
-  if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1)
+  const auto [opened, problem] = open_image_file(file);
+  if (!opened) throw bad(problem);
+  const ImageShape shape = opened->shape();
+  if (shape.width < 1 || shape.height < 1 || shape.depth > 1 || shape.channels < 1)
     throw bad("it is not one flat picture");
-  std::vector<float> values(std::size_t(spec.width) * std::size_t(spec.height) * std::size_t(spec.nchannels));
-  if (!in->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, values.data()))
-    throw bad(in->geterror());
+  std::vector<float> values(std::size_t(shape.width) * std::size_t(shape.height) *
+                            std::size_t(shape.channels));
+  if (const std::string failure = opened->read(0, shape.channels, SampleType::float32, values.data());
+      !failure.empty())
+    throw bad(failure);
 
-  StoredImage stored{
-      as_rgba(spec, values), spec.format.is_floating_point(), spec.alpha_channel >= 0,
-      spec.get_string_attribute("ringsplat:settings", spec.get_string_attribute("ImageDescription"))};
-  if (stored.has_alpha && spec.get_int_attribute("oiio:UnassociatedAlpha") != 0)
+  const std::string settings = opened->text("ringsplat:settings");
+  StoredImage stored{as_rgba(shape, values), is_float(shape.type), shape.alpha_channel >= 0,
+                     settings.empty() ? opened->text("ImageDescription") : settings};
+  if (stored.has_alpha && opened->number("oiio:UnassociatedAlpha") != 0)
     for (std::size_t at = 0; at < stored.image.rgba.size(); at += 4)
       for (std::size_t c = 0; c < 3; ++c) stored.image.rgba[at + c] *= stored.image.rgba[at + 3];
   return stored;
@@ -211,7 +207,7 @@ StoredImage to_linear(StoredImage stored) {
   for (std::size_t at = 0; at < stored.image.rgba.size(); at += 4) {
     const float alpha = stored.image.rgba[at + 3];
     for (std::size_t c = 0; c < 3 && alpha > 0; ++c)
-      stored.image.rgba[at + c] = alpha * OIIO::sRGB_to_linear(stored.image.rgba[at + c] / alpha);
+      stored.image.rgba[at + c] = alpha * linear_of_srgb(stored.image.rgba[at + c] / alpha);
   }
   return stored;
 }

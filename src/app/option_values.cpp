@@ -1,6 +1,5 @@
 #include "app/option_values.hpp"
 
-#include <OpenImageIO/color.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/images/srgb.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -56,7 +56,7 @@ constexpr std::pair<std::string_view, std::uint32_t> named_colours[] = {
 
 glm::dvec3 linear(const glm::dvec3& srgb) {
   glm::dvec3 light;
-  for (int c = 0; c < 3; ++c) light[c] = OIIO::sRGB_to_linear(static_cast<float>(srgb[c]));
+  for (int c = 0; c < 3; ++c) light[c] = linear_of_srgb(static_cast<float>(srgb[c]));
   return light;
 }
 

@@ -1,4 +1,3 @@
-#include <OpenImageIO/imageio.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/images/image_file.hpp"
 #include "volume/formats.hpp"
 #include "volume/input_file.hpp"
 #include "volume/limits.hpp"
@@ -28,58 +28,56 @@ struct PageShape {
   bool operator==(const PageShape&) const = default;
 };
 
-std::unique_ptr<OIIO::ImageInput> open_image(const std::filesystem::path& path) {
+std::unique_ptr<ImageFile> open_image(const std::filesystem::path& path) {
   const InputFile readable(path);
-  auto image = OIIO::ImageInput::open(path.string());
-  if (!image)
-    throw InputError(
-        fmt::format("{} is not a readable TIFF file: {}", path.string(), one_line(OIIO::geterror())),
-        "check the file with another viewer");
-  return image;
+  auto [file, problem] = open_image_file(path);
+  if (!file)
+    throw InputError(fmt::format("{} is not a readable TIFF file: {}", path.string(), one_line(problem)),
+                     "check the file with another viewer");
+  return std::move(file);
 }
 
-ScalarType scalar_type_of(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
-  switch (spec.format.basetype) {
-    case OIIO::TypeDesc::INT8:
+ScalarType scalar_type_of(const ImageShape& shape, const std::filesystem::path& path) {
+  switch (shape.type) {
+    case SampleType::int8:
       return ScalarType::int8;
-    case OIIO::TypeDesc::UINT8:
+    case SampleType::uint8:
       return ScalarType::uint8;
-    case OIIO::TypeDesc::INT16:
+    case SampleType::int16:
       return ScalarType::int16;
-    case OIIO::TypeDesc::UINT16:
+    case SampleType::uint16:
       return ScalarType::uint16;
-    case OIIO::TypeDesc::INT32:
+    case SampleType::int32:
       return ScalarType::int32;
-    case OIIO::TypeDesc::UINT32:
+    case SampleType::uint32:
       return ScalarType::uint32;
-    case OIIO::TypeDesc::HALF:
-    case OIIO::TypeDesc::FLOAT:
+    case SampleType::float16:
+    case SampleType::float32:
       return ScalarType::float32;
-    case OIIO::TypeDesc::DOUBLE:
+    case SampleType::float64:
       return ScalarType::float64;
-    default:
+    case SampleType::other:
       break;
   }
-  throw InputError(
-      fmt::format("{}: pixels of type {} cannot be rendered", path.string(), spec.format.c_str()),
-      "convert them to at most 32 bits or float first");
+  throw InputError(fmt::format("{}: pixels of type {} cannot be rendered", path.string(), shape.type_name),
+                   "convert them to at most 32 bits or float first");
 }
 
-OIIO::TypeDesc type_desc(ScalarType type) {
-  constexpr OIIO::TypeDesc::BASETYPE types[] = {
-      OIIO::TypeDesc::INT8,  OIIO::TypeDesc::UINT8,  OIIO::TypeDesc::INT16, OIIO::TypeDesc::UINT16,
-      OIIO::TypeDesc::INT32, OIIO::TypeDesc::UINT32, OIIO::TypeDesc::FLOAT, OIIO::TypeDesc::DOUBLE};
+SampleType sample_type_of(ScalarType type) {
+  constexpr SampleType types[] = {SampleType::int8,    SampleType::uint8,  SampleType::int16,
+                                  SampleType::uint16,  SampleType::int32,  SampleType::uint32,
+                                  SampleType::float32, SampleType::float64};
   return types[std::size_t(type)];
 }
 
-PageShape shape_of(const OIIO::ImageSpec& spec, const std::filesystem::path& path) {
-  if (spec.nchannels != 1)
-    throw InputError(fmt::format("{}: {} channels per pixel", path.string(), spec.nchannels),
+PageShape shape_of(const ImageShape& shape, const std::filesystem::path& path) {
+  if (shape.channels != 1)
+    throw InputError(fmt::format("{}: {} channels per pixel", path.string(), shape.channels),
                      "only scalar volumes can be rendered: convert the pages to grey");
-  if (spec.depth > 1)
-    throw InputError(fmt::format("{}: {} planes in one page", path.string(), spec.depth),
+  if (shape.depth > 1)
+    throw InputError(fmt::format("{}: {} planes in one page", path.string(), shape.depth),
                      "write one slice a page");
-  return {spec.width, spec.height, scalar_type_of(spec, path)};
+  return {shape.width, shape.height, scalar_type_of(shape, path)};
 }
 
 /// Adds the pages of one file, which must have the shape of those before it.
@@ -89,9 +87,9 @@ void add_pages(const std::filesystem::path& path, std::vector<Page>& pages, std:
   std::uint64_t bytes = 0;
   bool compressed = false;
   int index = 0;
-  for (; image->seek_subimage(index, 0); ++index) {
-    const auto& spec = image->spec();
-    const auto found = shape_of(spec, path);
+  for (; image->seek(index); ++index) {
+    const ImageShape page = image->shape();
+    const auto found = shape_of(page, path);
     if (!shape.empty() && found != shape.front())
       throw InputError(fmt::format("{}: page {} is {} x {} {}, the pages before it are {} x {} {}",
                                    path.string(), index, found.width, found.height, to_string(found.type),
@@ -99,8 +97,9 @@ void add_pages(const std::filesystem::path& path, std::vector<Page>& pages, std:
                        "all slices must have one size and type");
     if (shape.empty()) shape.push_back(found);
     pages.push_back({path, index});
-    bytes += spec.image_bytes(true);
-    compressed |= spec.get_string_attribute("compression", "none") != "none";
+    bytes += page.bytes;
+    const std::string compression = image->text("compression");
+    compressed |= !compression.empty() && compression != "none";
   }
   if (std::uint64_t(index) != chained)
     throw InputError(fmt::format("{}: page {} cannot be read", path.string(), index),
@@ -131,15 +130,16 @@ class TiffSource final : public VolumeSource {
       image_ = open_image(page.file);
       opened_ = page.file;
     }
-    if (!image_->read_image(page.index, 0, 0, 1, type_desc(grid_.type), out.data()))
-      throw InputError(fmt::format("cannot read page {} of {}: {}", page.index, page.file.string(),
-                                   one_line(image_->geterror())),
-                       "the file was cut short or damaged");
+    const std::string problem = image_->read(page.index, 1, sample_type_of(grid_.type), out.data());
+    if (!problem.empty())
+      throw InputError(
+          fmt::format("cannot read page {} of {}: {}", page.index, page.file.string(), one_line(problem)),
+          "the file was cut short or damaged");
   }
 
   Grid grid_;
   std::vector<Page> pages_;
-  std::unique_ptr<OIIO::ImageInput> image_;
+  std::unique_ptr<ImageFile> image_;
   std::filesystem::path opened_;
 };
 

@@ -10,31 +10,14 @@
 #include <string>
 #include <vector>
 
+#include "support/temporary_folder.hpp"
+
 /// Runs the real program and keeps what it said.
 namespace ringsplat::app_test {
 
 namespace fs = std::filesystem;
 
-/// A folder of its own that is gone with the object.
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "ringsplat-test-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no temporary folder");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-  std::string operator/(const std::string& name) const { return (path_ / name).string(); }
-
- private:
-  fs::path path_;
-};
+using support::TemporaryFolder;
 
 inline std::string read_text(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -55,6 +55,7 @@ std::vector<Include> includes_of(const fs::path& file) {
 }
 
 bool is_mpi(const std::string& include) { return include == "mpi.h"; }
+bool is_openimageio(const std::string& include) { return include.rfind("OpenImageIO/", 0) == 0; }
 
 /// "ringsplat/ROOM/..." names ROOM's public header.
 std::optional<std::string> public_room(const std::string& include) {
@@ -102,6 +103,8 @@ class Checker {
   void check(const SourceFile& file, const Include& include) {
     if (is_mpi(include.name) && file.room != "mpi")
       report(file.path, include.line, "includes mpi.h, which only mpi may");
+    if (is_openimageio(include.name) && file.room != "images")
+      report(file.path, include.line, "includes " + include.name + ", which only images may");
     if (headers_with_mpi_.count(include.name) > 0 && file.room != "mpi")
       report(file.path, include.line, "includes mpi.h by way of " + include.name);
     if (const auto room = public_room(include.name)) {
@@ -148,7 +151,8 @@ class Checker {
 const Rules& house_rules() {
   static const Rules rules{
       {"base", {}},
-      {"volume", {"base"}},
+      {"images", {"base"}},
+      {"volume", {"base", "images"}},
       {"classify", {"base", "volume"}},
       {"view", {"base"}},
       {"splat", {"base", "view"}},
@@ -159,7 +163,8 @@ const Rules& house_rules() {
       {"model", {"base"}},
       {"mpi", {"base", "net", "model"}},
       {"app",
-       {"base", "volume", "classify", "view", "splat", "screen", "net", "node", "truth", "model", "mpi"}},
+       {"base", "images", "volume", "classify", "view", "splat", "screen", "net", "node", "truth", "model",
+        "mpi"}},
   };
   return rules;
 }

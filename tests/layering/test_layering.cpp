@@ -66,6 +66,8 @@ TEST_CASE("a planted fault is found, with its file and line") {
       {"src/truth/bad.cpp", "#include <ringsplat/node/gp.hpp>\n",
        "src/truth/bad.cpp:1: truth may not use node (ringsplat/node/gp.hpp)"},
       {"src/net/bad.cpp", "  #  include <mpi.h>\n", "src/net/bad.cpp:1: includes mpi.h, which only mpi may"},
+      {"src/app/bad.cpp", "#include <OpenImageIO/imageio.h>\n",
+       "src/app/bad.cpp:1: includes OpenImageIO/imageio.h, which only images may"},
       {"src/app/bad.cpp", "#include \"mpi.h\"\n", "src/app/bad.cpp:1: includes mpi.h, which only mpi may"},
       {"src/app/bad.cpp", "#include \"ringsplat/mpi/communicator.hpp\"\n",
        "src/app/bad.cpp:1: includes mpi.h by way of ringsplat/mpi/communicator.hpp"},

@@ -1,0 +1,63 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+/// Files of images, by OpenImageIO. With the libraries it is made of it takes a process longer to load than a
+/// picture to render, so that happens when the first file is opened or written: functions here throw RunError
+/// when it cannot be loaded.
+namespace ringsplat {
+
+/// `other`: those that cannot be read as one of these.
+enum class SampleType { int8, uint8, int16, uint16, int32, uint32, float16, float32, float64, other };
+
+/// One of a file's images.
+struct ImageShape {
+  int width, height, depth, channels;
+  int alpha_channel;  ///< below 0: none
+  SampleType type;
+  std::string type_name;  ///< as OpenImageIO calls it
+  std::uint64_t bytes;    ///< of all samples, uncompressed
+};
+
+/// A file that was opened for reading. Not for several threads at once.
+class ImageFile {
+ public:
+  virtual ~ImageFile() = default;
+  /// Goes to the image with that number, from 0; false: there is none.
+  virtual bool seek(int image) = 0;
+  /// The image it is at, at first number 0.
+  virtual ImageShape shape() const = 0;
+  /// What the image says under a name; empty or 0 when it says nothing there.
+  virtual std::string text(const std::string& name) const = 0;
+  virtual int number(const std::string& name) const = 0;
+  /// Reads the first `channels` of an image's pixels, rows from the top, as samples of that type; alpha that
+  /// is straight in the file stays so. Says what went wrong, or nothing.
+  virtual std::string read(int image, int channels, SampleType type, void* samples) = 0;
+};
+
+struct OpenedImageFile {
+  std::unique_ptr<ImageFile> file;  ///< null: it is no image file
+  std::string problem;              ///< then: why
+};
+OpenedImageFile open_image_file(const std::filesystem::path& path);
+
+/// An image to be written.
+struct ImageData {
+  int width, height, channels;  ///< of four the last is alpha
+  SampleType type;              ///< in memory and, where the format has it, in the file
+  const void* samples;          ///< rows from the top, pixel by pixel
+  struct Attribute {
+    std::string name;
+    std::variant<int, std::string> value;
+  };
+  std::vector<Attribute> attributes;  ///< with OpenImageIO's names
+};
+
+/// The format follows from the path's ending. Says what went wrong, or nothing.
+std::string write_image_file(const std::filesystem::path& path, const ImageData& image);
+
+}  // namespace ringsplat

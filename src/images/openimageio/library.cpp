@@ -1,0 +1,104 @@
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <exception>
+#include <utility>
+
+#include "images/image_library.hpp"
+
+namespace ringsplat {
+namespace {
+
+using OIIO::TypeDesc;
+
+constexpr std::array<std::pair<SampleType, TypeDesc::BASETYPE>, 9> types{
+    {{SampleType::int8, TypeDesc::INT8},
+     {SampleType::uint8, TypeDesc::UINT8},
+     {SampleType::int16, TypeDesc::INT16},
+     {SampleType::uint16, TypeDesc::UINT16},
+     {SampleType::int32, TypeDesc::INT32},
+     {SampleType::uint32, TypeDesc::UINT32},
+     {SampleType::float16, TypeDesc::HALF},
+     {SampleType::float32, TypeDesc::FLOAT},
+     {SampleType::float64, TypeDesc::DOUBLE}}};
+
+TypeDesc type_desc(SampleType type) {
+  const auto found =
+      std::find_if(types.begin(), types.end(), [type](const auto& pair) { return pair.first == type; });
+  return found == types.end() ? TypeDesc::UNKNOWN : found->second;
+}
+
+SampleType sample_type(TypeDesc type) {
+  const auto found = std::find_if(types.begin(), types.end(),
+                                  [type](const auto& pair) { return pair.second == type.basetype; });
+  return found == types.end() ? SampleType::other : found->first;
+}
+
+class OpenedFile final : public ImageFile {
+ public:
+  explicit OpenedFile(std::unique_ptr<OIIO::ImageInput> input) : input_(std::move(input)) {}
+
+  bool seek(int image) override { return input_->seek_subimage(image, 0); }
+
+  ImageShape shape() const override {
+    const OIIO::ImageSpec& spec = input_->spec();
+    return {spec.width,          spec.height,           spec.depth,
+            spec.nchannels,      spec.alpha_channel,    sample_type(spec.format),
+            spec.format.c_str(), spec.image_bytes(true)};
+  }
+
+  std::string text(const std::string& name) const override {
+    return input_->spec().get_string_attribute(name);
+  }
+  int number(const std::string& name) const override { return input_->spec().get_int_attribute(name); }
+
+  std::string read(int image, int channels, SampleType type, void* samples) override try {
+    if (input_->read_image(image, 0, 0, channels, type_desc(type), samples)) return {};
+    return input_->geterror();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+
+ private:
+  std::unique_ptr<OIIO::ImageInput> input_;
+};
+
+OIIO::ImageSpec spec_of(const ImageData& image) {
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, type_desc(image.type));
+  for (const auto& [name, value] : image.attributes)
+    std::visit([&, &attribute = name](const auto& v) { spec.attribute(attribute, v); }, value);
+  return spec;
+}
+
+class OpenImageIo final : public ImageLibrary {
+ public:
+  OpenedImageFile open(const std::string& path) const override try {
+    OIIO::ImageSpec keep_straight;
+    keep_straight.attribute("oiio:UnassociatedAlpha", 1);
+    auto input = OIIO::ImageInput::open(path, &keep_straight);
+    if (!input) return {nullptr, OIIO::geterror()};
+    return {std::make_unique<OpenedFile>(std::move(input)), {}};
+  } catch (const std::exception& error) {
+    return {nullptr, error.what()};
+  }
+
+  std::string write(const std::string& path, const ImageData& image) const override try {
+    const auto output = OIIO::ImageOutput::create(path);
+    if (!output) return OIIO::geterror();
+    const OIIO::ImageSpec spec = spec_of(image);
+    if (output->open(path, spec) && output->write_image(spec.format, image.samples) && output->close())
+      return {};
+    return output->geterror();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+};
+
+}  // namespace
+}  // namespace ringsplat
+
+extern "C" __attribute__((visibility("default"))) const ringsplat::ImageLibrary* ringsplat_image_library() {
+  static const ringsplat::OpenImageIo library;
+  return &library;
+}
