@@ -46,23 +46,33 @@ using Mirrored = float[block];
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
 
-/// The scales; true when some highlights are not faint. In plain loops, of which a compiler makes vectors of
-/// normals.
+/// The scales; true when some highlights are not faint.
 bool LightBlock(const NormalBlock& n, const Lighting& lighting, float* scales, Mirrored& mirrored) {
-  const auto [light, viewer, light_viewer, ambient, diffuse, faint] = lighting;
-  int seen = 0;
-  for (std::size_t k = 0; k < block; ++k) {
-    const float facing_light = n.x[k] * light.x + n.y[k] * light.y + n.z[k] * light.z;
-    const float facing_viewer = n.x[k] * viewer.x + n.y[k] * viewer.y + n.z[k] * viewer.z;
+  const hn::CappedTag<float, block> d;
+  const auto cosine = [&](std::size_t k, const glm::vec3& direction) {
+    const auto along = [&](const float* axis, float part) {
+      return hn::Mul(hn::LoadU(d, axis + k), hn::Set(d, part));
+    };
+    return hn::Add(hn::Add(along(n.x, direction.x), along(n.y, direction.y)), along(n.z, direction.z));
+  };
+  const auto faint = hn::Set(d, lighting.faint), ambient = hn::Set(d, lighting.ambient),
+             diffuse = hn::Set(d, lighting.diffuse), light_viewer = hn::Set(d, lighting.light_viewer);
+  auto brightest = hn::Zero(d);
+  for (std::size_t k = 0; k < block; k += hn::Lanes(d)) {
+    const auto facing_light = cosine(k, lighting.light), facing_viewer = cosine(k, lighting.viewer);
     // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and viewer on
     // the same side.
-    const float same_side = facing_light * facing_viewer, lobe = 2.0F * same_side - light_viewer;
-    mirrored[k] = same_side > 0 ? lobe : 0.0F;
-    seen |= mirrored[k] > faint ? 1 : 0;
-    scales[k] = std::min(ambient + diffuse * std::abs(facing_light), most);
+    const auto same_side = hn::Mul(facing_light, facing_viewer),
+               lobe = hn::Sub(hn::Add(same_side, same_side), light_viewer);
+    const auto seen = hn::IfThenElseZero(hn::Gt(same_side, hn::Zero(d)), lobe);
+    brightest = hn::Max(brightest, seen);
+    hn::StoreU(seen, d, mirrored + k);
+    const auto scale = hn::Add(ambient, hn::Mul(diffuse, hn::Abs(facing_light)));
+    hn::StoreU(hn::Min(scale, hn::Set(d, most)), d, scales + k);
   }
-  return seen != 0;
+  return !hn::AllFalse(d, hn::Gt(brightest, faint));
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
