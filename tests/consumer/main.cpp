@@ -1,4 +1,5 @@
-// Renders a slab that rank 0 holds in memory and checks its opacity:  mpirun -n 3 consumer
+// Renders a slab that rank 0 holds in memory and checks its opacity, and asks for a picture that is not
+// there:  mpirun -n 3 consumer
 #include <mpi.h>
 
 #include <cmath>
@@ -6,6 +7,7 @@
 #include <exception>
 #include <vector>
 
+#include "ringsplat/images/image_file.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 #include "ringsplat/node/render.hpp"
 
@@ -58,6 +60,10 @@ bool check_image(const ringsplat::Image& image, int rank) {
   return alpha && red && green && outside;
 }
 
+/// What reads images is loaded when it is needed, from where the package is installed; throws when it is not
+/// found.
+bool knows_images() { return !ringsplat::open_image_file("no such picture.png").file; }
+
 bool run(MPI_Comm comm, int rank) {
   const ringsplat::Grid grid = slab();
   const std::vector<std::byte> voxels(rank == 0 ? grid.bytes() : 0, std::byte{100});
@@ -76,7 +82,7 @@ int main(int argc, char** argv) {
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   int wrong = 1, wrong_anywhere = 1;
   try {
-    wrong = run(MPI_COMM_WORLD, rank) ? 0 : 1;
+    wrong = run(MPI_COMM_WORLD, rank) && knows_images() ? 0 : 1;
   } catch (const std::exception& e) {
     std::fprintf(stderr, "rank %d: %s\n", rank, e.what());
     MPI_Abort(MPI_COMM_WORLD, 3);
