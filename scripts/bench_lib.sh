@@ -7,6 +7,10 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 head=$repo/tests/data/head.nrrd
 
+# What --frames-in-flight 1 leaves to run ahead: slices, payloads and tokens.
+# shellcheck disable=SC2034  # for the scripts that source this
+ahead=(--look-ahead 4 --slots 16 --send-ahead 16)
+
 # A transfer function that shows nothing: frames then cost only their tokens.
 cat >"$work/nothing.json" <<'JSON'
 [{"Name": "nothing", "ColorSpace": "RGB", "NanColor": [1, 0, 0],

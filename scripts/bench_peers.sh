@@ -74,7 +74,7 @@ declare -A setting=(
 
 ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...
   # shellcheck disable=SC2086  # a setting's options are words
-  run_ranks 2 "$build/ringsplat" render "${volume[@]}" --look-ahead 4 --slots 16 --send-ahead 16 --size 512 --tf "$work/$2.json" --shading "$3" \
+  run_ranks 2 "$build/ringsplat" render "${volume[@]}" "${ahead[@]}" --size 512 --tf "$work/$2.json" --shading "$3" \
     --path "$work/$4" ${setting[$1]} "${options[@]}" "${@:5}" >/dev/null
 }
 

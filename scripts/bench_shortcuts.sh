@@ -19,7 +19,6 @@ python3 "$repo/scripts/bench_shortcuts_report.py" front-matrix "$("$build/ringsp
 
 # The rows of the table: a name, how many ranks, and options that come after those that switch all shortcuts off.
 none=(--opaque-threshold 0 --payload words --precision float --frames-in-flight 1 --look-ahead 1)
-ahead=(--look-ahead 4 --slots 16 --send-ahead 16)
 dedicated=(--gps 1 --renderers 1)
 colocated=(--roles colocated --gps 2 --renderers 2)
 runs=(--opaque-threshold 0 --payload runs --frames-in-flight 1 --look-ahead 1)
