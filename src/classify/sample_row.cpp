@@ -23,9 +23,7 @@ using Colour = ClassifiedSample;
 HWY_INLINE Colour read(const ClassifiedSample& sample) { return sample; }
 HWY_INLINE void write(const Colour& colour, ClassifiedSample& sample) { sample = colour; }
 HWY_INLINE Colour light(const Colour& s, const PhongTable::Entries& lights, std::uint16_t place) {
-  const float scale = std::abs(lights.scales[place]), add = lights.highlights[lights.highlight_of(place)];
-  return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
-          std::min(s.b * scale + add, 1.0F), s.opacity};
+  return lights.light(s, place);
 }
 
 #else

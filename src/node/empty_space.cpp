@@ -33,8 +33,7 @@ std::span<const std::uint64_t> VisibleVoxels::of_row(const SliceView& slice, int
   if (runs_.empty()) return {};
   std::uint64_t* masks = masks_.data() + std::size_t(row) * row_masks_;
   if (std::exchange(found_[std::size_t(row)], 1) == 0) {
-    const std::byte* values =
-        slice.values + std::size_t(row) * std::size_t(slice.width) * size_of(slice.type);
+    const std::byte* values = slice.values_of_row(row);
     for (const ColumnRun& run : runs_.of_row(row)) finder_->find_row(values, run.first, run.end, masks);
   }
   return {masks, row_masks_};

@@ -30,15 +30,9 @@ int RowClassifier::voxels_outside(Columns columns) const {
 }
 
 void RowClassifier::make_samples() {
-  const bool lit = shading_.lit() && slice_.normals != nullptr;
-  const NormalCode* normals =
-      lit ? slice_.normals + std::size_t(row_index_) * std::size_t(slice_.width) : nullptr;
-  ringsplat::make_samples(shading_.classifier(), {values(), normals, slice_.width},
-                          lit ? &shading_.phong() : nullptr, row_);
-}
-
-const std::byte* RowClassifier::values() const {
-  return slice_.values + std::size_t(row_index_) * std::size_t(slice_.width) * size_of(slice_.type);
+  const NormalCode* normals = shading_.lit() ? slice_.normals_of_row(row_index_) : nullptr;
+  ringsplat::make_samples(shading_.classifier(), {slice_.values_of_row(row_index_), normals, slice_.width},
+                          normals == nullptr ? nullptr : &shading_.phong(), row_);
 }
 
 }  // namespace ringsplat

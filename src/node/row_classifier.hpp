@@ -30,8 +30,6 @@ class RowClassifier {
   std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
 
  private:
-  const std::byte* values() const;  ///< of the row
-
   const FrameShading& shading_;
   SliceView slice_;
   VisibleVoxels* visible_ = nullptr;

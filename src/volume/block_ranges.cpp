@@ -42,7 +42,7 @@ BlockRanges::BlockRanges(const SliceView& slice)
     using T = decltype(zero);
     std::vector<Ends<T>> ends(std::size_t(columns_) * std::size_t(rows_), nothing<T>());
     for (int y = 0; y < slice.height; ++y) {
-      const std::byte* row = slice.values + std::size_t(y) * std::size_t(slice.width) * sizeof(T);
+      const std::byte* row = slice.values_of_row(y);
       for (int column = 0; column < columns_; ++column) {
         const int first = column * block_width;
         widen(ends[std::size_t(y / block_height) * std::size_t(columns_) + std::size_t(column)],

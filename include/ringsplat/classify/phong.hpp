@@ -27,10 +27,7 @@ class PhongTable {
 
   /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
   ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
-    const std::uint16_t place = place_of(normal);
-    const float scale = std::abs(scales_[place]), add = highlights_[entries().highlight_of(place)];
-    return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
-            std::min(s.b * scale + add, 1.0F), s.opacity};
+    return entries().light(s, place_of(normal));
   }
 
   /// A colour is multiplied by |scale|, and the highlight is added. Most normals have none, and the table is
@@ -40,6 +37,11 @@ class PhongTable {
     /// Where the highlight of a place is: there or, of those without one, at 0.
     std::uint16_t highlight_of(std::uint16_t place) const {
       return std::uint16_t(place & (std::bit_cast<std::int32_t>(scales[place]) >> 31));
+    }
+    ClassifiedSample light(const ClassifiedSample& s, std::uint16_t place) const {
+      const float scale = std::abs(scales[place]), add = highlights[highlight_of(place)];
+      return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
+              std::min(s.b * scale + add, 1.0F), s.opacity};
     }
   };
   Entries entries() const { return {scales_.data(), highlights_.data()}; }

@@ -18,6 +18,13 @@ struct SliceView {
   ScalarType type = ScalarType::uint8;
   const std::byte* values = nullptr;       ///< width * height scalars
   const std::uint16_t* normals = nullptr;  ///< width * height quantised normals, or null when unshaded
+
+  const std::byte* values_of_row(int row) const {
+    return values + std::size_t(row) * std::size_t(width) * size_of(type);
+  }
+  const std::uint16_t* normals_of_row(int row) const {
+    return normals == nullptr ? nullptr : normals + std::size_t(row) * std::size_t(width);
+  }
 };
 
 /// GP `g` of `G` owns slices s ≡ g (mod G) of every kept axis (Neumann 1992, section 3: a static,
