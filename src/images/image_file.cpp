@@ -2,12 +2,61 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
+
+#include <cstddef>
+#include <string>
+#include <vector>
 
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
+
+/// The folders in which the libraries of this very program, or library, are looked for.
+std::vector<std::string> own_search_path() {
+  std::vector<std::string> folders;
+#ifdef __GLIBC__
+  Dl_info ignored;
+  link_map* self = nullptr;
+  Dl_serinfo size;
+  if (dladdr1(reinterpret_cast<void*>(&own_search_path), &ignored, reinterpret_cast<void**>(&self),
+              RTLD_DL_LINKMAP) == 0 ||
+      dlinfo(self, RTLD_DI_SERINFOSIZE, &size) != 0)
+    return folders;
+  std::vector<std::max_align_t> memory(size.dls_size / sizeof(std::max_align_t) + 1);
+  auto* const path = reinterpret_cast<Dl_serinfo*>(memory.data());
+  path->dls_size = size.dls_size;
+  path->dls_cnt = size.dls_cnt;
+  if (dlinfo(self, RTLD_DI_SERINFO, path) != 0) return folders;
+  for (unsigned k = 0; k < path->dls_cnt; ++k) folders.emplace_back(path->dls_serpath[k].dls_name);
+#endif
+  return folders;
+}
+
+struct OpenedLibrary {
+  void* handle;
+  std::string problem;  ///< why there is none
+};
+
+/// As if it had been linked.
+OpenedLibrary open_shared_library(const char* name) {
+  OpenedLibrary opened{dlopen(name, RTLD_LAZY | RTLD_LOCAL), {}};
+  if (opened.handle != nullptr) return opened;
+  opened.problem = dlerror();
+  // dlopen looks where its caller's libraries are, which is somewhere else when a sanitizer or a profiler has
+  // put itself in between.
+  for (const std::string& folder : own_search_path()) {
+    const std::filesystem::path file = std::filesystem::path(folder) / name;
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) continue;
+    opened.handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);
+    if (opened.handle != nullptr) return opened;
+    opened.problem = dlerror();
+  }
+  return opened;
+}
 
 const ImageLibrary& library() {
   static const ImageLibrary& loaded = image_library_of(RINGSPLAT_IMAGE_LIBRARY);
@@ -17,19 +66,17 @@ const ImageLibrary& library() {
 }  // namespace
 
 const ImageLibrary& image_library_of(const char* shared_library) {
-  const auto failed = [&] {
-    const char* why = dlerror();
-    return RunError(
-        fmt::format("images can be neither read nor written: {}", why == nullptr ? shared_library : why),
-        fmt::format("{} belongs in ringsplat's library folder: install again, or name its folder in "
-                    "LD_LIBRARY_PATH",
-                    shared_library));
+  const auto failed = [&](const std::string& why) {
+    return RunError(fmt::format("images can be neither read nor written: {}", why),
+                    fmt::format("{} belongs in ringsplat's library folder: install again, or name its "
+                                "folder in LD_LIBRARY_PATH",
+                                shared_library));
   };
-  // Found as if it had been linked. It stays: what it made may live as long as the process.
-  void* const opened = dlopen(shared_library, RTLD_LAZY | RTLD_LOCAL);
-  if (opened == nullptr) throw failed();
-  void* const found = dlsym(opened, "ringsplat_image_library");
-  if (found == nullptr) throw failed();
+  // It stays: what it made may live as long as the process.
+  const OpenedLibrary opened = open_shared_library(shared_library);
+  if (opened.handle == nullptr) throw failed(opened.problem);
+  void* const found = dlsym(opened.handle, "ringsplat_image_library");
+  if (found == nullptr) throw failed(dlerror());
   return *reinterpret_cast<decltype(&ringsplat_image_library)>(found)();
 }
 
