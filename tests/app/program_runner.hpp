@@ -1,6 +1,4 @@
 #pragma once
-#include <unistd.h>
-
 #include <sys/wait.h>
 #include <chrono>
 #include <cstdlib>

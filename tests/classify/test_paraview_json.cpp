@@ -1,12 +1,10 @@
-#include <unistd.h>
-
-#include <filesystem>
 #include <fstream>
 #include <random>
 
 #include "classify/message_of.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "support/catch.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace ringsplat;
 
@@ -128,14 +126,12 @@ TEST_CASE("what is wrong with a colour map is named with its field") {
 }
 
 TEST_CASE("files: read, missing, a folder") {
-  const auto folder = std::filesystem::temp_directory_path() / ("ringsplat-tf-" + std::to_string(getpid()));
-  std::filesystem::create_directories(folder);
+  const support::TemporaryFolder folder;
   std::ofstream(folder / "map.json") << map_text(colours + "," + opacities);
   REQUIRE(read_transfer_function(folder / "map.json").evaluate(0.5).opacity == 0.5);
   REQUIRE(says(message_of([&] { read_transfer_function(folder / "none.json"); }), "none.json"));
-  REQUIRE(says(message_of([&] { read_transfer_function(folder); }), "is a folder"));
+  REQUIRE(says(message_of([&] { read_transfer_function(folder.path()); }), "is a folder"));
   std::ofstream(folder / "binary.json", std::ios::binary) << std::string(1000, '\0') << "\xff\xfe";
   REQUIRE(
       says(message_of([&] { read_transfer_function(folder / "binary.json"); }), "binary.json is not JSON"));
-  std::filesystem::remove_all(folder);
 }

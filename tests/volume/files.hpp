@@ -1,6 +1,5 @@
 #pragma once
 // Small volume files made at run time, byte by byte, so that they do not depend on the readers' libraries.
-#include <unistd.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -14,32 +13,17 @@
 #include <vector>
 
 #include "ringsplat/volume/source.hpp"
+#include "support/temporary_folder.hpp"
 
 namespace files {
 
 namespace fs = std::filesystem;
 using namespace ringsplat;
 
-/// A folder of its own, removed at the end.
-class Folder {
+/// Its files as paths.
+class Folder : public support::TemporaryFolder {
  public:
-  Folder() {
-    static int number = 0;
-    path_ = fs::temp_directory_path() /
-            ("ringsplat-volume-" + std::to_string(::getpid()) + "-" + std::to_string(number++));
-    fs::create_directories(path_);
-  }
-  ~Folder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-  fs::path operator/(const std::string& name) const { return path_ / name; }
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
+  fs::path operator/(const std::string& name) const { return path() / name; }
 };
 
 inline fs::path write(const fs::path& path, const std::string& bytes) {
