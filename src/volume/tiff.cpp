@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -37,37 +38,25 @@ std::unique_ptr<ImageFile> open_image(const std::filesystem::path& path) {
   return std::move(file);
 }
 
+/// The first of a type is what its samples are read as; those of others become it.
+constexpr std::pair<ScalarType, SampleType> sample_types[] = {
+    {ScalarType::int8, SampleType::int8},       {ScalarType::uint8, SampleType::uint8},
+    {ScalarType::int16, SampleType::int16},     {ScalarType::uint16, SampleType::uint16},
+    {ScalarType::int32, SampleType::int32},     {ScalarType::uint32, SampleType::uint32},
+    {ScalarType::float32, SampleType::float32}, {ScalarType::float32, SampleType::float16},
+    {ScalarType::float64, SampleType::float64}};
+
 ScalarType scalar_type_of(const ImageShape& shape, const std::filesystem::path& path) {
-  switch (shape.type) {
-    case SampleType::int8:
-      return ScalarType::int8;
-    case SampleType::uint8:
-      return ScalarType::uint8;
-    case SampleType::int16:
-      return ScalarType::int16;
-    case SampleType::uint16:
-      return ScalarType::uint16;
-    case SampleType::int32:
-      return ScalarType::int32;
-    case SampleType::uint32:
-      return ScalarType::uint32;
-    case SampleType::float16:
-    case SampleType::float32:
-      return ScalarType::float32;
-    case SampleType::float64:
-      return ScalarType::float64;
-    case SampleType::other:
-      break;
-  }
+  for (const auto& [scalar, sample] : sample_types)
+    if (sample == shape.type) return scalar;
   throw InputError(fmt::format("{}: pixels of type {} cannot be rendered", path.string(), shape.type_name),
                    "convert them to at most 32 bits or float first");
 }
 
 SampleType sample_type_of(ScalarType type) {
-  constexpr SampleType types[] = {SampleType::int8,    SampleType::uint8,  SampleType::int16,
-                                  SampleType::uint16,  SampleType::int32,  SampleType::uint32,
-                                  SampleType::float32, SampleType::float64};
-  return types[std::size_t(type)];
+  return std::find_if(std::begin(sample_types), std::end(sample_types),
+                      [type](const auto& pair) { return pair.first == type; })
+      ->second;
 }
 
 PageShape shape_of(const ImageShape& shape, const std::filesystem::path& path) {
