@@ -11,6 +11,10 @@ head=$repo/tests/data/head.nrrd
 # shellcheck disable=SC2034  # for the scripts that source this
 ahead=(--look-ahead 4 --slots 16 --send-ahead 16)
 
+# What two ranks do.
+# shellcheck disable=SC2034
+dedicated=(--gps 1 --renderers 1) colocated=(--roles colocated --gps 2 --renderers 2)
+
 # A transfer function that shows nothing: frames then cost only their tokens.
 cat >"$work/nothing.json" <<'JSON'
 [{"Name": "nothing", "ColorSpace": "RGB", "NanColor": [1, 0, 0],

@@ -63,13 +63,12 @@ frames() {
   "$@" 2>>"$work/log" | tail -n +2 >>"$list" || { cat "$work/log" >&2; die "$1 failed"; }
 }
 
-colocated="--roles colocated --gps 2 --renderers 2"
 declare -A setting=(
-  [screen]="$colocated"
-  [slices]="$colocated --image-plane slices"
-  [sharp]="$colocated --image-plane slices --radius 1.1"
-  [apart]="--gps 1 --renderers 1 --image-plane slices"
-  [sharp-apart]="--gps 1 --renderers 1 --image-plane slices --radius 1.1"
+  [screen]="${colocated[*]}"
+  [slices]="${colocated[*]} --image-plane slices"
+  [sharp]="${colocated[*]} --image-plane slices --radius 1.1"
+  [apart]="${dedicated[*]} --image-plane slices"
+  [sharp-apart]="${dedicated[*]} --image-plane slices --radius 1.1"
 )
 
 ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...

@@ -19,8 +19,6 @@ python3 "$repo/scripts/bench_shortcuts_report.py" front-matrix "$("$build/ringsp
 
 # The rows of the table: a name, how many ranks, and options that come after those that switch all shortcuts off.
 none=(--opaque-threshold 0 --payload words --precision float --frames-in-flight 1 --look-ahead 1)
-dedicated=(--gps 1 --renderers 1)
-colocated=(--roles colocated --gps 2 --renderers 2)
 runs=(--opaque-threshold 0 --payload runs --frames-in-flight 1 --look-ahead 1)
 names=() # in the tables' order
 declare -A row_ranks row_options
