@@ -9,7 +9,7 @@ import os
 import sys
 import tempfile
 
-from simulation import PIXEL_PLANES_5, PaperVolumes, build, nodes, simulate
+from simulation import PAPER, PaperVolumes, build, nodes, simulate
 
 
 def first_slices(trace, gps):
@@ -34,8 +34,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         volumes = PaperVolumes(folder)
         for slots in (4, 1):
-            settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "frames-in-flight": 1, "payload": "words",
-                        "size": "256x256", "slots": slots}
+            settings = {**PAPER, "gps": gps, "renderers": renderers, "size": "256x256", "slots": slots}
             trace = os.path.join(folder, "trace.json")
             frame = simulate(settings, *volumes.head, "--count-only", "--shading", "none", "--trace", trace)[0]
             first = first_slices(trace, gps)

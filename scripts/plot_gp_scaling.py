@@ -12,7 +12,7 @@ import os
 import sys
 import tempfile
 
-from simulation import PIXEL_PLANES_5, PaperVolumes, build, nodes, simulate
+from simulation import PAPER, PaperVolumes, build, nodes, simulate
 
 try:
     import matplotlib
@@ -32,8 +32,7 @@ def mean(values):
 
 
 def measure(name, volume, gps, renderers):
-    settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "frames-in-flight": 1, "payload": "words",
-                "size": f"{SIZES[renderers]}x{SIZES[renderers]}"}
+    settings = {**PAPER, "gps": gps, "renderers": renderers, "size": f"{SIZES[renderers]}x{SIZES[renderers]}"}
     frame = simulate(settings, *volume, "--count-only", "--shading", "none")[0]
     drawing = [n["seconds"]["drawing"] for n in nodes(frame, "Renderer")]
     return {"volume": name, "gps": gps, "renderers": renderers, "hertz": 1 / frame["seconds"],

@@ -5,13 +5,11 @@
 """
 import tempfile
 
-from simulation import PIXEL_PLANES_5, PaperVolumes, build, nodes, simulate
+from simulation import PAPER, PaperVolumes, build, nodes, simulate
 
 
 def frame(volume, gps, renderers, size):
-    """One frame as the paper times it: nothing of the next is under way."""
-    settings = {"machine": PIXEL_PLANES_5, "gps": gps, "renderers": renderers, "size": f"{size}x{size}", "frames-in-flight": 1, "payload": "words"}
-    return simulate(settings, *volume, "--count-only", "--shading", "none")[0]
+    return simulate({**PAPER, "gps": gps, "renderers": renderers, "size": f"{size}x{size}"}, *volume, "--count-only", "--shading", "none")[0]
 
 
 def main():

@@ -12,6 +12,8 @@ BUILD = os.environ.get("RINGSPLAT_BUILD", os.path.join(REPO, "build/release"))
 HEAD = os.path.join(REPO, "tests/data/head.nrrd")
 MACHINES = os.path.join(REPO, "mpi_configs/machines")
 PIXEL_PLANES_5 = os.path.join(MACHINES, "pixel-planes-5.toml")
+# As the paper ran: Renderers have regions of 128 pixels, splats are six words, nothing of the next frame is under way.
+PAPER = {"machine": PIXEL_PLANES_5, "region": 128, "payload": "words", "frames-in-flight": 1}
 
 
 def build():
