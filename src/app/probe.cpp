@@ -27,7 +27,7 @@ constexpr int histogram_bins = 1024;
 constexpr int repetitions = 3;
 constexpr double patience = 2;  ///< seconds after which nothing is repeated any more
 constexpr int most_renderers = 1024;
-/// How finely an image in the slices' plane is cut to find what its parts cost.
+/// For how many an image is cut to find what its parts cost.
 constexpr int probed_renderers = 16;
 
 double thread_seconds() {
@@ -180,16 +180,26 @@ std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpe
 }
 
 /// Adds to the costs of regions the Renderers' seconds, `total` in sum; a Renderer's go to its regions alike.
-void add_regions(FrameCosts& costs, const std::vector<double>& renderers, double total) {
+void add_regions(FrameCosts& costs, const FrameGeometry& geometry, const std::vector<double>& renderers,
+                 double total) {
   double sum = 0;
   for (const double seconds : renderers) sum += seconds;
   if (sum <= 0) return;
-  const RegionOwners owners(costs.columns, int(costs.region.size()) / costs.columns, int(renderers.size()));
-  std::vector<double> owned(renderers.size(), 0.0);
-  const auto owner = [&](std::size_t region) { return std::size_t(owners.of(int(region))); };
-  for (std::size_t region = 0; region < costs.region.size(); ++region) ++owned[owner(region)];
-  for (std::size_t region = 0; region < costs.region.size(); ++region)
-    costs.region[region] += total / sum * renderers[owner(region)] / owned[owner(region)];
+  const RegionOwners owners = geometry.owners(int(renderers.size()));
+  std::vector<std::vector<int>> owned;
+  for (int k = 0; k < int(renderers.size()); ++k) owned.push_back(geometry.regions.owned(k, owners));
+  costs.region.resize(std::max(costs.region.size(), std::size_t(geometry.regions.count())));
+  for (std::size_t k = 0; k < owned.size(); ++k)
+    for (const int region : owned[k])
+      costs.region[std::size_t(region)] += total / sum * renderers[k] / double(owned[k].size());
+}
+
+/// The frame cut so finely that the costs of regions say what any number of Renderers gets.
+FrameSpec cut_finely(FrameSpec frame, const Grid& grid) {
+  frame.dealt_to = probed_renderers;
+  if (frame.image_plane == ImagePlane::screen && frame.region_size == 0)
+    frame.region_size = make_geometry(frame, grid).regions.rect(0).width();
+  return frame;
 }
 
 }  // namespace
@@ -206,34 +216,37 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
   const std::vector<Slab> slabs = read_slabs(source);
   frame.transfer_function = make_for(slabs, choice);
   check(frame);
-  frame.dealt_to = probed_renderers;
   FrameCosts costs;
   costs.slices = 0;
-  std::vector<FrameSpec> frames;
+  frame.camera = views.front();
+  FrameSpec finely = cut_finely(frame, grid);
+  frame.dealt_to = 1;
+  std::vector<FrameSpec> whole, cut;
   int regions = 1;
   for (const Camera& camera : views) {
-    frame.camera = camera;
-    const FrameGeometry geometry = make_geometry(frame, grid);
+    finely.camera = camera;
+    const FrameGeometry geometry = make_geometry(finely, grid);
     costs.slices += double(geometry.slices) / double(views.size());
-    regions = geometry.regions.count();
+    regions = std::max(regions, geometry.regions.count());
     costs.columns = geometry.regions.columns();
-    frame.camera = fixed_to_world(camera, grid, frame.width, frame.height);
-    frames.push_back(frame);
+    frame.camera = finely.camera = fixed_to_world(camera, grid, frame.width, frame.height);
+    whole.push_back(frame);
+    cut.push_back(finely);
   }
-  costs.region.resize(std::size_t(regions));
   int slices_read = 0;
   for (const Slab& slab : slabs) slices_read += slab.grid.dims.z;
   const double scale = double(grid.dims.z) / slices_read / double(views.size());
   const double mean = 1.0 / double(slabs.size()) / double(views.size());
   for (const Slab& slab : slabs) {
-    const auto together = render_views(slab, frames, load, 1, machine);
-    const auto apart = render_views(slab, frames, load, std::min(regions, most_renderers), machine);
-    for (std::size_t k = 0; k < frames.size(); ++k) {
+    const auto together = render_views(slab, whole, load, 1, machine);
+    const auto apart = render_views(slab, cut, load, std::min(regions, most_renderers), machine);
+    for (std::size_t k = 0; k < cut.size(); ++k) {
       costs.gp += scale * together[k].gp;
       costs.frame += mean * together[k].rest;
       costs.visible_voxels += scale * together[k].visible_voxels;
       costs.splats += scale * together[k].splats;
-      add_regions(costs, apart[k].renderers, scale * together[k].renderers.front());
+      add_regions(costs, make_geometry(cut[k], slab.grid), apart[k].renderers,
+                  scale * together[k].renderers.front());
     }
   }
   return costs;

@@ -14,7 +14,8 @@ namespace ringsplat::app {
 namespace {
 
 std::vector<double> by_renderer(const FrameCosts& costs, int renderers) {
-  const RegionOwners owners(costs.columns, int(costs.region.size()) / costs.columns, renderers);
+  const PixelRect all{0, 0, costs.columns, (int(costs.region.size()) - 1) / costs.columns + 1};
+  const RegionOwners owners(costs.columns, all, renderers, renderers);
   std::vector<double> seconds(std::size_t(renderers), 0.0);
   for (std::size_t region = 0; region < costs.region.size(); ++region)
     seconds[std::size_t(owners.of(int(region)))] += costs.region[region];

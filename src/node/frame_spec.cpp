@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "node/region_choice.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -114,25 +115,6 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
-int round_up(int value, int step) { return (value + step - 1) / step * step; }
-
-/// The picture's bits do not depend on it. In the slices' plane a row of voxels is a row of pixels, so
-/// regions are as wide as the image: a row goes to one of them and is not cut, unless Renderers are more than
-/// strips. An image there is small; it should still give every Renderer strips from several of its parts.
-Regions make_regions(const FrameSpec& spec, int width, int height) {
-  if (spec.region_size > 0) return {width, height, spec.region_size};
-  if (spec.image_plane == ImagePlane::screen) return {width, height, 128};
-  constexpr int each = 3, least_rows = 16, most_rows = 64, least_columns = 64;
-  const int renderers = std::clamp(spec.dealt_to, 1, 1 << 16);
-  const int region_height =
-      std::clamp(round_up(height / (each * renderers), least_rows), least_rows, most_rows);
-  const int strips = Regions(width, height, width, region_height).rows(),
-            columns = std::max(renderers / strips, 1);
-  const int region_width =
-      columns == 1 ? width : std::max(round_up(width / columns, least_columns), least_columns);
-  return {width, height, region_width, region_height};
-}
-
 void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
   const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, spec.plane_samples,
                                             spec.kernel_radius, spec.width, spec.height);
@@ -147,7 +129,9 @@ void lay_into_slices(FrameGeometry& g, const FrameSpec& spec) {
 std::vector<bool> FrameGeometry::drawing(int renderers) const {
   const RegionOwners all = owners(renderers);
   std::vector<bool> has_region(std::size_t(renderers), false);
-  for (int region = 0; region < regions.count(); ++region) has_region[std::size_t(all.of(region))] = true;
+  for (int y = reached.y0; y < reached.y1; ++y)
+    for (int x = reached.x0; x < reached.x1; ++x)
+      has_region[std::size_t(all.of(y * regions.columns() + x))] = true;
   return has_region;
 }
 
@@ -173,8 +157,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
                                  2 * std::max(g.footprint.half.x, g.footprint.half.y)),
                      "use a smaller --zoom or --size");
   check(spec.kernel, g.footprint);
-  g.regions = make_regions(spec, g.width, g.height);
-  g.dealt_to = spec.dealt_to;
+  lay_regions(g, spec);
   g.slices = g.grid.slices(g.traversal.axis);
   return g;
 }

@@ -71,11 +71,18 @@ void Gp::begin_frame(const FrameSpec& spec) {
                    "load it with --axes all");
   for (int step = 0; step < slices; ++step)
     if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
+  if (frame->tokens == 0) {
+    // The volume lies beside the picture.
+    frame->stats.voxels_outside =
+        frame->steps.size() * std::uint64_t(frame->geometry.grid.slice_voxels(traversal.axis));
+    frame->steps.clear();
+  }
   if (!frame->steps.empty()) {
     frame->encoder = make_encoder(frame->spec, frame->geometry, layout_.renderers,
                                   empty_space_of(spec.reduction.factor), threads_);
     if (const auto& simulation = options_.simulation; simulation.count_only)
-      frame->encoder = make_counting_encoder(std::move(frame->encoder), simulation.voxel_weight);
+      frame->encoder = make_counting_encoder(std::move(frame->encoder), frame->spec, frame->geometry,
+                                             layout_.renderers, simulation.voxel_weight);
     if (trace_) frame->encoder->time_stages(&piece_.stages);
     if (const auto& machine = options_.simulation.machine) debt_.owe(machine->gp.frame);
     if (frame->steps.front() == 0) {

@@ -27,7 +27,8 @@ class SplatPainter final : public Painter {
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
-    const bool as_before = geometry_.regions == geometry.regions && geometry_.dealt_to == geometry.dealt_to;
+    const bool as_before = geometry_.regions == geometry.regions && geometry_.reached == geometry.reached &&
+                           geometry_.dealt_to == geometry.dealt_to;
     geometry_ = geometry;
     if (!as_before) lay_out();
     const FrameKernel kernel =

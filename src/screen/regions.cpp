@@ -52,11 +52,12 @@ std::int64_t choose_skew(int columns, int rows, int renderers) {
 
 }  // namespace
 
-RegionOwners::RegionOwners(int columns, int rows, int renderers, int dealt_to)
+RegionOwners::RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to)
     : columns_(columns),
       renderers_(renderers),
       dealt_to_(dealt_to),
-      skew_(choose_skew(columns, rows, dealt_to)) {}
+      skew_(choose_skew(block.width(), block.height(), dealt_to)),
+      block_(block) {}
 
 Regions::Regions(int width, int height, int region_width, int region_height)
     : width_(width), height_(height), region_width_(region_width), region_height_(region_height) {

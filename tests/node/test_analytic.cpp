@@ -88,7 +88,7 @@ TEST_CASE("nothing visible gives a background image and no payloads") {
   const auto source = synth_source("ball", make_grid({16, 16, 16}));
   FrameSpec spec;
   spec.transfer_function = constant_opacity(0.5, 1000);
-  spec.width = spec.height = 64;
+  spec.width = spec.height = spec.region_size = 64;
   const FrameResult result = render_loopback(*source, spec, 3, 2);
   CHECK(result.image == Image(64, 64));
   const NodeStats total = result.stats.total();

@@ -113,9 +113,35 @@ TEST_CASE("regions dealt to some of the Renderers lie with some at even distance
   for (int renderers = 1; renderers <= 24; ++renderers) {
     for (int dealt_to = 1; dealt_to <= renderers; ++dealt_to) {
       INFO(dealt_to << " of " << renderers << " Renderers");
-      const RegionOwners owners = regions.owners(renderers, dealt_to), few = regions.owners(dealt_to);
+      const RegionOwners owners = regions.owners(regions.all(), renderers, dealt_to),
+                         few = regions.owners(dealt_to);
       for (int region = 0; region < regions.count(); ++region)
         REQUIRE(owners.of(region) == few.of(region) * renderers / dealt_to);
+    }
+  }
+}
+
+TEST_CASE("a block of regions is dealt as if it were the picture, and the others are nobody's", "[regions]") {
+  const Regions regions(90, 70, 10);
+  for (const PixelRect block :
+       {PixelRect{0, 0, 9, 7}, {2, 1, 7, 6}, {8, 6, 9, 7}, {0, 3, 9, 4}, {4, 4, 4, 4}}) {
+    for (int renderers = 1; renderers <= 12; ++renderers) {
+      INFO(block.x0 << ' ' << block.y0 << ' ' << block.x1 << ' ' << block.y1 << ", " << renderers);
+      const RegionOwners owners = regions.owners(block, renderers, renderers),
+                         alone(block.width(), {0, 0, block.width(), block.height()}, renderers, renderers);
+      for (int y = 0; y < regions.rows(); ++y) {
+        for (int x = 0; x < regions.columns(); ++x) {
+          const bool inside = x >= block.x0 && x < block.x1 && y >= block.y0 && y < block.y1;
+          const int owner = owners.of(y * regions.columns() + x);
+          if (inside)
+            REQUIRE(owner == alone.of((y - block.y0) * block.width() + x - block.x0));
+          else
+            REQUIRE(owner == RegionOwners::nobody);
+        }
+      }
+      std::size_t owned = 0;
+      for (int k = 0; k < renderers; ++k) owned += regions.owned(k, owners).size();
+      CHECK(owned == std::size_t(block.width() * block.height()));
     }
   }
 }

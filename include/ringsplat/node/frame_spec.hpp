@@ -38,8 +38,8 @@ struct FrameSpec {
   ImagePlane image_plane = ImagePlane::screen;
   int plane_samples =
       1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
-  int region_size = 0;  ///< of a side, in pixels of the image plane; 0: 128 on the screen, strips in the
-                        ///< slices' plane
+  int region_size = 0;  ///< of a side, in pixels of the image plane; 0: on the screen 128, or 64 or 32 where
+                        ///< the volume covers too few of those for the Renderers; strips in the slices' plane
   int dealt_to = 0;     ///< how many Renderers get regions; 0: the frame buffer puts in how many there are
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
@@ -74,13 +74,14 @@ struct FrameGeometry {
   Footprint footprint;
   int width = 0, height = 0;      ///< of the image plane, in pixels
   Regions regions;                ///< of the image plane
+  PixelRect reached;              ///< the block of regions that voxels can reach, in columns and rows of them
   int dealt_to = 0;               ///< how many Renderers get any of them; 0: all
   int slices = 0;                 ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
 
-  /// `renderers`: how many there are.
+  /// Of the regions reached. `renderers`: how many there are.
   RegionOwners owners(int renderers) const {
-    return regions.owners(renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
+    return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
   }
   /// For each of `renderers` Renderers, whether it has a region.
   std::vector<bool> drawing(int renderers) const;

@@ -15,24 +15,28 @@ struct PixelRect {
 
 /// Which Renderer owns a region: the one map from regions to Renderers, used by all.
 ///
-/// The region in column x and row y is Renderer x + skew · y's, modulo their number, so that all have as many
-/// regions or one fewer. Of the skews that keep that, the one with the longest way from a region to the
-/// nearest one of the same Renderer is taken (the lattices of Korobov 1959): what lies together in the
+/// Only the regions of a block are dealt, those that a frame's volume reaches; the others are nobody's. The
+/// region in the block's column x and row y is Renderer x + skew · y's, modulo their number, so that all have
+/// as many regions or one fewer. Of the skews that keep that, the one with the longest way from a region to
+/// the nearest one of the same Renderer is taken (the lattices of Korobov 1959): what lies together in the
 /// picture is dealt to many. Dealing in turn is the skew of a row's length, which gives a Renderer whole
 /// columns when their numbers have a common divisor. In Neumann 1992 (section 3) a Renderer has one region.
 class RegionOwners {
  public:
-  /// `columns`, `rows`: of regions. `dealt_to`: how many of the Renderers get any, at even distances among
-  /// them all.
-  RegionOwners(int columns, int rows, int renderers, int dealt_to);
-  RegionOwners(int columns, int rows, int renderers) : RegionOwners(columns, rows, renderers, renderers) {}
+  static constexpr int nobody = -1;
+  /// `columns`: of the picture's regions; `block`: those to deal, in columns and rows of regions.
+  /// `dealt_to`: how many of the Renderers get any, at even distances among them all.
+  RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to);
   int of(int region) const {
-    return static_cast<int>((region % columns_ + region / columns_ * skew_) % dealt_to_ * renderers_ /
+    const int column = static_cast<int>(region % columns_), row = static_cast<int>(region / columns_);
+    if (column < block_.x0 || column >= block_.x1 || row < block_.y0 || row >= block_.y1) return nobody;
+    return static_cast<int>((column - block_.x0 + (row - block_.y0) * skew_) % dealt_to_ * renderers_ /
                             dealt_to_);
   }
 
  private:
   std::int64_t columns_, renderers_, dealt_to_, skew_;
+  PixelRect block_;
 };
 
 /// The screen cut into regions of one size, numbered row by row; those at the right and lower edge may be
@@ -49,10 +53,15 @@ class Regions {
   int count() const { return columns_ * rows_; }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
+  /// Of the region with this number, in pixels.
   PixelRect rect(int region) const;
 
-  RegionOwners owners(int renderers) const { return owners(renderers, renderers); }
-  RegionOwners owners(int renderers, int dealt_to) const { return {columns_, rows_, renderers, dealt_to}; }
+  /// The block of all regions, in columns and rows of them.
+  PixelRect all() const { return {0, 0, columns_, rows_}; }
+  RegionOwners owners(int renderers) const { return owners(all(), renderers, renderers); }
+  RegionOwners owners(const PixelRect& block, int renderers, int dealt_to) const {
+    return {columns_, block, renderers, dealt_to};
+  }
   std::vector<int> owned(int renderer, const RegionOwners& owners) const;
 
   /// The block of regions that pixels [x0, x1] × [y0, y1] (inclusive) touch, clipped to the screen, in

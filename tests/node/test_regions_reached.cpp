@@ -1,0 +1,126 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "ringsplat/volume/synth.hpp"
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+const glm::ivec3 dims{40, 36, 32};
+
+/// A picture of side² pixels in which the volume, turned, has its centre at `centre` and `scale` pixels a
+/// voxel.
+FrameSpec placed(double scale, glm::dvec2 centre, int side) {
+  const glm::dvec3 right{0.8, 0.6, 0}, down{0.36, -0.48, -0.8}, away{-0.48, 0.64, -0.6};
+  const glm::dvec3 middle = 0.5 * glm::dvec3(dims - 1);
+  FrameSpec spec;
+  spec.width = spec.height = side;
+  spec.transfer_function = ramp(0, 255, 0.4);
+  spec.camera.matrix.emplace();
+  const glm::dvec3 rows[] = {right * scale, down * scale, away * scale};
+  const double offsets[] = {centre.x, centre.y, 0};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column)
+      (*spec.camera.matrix)[4 * row + std::size_t(column)] = rows[row][column];
+    (*spec.camera.matrix)[4 * row + 3] = offsets[row] - glm::dot(rows[row], middle);
+  }
+  return spec;
+}
+
+/// Of the Renderer that has most.
+double most_splats(const FrameResult& result) {
+  std::uint64_t most = 0;
+  for (const NodeStats& renderer : result.stats.renderers) most = std::max(most, renderer.splats_drawn);
+  return double(most);
+}
+
+}  // namespace
+
+TEST_CASE("regions are dealt evenly over what the volume covers of the screen, wherever it lies") {
+  for (const glm::dvec2 centre : {glm::dvec2(256, 256), {512, 512}, {60, 200}, {470, 20}}) {
+    for (const double scale : {0.5, 3.0, 9.0}) {
+      for (const int renderers : {1, 2, 3, 8, 16, 60}) {
+        FrameSpec spec = placed(scale, centre, 512);
+        spec.dealt_to = renderers;
+        const FrameGeometry geometry = make_geometry(spec, make_grid(dims));
+        std::size_t least = geometry.regions.owned(0, geometry.owners(renderers)).size(), most = least,
+                    sum = 0;
+        for (int k = 0; k < renderers; ++k) {
+          const std::size_t owned = geometry.regions.owned(k, geometry.owners(renderers)).size();
+          least = std::min(least, owned);
+          most = std::max(most, owned);
+          sum += owned;
+        }
+        INFO(fmt::format("centre {}, {}, scale {}, {} Renderers", centre.x, centre.y, scale, renderers));
+        CHECK(sum == std::size_t(geometry.reached.width() * geometry.reached.height()));
+        CHECK(most <= least + 1);
+        CHECK((renderers > 1 || geometry.regions == Regions(512, 512, 128)));
+        spec.region_size = 100;
+        CHECK(make_geometry(spec, make_grid(dims)).regions == Regions(512, 512, 100));
+      }
+    }
+  }
+}
+
+TEST_CASE("regions are small where large ones would leave Renderers idle") {
+  const auto source = synth_source("ball", make_grid(dims));
+  const auto most_of_large = [&](glm::dvec2 centre, int renderers) {
+    FrameSpec spec = placed(4, centre, 256);
+    const double chosen = most_splats(render_loopback(*source, spec, 1, renderers));
+    spec.region_size = 128;
+    return chosen / most_splats(render_loopback(*source, spec, 1, renderers));
+  };
+  for (const int renderers : {2, 3, 4, 8}) {
+    INFO(renderers << " Renderers");
+    CHECK(most_of_large({128, 128}, renderers) <= 1.0);
+    CHECK(most_of_large({256, 256}, renderers) < 0.8);
+    CHECK(most_of_large({0, 256}, renderers) < 0.8);
+  }
+  CHECK(most_of_large({256, 256}, 1) == 1.0);
+}
+
+TEST_CASE("where the volume lies in the picture changes who draws it, and no bit") {
+  const auto source = synth_source("jack", make_grid(dims));
+  const std::vector<glm::dvec2> centres{{75, 75}, {140, 150}, {3, 70}, {20, -12}, {-9, 160}};
+  for (const glm::dvec2 centre : centres) {
+    for (const double scale : {0.3, 1.0, 2.2}) {
+      for (const ImagePlane plane : {ImagePlane::screen, ImagePlane::slices}) {
+        FrameSpec spec = placed(scale, centre, 150);
+        spec.image_plane = plane;
+        for (const double radius : {0.5, 1.6, 3.0}) {
+          spec.kernel_radius = radius;
+          spec.payload = PayloadForm::runs;
+          const Image alone = render_loopback(*source, spec, 1, 1).image;
+          const int renderers = 2 + int(radius * 2);
+          INFO(fmt::format("centre {}, {}, scale {}, {}, radius {}, {} Renderers", centre.x, centre.y, scale,
+                           name(plane), radius, renderers));
+          for (const int region : {0, 7}) {
+            spec.region_size = region;
+            REQUIRE(render_loopback(*source, spec, 2, renderers).image == alone);
+          }
+          spec.payload = PayloadForm::words;
+          REQUIRE(render_loopback(*source, spec, 3, renderers, {}, Placement::colocated).image == alone);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("a volume beside the picture costs no message, and the picture is empty") {
+  const auto source = synth_source("jack", make_grid(dims));
+  for (const ImagePlane plane : {ImagePlane::screen, ImagePlane::slices}) {
+    FrameSpec spec = placed(1, {400, 75}, 150);
+    spec.image_plane = plane;
+    const FrameResult result = render_loopback(*source, spec, 2, 3);
+    CHECK(result.stats.total().tokens_issued == 0);
+    CHECK(result.stats.total().payloads_sent == 0);
+    CHECK(result.stats.total().tiles == 0);
+    CHECK(std::all_of(result.image.rgba.begin(), result.image.rgba.end(), [](float v) { return v == 0; }));
+  }
+}
