@@ -12,6 +12,10 @@ struct WarpedRow {
   int first, end;  ///< pixels to fill; all their taps lie in the plane
 };
 
+/// Fills the row's pixels `first` to `end`, each from sixteen of the plane's. `screen`: the row's first
+/// pixel.
+void warp_row(const WarpedRow& row, float* screen);
+
 /// Catmull and Rom's weights of the four taps as polynomials of the fraction: coefficients by power and tap.
 alignas(16) inline constexpr float cubic[4][4] = {
     {0, 1, 0, 0}, {-0.5F, 0, 0.5F, 0}, {1, -2.5F, 2, -0.5F}, {-0.5F, 1.5F, -1.5F, 0.5F}};

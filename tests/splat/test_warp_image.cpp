@@ -34,6 +34,8 @@ Image random_image(int width, int height, unsigned seed) {
 }
 
 const PlaneWarp turned{glm::dmat2(0.31, 0.12, -0.17, 0.29), {9.3, 4.1}};
+/// The picture's columns lie in columns of the plane.
+const PlaneWarp upright{glm::dmat2(0.41, 0.12, 0, 0.53), {2.3, 1.1}};
 
 }  // namespace
 
@@ -50,12 +52,13 @@ TEST_CASE("the warp's cubic is exact for quadratics") {
   const auto quadratic = [](double x, double y) {
     return 0.2 + 0.01 * x + 0.006 * y + 0.0002 * x * x - 0.0003 * x * y + 0.0001 * y * y;
   };
+  const PlaneWarp warp = GENERATE(turned, upright);
   const Image plane = image_of(40, 36, quadratic);
-  const Image screen = warp_image(plane, all_of(plane), turned, 60, 50);
+  const Image screen = warp_image(plane, all_of(plane), warp, 60, 50);
   int seen = 0;
   for (int y = 0; y < screen.height; ++y) {
     for (int x = 0; x < screen.width; ++x) {
-      const glm::dvec2 at = turned.from_screen({x + 0.5, y + 0.5});
+      const glm::dvec2 at = warp.from_screen({x + 0.5, y + 0.5});
       if (at.x < 1.5 || at.x >= 38.5 || at.y < 1.5 || at.y >= 34.5) {
         REQUIRE(screen.pixel(x, y)[3] == 0);
         continue;
@@ -66,6 +69,23 @@ TEST_CASE("the warp's cubic is exact for quadratics") {
     }
   }
   CHECK(seen > 1000);
+}
+
+TEST_CASE("columns that lie in columns are warped in two passes to the same picture") {
+  for (const int width : {4, 31, 32, 64, 97}) {
+    const Image plane = random_image(45, 38, unsigned(width));
+    for (const glm::dmat2& linear :
+         {upright.linear, glm::dmat2(-0.4, -0.3, 0, -0.45), glm::dmat2(0.2, 0, 0, 0.9)}) {
+      PlaneWarp warp{linear, {}};
+      warp.offset = glm::dvec2(22, 19) - linear * (0.5 * glm::dvec2(width, 80));
+      const Image screen = warp_image(plane, all_of(plane), warp, width, 80);
+      warp.linear[1].x = 1e-30;
+      const Image by_sixteen = warp_image(plane, all_of(plane), warp, width, 80);
+      REQUIRE(*std::max_element(screen.rgba.begin(), screen.rgba.end()) > 0.5F);
+      for (std::size_t k = 0; k < screen.rgba.size(); ++k)
+        REQUIRE(std::abs(screen.rgba[k] - by_sixteen.rgba[k]) < 1e-6F);
+    }
+  }
 }
 
 TEST_CASE("the warp's error falls with the third power of the pixel") {
@@ -108,7 +128,7 @@ TEST_CASE("leaving out what is empty leaves the picture as it is") {
   Image plane(40, 40);
   const Image inner = random_image(12, 9, 3);
   for (int y = 0; y < 9; ++y) std::copy_n(inner.pixel(0, y), 48, plane.pixel(14, 20 + y));
-  for (const PlaneWarp& warp : {turned, PlaneWarp{glm::dmat2(0, 0.5, -0.5, 0), {40.0, 0.0}},
+  for (const PlaneWarp& warp : {turned, upright, PlaneWarp{glm::dmat2(0, 0.5, -0.5, 0), {40.0, 0.0}},
                                 PlaneWarp{glm::dmat2(0.7), {0.0, 0.0}}}) {
     const Image whole = warp_image(plane, all_of(plane), warp, 90, 80);
     CHECK(whole == warp_image(plane, {14, 20, 25, 28}, warp, 90, 80));
@@ -119,10 +139,11 @@ TEST_CASE("leaving out what is empty leaves the picture as it is") {
 
 TEST_CASE("every instruction set warps to the same bits") {
   const Image plane = random_image(50, 44, 5);
+  const PlaneWarp warp = GENERATE(turned, upright);
   std::vector<Image> pictures;
   for (const auto& target : vector_targets()) {
     use_vector_target(target);
-    pictures.push_back(warp_image(plane, all_of(plane), turned, 97, 83));
+    pictures.push_back(warp_image(plane, all_of(plane), warp, 97, 83));
   }
   use_vector_target("");
   for (const Image& picture : pictures) CHECK(picture == pictures.front());

@@ -10,6 +10,9 @@ namespace ringsplat {
 /// 1981, a = −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is
 /// clamped, opacity to [0, 1] and colours to [0, opacity].
 ///
+/// Where the picture's columns lie in columns of the plane, along its rows first and then down the columns,
+/// of four pixels each (Catmull and Smith 1980); otherwise of sixteen at once. Sums differ by roundings.
+///
 /// `window`: the pixels of `plane` that are not transparent lie in it. Pixels that see none of them are
 /// transparent. A pixel's operations are the same whatever the vector width, so its bits do not
 /// depend on the processor.
