@@ -22,7 +22,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Colour = ClassifiedSample;
 HWY_INLINE Colour read(const ClassifiedSample& sample) { return sample; }
 HWY_INLINE void write(const Colour& colour, ClassifiedSample& sample) { sample = colour; }
-HWY_INLINE Colour light(const Colour& s, const PhongTable::Entries& lights, std::uint16_t place) {
+HWY_INLINE Colour light(const Colour& s, const PhongTable::Entries& lights, std::size_t place) {
   return lights.light(s, place);
 }
 
@@ -34,7 +34,7 @@ HWY_INLINE Colour read(const ClassifiedSample& sample) { return hn::LoadU(FourFl
 HWY_INLINE void write(Colour colour, ClassifiedSample& sample) {
   hn::StoreU(colour, FourFloats(), &sample.r);
 }
-HWY_INLINE Colour light(Colour colour, const PhongTable::Entries& lights, std::uint16_t place) {
+HWY_INLINE Colour light(Colour colour, const PhongTable::Entries& lights, std::size_t place) {
   const FourFloats d;
   const auto scale = hn::Abs(hn::Set(d, lights.scales[place])),
              add = hn::Set(d, lights.highlights[lights.highlight_of(place)]);

@@ -3,6 +3,7 @@
 #include <bit>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -35,10 +36,12 @@ class PhongTable {
   struct Entries {
     const float *scales, *highlights;
     /// Where the highlight of a place is: there or, of those without one, at 0.
-    std::uint16_t highlight_of(std::uint16_t place) const {
-      return std::uint16_t(place & (std::bit_cast<std::int32_t>(scales[place]) >> 31));
+    std::size_t highlight_of(std::size_t place) const {
+      std::int32_t sign;
+      std::memcpy(&sign, scales + place, sizeof sign);
+      return place & std::size_t(std::ptrdiff_t(sign >> 31));
     }
-    ClassifiedSample light(const ClassifiedSample& s, std::uint16_t place) const {
+    ClassifiedSample light(const ClassifiedSample& s, std::size_t place) const {
       const float scale = std::abs(scales[place]), add = highlights[highlight_of(place)];
       return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
               std::min(s.b * scale + add, 1.0F), s.opacity};
