@@ -9,8 +9,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 repetitions=${1:-5}
 orbit=(--orbit 24 --elevation 25 --tf mr-soft --axes all)
 
-# A volume of one pixel's width and nothing visible: a frame is one token going through 4096 slices.
-"$build/ringsplat" synth constant -o "$work/line.nrrd" --dims 2x2x4096 >/dev/null
+line 4096
 
 for ((k = 0; k < repetitions; ++k)); do
   for size in 256 512 1024; do
@@ -21,7 +20,7 @@ for ((k = 0; k < repetitions; ++k)); do
     render 16 "layout-$size-12+4" "$head" --gps 12 --renderers 4 --size "$size" --frames-in-flight 1 "${orbit[@]}"
   done
   for gps in 1 3 7 15; do
-    render $((gps + 1)) "hop-$((gps + 1))" "$work/line.nrrd" --gps "$gps" --renderers 1 --size 64 --elevation 90 --orbit 5 --tf "$work/nothing.json"
+    render $((gps + 1)) "hop-$((gps + 1))" "$work/line.nrrd" --gps "$gps" --renderers 1 --size 64 --elevation 90 --orbit 5 --tf "$work/gap.json"
   done
 done
 python3 "$repo/scripts/bench_report.py" "$work"

@@ -15,11 +15,18 @@ ahead=(--look-ahead 4 --slots 16 --send-ahead 16)
 # shellcheck disable=SC2034
 dedicated=(--gps 1 --renderers 1) colocated=(--roles colocated --gps 2 --renderers 2)
 
-# A transfer function that shows nothing: frames then cost only their tokens.
+# A transfer function that shows nothing.
 cat >"$work/nothing.json" <<'JSON'
 [{"Name": "nothing", "ColorSpace": "RGB", "NanColor": [1, 0, 0],
   "RGBPoints": [0, 0, 0, 0, 255, 1, 1, 1], "Points": [0, 0, 0.5, 0, 255, 0, 0.5, 0]}]
 JSON
+
+# line SLICES: makes line.nrrd, of 2x2 voxels a slice, and gap.json, which shows the value between theirs. A token goes
+# through every slice, because each might show something, and frames cost only that.
+line() {
+  { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 %d\nencoding: ascii\n\n' "$1" && for ((k = 0; k < $1; ++k)); do echo 0 2 2 0; done; } >"$work/line.nrrd"
+  sed 's/nothing/gap/; s/"Points": .*/"Points": [0, 0, 0.5, 0, 1, 1, 0.5, 0, 2, 0, 0.5, 0]}]/' "$work/nothing.json" >"$work/gap.json"
+}
 
 # render RANKS NAME OPTION...: appends one run's frames to NAME.jsonl; 0 ranks: in one process.
 render() {

@@ -9,9 +9,8 @@ source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 repetitions=${1:-3}
 view=(--elevation 25 --tf mr-soft --size 256x256 --region 32)
 
-# Nothing visible in 2048 slices: a frame is one token for each Renderer going through them.
-"$build/ringsplat" synth constant -o "$work/line.nrrd" --dims 2x2x2048 >/dev/null
-empty=("$work/line.nrrd" --renderers 1 --size 64 --elevation 90 --orbit 4 --tf "$work/nothing.json" --frames-in-flight 1)
+line 2048
+empty=("$work/line.nrrd" --renderers 1 --size 64 --elevation 90 --orbit 4 --tf "$work/gap.json" --frames-in-flight 1)
 
 for ((k = 0; k < repetitions; ++k)); do
   for shape in 2x2+4 3x3+3 4x4+4 4x4+8; do

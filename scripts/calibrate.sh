@@ -10,15 +10,15 @@ source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
 output=${1:?where to write the machine: scripts/calibrate.sh mpi_configs/machines/NAME.toml}
 repetitions=${2:-5}
-"$build/ringsplat" synth constant -o "$work/line.nrrd" --dims 2x2x4096 >/dev/null
+line 4096
 "$build/ringsplat" synth constant -o "$work/tiny.nrrd" --dims 2x2x2 >/dev/null
 one=(--gps 1 --renderers 1 --frames-in-flight 1)
 for ((k = 0; k < repetitions; ++k)); do
   render 2 head "$head" "${one[@]}" --tf mr-soft --size 512 --orbit 4 --elevation 25
   render 2 empty "$head" "${one[@]}" --tf "$work/nothing.json" --size 512 --orbit 4 --elevation 25
   render 2 tiny "$work/tiny.nrrd" "${one[@]}" --tf grey --size 512 --orbit 4
-  render 2 line "$work/line.nrrd" "${one[@]}" --tf "$work/nothing.json" --size 64 --elevation 90 --orbit 4
-  render 2 hop "$work/line.nrrd" --gps 2 --renderers 1 --roles colocated --frames-in-flight 1 --tf "$work/nothing.json" --size 64 --elevation 90 --orbit 4
+  render 2 line "$work/line.nrrd" "${one[@]}" --tf "$work/gap.json" --size 64 --elevation 90 --orbit 4
+  render 2 hop "$work/line.nrrd" --gps 2 --renderers 1 --roles colocated --frames-in-flight 1 --tf "$work/gap.json" --size 64 --elevation 90 --orbit 4
 done
 python3 "$repo/scripts/calibrated_machine.py" "$work" "$(cores)" >"$work/machine.toml"
 mv "$work/machine.toml" "$output"

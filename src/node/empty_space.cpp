@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "ringsplat/volume/slice_ranges.hpp"
+
 namespace ringsplat {
 
 SliceRuns::SliceRuns(const BlockRanges& ranges, const TransferFunction& transfer_function, int width) {
@@ -37,6 +39,21 @@ std::span<const std::uint64_t> VisibleVoxels::of_row(const SliceView& slice, int
     for (const ColumnRun& run : runs_.of_row(row)) finder_->find_row(values, run.first, run.end, masks);
   }
   return {masks, row_masks_};
+}
+
+const std::vector<bool>& EmptySpace::shown_slices(const SliceStore& store, Axis axis,
+                                                  const TransferFunction& transfer_function) {
+  if (transfer_function != shown_function_) {
+    shown_function_ = transfer_function;
+    for (auto& of_axis : shown_) of_axis.clear();
+  }
+  std::vector<bool>& shown = shown_[std::size_t(axis)];
+  if (!shown.empty()) return shown;
+  shown.assign(std::size_t(store.grid().slices(axis)), true);
+  if (store.ranges() == nullptr) return shown;
+  for (const SliceRange& range : store.ranges()->of(axis))
+    shown[std::size_t(range.slice)] = transfer_function.visible_within(range.low, range.high);
+  return shown;
 }
 
 VisibleVoxels& EmptySpace::voxels(const SliceView& view, const TransferFunction& transfer_function) {

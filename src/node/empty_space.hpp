@@ -60,6 +60,12 @@ class EmptySpace {
   /// Valid until the next call with another transfer function.
   VisibleVoxels& voxels(const SliceView& slice, const TransferFunction& transfer_function);
 
+  /// By slice of the whole volume, other GPs' too, whether it may have visible voxels; all may when nothing
+  /// is known of them. Valid until the next call with another transfer function; voxels() stay valid, so
+  /// that a frame may ask while the one before it is encoded.
+  const std::vector<bool>& shown_slices(const SliceStore& store, Axis axis,
+                                        const TransferFunction& transfer_function);
+
  private:
   struct Slice {
     std::unique_ptr<BlockRanges> ranges;
@@ -69,6 +75,8 @@ class EmptySpace {
   TransferFunction transfer_function_;
   std::optional<Classifier> finder_;          ///< its
   std::array<std::vector<Slice>, 3> slices_;  ///< by axis and index
+  TransferFunction shown_function_;
+  std::array<std::vector<bool>, 3> shown_;  ///< its, by axis and index; empty until it is asked for
 };
 
 }  // namespace ringsplat

@@ -26,7 +26,8 @@ struct Gp::Frame {
   FrameGeometry geometry;
   const SliceStore* store = nullptr;  ///< of the frame's level
   std::unique_ptr<Encoder> encoder;
-  std::vector<int> steps;     ///< this GP's traversal steps, ascending
+  std::vector<int> shown;     ///< traversal steps of slices that tokens go through, ascending
+  std::vector<int> steps;     ///< of these, this GP's
   int tokens = 0;             ///< one for each Renderer that has a region
   std::size_t next_step = 0;  ///< into `steps`: the next to encode
   bool encoding = false;
@@ -39,6 +40,17 @@ struct Gp::Frame {
   std::size_t steps_done = 0;
   bool dropped = false;  ///< slices not yet sent are left out
   NodeStats stats;
+
+  /// The next of the shown steps, or none.
+  std::optional<int> after(int step) const {
+    const auto next = std::upper_bound(shown.begin(), shown.end(), step);
+    return next == shown.end() ? std::nullopt : std::optional(*next);
+  }
+  /// The one before, or the first.
+  int before(int step) const {
+    const auto here = std::lower_bound(shown.begin(), shown.end(), step);
+    return here == shown.begin() ? shown.front() : *std::prev(here);
+  }
 
   bool done() const { return steps_done == steps.size() && left_behind.empty(); }
 };
@@ -61,7 +73,6 @@ void Gp::begin_frame(const FrameSpec& spec) {
   frame->spec = spec;
   frame->geometry = make_geometry(spec, slices_.grid());
   const Traversal& traversal = frame->geometry.traversal;
-  const int slices = frame->geometry.slices;
   const std::vector<bool> drawing = frame->geometry.drawing(layout_.renderers);
   frame->tokens = int(std::count(drawing.begin(), drawing.end(), true));
   frame->store = &slices_.level(spec.reduction.factor);
@@ -69,8 +80,7 @@ void Gp::begin_frame(const FrameSpec& spec) {
     throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded", spec.frame,
                                name(traversal.axis)),
                    "load it with --axes all");
-  for (int step = 0; step < slices; ++step)
-    if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame->steps.push_back(step);
+  find_steps(*frame);
   if (frame->tokens == 0) {
     // The volume lies beside the picture.
     frame->stats.voxels_outside =
@@ -85,9 +95,9 @@ void Gp::begin_frame(const FrameSpec& spec) {
                                              layout_.renderers, simulation.voxel_weight);
     if (trace_) frame->encoder->time_stages(&piece_.stages);
     if (const auto& machine = options_.simulation.machine) debt_.owe(machine->gp.frame);
-    if (frame->steps.front() == 0) {
+    if (frame->steps.front() == frame->shown.front()) {
       // All tokens start at the owner of the front slice.
-      auto& front = frame->waiting_tokens[0];
+      auto& front = frame->waiting_tokens[frame->shown.front()];
       // Their order follows the traversal's, which is what keeps a mesh free of contention (net/mesh.hpp).
       for (int k = 0; k < layout_.renderers; ++k) {
         const int renderer = traversal.ascending ? k : layout_.renderers - 1 - k;
@@ -103,6 +113,26 @@ void Gp::begin_frame(const FrameSpec& spec) {
   auto waiting = std::exchange(early_, {});
   for (auto& message : waiting) receive(std::move(message));
   finish_completed_frames();
+}
+
+/// Slices that the transfer function makes transparent have no part in the frame, not even a token's way. A
+/// mesh goes through all: that tokens visit GPs in their order is what keeps its payloads from meeting
+/// (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
+void Gp::find_steps(Frame& frame) {
+  const Traversal& traversal = frame.geometry.traversal;
+  const int slices = frame.geometry.slices;
+  const std::vector<bool>* shown = nullptr;
+  const SimulationOptions& simulation = options_.simulation;
+  if (!layout_.routed() && !simulation.machine && !simulation.count_only)
+    shown = &empty_space_of(frame.spec.reduction.factor)
+                 .shown_slices(*frame.store, traversal.axis, frame.spec.transfer_function);
+  for (int step = 0; step < slices; ++step)
+    if (shown == nullptr || (*shown)[std::size_t(traversal.slice_at(step, slices))])
+      frame.shown.push_back(step);
+  // Renderers wait to be told that nothing comes.
+  if (frame.shown.empty()) frame.shown.push_back(0);
+  for (const int step : frame.shown)
+    if (layout_.gp_of_slice(traversal.slice_at(step, slices)) == index_) frame.steps.push_back(step);
 }
 
 void Gp::drop_frame(std::int64_t number) {
@@ -231,7 +261,8 @@ void Gp::pass_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
            .renderer = token.renderer,
            .sequence = token.sequence,
            .region = token.credits};
-  if (slice.step + 1 == frame.geometry.slices) {
+  const std::optional<int> next = frame.after(slice.step);
+  if (!next) {
     ++frame.stats.tokens_retired;
     h.kind = Kind::frame_end;
     h.destination_role = Role::renderer;
@@ -240,9 +271,8 @@ void Gp::pass_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
     ++frame.stats.tokens_passed;
     h.kind = Kind::token;
     h.destination_role = Role::gp;
-    h.destination =
-        layout_.gp_of_slice(frame.geometry.traversal.slice_at(slice.step + 1, frame.geometry.slices));
-    h.step = slice.step + 1;
+    h.destination = layout_.gp_of_slice(frame.geometry.traversal.slice_at(*next, frame.geometry.slices));
+    h.step = *next;
     if (trace_) trace_->mark(Moment::pass_token, h.frame, h.step, h.renderer, now_seconds());
   }
   post_(Message(h));
@@ -369,7 +399,7 @@ std::string Gp::waiting_for() const {
                            slice.awaiting_accept.begin()->first, slice.step, frame->spec.frame);
       return fmt::format("{} waits for {} token(s) of step {} of frame {} from GP {}", to_string(id()),
                          slice.tokens_left, slice.step, frame->spec.frame,
-                         layout_.gp_of_slice(frame->geometry.traversal.slice_at(std::max(0, slice.step - 1),
+                         layout_.gp_of_slice(frame->geometry.traversal.slice_at(frame->before(slice.step),
                                                                                 frame->geometry.slices)));
     }
     if (frame->steps_done < frame->steps.size())

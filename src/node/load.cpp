@@ -6,6 +6,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/normals.hpp"
+#include "ringsplat/volume/slice_ranges.hpp"
 
 namespace ringsplat {
 namespace {
@@ -276,6 +277,16 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives) {
   return Dealer(volume, options, gps, gps_of_process, collectives).deal();
+}
+
+void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives) {
+  std::vector<SliceRange> mine;
+  for (const auto& [gp, store] : stores)
+    for (const Axis axis : all_axes)
+      for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
+        if (store.owns(s)) mine.push_back(slice_range(store.slice(axis, s)));
+  const auto ranges = std::make_shared<const SliceRanges>(gathered(collectives, mine));
+  for (auto& [gp, store] : stores) store.know_ranges(ranges);
 }
 
 ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives) {

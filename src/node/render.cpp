@@ -36,6 +36,7 @@ void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, c
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
   auto stores = deal_slices(reduced, options, layout.gps, gps, wiring.collectives);
+  share_slice_ranges(stores, wiring.collectives);
   for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
 }
 
@@ -68,7 +69,9 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
   scene.stores = deal_slices(volume, whole ? options : values_only, layout.gps, gps, wiring.collectives);
   scene.range = value_range(scene.stores, wiring.collectives);
   scene.histogram = histogram(scene.stores, scene.range, histogram_bins, wiring.collectives);
-  if (!whole)
+  if (whole)
+    share_slice_ranges(scene.stores, wiring.collectives);
+  else
     for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, layout.gps, {}, false);
   for (const int factor : options.factors)
     if (factor > 1) add_level(scene, {factor, options.prefilter}, volume, options, layout, gps, wiring);

@@ -42,6 +42,7 @@ class Gp final : public Node {
 
   std::uint32_t credits_of(std::uint32_t free_slots) const;
   EmptySpace& empty_space_of(int level);
+  void find_steps(Frame& frame);
   Frame* find_frame(std::int64_t frame);
   bool encode_some();
   void use_waiting_tokens(Frame& frame, PreparedSlice& slice);

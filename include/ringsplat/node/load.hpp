@@ -40,6 +40,9 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives);
 
+/// Lets every store know the values' range of all slices of the axes that are kept.
+void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives);
+
 /// Value range and histogram over all GPs' slices; the same on every process.
 ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives);
 Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,8 @@ struct SliceView {
     return normals == nullptr ? nullptr : normals + std::size_t(row) * std::size_t(width);
   }
 };
+
+class SliceRanges;
 
 /// GP `g` of `G` owns slices s ≡ g (mod G) of every kept axis (Neumann 1992, section 3: a static,
 /// interleaved slab distribution). Owns its memory; slices start out zero.
@@ -56,6 +59,10 @@ class SliceStore {
   /// Itself for 1. Throws RunError when there is no such level.
   const SliceStore& level(int factor) const;
 
+  /// What is known of the values of all slices, other GPs' too; null when nothing is.
+  void know_ranges(std::shared_ptr<const SliceRanges> ranges) { ranges_ = std::move(ranges); }
+  const SliceRanges* ranges() const { return ranges_.get(); }
+
  private:
   struct Set {
     std::vector<std::byte> values;
@@ -69,6 +76,7 @@ class SliceStore {
   bool with_normals_ = false;
   std::array<Set, 3> sets_;
   std::map<int, SliceStore> levels_;  ///< by factor
+  std::shared_ptr<const SliceRanges> ranges_;
 };
 
 /// A z slice's share for one GP of the slices perpendicular to x or y, and back: the

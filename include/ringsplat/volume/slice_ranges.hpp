@@ -1,0 +1,31 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "ringsplat/volume/slice_store.hpp"
+
+namespace ringsplat {
+
+/// The smallest and the largest value of a slice, infinities included; not-a-number takes no part. low > high
+/// when the slice has nothing else.
+struct SliceRange {
+  Axis axis = Axis::z;
+  int slice = 0;
+  double low = 0, high = 0;
+};
+SliceRange slice_range(const SliceView& slice);
+
+/// Of all slices of a volume, those of other GPs too, so that every GP knows which ones a transfer function
+/// makes transparent.
+class SliceRanges {
+ public:
+  /// `ranges`: in any order; of an axis all slices or none.
+  explicit SliceRanges(const std::vector<SliceRange>& ranges);
+  /// By slice; empty for an axis without any.
+  const std::vector<SliceRange>& of(Axis axis) const { return ranges_[std::size_t(axis)]; }
+
+ private:
+  std::array<std::vector<SliceRange>, 3> ranges_;
+};
+
+}  // namespace ringsplat
