@@ -138,18 +138,6 @@ HWY_INLINE void store(const Pair& pair, float* out) {
 
 #endif
 
-/// Of places start + k · step, which lie above 0, where truncation is floor.
-HWY_INLINE void find_taps(double start, double step, int first, int count, std::int32_t* HWY_RESTRICT taps,
-                          float (*weights)[most_places]) {
-  float fraction[most_places];
-  for (int k = 0; k < count; ++k) {
-    const double place = std::fma(step, double(first + k), start);
-    taps[k] = static_cast<std::int32_t>(place);
-    fraction[k] = static_cast<float>(place - taps[k]);
-  }
-  find_weights(fraction, count, weights);
-}
-
 /// The plane's rows at the columns' places along them.
 void AlongRows(const WarpedRow& any_row, const Columns& columns) {
   const int count = columns.end - columns.first;

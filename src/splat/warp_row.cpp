@@ -16,25 +16,16 @@ namespace ringsplat::HWY_NAMESPACE {
 
 /// Where some of a row's pixels lie: their first tap, and by tap the pixels' weights along both axes.
 struct Places {
-  static constexpr int most = most_places;
-  std::ptrdiff_t tap[most];  ///< floats from the plane's first
-  float wx[4][most], wy[4][most];
+  std::ptrdiff_t tap[most_places];  ///< floats from the plane's first
+  float wx[4][most_places], wy[4][most_places];
 };
 
 /// Of pixels first … first + count − 1.
 HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& places) {
-  float fx[Places::most], fy[Places::most];
-  for (int k = 0; k < count; ++k) {
-    const double px = std::fma(row.step_x, double(first + k), row.start_x),
-                 py = std::fma(row.step_y, double(first + k), row.start_y);
-    // The places lie above 0, where truncation is floor.
-    const auto ix = static_cast<std::int32_t>(px), iy = static_cast<std::int32_t>(py);
-    places.tap[k] = iy * row.row_floats + ix * std::ptrdiff_t{4};
-    fx[k] = static_cast<float>(px - ix);
-    fy[k] = static_cast<float>(py - iy);
-  }
-  find_weights(fx, count, places.wx);
-  find_weights(fy, count, places.wy);
+  std::int32_t columns[most_places], rows[most_places];
+  find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
+  find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
+  for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
 }
 
 #if RINGSPLAT_ONE_BY_ONE
@@ -114,8 +105,8 @@ HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const 
 
 void WarpRow(const WarpedRow& row, float* screen) {
   Places places;
-  for (int first = row.first; first < row.end; first += Places::most) {
-    const int count = std::min(row.end - first, Places::most);
+  for (int first = row.first; first < row.end; first += most_places) {
+    const int count = std::min(row.end - first, most_places);
     find_places(row, first, count, places);
     for (int k = 0; k < count; ++k)
       interpolate(row.plane + places.tap[k], row.row_floats, places, k,

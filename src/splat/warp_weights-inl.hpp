@@ -7,6 +7,7 @@
 #endif
 
 #include <cmath>
+#include <cstdint>
 
 #include "splat/pixel_vectors-inl.hpp"
 #include "splat/warp_row.hpp"
@@ -26,6 +27,19 @@ HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, floa
           std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
                    fraction[k], cubic[0][tap]);
   }
+}
+
+/// Along one axis, of places start + k · step from k = first on, which lie above 0, where truncation is
+/// floor: their first taps and weights.
+HWY_INLINE void find_taps(double start, double step, int first, int count, std::int32_t* HWY_RESTRICT taps,
+                          float (*weights)[most_places]) {
+  float fraction[most_places];
+  for (int k = 0; k < count; ++k) {
+    const double place = std::fma(step, double(first + k), start);
+    taps[k] = static_cast<std::int32_t>(place);
+    fraction[k] = static_cast<float>(place - taps[k]);
+  }
+  find_weights(fraction, count, weights);
 }
 
 #if RINGSPLAT_ONE_BY_ONE
