@@ -20,7 +20,7 @@ for ((k = 0; k < repetitions; ++k)); do
     render 16 "layout-$size-12+4" "$head" --gps 12 --renderers 4 --size "$size" --frames-in-flight 1 "${orbit[@]}"
   done
   for gps in 1 3 7 15; do
-    render $((gps + 1)) "hop-$((gps + 1))" "$work/line.nrrd" --gps "$gps" --renderers 1 --size 64 --elevation 90 --orbit 5 --tf "$work/gap.json"
+    render $((gps + 1)) "hop-$((gps + 1))" "${line[@]}" --gps "$gps" --renderers 1 --orbit 5
   done
 done
 python3 "$repo/scripts/bench_report.py" "$work"

@@ -21,8 +21,9 @@ cat >"$work/nothing.json" <<'JSON'
   "RGBPoints": [0, 0, 0, 0, 255, 1, 1, 1], "Points": [0, 0, 0.5, 0, 255, 0, 0.5, 0]}]
 JSON
 
-# line SLICES: makes line.nrrd, of 2x2 voxels a slice, and gap.json, which shows the value between theirs. A token goes
-# through every slice, because each might show something, and frames cost only that.
+# line SLICES: makes what "${line[@]}" renders, a volume of 2x2 voxels a slice with a transfer function that shows the value
+# between theirs. A token goes through every slice, because each might show something, and frames cost only that.
+line=("$work/line.nrrd" --tf "$work/gap.json" --size 64 --elevation 90)
 line() {
   { printf 'NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 %d\nencoding: ascii\n\n' "$1" && for ((k = 0; k < $1; ++k)); do echo 0 2 2 0; done; } >"$work/line.nrrd"
   sed 's/nothing/gap/; s/"Points": .*/"Points": [0, 0, 0.5, 0, 1, 1, 0.5, 0, 2, 0, 0.5, 0]}]/' "$work/nothing.json" >"$work/gap.json"

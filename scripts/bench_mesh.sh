@@ -10,7 +10,7 @@ repetitions=${1:-3}
 view=(--elevation 25 --tf mr-soft --size 256x256 --region 32)
 
 line 2048
-empty=("$work/line.nrrd" --renderers 1 --size 64 --elevation 90 --orbit 4 --tf "$work/gap.json" --frames-in-flight 1)
+empty=("${line[@]}" --renderers 1 --orbit 4 --frames-in-flight 1)
 
 for ((k = 0; k < repetitions; ++k)); do
   for shape in 2x2+4 3x3+3 4x4+4 4x4+8; do

@@ -12,13 +12,13 @@ output=${1:?where to write the machine: scripts/calibrate.sh mpi_configs/machine
 repetitions=${2:-5}
 line 4096
 "$build/ringsplat" synth constant -o "$work/tiny.nrrd" --dims 2x2x2 >/dev/null
-one=(--gps 1 --renderers 1 --frames-in-flight 1)
+one=("${dedicated[@]}" --frames-in-flight 1)
 for ((k = 0; k < repetitions; ++k)); do
   render 2 head "$head" "${one[@]}" --tf mr-soft --size 512 --orbit 4 --elevation 25
   render 2 empty "$head" "${one[@]}" --tf "$work/nothing.json" --size 512 --orbit 4 --elevation 25
   render 2 tiny "$work/tiny.nrrd" "${one[@]}" --tf grey --size 512 --orbit 4
-  render 2 line "$work/line.nrrd" "${one[@]}" --tf "$work/gap.json" --size 64 --elevation 90 --orbit 4
-  render 2 hop "$work/line.nrrd" --gps 2 --renderers 1 --roles colocated --frames-in-flight 1 --tf "$work/gap.json" --size 64 --elevation 90 --orbit 4
+  render 2 line "${line[@]}" "${one[@]}" --orbit 4
+  render 2 hop "${line[@]}" --gps 2 --renderers 1 --roles colocated --frames-in-flight 1 --orbit 4
 done
 python3 "$repo/scripts/calibrated_machine.py" "$work" "$(cores)" >"$work/machine.toml"
 mv "$work/machine.toml" "$output"
