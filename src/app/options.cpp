@@ -254,8 +254,7 @@ void add_picture_options(CLI::App& app, RenderOptions& o) {
            "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel"),
        app.add_option("--region", f.region_size,
                       "Pixels of the side of a Renderer's region; without it 128, or 64 or 32 where the "
-                      "volume covers "
-                      "too few of those, and strips in the slices' plane")
+                      "volume covers too few of those, and strips in the slices' plane")
            ->type_name("N")
            ->check(CLI::Range(1, 1 << 20)),
        no_correction});

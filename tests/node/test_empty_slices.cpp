@@ -13,12 +13,12 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// 12 slices of 10 x 10 voxels along z; `value(z, k)` of the slice's k-th voxel.
 struct Volume {
   Grid grid;
   std::vector<std::byte> voxels;
   std::unique_ptr<VolumeSource> source() const { return memory_source(grid, voxels); }
 };
+/// 12 slices of 10 x 10 voxels along z; `value(z, k)` of the slice's k-th voxel.
 template <class T, class Value>
 Volume slices_of(ScalarType type, const Value& value) {
   Volume volume{make_grid({10, 10, 12}, type), {}};

@@ -1,6 +1,5 @@
 #pragma once
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -35,7 +34,8 @@ class PhongTable {
   /// larger than a cache's share: so scales below zero, or −0, tell which have one, and others' are not read.
   struct Entries {
     const float *scales, *highlights;
-    /// Where the highlight of a place is: there or, of those without one, at 0.
+    /// Where the highlight of a place is: there or, of those without one, at 0. A load of the sign's own does
+    /// not wait for the scale to come out of a vector.
     std::size_t highlight_of(std::size_t place) const {
       std::int32_t sign;
       std::memcpy(&sign, scales + place, sizeof sign);
