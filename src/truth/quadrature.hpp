@@ -39,9 +39,10 @@ const Rule& lobatto_rule();
 /// only, the depth is finite.
 inline constexpr double almost_opaque = 37;
 
-/// One application of the rule to t in [a, b]: the optical depth at each node, then the emission.
+/// One application of the rule to t in [a, b]: the optical depth at each node, then the emission. What is
+/// opaque throughout but shorter than `thinnest` may be a point, rounded to a length.
 template <class At>
-Piece lobatto_piece(const At& at, double a, double b) {
+Piece lobatto_piece(const At& at, double a, double b, double thinnest) {
   const Rule& rule = lobatto_rule();
   std::array<Medium, rule_nodes> medium;
   std::size_t opaque = 0;
@@ -53,7 +54,7 @@ Piece lobatto_piece(const At& at, double a, double b) {
     }
     medium[i].extinction *= b - a;
   }
-  if (opaque == rule_nodes) return {medium[0].colour, 0};
+  if (opaque == rule_nodes && b - a >= thinnest) return {medium[0].colour, 0};
   Piece piece;
   double whole = 0;
   for (std::size_t i = 0; i < rule_nodes; ++i) {
@@ -68,24 +69,27 @@ Piece lobatto_piece(const At& at, double a, double b) {
 
 /// Halves [a, b] until two halves agree with the whole to `tolerance` (in colour, shared out by length).
 template <class At>
-Piece adaptive_piece(const At& at, double a, double b, const Piece& whole, double tolerance,
+Piece adaptive_piece(const At& at, double a, double b, const Piece& whole, double tolerance, double thinnest,
                      int halvings_left) {
   const double middle = 0.5 * (a + b);
-  const Piece front = lobatto_piece(at, a, middle), back = lobatto_piece(at, middle, b);
+  const Piece front = lobatto_piece(at, a, middle, thinnest), back = lobatto_piece(at, middle, b, thinnest);
   const Piece both = behind(front, back);
   double change = std::abs(both.transmittance - whole.transmittance);
   for (int c = 0; c < 3; ++c) change = std::max(change, std::abs(both.colour[c] - whole.colour[c]));
   if (change <= tolerance || halvings_left == 0 || !(a < middle && middle < b)) return both;
-  const Piece fine_front = adaptive_piece(at, a, middle, front, 0.5 * tolerance, halvings_left - 1);
+  const Piece fine_front =
+      adaptive_piece(at, a, middle, front, 0.5 * tolerance, thinnest, halvings_left - 1);
   // What lies behind counts only as far as it is seen.
   const double seen = std::max(fine_front.transmittance, 1e-12);
-  return behind(fine_front, adaptive_piece(at, middle, b, back, 0.5 * tolerance / seen, halvings_left - 1));
+  return behind(fine_front,
+                adaptive_piece(at, middle, b, back, 0.5 * tolerance / seen, thinnest, halvings_left - 1));
 }
 
 template <class At>
 Piece integrate(const At& at, double a, double b, double tolerance) {
   constexpr int most_halvings = 40;
-  return adaptive_piece(at, a, b, lobatto_piece(at, a, b), tolerance, most_halvings);
+  const double thinnest = 1e-6 * (b - a);
+  return adaptive_piece(at, a, b, lobatto_piece(at, a, b, thinnest), tolerance, thinnest, most_halvings);
 }
 
 }  // namespace ringsplat::truth

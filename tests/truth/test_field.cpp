@@ -119,6 +119,20 @@ TEST_CASE("values that are not numbers are transparent, infinities take the end'
   CHECK(brightest(field_image(below, spec)) == 0.0F);
 }
 
+TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque sheet") {
+  // Seen along y. The mean of −ln(1 − t) over a straight side is 1, so a peak is as deep as it is wide.
+  const Volume volume = make_volume({8, 16, 8}, ScalarType::float64, [](int, int y, int) { return y; });
+  for (const double width : {0.4, 0.004, 0.00004})
+    for (const double low : {3.3, 11.43}) {
+      TransferFunction tf = constant_opacity(0);
+      tf.opacities = {{low, 0.0}, {low + width / 2, 1.0}, {low + width, 0.0}};
+      const auto scene = scene_of(volume, plain_spec(tf, 9, {.zoom = 2}));
+      INFO(fmt::format("{} wide from {}", width, low));
+      CHECK(truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front().w ==
+            Approx(-std::expm1(-width)).margin(1e-8));
+    }
+}
+
 TEST_CASE("the field's truth keeps its tolerance") {
   // Against itself at 1e-11: a shaded, sharp, colourful scene, where nothing is closed.
   const Volume volume = sample_field(20, synth_field("marschner-lobb"));
