@@ -119,6 +119,24 @@ TEST_CASE("values that are not numbers are transparent, infinities take the end'
   CHECK(brightest(field_image(below, spec)) == 0.0F);
 }
 
+TEST_CASE("a spike of the transfer function inside a cell is found however narrow it is") {
+  const Volume volume = make_volume({16, 16, 16}, ScalarType::float64, [](int, int, int z) { return z; });
+  for (const double low : {3.3, 7.7, 11.43}) {
+    const double high = low + 0.004;
+    TransferFunction tf = constant_opacity(0);
+    tf.opacities = {{low, 0.0}, {low, 0.999999}, {high, 0.999999}, {high, 0.0}};
+    for (const Camera& camera : {oblique, Camera{.elevation = 90, .zoom = 2}}) {
+      INFO(fmt::format("from {}, elevation {}", low, camera.elevation));
+      const FrameSpec spec = plain_spec(tf, size, camera);
+      REQUIRE(brightest(field_image(volume, spec)) > 0.04F);
+      CHECK(largest_error(volume, spec, [&](const truth::CubeRay& ray) {
+              return -std::log(1e-6) *
+                     truth::length_in_box(ray, {0, 0, (low + 0.5) / 16}, {1, 1, (high + 0.5) / 16});
+            }) < 1e-8);
+    }
+  }
+}
+
 TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque sheet") {
   // Seen along y. The mean of −ln(1 − t) over a straight side is 1, so a peak is as deep as it is wide.
   const Volume volume = make_volume({8, 16, 8}, ScalarType::float64, [](int, int y, int) { return y; });
@@ -131,6 +149,28 @@ TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque she
       CHECK(truth::field_truth(scene, std::vector<truth::Pixel>{{4, 4}}).front().w ==
             Approx(-std::expm1(-width)).margin(1e-8));
     }
+}
+
+TEST_CASE("space beside a voxel that is not a number is empty, and is not read as zero") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  FrameSpec spec = plain_spec(constant_opacity(0.3), 9, {.zoom = 2});  // zero is as opaque as all else
+  spec.kernel.normalisation = Normalisation::exact;
+  const std::vector<truth::Pixel> middle{{4, 4}};
+  // Seen along y. Without the slice the field loses the cells on both sides, and at the face the half voxel.
+  for (const auto& [slice, lost] : {std::pair{4, 2.0}, {0, 1.5}, {7, 1.5}}) {
+    const Volume volume = make_volume({9, 8, 9}, ScalarType::float32,
+                                      [&, s = slice](int, int y, int) { return y == s ? nan : 1.0; });
+    INFO("slice " << slice);
+    CHECK(truth::field_truth(scene_of(volume, spec), middle).front().w ==
+          Approx(1 - std::pow(0.7, 8 - lost)).epsilon(1e-9));
+    CHECK(truth::method_truth(scene_of(volume, spec), middle).front().w ==
+          Approx(1 - std::pow(0.7, 7)).epsilon(1e-9));
+    CHECK(rendered(volume, spec).pixel(4, 4)[3] == Approx(1 - std::pow(0.7, 7)).epsilon(2e-5));
+  }
+  const Volume missing = make_volume({8, 8, 8}, ScalarType::float32, [&](int, int, int) { return nan; });
+  CHECK(brightest(field_image(missing, spec)) == 0.0F);
+  CHECK(brightest(method_image(missing, spec)) == 0.0F);
+  CHECK(brightest(rendered(missing, spec)) == 0.0F);
 }
 
 TEST_CASE("the field's truth keeps its tolerance") {

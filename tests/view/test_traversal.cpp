@@ -109,6 +109,18 @@ TEST_CASE("anisotropic voxels: the angle is the world's, the distance is in smal
   REQUIRE(t.slice_distance == 1e12);
 }
 
+TEST_CASE("slices of an oblique lattice are as far apart as their normal says") {
+  LatticeFrame lattice{.dims = {64, 64, 20}, .spacing = {1.0, 0.8, 2.0}};
+  lattice.direction[2] = glm::normalize(glm::dvec3(0.3, -0.4, 1.0));
+  // z slices stay horizontal; their distance is what the shifted step rises.
+  const double apart = 2.0 * lattice.direction[2].z / 0.8;
+  for (const double beside : {0.0, 10.0, 25.0}) {
+    const auto t = traversal_of({.elevation = 90 - beside}, lattice);
+    REQUIRE(t.axis == Axis::z);
+    REQUIRE(t.slice_distance == Approx(apart / std::cos(beside * std::acos(-1.0) / 180)).epsilon(1e-13));
+  }
+}
+
 TEST_CASE("a mirrored lattice is walked the other way") {
   LatticeFrame mirrored = cube;
   mirrored.direction[1] = {0, -1, 0};
@@ -157,9 +169,18 @@ TEST_CASE("any view walks any lattice front to back, on the axis of the largest 
     }
     REQUIRE(t.cos_angle == Approx(*std::max_element(cosines, cosines + 3)).epsilon(1e-8));
     REQUIRE(t.cos_angle == Approx(cosines[int(t.axis)]).epsilon(1e-8));
+    const double smallest = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
+    if (trial % 5 != 0) {
+      // In the world: between two planes along the ray.
+      const auto [u, v] = in_plane(t.axis);
+      const glm::dvec3 normal = glm::normalize(glm::cross(lattice.direction[u], lattice.direction[v])),
+                       step = lattice.spacing[int(t.axis)] * lattice.direction[int(t.axis)];
+      REQUIRE(t.slice_distance ==
+              Approx(std::abs(glm::dot(normal, step) / glm::dot(normal, view.to_viewer)) / smallest)
+                  .epsilon(1e-8));
+    }
     if (trial % 3 != 2 && trial % 5 != 0) {
       REQUIRE(t.cos_angle >= 1 / std::sqrt(3.0) - 1e-12);
-      const double smallest = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
       REQUIRE(t.slice_distance ==
               Approx(lattice.spacing[int(t.axis)] / smallest / t.cos_angle).epsilon(1e-10));
     }
