@@ -1,0 +1,154 @@
+// Which views a calibration renders, and what it makes of the pictures and times that it is given.
+#include <glm/vec3.hpp>
+
+#include "app/calibration.hpp"
+#include "app/program_runner.hpp"
+#include "ringsplat/node/render.hpp"
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr int width = 64, height = 48;
+
+Traversal traversal_of(const Camera& camera, const Grid& grid) {
+  const LatticeFrame lattice = lattice_frame(grid);
+  return choose_traversal(make_view(camera, lattice, width, height), lattice);
+}
+
+/// Views of one slice set: straight on, or at least ten degrees beside it.
+std::ptrdiff_t views_of(const std::vector<Camera>& views, const Grid& grid, Axis axis, bool oblique) {
+  return std::count_if(views.begin(), views.end(), [&](const Camera& camera) {
+    const Traversal t = traversal_of(camera, grid);
+    return t.axis == axis && (oblique ? t.cos_angle < 0.98 : t.cos_angle == 1.0);
+  });
+}
+
+/// A calibration of two settings and two views whose truth is empty: a picture is its own error.
+class Bench {
+ public:
+  explicit Bench(std::size_t pixels) {
+    const std::string volume = folder_ / "volume.nrrd";
+    REQUIRE(app_test::run_program({"synth", "ball", "--dims", "8x8x8", "-o", volume}).code == 0);
+    FrameSpec reference;
+    reference.width = width;
+    reference.height = height;
+    reference.shading = Shading::none;
+    reference.transfer_function = constant_opacity(0);
+    Shortcuts exact, coarse;
+    coarse.undersample = 4;
+    VolumeOptions options;
+    options.path = volume;
+    calibration_ =
+        std::make_unique<Calibration>(reference, std::vector<Camera>{{.azimuth = 0}, {.azimuth = 30}},
+                                      std::vector{exact, coarse}, options, ErrorOptions{{}, pixels, 1});
+  }
+
+  /// Answers every frame with what `answer(coarse, oblique, n)` says of picture and seconds when the view is
+  /// drawn with the setting for the n-th time, from 0 on; the very first frame with what must not count.
+  template <class Answer>
+  std::vector<MeasuredShortcuts> measure(const Answer& answer) {
+    const Director director = calibration_->director();
+    std::map<std::pair<bool, bool>, int> times;
+    for (bool first = true; const auto spec = director.next_frame(); first = false) {
+      const bool coarse = spec->reduction.factor == 4, oblique = spec->camera.azimuth > 0;
+      FrameResult result;
+      result.spec = *spec;
+      result.image = Image(width, height);
+      if (first) {
+        std::fill(result.image.rgba.begin(), result.image.rgba.end(), 1.0F);
+        result.stats.seconds = 1000;
+      } else {
+        answer(coarse, oblique, times[{coarse, oblique}]++, result);
+      }
+      director.frame_done(std::move(result));
+    }
+    return calibration_->measured();
+  }
+
+ private:
+  app_test::TemporaryFolder folder_;
+  std::unique_ptr<Calibration> calibration_;
+};
+
+}  // namespace
+
+TEST_CASE("a calibration looks at every kept slice set straight on and obliquely") {
+  const std::vector<Camera> run{{.azimuth = 5, .zoom = 0.5}, {.azimuth = 20, .zoom = 2.5}};
+  for (const glm::dvec3& spacing : {glm::dvec3(1.0), glm::dvec3(1, 0.5, 2)}) {
+    const Grid grid = make_grid({32, 30, 28}, ScalarType::uint8, spacing);
+    const auto views = calibration_views(run, {true, true, true}, grid, width, height);
+    CHECK(views.size() == 6);
+    for (const Axis axis : all_axes) {
+      CHECK(views_of(views, grid, axis, false) == 1);
+      CHECK(views_of(views, grid, axis, true) == 1);
+      std::array<bool, 3> one{};
+      one[std::size_t(axis)] = true;
+      const auto of_one = calibration_views(run, one, grid, width, height);
+      CHECK(of_one.size() == 2);
+      CHECK(views_of(of_one, grid, axis, false) == 1);
+      CHECK(views_of(of_one, grid, axis, true) == 1);
+    }
+    for (const Camera& camera : views) CHECK(camera.zoom == 2.5);
+  }
+}
+
+TEST_CASE("a calibration takes views by matrix as they are, four of them from the first on") {
+  std::vector<Camera> run(9);
+  for (std::size_t k = 0; k < run.size(); ++k)
+    run[k].matrix = {1, 0, 0, double(k), 0, 0, -1, 0, 0, 1, 0, 0};
+  const Grid grid = make_grid({32, 30, 28});
+  const auto views = calibration_views(run, {true, true, true}, grid, width, height);
+  REQUIRE(views.size() >= 3);
+  REQUIRE(views.size() <= 4);
+  CHECK(views.front() == run.front());
+  for (const Camera& camera : views) CHECK(std::find(run.begin(), run.end(), camera) != run.end());
+  run.resize(2);
+  CHECK(calibration_views(run, {true, true, true}, grid, width, height) == run);
+}
+
+TEST_CASE("a setting counts by its worst view, and its time is the mean of the views' medians") {
+  Bench bench(width * height);  // every pixel: nothing is left to chance
+  const auto measured = bench.measure([](bool coarse, bool oblique, int n, FrameResult& result) {
+    const float error = (coarse ? 8.0F : 1.0F) * (oblique ? 1.0F : 0.25F) / 255;
+    std::fill(result.image.rgba.begin(), result.image.rgba.end(), error);
+    const double seconds[] = {900, 4, 2, 3, 1};  // the median is 3
+    result.stats.seconds = seconds[n % 5] * (coarse ? 1 : 10) * (oblique ? 3 : 1);
+  });
+  REQUIRE(measured.size() == 2);
+  CHECK(measured[0].shortcuts.undersample == 1);
+  CHECK(measured[1].shortcuts.undersample == 4);
+  CHECK(measured[0].rmse == Approx(1).epsilon(1e-6));
+  CHECK(measured[1].rmse == Approx(8).epsilon(1e-6));
+  CHECK(measured[0].rmse_high == Approx(1).epsilon(1e-6));
+  CHECK(measured[1].rmse_high == Approx(8).epsilon(1e-6));
+  CHECK(measured[0].seconds == Approx((30 + 90) / 2.0));
+  CHECK(measured[1].seconds == Approx((3 + 9) / 2.0));
+}
+
+TEST_CASE("a setting's error has an upper end above what its sample says, the worst view's") {
+  Bench bench(400);
+  const auto measured = bench.measure([](bool coarse, bool oblique, int, FrameResult& result) {
+    // In the middle, one pixel in three is wrong, so what a sample says depends on which pixels it has.
+    const float error = (coarse ? 8.0F : 1.0F) * (oblique ? 0.25F : 1.0F) / 255;
+    for (int y = 16; y < 32; ++y)
+      for (int x = 20; x < 44; ++x)
+        if ((x + y) % 3 == 0) std::fill_n(result.image.pixel(x, y), 4, error);
+    result.stats.seconds = 1;
+  });
+  REQUIRE(measured.size() == 2);
+  const double whole = std::sqrt(16 * 24 / 3.0 / (width * height));  // of the first setting's worst view
+  for (const auto& [m, error] : {std::pair{measured[0], whole}, {measured[1], 8 * whole}}) {
+    CHECK(m.rmse == Approx(error).epsilon(0.35));
+    CHECK(m.rmse_high > 1.03 * m.rmse);
+    CHECK(m.rmse_high < 2 * error);
+  }
+  // A budget between the two is not kept.
+  const double between = 0.5 * (measured[1].rmse + measured[1].rmse_high);
+  CHECK_FALSE(cheapest_within(std::span(measured).subspan(1), between).has_value());
+  CHECK(cheapest_within(std::span(measured).subspan(1), measured[1].rmse_high) == 0);
+}
