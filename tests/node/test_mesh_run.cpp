@@ -167,6 +167,8 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
       spec.camera.azimuth = azimuth;
       std::map<std::pair<std::int64_t, Link>, int> uses;
       std::map<std::int64_t, std::set<int>> senders;
+      // By step and column, the row of the GP that sends to the left and of the one that sends to the right.
+      std::map<std::pair<std::int64_t, int>, std::map<bool, int>> rows;
       int payload_hops = 0;
       LoopbackOptions loopback{.seed = 1, .reorder = true, .max_delay = 4, .in_step = true};
       loopback.on_link_use = [&](std::int64_t step, const Link& link, const Header& header) {
@@ -174,12 +176,17 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
         ++payload_hops;
         ++uses[{step, link}];
         senders[step].insert(header.source);
+        rows[{step, header.source % mesh.mesh_columns}][header.renderer >= mesh.mesh_rows] =
+            header.source / mesh.mesh_columns;
       };
       const FrameResult result = render_loopback(*source, spec, mesh, loopback);
       INFO(shape(mesh) << ", azimuth " << azimuth);
       int most = 0;
       for (const auto& [use, count] : uses) most = std::max(most, count);
       CHECK(most == 1);
+      // Of a column's two active GPs the upper one sends up, to the right, the lower one down.
+      for (const auto& [where, row_of] : rows)
+        if (row_of.size() == 2) CHECK((row_of.at(true) + 1) % mesh.mesh_rows == row_of.at(false));
       std::size_t most_senders = 0;
       for (const auto& [step, gps] : senders) most_senders = std::max(most_senders, gps.size());
       CHECK(most_senders > 1);

@@ -5,6 +5,7 @@
 #include <random>
 #include <set>
 
+#include "node/nodes.hpp"
 #include "node/views.hpp"
 #include "ringsplat/node/gp.hpp"
 #include "ringsplat/node/renderer.hpp"
@@ -22,15 +23,8 @@ class Watched {
   Watched(const Layout& layout, const ProtocolOptions& protocol, FrameSpec spec, VolumeSource& source,
           std::uint64_t seed)
       : layout_(layout), random_(seed) {
-    SoloCollectives solo;
-    std::vector<int> gps;
-    for (int gp = 0; gp < layout.gps; ++gp) gps.push_back(gp);
     const Grid grid = source.grid();
-    std::vector<std::byte> voxels(grid.bytes());
-    source.read_slices(0, grid.dims.z, voxels);
-    OpenedVolume volume{grid, true, memory_source(grid, voxels)};
-    auto stores = deal_slices(volume, {}, layout.gps, {gps}, solo);
-    share_slice_ranges(stores, solo);
+    auto stores = dealt(source, layout.gps);
     const Post post = [this](Message message) { take_posted(std::move(message)); };
     for (int gp = 0; gp < layout.gps; ++gp)
       nodes_.push_back(std::make_unique<Gp>(gp, layout, protocol, std::move(stores.at(gp)), post));
