@@ -3,6 +3,11 @@
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <mutex>
+#include <set>
+
+#include "ringsplat/base/printable.hpp"
+
 namespace ringsplat {
 namespace {
 
@@ -38,6 +43,16 @@ void set_log_rank(int rank, bool verbose) {
   logger().set_level(verbose ? spdlog::level::debug : rank == 0 ? spdlog::level::info : spdlog::level::warn);
 }
 
-void log_line(LogLevel level, const std::string& text) { logger().log(to_spdlog(level), text); }
+void log_line(LogLevel level, const std::string& text) { logger().log(to_spdlog(level), printable(text)); }
+
+void log_line_once(LogLevel level, const std::string& text) {
+  static std::mutex mutex;
+  static std::set<std::string> said;
+  {
+    const std::lock_guard lock(mutex);
+    if (!said.insert(text).second) return;
+  }
+  log_line(level, text);
+}
 
 }  // namespace ringsplat

@@ -151,8 +151,8 @@ Grid stack_grid(const std::vector<DicomSlice>& slices, const std::filesystem::pa
     const double off = glm::length(slices[i].grid.origin - (slices.front().grid.origin + double(i) * step));
     constexpr double tolerated = 0.1;  // of the slice distance
     if (off <= tolerated * grid.spacing.z) continue;
-    log_warning("{}: the slices are not evenly spaced, one may be missing near {}", where.string(),
-                slices[i].file.filename().string());
+    log_warning_once("{}: the slices are not evenly spaced, one may be missing near {}", where.string(),
+                     slices[i].file.filename().string());
     break;
   }
   return grid;
@@ -192,7 +192,7 @@ std::vector<DicomSlice> choose_series(const std::filesystem::path& path) {
     return a.second.size() < b.second.size();
   });
   if (series.size() > 1)
-    log_warning(
+    log_warning_once(
         "{} holds {} DICOM series, taken is the longest ({} slices); name a file of another to take that",
         path.string(), series.size(), longest->second.size());
   return std::move(longest->second);

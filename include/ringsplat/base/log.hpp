@@ -12,6 +12,8 @@ enum class LogLevel { debug, info, warning, error };
 /// Names this process in every line; a rank other than 0 says only warnings and errors unless `verbose`.
 void set_log_rank(int rank, bool verbose);
 void log_line(LogLevel level, const std::string& text);
+/// Nothing when this process has said the same before: for what is found again each time a file is opened.
+void log_line_once(LogLevel level, const std::string& text);
 
 template <class... Args>
 void log_debug(fmt::format_string<Args...> f, Args&&... args) {
@@ -24,6 +26,10 @@ void log_info(fmt::format_string<Args...> f, Args&&... args) {
 template <class... Args>
 void log_warning(fmt::format_string<Args...> f, Args&&... args) {
   log_line(LogLevel::warning, fmt::format(f, std::forward<Args>(args)...));
+}
+template <class... Args>
+void log_warning_once(fmt::format_string<Args...> f, Args&&... args) {
+  log_line_once(LogLevel::warning, fmt::format(f, std::forward<Args>(args)...));
 }
 template <class... Args>
 void log_error(fmt::format_string<Args...> f, Args&&... args) {

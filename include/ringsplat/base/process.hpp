@@ -14,6 +14,10 @@ std::string clock_identity();
 /// Cores that this process may run on (Linux: its affinity mask, which launchers narrow), at least 1.
 int allowed_cores();
 
+/// Opens /dev/null in place of stdin, stdout and stderr where they are closed: else the next file that is
+/// opened would take their place, and be written what is printed.
+void keep_standard_descriptors();
+
 /// Makes this thread treat denormal floats as zero, as operands and as results, where the
 /// processor can: their cost is hundreds of cycles and their weight is nothing.
 void flush_denormals();

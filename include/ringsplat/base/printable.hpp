@@ -1,0 +1,20 @@
+#pragma once
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+/// Text from outside as it may be shown: a file's bytes must not steer the terminal that a message appears
+/// on.
+namespace ringsplat {
+
+/// Control characters, but for line feeds, and bytes that are not UTF-8 become \xNN.
+std::string printable(std::string_view text);
+
+/// The first `most` characters as printable() shows them, line feeds too as \x0a, and "..." when there are
+/// more.
+std::string excerpt(std::string_view text, std::size_t most = 40);
+
+/// Minus zero, which reads as a mistake, becomes zero.
+constexpr double plain(double value) { return value == 0 ? 0.0 : value; }
+
+}  // namespace ringsplat
