@@ -98,7 +98,7 @@ std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, 
               {"layout", layout_json(o.run, layout)},
               {"pixels", o.error.pixels},
               {"seed", o.error.seed}}
-      .dump();
+      .dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
 std::optional<fs::path> cache_folder() {

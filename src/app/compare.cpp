@@ -6,8 +6,11 @@
 
 #include "app/commands.hpp"
 #include "app/difference_image.hpp"
+#include "app/json_text.hpp"
 #include "app/output_file.hpp"
+#include "app/output_names.hpp"
 #include "ringsplat/app/image_io.hpp"
+#include "ringsplat/base/printable.hpp"
 #include "ringsplat/truth/metrics.hpp"
 
 namespace ringsplat::app {
@@ -43,7 +46,7 @@ std::string to_json_text(const CompareOptions& o, const Comparison& c) {
   for (int k = 0; k < c.channels; ++k)
     j["channels"][channel_names[k]] = to_json(c.error.channels[std::size_t(k)]);
   j["failed"] = c.failed;
-  return j.dump(2);
+  return plain_json_text(std::move(j), 2);
 }
 
 std::string to_text(const CompareOptions& o, const Comparison& c) {
@@ -51,7 +54,7 @@ std::string to_text(const CompareOptions& o, const Comparison& c) {
                                  "largest", "mean", "over 1, %", "over 2, %");
   const auto row = [&](const char* name, const truth::ErrorFigures& f) {
     text += fmt::format("{:<10}{:>12.6g}{:>12.4g}{:>12.6g}{:>+12.4g}{:>12.4g}{:>12.4g}\n", name, f.rmse,
-                        f.psnr(), f.largest, f.mean, 100 * f.over_1, 100 * f.over_2);
+                        f.psnr(), f.largest, plain(f.mean), 100 * f.over_1, 100 * f.over_2);
   };
   row("all", c.error.total);
   for (int k = 0; k < c.channels; ++k) row(channel_names[k], c.error.channels[std::size_t(k)]);
@@ -81,6 +84,7 @@ ExitCode run_compare(const CompareOptions& o) {
   if (!o.difference.empty()) {
     check_image_name(o.difference, "--diff", false);
     check_can_write(o.difference, "--diff");
+    refuse_clashes({{"--diff", o.difference}}, {{"a picture", o.a}, {"a picture", o.b}});
   }
   StoredImage a = read_image(o.a), b = read_image(o.b);
   if (a.image.width != b.image.width || a.image.height != b.image.height)

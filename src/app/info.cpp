@@ -8,10 +8,12 @@
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
+#include "app/json_text.hpp"
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "app/role_choice.hpp"
 #include "app/watched_source.hpp"
+#include "ringsplat/base/printable.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 #include "ringsplat/volume/statistics.hpp"
@@ -44,21 +46,16 @@ void for_each_batch(VolumeSource& source, F&& f) {
 }
 
 /// Two passes: the histogram's bins need the range first.
-Contents read_contents(const VolumeOptions& volume, Progress& progress) {
+Contents read_contents(VolumeSource& source, Progress& progress) {
   Contents contents;
-  const auto open = [&](const char* what) {
-    auto source = open_volume(volume.path, volume.raw);
-    progress.begin(what, source->grid().dims.z);
-    return WatchedSource(std::move(source), progress);
-  };
-  auto first = open("reading the range");
-  for_each_batch(first, [&](std::span<const std::byte> v) { contents.range.add(first.grid().type, v); });
+  const Grid& grid = source.grid();
+  progress.begin("reading the range", grid.dims.z);
+  for_each_batch(source, [&](std::span<const std::byte> v) { contents.range.add(grid.type, v); });
   progress.end();
   if (contents.range.empty()) return contents;
   contents.histogram = Histogram(contents.range.low, contents.range.high, bins);
-  auto second = open("reading the histogram");
-  for_each_batch(second,
-                 [&](std::span<const std::byte> v) { contents.histogram.add(second.grid().type, v); });
+  progress.begin("reading the histogram", grid.dims.z);
+  for_each_batch(source, [&](std::span<const std::byte> v) { contents.histogram.add(grid.type, v); });
   progress.end();
   return contents;
 }
@@ -97,9 +94,13 @@ std::vector<Memory> memory_table(const Grid& grid, int gps) {
   return table;
 }
 
+std::string triple_text(const glm::dvec3& v, const char* between) {
+  return fmt::format("{:g}{}{:g}{}{:g}", plain(v.x), between, plain(v.y), between, plain(v.z));
+}
+
 std::string matrix_text(const glm::dmat3& m) {
-  return fmt::format("({:g} {:g} {:g})  ({:g} {:g} {:g})  ({:g} {:g} {:g})", m[0].x, m[0].y, m[0].z, m[1].x,
-                     m[1].y, m[1].z, m[2].x, m[2].y, m[2].z);
+  return fmt::format("({})  ({})  ({})", triple_text(m[0], " "), triple_text(m[1], " "),
+                     triple_text(m[2], " "));
 }
 
 /// Bars by the square root of the counts: the air around an object would flatten all else.
@@ -114,7 +115,7 @@ std::string histogram_text(const Histogram& histogram) {
     const double from = histogram.low + (histogram.high - histogram.low) * double(k) / shown_bins;
     const auto length =
         highest > 0 ? static_cast<std::size_t>(40 * std::sqrt(double(counts[k])) / highest + 0.5) : 0;
-    text += fmt::format("  {:>12.6g}  {:>6.2f} %  {}\n", from, 100 * double(counts[k]) / total,
+    text += fmt::format("  {:>12.6g}  {:>6.2f} %  {}\n", plain(from), 100 * double(counts[k]) / total,
                         std::string(length, '#'));
   }
   return text;
@@ -129,12 +130,13 @@ std::string to_text(const InfoOptions& o, const Grid& grid, const Contents& c, b
   row("volume", o.volume.path);
   row("shape", fmt::format("{} x {} x {}, {} voxels", grid.dims.x, grid.dims.y, grid.dims.z, grid.voxels()));
   row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
-  row("spacing", fmt::format("{:g} x {:g} x {:g}", grid.spacing.x, grid.spacing.y, grid.spacing.z));
-  row("origin", fmt::format("{:g} {:g} {:g}", grid.origin.x, grid.origin.y, grid.origin.z));
+  row("spacing", triple_text(grid.spacing, " x "));
+  row("origin", triple_text(grid.origin, " "));
   row("directions", matrix_text(grid.direction));
-  row("size", fmt::format("{:g} x {:g} x {:g}", extent.x, extent.y, extent.z));
+  row("size", triple_text(extent, " x "));
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
-  row("range", c.range.empty() ? "no finite value" : fmt::format("{:g} to {:g}", c.range.low, c.range.high));
+  row("range", c.range.empty() ? "no finite value"
+                               : fmt::format("{:g} to {:g}", plain(c.range.low), plain(c.range.high)));
   row("not finite", fmt::format("{} voxels", c.range.not_finite));
   if (!c.range.empty()) text += histogram_text(c.histogram);
   text += fmt::format(
@@ -181,6 +183,8 @@ struct Forecast {
 };
 
 Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {
+  if (o.picture.path == "-")
+    throw InputError("info takes no views from stdin", "write them into a file for --path");
   const auto cameras = views_of(o.picture);
   const FrameSpec& frame = o.picture.frame;
   const auto axes = needed_axes(cameras, source.grid(), frame.width, frame.height);
@@ -240,24 +244,31 @@ std::string list_of_presets() {
   return text;
 }
 
+nlohmann::json json_of_presets() {
+  auto list = nlohmann::json::array();
+  for (const auto& preset : preset_names())
+    list.push_back({{"name", preset.name}, {"description", preset.description}});
+  return list;
+}
+
 }  // namespace
 
 ExitCode run_info(const InfoOptions& o) {
   if (o.presets) {
-    fmt::print("{}", list_of_presets());
+    fmt::print("{}", o.json ? plain_json_text(json_of_presets(), 2) + "\n" : list_of_presets());
     return ExitCode::done;
   }
-  const auto source = open_volume(o.volume.path, o.volume.raw);
   Progress progress;
-  const Contents contents = read_contents(o.volume, progress);
+  WatchedSource source(open_volume(o.volume.path, o.volume.raw), progress);
+  const Contents contents = read_contents(source, progress);
   std::optional<Forecast> predicted;
-  if (o.ranks > 0) predicted = forecast(o, *source, progress);
+  if (o.ranks > 0) predicted = forecast(o, source, progress);
   if (o.json) {
-    auto j = to_json(o, source->grid(), contents, source->concurrent());
+    auto j = to_json(o, source.grid(), contents, source.concurrent());
     if (predicted) j["prediction"] = to_json(*predicted);
-    fmt::print("{}\n", j.dump(2));
+    fmt::print("{}\n", plain_json_text(std::move(j), 2));
   } else {
-    fmt::print("{}{}", to_text(o, source->grid(), contents, source->concurrent()),
+    fmt::print("{}{}", to_text(o, source.grid(), contents, source.concurrent()),
                predicted ? to_text(*predicted, o.ranks) : "");
   }
   return ExitCode::done;

@@ -5,6 +5,7 @@
 
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/base/printable.hpp"
 #include "ringsplat/truth/analytic.hpp"
 #include "ringsplat/truth/field.hpp"
 #include "ringsplat/truth/method.hpp"
@@ -76,8 +77,8 @@ std::string to_text(const MeasuredError& m) {
   return fmt::format(
       "error against the {}'s truth: {:.4g}/255 rms (95 %: {:.4g} to {:.4g}), largest {:.4g}, mean {:+.3g}; "
       "{} pixels in {:.2f} s",
-      to_string(m.truth), m.error.rmse, m.error.rmse_low, m.error.rmse_high, m.error.largest, m.error.mean,
-      m.error.pixels, m.seconds);
+      to_string(m.truth), m.error.rmse, m.error.rmse_low, m.error.rmse_high, m.error.largest,
+      plain(m.error.mean), m.error.pixels, m.seconds);
 }
 
 }  // namespace ringsplat::app

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "app/commands.hpp"
+#include "app/json_text.hpp"
 #include "app/measured_error.hpp"
 #include "app/option_values.hpp"
 #include "app/output_file.hpp"
@@ -130,7 +131,7 @@ std::string to_csv(const nlohmann::ordered_json& rows) {
   for (const auto& row : rows) {
     std::vector<std::string> cells;
     for (const auto& value : row)
-      cells.push_back(value.is_string() ? value.get<std::string>() : value.dump());
+      cells.push_back(value.is_string() ? value.get<std::string>() : plain_json_text(value));
     lines.push_back(joined(cells, ","));
   }
   return joined(lines, "\n") + "\n";
@@ -232,7 +233,7 @@ ExitCode run_study(const StudyOptions& o) {
   }
   progress.end();
   write_text(o.output, to_csv(rows));
-  write_text(fs::path(o.output).replace_extension(".json"), rows.dump(1) + "\n");
+  write_text(fs::path(o.output).replace_extension(".json"), plain_json_text(rows, 1) + "\n");
   progress.print(fmt::format("{}  {} measurements", o.output, rows.size()));
   return ExitCode::done;
 }

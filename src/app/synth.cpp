@@ -25,7 +25,7 @@ void check_room(const fs::path& file, const Grid& grid) {
   const auto space = fs::space(file.has_parent_path() ? file.parent_path() : ".", error);
   if (!error && grid.bytes() > space.available)
     throw InputError(
-        fmt::format("{} x {} x {} {} needs {} MB, but the disk has {} MB left", grid.dims.x, grid.dims.y,
+        fmt::format("{} x {} x {} {} needs {} MiB, but the disk has {} MiB left", grid.dims.x, grid.dims.y,
                     grid.dims.z, to_string(grid.type), grid.bytes() >> 20, space.available >> 20),
         "use smaller --dims");
 }

@@ -7,6 +7,7 @@
 
 #include "app/option_values.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/base/printable.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -29,7 +30,7 @@ std::string visible_range(const TransferFunction& tf) {
   const auto last = std::find_if(tf.opacities.rbegin(), tf.opacities.rend(), visible).base() - 1;
   const double from = first == tf.opacities.begin() ? first->value : (first - 1)->value;
   const double to = last + 1 == tf.opacities.end() ? last->value : (last + 1)->value;
-  return fmt::format("from {:g} to {:g}", from, to);
+  return fmt::format("from {:g} to {:g}", plain(from), plain(to));
 }
 
 }  // namespace
@@ -60,22 +61,23 @@ TransferFunction TransferFunctionChoice::make(const Histogram& histogram) const 
 
 std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
                                    std::uint64_t visible_voxels) {
+  const double low = plain(range.low), high = plain(range.high);
   if (!tf.visible_within(range.low, range.high))
     return fmt::format(
         "the picture is empty: transfer function '{}' is opaque {}, but the volume's values run from {:g} to "
         "{:g}; hint: try --tf auto",
-        tf.name, visible_range(tf), range.low, range.high);
+        tf.name, visible_range(tf), low, high);
   if (visible_voxels == 0)
     return fmt::format(
         "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "
         "volume's "
         "run from {:g} to {:g}; hint: ringsplat info shows the histogram, or try --tf auto",
-        tf.name, visible_range(tf), range.low, range.high);
+        tf.name, visible_range(tf), low, high);
   return fmt::format(
       "the picture is empty: no visible voxel lies in it (values from {:g} to {:g}, transfer function '{}' "
       "opaque {}); hint: check "
       "--zoom or --matrix, or try --tf auto",
-      range.low, range.high, tf.name, visible_range(tf));
+      low, high, tf.name, visible_range(tf));
 }
 
 }  // namespace ringsplat::app

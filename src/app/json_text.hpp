@@ -1,0 +1,26 @@
+#pragma once
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "ringsplat/base/printable.hpp"
+
+namespace ringsplat::app {
+
+/// Minus zero, wherever it is, becomes zero.
+template <class Json>
+void make_plain(Json& j) {
+  if (j.is_structured())
+    for (auto& part : j) make_plain(part);
+  else if (j.is_number_float())
+    j = plain(j.template get<double>());
+}
+
+/// A JSON text for people and programs: numbers are plain, bytes that are not UTF-8 (of file names) are
+/// replaced. `indent` -1: on one line.
+template <class Json>
+std::string plain_json_text(Json j, int indent = -1) {
+  make_plain(j);
+  return j.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+}  // namespace ringsplat::app
