@@ -25,7 +25,11 @@ Browsing::Browsing(const FrameSpec& frame, std::vector<Camera> views, std::uniqu
 
 Director Browsing::director(FrameOutput& output, Progress& progress) {
   Director director{
-      [this] { return next(); },
+      [this, &progress] {
+        auto frame = next();
+        say_whether_waiting(frame.has_value(), progress);
+        return frame;
+      },
       [this, &output, &progress](FrameResult&& result) { take(std::move(result), output, progress); }};
   if (stream_) {
     director.may_come = [this] { return stream_->may_come(); };
@@ -57,6 +61,20 @@ std::optional<FrameSpec> Browsing::next() {
   spec.reduction = levels_[next_level_];
   steps_[next_frame_++] = {shown_views_ - 1, next_level_++};
   return spec;
+}
+
+void Browsing::say_whether_waiting(bool frame_comes, Progress& progress) {
+  const bool waiting = !frame_comes && steps_.empty() && stream_ && stream_->may_come();
+  if (waiting == waiting_) return;
+  waiting_ = waiting;
+  if (waiting)
+    progress.wait_for("waiting for views on stdin");
+  else
+    progress.go_on();
+}
+
+void Browsing::check_stream() {
+  if (stream_) stream_->check_all_was_read();
 }
 
 bool Browsing::unwanted(const FrameSpec& spec) {

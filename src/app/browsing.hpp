@@ -24,6 +24,8 @@ class Browsing {
   Director director(FrameOutput& output, Progress& progress);
   /// Views shown and refinements dropped, for a line at the end; empty when nothing was dropped.
   std::string summary() const;
+  /// Throws InputError when not all of the stream's lines were views; to be called when all frames are done.
+  void check_stream();
 
   /// The reductions of a view's pictures, coarse to fine.
   static std::vector<Reduction> levels(const FrameSpec& frame, bool progressive);
@@ -41,6 +43,7 @@ class Browsing {
   };
 
   std::optional<FrameSpec> next();
+  void say_whether_waiting(bool frame_comes, Progress& progress);
   std::optional<Camera> next_view();
   bool newer_view_waits();
   bool unwanted(const FrameSpec& spec);
@@ -61,6 +64,7 @@ class Browsing {
   std::map<std::size_t, double> asked_;               ///< when a view was first announced
   std::map<std::size_t, std::vector<Shown>> coarse_;  ///< a view's pictures so far
   std::size_t dropped_ = 0;
+  bool waiting_ = false;  ///< for views only: no frame is being rendered
 };
 
 }  // namespace ringsplat::app

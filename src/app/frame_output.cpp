@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/json_text.hpp"
 #include "app/option_values.hpp"
-#include "app/output_file.hpp"
+#include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "ringsplat/app/image_io.hpp"
@@ -31,7 +32,7 @@ std::string picture_settings(const FrameSpec& spec, const VolumeOptions& volume,
   json j = json::parse(to_json_text(spec));
   if (error != nullptr) j["error"] = to_json(*error);
   j["volume"] = fs::path(volume.path).filename().string();
-  return j.dump();
+  return plain_json_text(std::move(j));
 }
 
 double median(std::vector<double> values) {
@@ -115,9 +116,12 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                 why_nothing_is_visible(result.spec.transfer_function, range_,
                                        sum.visible_voxels + sum.voxels_outside));
   }
-  progress_.print(fmt::format("{}  {:.4f} s  {} visible voxels  {} splats", label, result.stats.seconds,
-                              sum.visible_voxels, sum.splats_sent));
+  const std::string after =
+      seconds_.empty() ? "" : fmt::format(", {:.4f} s after the one before", result.stats.period);
+  progress_.print(fmt::format("{}  {:.4f} s{}  {} visible voxels  {} splats", label, result.stats.seconds,
+                              after, sum.visible_voxels, sum.splats_sent));
   seconds_.push_back(result.stats.seconds);
+  period_sum_ += result.stats.period;
   if (!options_.stats.empty())
     records_.push_back({result.spec, result.stats, written ? file.string() : std::string(),
                         error == nullptr ? std::nullopt : std::optional(*error)});
@@ -136,7 +140,7 @@ std::string FrameOutput::json_text(const FrameRecord& record) const {
     const auto& [seconds, rmse, largest] = step->second;
     j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
   }
-  return j.dump();
+  return plain_json_text(std::move(j));
 }
 
 std::string FrameOutput::stats_text() const {
@@ -150,10 +154,19 @@ std::string FrameOutput::stats_text() const {
 void FrameOutput::finish() {
   writer_.finish();
   if (!kept_.empty()) measure_kept();
-  if (!options_.stats.empty()) write_text(options_.stats, stats_text());
+  if (!options_.stats.empty()) write_text_output(options_.stats, stats_text());
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
-  if (seconds_.size() > 1)
-    progress_.print(fmt::format("{} frames, median {:.4f} s", seconds_.size(), median(seconds_)));
+  if (seconds_.size() > 1) progress_.print(summary());
+}
+
+/// Frames overlap, so that they come faster than one after another. Where refinements may be dropped, the
+/// time that those took belongs to no picture and there is no rate.
+std::string FrameOutput::summary() const {
+  std::string text =
+      fmt::format("{} frames, median {:.4f} s from start to end", seconds_.size(), median(seconds_));
+  if (!(options_.progressive && options_.path == "-"))
+    text += fmt::format(", one every {:.4f} s", period_sum_ / double(seconds_.size()));
+  return text;
 }
 
 fs::path output_file(const RenderOptions& options, std::size_t view) {

@@ -59,6 +59,7 @@ class FrameOutput {
   void measure_kept();
   std::string json_text(const FrameRecord& record) const;
   std::string stats_text() const;
+  std::string summary() const;
 
   const RenderOptions& options_;
   const Layout& layout_;
@@ -67,6 +68,7 @@ class FrameOutput {
   Progress& progress_;
   std::vector<FinishedFrame> kept_;  ///< whose error is to be measured
   std::vector<double> seconds_;
+  double period_sum_ = 0;
   /// Made into text at the end, when no frame waits for a core.
   std::vector<FrameRecord> records_;
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame

@@ -134,10 +134,12 @@ void add_run_options(CLI::App& app, RunOptions& o) {
              ->capture_default_str(),
          app.add_option("--stall-timeout", o.protocol.stall_timeout,
                         "Seconds without any progress until a run is given up")
+             ->type_name("SECONDS")
              ->capture_default_str(),
          app.add_flag("--shuffle", o.loopback.reorder,
                       "Loopback: messages overtake each other and ranks take turns at random"),
          app.add_option("--max-delay", o.loopback.max_delay, "Loopback: turns by which a message may be late")
+             ->check(CLI::NonNegativeNumber)
              ->capture_default_str(),
          app.add_flag("--in-step", o.loopback.in_step,
                       "Loopback: one frame at a time, and all tokens move one GP per step of a common clock"),
@@ -185,10 +187,10 @@ void add_view_options(CLI::App& app, RenderOptions& o) {
        app.add_option("--orbit", o.orbit, "N frames once around, from --azimuth on, into OUT-0000.png ...")
            ->type_name("N")
            ->check([](const std::string& text) {
-             return text.find_first_not_of("0123456789") == std::string::npos && std::stod(text) >= 1 &&
-                            std::stod(text) <= 1e6
+             const bool number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+             return number && text.size() <= 7 && std::stoi(text) >= 1 && std::stoi(text) <= 1'000'000
                         ? std::string()
-                        : "--orbit needs 1 to 1000000 frames, not " + text;
+                        : "needs 1 to 1000000 frames, not '" + text + "'";
            }),
        app.add_option("--path", o.path,
                       "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, "
@@ -284,7 +286,7 @@ void add_shortcut_options(CLI::App& app, RenderOptions& o) {
          app.add_option(
                 "--opaque-threshold", f.opaque_threshold,
                 "Nothing is added to a pixel through which less light than this comes; 0: everything is")
-             ->capture_default_str(),
+             ->default_str(fmt::format("1/{:g}", 1 / f.opaque_threshold)),
          add_choice(app, "--payload", f.payload,
                     Choices<PayloadForm>{{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}, "runs",
                     "What GPs send: runs of voxels, or the paper's six words a splat; the same bits"),
@@ -303,7 +305,9 @@ void add_render_output_options(CLI::App& app, RenderOptions& o) {
          add_parsed(app, "--background", o.background, parse_colour, "COLOUR", "none",
                     "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque"),
          app.add_option("--stats", o.stats,
-                        "What each node did in each frame: a JSON array, or JSON lines in a .jsonl")
+                        "What each node did in each frame: a JSON array, or JSON lines in a .jsonl; of "
+                        "--stats, --trace "
+                        "and --tf-out one may be -, stdout, and lines of results then go to stderr")
              ->type_name("FILE"),
          app.add_option("--trace", o.trace,
                         "What each node did when, as Chrome trace-event JSON, which opens in Perfetto")

@@ -5,8 +5,10 @@
 #include "app/command_line.hpp"
 #include "app/commands.hpp"
 #include "app/launch.hpp"
+#include "app/text_output.hpp"
 #include "ringsplat/base/huge_pages.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/base/process.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -40,7 +42,7 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
     return {std::move(outcome), everywhere};
   }
   const auto work = [&] {
-    return std::visit(
+    const ExitCode code = std::visit(
         Overloaded{[](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
                    [](const CompareOptions& o) { return run_compare(o); },
                    [](const SynthOptions& o) { return run_synth(o); },
@@ -48,6 +50,8 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
                    [](const StudyOptions& o) { return run_study(o); },
                    [](const auto&) { return ExitCode::bad_input; }},
         line.command);
+    flush_stdout();
+    return code;
   };
   return {launch.run_on_rank_0(work), true};
 }
@@ -70,6 +74,7 @@ TransportChoice transport_of(const CommandLine& line) {
 }  // namespace
 
 int run_program(int argc, char** argv) {
+  keep_standard_descriptors();
   prefer_huge_pages_in_heap();
   const CommandLine line = parse_command_line(argc, argv);
   std::optional<Launch> launch;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <utility>
 
 #include "ringsplat/base/clock.hpp"
 
@@ -27,7 +28,8 @@ std::string progress_text(const std::string& what, double done, double total, do
                      std::string(width - filled, '.'), 100 * part, what, seconds * (1 - part) / part);
 }
 
-Progress::Progress(bool silent) : silent_(silent), terminal_(isatty(STDERR_FILENO) == 1) {
+Progress::Progress(bool silent, std::FILE* results)
+    : silent_(silent), terminal_(isatty(STDERR_FILENO) == 1), results_(results) {
   if (!silent_) thread_ = std::thread([this] { watch(); });
 }
 
@@ -46,9 +48,28 @@ void Progress::begin(const std::string& what, double total) {
   what_ = what;
   total_ = total;
   done_ = 0;
+  waiting_for_.clear();
+  start_clock();
+  working_ = true;
+}
+
+void Progress::start_clock() {
   started_ = now_seconds();
   drawn_at_ = 0;
-  working_ = true;
+}
+
+void Progress::wait_for(const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  wipe();
+  waiting_for_ = what;
+  start_clock();
+}
+
+void Progress::go_on() {
+  const std::lock_guard lock(mutex_);
+  wipe();
+  waiting_for_.clear();
+  start_clock();
 }
 
 void Progress::at(double done) {
@@ -65,8 +86,8 @@ void Progress::end() {
 void Progress::print(const std::string& line) {
   const std::lock_guard lock(mutex_);
   wipe();
-  std::fprintf(stdout, "%s\n", line.c_str());
-  std::fflush(stdout);
+  std::fprintf(results_, "%s\n", line.c_str());
+  std::fflush(results_);
 }
 
 void Progress::clear() {
@@ -85,8 +106,10 @@ void Progress::watch() {
 void Progress::draw() {
   const double now = now_seconds();
   if (now - started_ < patience || now - drawn_at_ < (terminal_ ? redraw_seconds / 2 : line_seconds)) return;
+  const bool waiting = !waiting_for_.empty();
+  if (waiting && !terminal_ && std::exchange(said_waiting_, true)) return;
   drawn_at_ = now;
-  const std::string text = progress_text(what_, done_, total_, now - started_);
+  const std::string text = waiting ? waiting_for_ : progress_text(what_, done_, total_, now - started_);
   std::fprintf(stderr, terminal_ ? "\r%s\x1b[K" : "ringsplat: %s\n", text.c_str());
   std::fflush(stderr);
   on_screen_ = terminal_;

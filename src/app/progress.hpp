@@ -1,5 +1,6 @@
 #pragma once
 #include <condition_variable>
+#include <cstdio>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -11,8 +12,8 @@ namespace ringsplat::app {
 /// passing also while the work does not come back to report. Safe to call from several threads.
 class Progress {
  public:
-  /// A silent one says nothing at all.
-  explicit Progress(bool silent = false);
+  /// A silent one says nothing of progress. `results` is where print() writes.
+  explicit Progress(bool silent = false, std::FILE* results = stdout);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -21,7 +22,11 @@ class Progress {
   void begin(const std::string& what, double total);
   void at(double done);  ///< units done so far
   void end();
-  /// Writes a line of results to stdout without the bar getting into it.
+  /// Until go_on() nothing is done but to wait, for `what`: "waiting for views". That is said on a terminal,
+  /// elsewhere only once. Time passed counts from go_on().
+  void wait_for(const std::string& what);
+  void go_on();
+  /// Writes a line of results without the bar getting into it.
   void print(const std::string& line);
   /// Takes the bar off the screen, for what others write to stderr.
   void clear();
@@ -29,14 +34,16 @@ class Progress {
  private:
   void watch();
   void draw();
+  void start_clock();
   void wipe();
 
   const bool silent_, terminal_;
+  std::FILE* const results_;
   std::mutex mutex_;
   std::condition_variable changed_;
-  std::string what_;
+  std::string what_, waiting_for_;
   double total_ = 0, done_ = 0, started_ = 0, drawn_at_ = 0;
-  bool working_ = false, stop_ = false, on_screen_ = false;
+  bool working_ = false, said_waiting_ = false, stop_ = false, on_screen_ = false;
   std::thread thread_;
 };
 

@@ -1,15 +1,21 @@
 #include <fmt/format.h>
 
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
+#include "app/json_text.hpp"
 #include "app/measured_error.hpp"
+#include "app/option_values.hpp"
 #include "app/output_file.hpp"
+#include "app/output_names.hpp"
+#include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "ringsplat/app/image_io.hpp"
 #include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/log.hpp"
 #include "ringsplat/volume/synth.hpp"
 
 namespace ringsplat::app {
@@ -21,7 +27,7 @@ std::string settings_text(const FrameSpec& spec, const ReferenceOptions& o) {
   j["truth"] = to_string(o.truth);
   if (o.truth != TruthKind::method) j["tolerance"] = o.tolerance;
   if (o.truth == TruthKind::analytic) j["formula"] = o.formula;
-  return j.dump();
+  return plain_json_text(std::move(j));
 }
 
 void check_options(const ReferenceOptions& o) {
@@ -34,7 +40,11 @@ void check_options(const ReferenceOptions& o) {
                      "use --truth analytic");
   }
   check_image_name(o.picture.output, "-o", true);
-  check_can_write(o.picture.output, "-o");
+  const RenderOptions& p = o.picture;
+  check_can_write(p.output, "-o");
+  if (!p.transfer_function_out.empty()) check_can_write_text(p.transfer_function_out, "--tf-out");
+  refuse_clashes({{"-o", p.output}, {"--tf-out", p.transfer_function_out}},
+                 {{"the volume", p.volume.path}, {"--path", p.path}, {"--tf", p.transfer_function}});
 }
 
 }  // namespace
@@ -43,6 +53,9 @@ ExitCode run_reference(const ReferenceOptions& o) {
   check_options(o);
   if (o.picture.path == "-")
     throw InputError("reference takes no views from stdin", "write them into a file for --path");
+  if (!o.without_effect.empty())
+    log_warning("{} change{} nothing in the {} truth", joined(o.without_effect, ", "),
+                o.without_effect.size() == 1 ? "s" : "", to_string(o.truth));
   const auto cameras = views_of(o.picture);
   const TransferFunctionChoice choice(o.picture.transfer_function);
   const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
@@ -51,9 +64,10 @@ ExitCode run_reference(const ReferenceOptions& o) {
   spec.transfer_function = choice.make(volume.histogram);
   check(spec);
   if (!o.picture.transfer_function_out.empty())
-    write_text(o.picture.transfer_function_out, to_paraview_json(spec.transfer_function));
+    write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.transfer_function));
   truth::Scene scene = make_scene(std::move(volume));
   const auto pixels = truth::all_pixels(spec.width, spec.height);
+  std::FILE* const results = is_stdout(o.picture.transfer_function_out) ? stderr : stdout;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.camera = cameras[k];
     set_frame(scene, spec);
@@ -61,7 +75,7 @@ ExitCode run_reference(const ReferenceOptions& o) {
     const Image image =
         truth::to_image(spec.width, spec.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
     write_image(image, output_file(o.picture, k), std::nullopt, settings_text(spec, o));
-    fmt::print("{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start,
+    fmt::print(results, "{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start,
                to_string(o.truth));
   }
   return ExitCode::done;

@@ -58,6 +58,17 @@ void add_reference_options(CLI::App& app, ReferenceOptions& o) {
       ->group("Output");
 }
 
+void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
+  // A truth has no tables and no regions, and that of a field no kernel and no slices.
+  std::vector<const char*> unknown{"--kernel", "--phases", "--qee-bits", "--region"};
+  if (o.truth == TruthKind::method)
+    unknown.push_back("--tolerance");
+  else
+    unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction"});
+  for (const char* name : unknown)
+    if (app.get_option(name)->count() > 0) o.without_effect.emplace_back(name);
+}
+
 void add_study_options(CLI::App& app, StudyOptions& o) {
   app.add_option("list", o.list,
                  "TOML file of scenes, views and settings; without one, the list that --list prints")

@@ -10,6 +10,7 @@ struct ReferenceOptions {
   TruthKind truth = TruthKind::field;
   double tolerance = 1e-6;
   std::string formula;  ///< analytic truth: the field of synth_names() that the volume was sampled from
+  std::vector<std::string> without_effect;  ///< options that were given and that this truth does not know
 };
 
 struct StudyOptions {
@@ -21,6 +22,9 @@ struct StudyOptions {
 
 void add_error_options(CLI::App& app, ErrorOptions& options);
 void add_reference_options(CLI::App& app, ReferenceOptions& options);
+/// Takes down which of a parsed subcommand's options change nothing: of render's, with which a truth is asked
+/// for, not all concern it.
+void note_options_without_effect(const CLI::App& app, ReferenceOptions& options);
 void add_study_options(CLI::App& app, StudyOptions& options);
 
 }  // namespace ringsplat::app

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <memory>
 #include <optional>
-#include <set>
 
 #include "app/auto_roles.hpp"
 #include "app/browsing.hpp"
@@ -16,7 +15,9 @@
 #include "app/frame_output.hpp"
 #include "app/keep_budget.hpp"
 #include "app/output_file.hpp"
+#include "app/output_names.hpp"
 #include "app/simulation_options.hpp"
+#include "app/text_output.hpp"
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
@@ -43,15 +44,21 @@ Plan make_plan(const RenderOptions& o) {
     check_image_name(o.output, "-o", !o.background);
     check_can_write(o.output, "-o");
   }
-  if (!o.stats.empty()) check_can_write(o.stats, "--stats");
-  if (!o.trace.empty()) check_can_write(o.trace, "--trace");
-  if (!o.transfer_function_out.empty()) check_can_write(o.transfer_function_out, "--tf-out");
-  std::set<std::string> files;
-  for (const auto& file : {o.output, o.stats, o.trace, o.transfer_function_out})
-    if (!file.empty() && !files.insert(file).second)
-      throw InputError("two of -o, --stats, --trace and --tf-out name the same file",
-                       "give each a file of its own");
+  if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");
+  if (!o.trace.empty()) check_can_write_text(o.trace, "--trace");
+  if (!o.transfer_function_out.empty()) check_can_write_text(o.transfer_function_out, "--tf-out");
+  refuse_clashes(
+      {{"-o", o.output}, {"--stats", o.stats}, {"--trace", o.trace}, {"--tf-out", o.transfer_function_out}},
+      {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
   return plan;
+}
+
+/// Throws InputError when the frame's view, in any of its levels, cannot be rendered.
+void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
+  for (const Reduction& level : Browsing::levels(spec, o.progressive)) {
+    spec.reduction = level;
+    static_cast<void>(make_geometry(spec, grid));
+  }
 }
 
 /// All that can be wrong with a frame shows here, before a voxel is read.
@@ -64,7 +71,7 @@ void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
   for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
     spec.camera = plan.cameras[k];
     try {
-      static_cast<void>(make_geometry(spec, grid));
+      check_view(o, spec, grid);
     } catch (const InputError& e) {
       if (plan.cameras.size() == 1) throw;
       throw InputError(fmt::format("frame {}: {}", k, e.what()));
@@ -140,11 +147,27 @@ Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layou
   return scene;
 }
 
+/// The views of `--path -`. What is passed by reference must outlive them.
+std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
+                                           Progress& progress) {
+  const auto check = [&](const Camera& camera) {
+    FrameSpec spec = frame;
+    spec.camera = camera;
+    check_view(o, std::move(spec), grid);
+  };
+  const auto warn = [&progress](const std::string& text) {
+    progress.clear();
+    log_warning("{}", text);
+  };
+  return std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.camera,
+                                      ViewStream::Hooks{check, warn});
+}
+
 /// Rank 0's transfer function for the loaded volume, written out when asked.
 TransferFunction make_transfer_function(const RenderOptions& o, const Plan& plan, const Scene& scene) {
   TransferFunction tf = plan.transfer_function->make(scene.histogram);
   check(tf, o.transfer_function);
-  if (!o.transfer_function_out.empty()) write_text(o.transfer_function_out, to_paraview_json(tf));
+  if (!o.transfer_function_out.empty()) write_text_output(o.transfer_function_out, to_paraview_json(tf));
   return tf;
 }
 
@@ -166,7 +189,12 @@ void write_trace(const Trace& trace, const std::string& file, const Layout& layo
   for (const auto& node : all.nodes)
     if (node.full)
       log_warning("{}: the record of {} is full and lacks its last frames", file, to_string(node.node));
-  write_text(file, to_chrome_trace(all, layout));
+  write_text_output(file, to_chrome_trace(all, layout));
+}
+
+/// Results, which are lines for people, then go to stderr.
+bool writes_to_stdout(const RenderOptions& o) {
+  return is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
 }
 
 /// For --verbose: what this rank is there for.
@@ -209,7 +237,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   log_roles(layout, memory, launch);
 
   // Ahead of simulated time nothing can be said.
-  Progress progress(launch.rank() != 0 || simulated());
+  Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
   const Wiring wiring = launch.wiring(o.run.loopback);
   Scene scene = load(volume, options, layout, wiring, progress);
   FrameSpec frame = o.frame;
@@ -222,10 +250,11 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
 
   const ValueRange range = scene.range;
   FrameOutput output(o, layout, range, memory, progress);
-  auto stream = o.path == "-" && launch.rank() == 0
-                    ? std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.camera)
-                    : nullptr;
-  Browsing browsing(frame, plan.cameras, std::move(stream), o.progressive);
+  const bool reads_stdin = o.path == "-";
+  Browsing browsing(
+      frame, plan.cameras,
+      reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, volume.grid, progress) : nullptr,
+      o.progressive);
   progress.begin("rendering", double(plan.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
@@ -236,6 +265,8 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   if (!o.trace.empty()) write_trace(trace, o.trace, layout, launch);
   if (launch.rank() == 0) output.finish();
   if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);
+  flush_stdout();
+  if (reads_stdin) launch.check_on_rank_0([&] { browsing.check_stream(); });
   return ExitCode::done;
 }
 

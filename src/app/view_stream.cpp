@@ -1,71 +1,116 @@
 #include "app/view_stream.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <poll.h>
 #include <unistd.h>
 
 #include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
 
-#include "app/views.hpp"
+#include "app/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
+namespace {
 
-ViewStream::ViewStream(int descriptor, std::string name, const Camera& defaults)
-    : name_(std::move(name)), defaults_(defaults) {
-  if (pipe(stop_) != 0)
+constexpr std::size_t most_named_lines = 10;
+
+}  // namespace
+
+ViewStream::ViewStream(int descriptor, std::string name, const Camera& defaults, Hooks hooks)
+    : name_(std::move(name)), hooks_(std::move(hooks)), reader_(defaults) {
+  if (pipe2(stop_, O_CLOEXEC) != 0)
     throw RunError("no pipe can be made to read views", "too many files are open: see ulimit -n");
   thread_ = std::thread([this, descriptor] { read(descriptor); });
 }
 
 ViewStream::~ViewStream() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  changed_.notify_all();
   close(stop_[1]);
   thread_.join();
   close(stop_[0]);
 }
 
 void ViewStream::read(int descriptor) {
-  std::string text;
+  LineSplitter lines;
+  const auto take = [this](const LineSplitter::Line& line) { take_line(line); };
+  std::vector<char> piece(std::size_t{1} << 16);
+  std::string failure;
   while (true) {
     std::array<pollfd, 2> wait{{{descriptor, POLLIN, 0}, {stop_[0], POLLIN, 0}}};
     if (poll(wait.data(), wait.size(), -1) < 0) continue;
     if (wait[1].revents != 0) return;
-    std::array<char, 4096> chunk;
-    const auto bytes = ::read(descriptor, chunk.data(), chunk.size());
-    if (bytes > 0) text.append(chunk.data(), static_cast<std::size_t>(bytes));
-    if (bytes <= 0 && !text.empty()) text += '\n';
-    for (auto end = text.find('\n'); end != std::string::npos; end = text.find('\n')) {
-      take_line(text.substr(0, end));
-      text.erase(0, end + 1);
+    const auto bytes = ::read(descriptor, piece.data(), piece.size());
+    if (bytes > 0) {
+      lines.add({piece.data(), static_cast<std::size_t>(bytes)}, take);
+      continue;
     }
-    if (bytes > 0) continue;
-    const std::lock_guard lock(mutex_);
-    ended_ = true;
-    return;
+    if (bytes == 0) break;
+    if (errno == EINTR || errno == EAGAIN) continue;
+    failure = std::strerror(errno);
+    break;
   }
+  lines.end(take);
+  const std::lock_guard lock(mutex_);
+  failure_ = failure;
+  ended_ = true;
 }
 
-void ViewStream::take_line(const std::string& line) {
-  const std::lock_guard lock(mutex_);
-  ++line_;
-  const auto first = line.find_first_not_of(" \t\r");
-  if (!error_.empty() || first == std::string::npos || line[first] == '#') return;
+std::optional<Camera> ViewStream::view_of(const LineSplitter::Line& line, const std::string& where) {
+  if (line.too_long) refuse_long_line(line, where);
+  const auto view = reader_.read(line.text, where);
+  if (!view) return std::nullopt;
   try {
-    views_.push_back(parse_path(line, fmt::format("{}, line {}", name_, line_), defaults_).front());
+    hooks_.check(*view);
   } catch (const InputError& e) {
-    error_ = e.what();
+    throw InputError(fmt::format("{}: {}", where, e.what()));
   }
+  return view;
+}
+
+void ViewStream::take_line(const LineSplitter::Line& line) {
+  std::optional<Camera> view;
+  try {
+    view = view_of(line, fmt::format("{}, line {}", name_, line.number));
+  } catch (const InputError& e) {
+    skip(line.number, e.what());
+  }
+  if (view) put(*view);
+}
+
+void ViewStream::skip(std::size_t line, const std::string& why) {
+  std::size_t skipped = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    skipped = ++skipped_;
+    if (skipped <= most_named_lines) skipped_lines_.push_back(line);
+  }
+  if (skipped <= most_warnings) hooks_.warn("skipped " + why);
+  if (skipped == most_warnings)
+    hooks_.warn(fmt::format("{}: further lines that give no view are only counted", name_));
+}
+
+void ViewStream::put(const Camera& view) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return views_.size() < room || stopping_; });
+  views_.push_back(view);
+  ++taken_;
 }
 
 std::optional<Camera> ViewStream::next() {
   const std::lock_guard lock(mutex_);
-  if (!views_.empty()) {
-    const Camera view = views_.front();
-    views_.pop_front();
-    return view;
-  }
-  if (!error_.empty()) throw InputError(error_);
-  return std::nullopt;
+  if (views_.empty()) return std::nullopt;
+  const Camera view = views_.front();
+  views_.pop_front();
+  changed_.notify_all();
+  return view;
 }
 
 bool ViewStream::has_next() {
@@ -75,7 +120,25 @@ bool ViewStream::has_next() {
 
 bool ViewStream::may_come() {
   const std::lock_guard lock(mutex_);
-  return !views_.empty() || !ended_ || !error_.empty();
+  return !views_.empty() || !ended_;
+}
+
+void ViewStream::check_all_was_read() {
+  const std::lock_guard lock(mutex_);
+  const std::string rendered = fmt::format("the {} view{} that came {} rendered", taken_,
+                                           taken_ == 1 ? "" : "s", taken_ == 1 ? "is" : "are");
+  if (!failure_.empty())
+    throw InputError(fmt::format("{}: stdin cannot be read: {}; {}", name_, failure_, rendered),
+                     "redirect a file or a pipe to it");
+  if (skipped_ > 0) {
+    std::vector<std::string> numbers;
+    for (const std::size_t line : skipped_lines_) numbers.push_back(std::to_string(line));
+    throw InputError(fmt::format("{}: {} line{} no view and {} skipped ({}{}); {}", name_, skipped_,
+                                 skipped_ == 1 ? " gives" : "s give", skipped_ == 1 ? "was" : "were",
+                                 joined(numbers, ", "), skipped_ > numbers.size() ? ", ..." : "", rendered),
+                     "the warnings above say what is wrong with them");
+  }
+  if (taken_ == 0) throw InputError(fmt::format("{}: no view came on stdin", name_), path_line_hint);
 }
 
 }  // namespace ringsplat::app

@@ -1,42 +1,66 @@
 #pragma once
+#include <condition_variable>
 #include <deque>
-#include <iosfwd>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
+#include "app/line_splitter.hpp"
+#include "app/views.hpp"
 #include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {
 
-/// Views that come line by line while others are rendered (`--path -`), as in a path's file but without a
-/// line of names. A thread of its own waits for them.
+/// Views that come line by line while others are rendered (`--path -`), as in a path's file. A thread of its
+/// own waits for them, and reads no further while enough of them wait. A line that gives no view is skipped
+/// with a warning.
 class ViewStream {
  public:
-  /// Reads a file descriptor until it ends; it must outlive the stream.
-  ViewStream(int descriptor, std::string name, const Camera& defaults);
+  static constexpr std::size_t room = 64;            ///< views that may wait
+  static constexpr std::size_t most_warnings = 100;  ///< of bad lines; more are only counted
+
+  /// What the stream asks of others, on its own thread.
+  struct Hooks {
+    std::function<void(const Camera&)> check;  ///< throws InputError for a view that cannot be rendered
+    std::function<void(const std::string&)> warn;
+  };
+
+  /// Reads a file descriptor until it ends; it must outlive the stream, as must what the hooks refer to.
+  ViewStream(int descriptor, std::string name, const Camera& defaults, Hooks hooks);
   ~ViewStream();
   ViewStream(const ViewStream&) = delete;
   ViewStream& operator=(const ViewStream&) = delete;
 
-  /// The next view that is here. Throws InputError for a line that is no view, naming it.
+  /// The next view that is here.
   std::optional<Camera> next();
   bool has_next();
   /// True while there may be more; false once all were taken and the stream has ended.
   bool may_come();
+  /// Throws InputError when lines were skipped, when no view came or when reading failed. Call it when
+  /// may_come() has become false.
+  void check_all_was_read();
 
  private:
   void read(int descriptor);
-  void take_line(const std::string& line);
+  void take_line(const LineSplitter::Line& line);
+  std::optional<Camera> view_of(const LineSplitter::Line& line, const std::string& where);
+  void skip(std::size_t line, const std::string& why);
+  void put(const Camera& view);
 
-  std::string name_;
-  Camera defaults_;
+  const std::string name_;
+  const Hooks hooks_;
+  PathReader reader_;  ///< of the thread only
   std::mutex mutex_;
+  std::condition_variable changed_;
   std::deque<Camera> views_;
-  std::string error_;
-  int line_ = 0;
-  bool ended_ = false;
+  std::size_t taken_ = 0;                   ///< views in all
+  std::size_t skipped_ = 0;                 ///< lines in all
+  std::vector<std::size_t> skipped_lines_;  ///< the first of them
+  std::string failure_;
+  bool ended_ = false, stopping_ = false;
   int stop_[2] = {-1, -1};  ///< a pipe that wakes the thread up to stop
   std::thread thread_;
 };

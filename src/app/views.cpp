@@ -10,6 +10,7 @@
 
 #include "app/option_values.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/base/printable.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -24,9 +25,6 @@ constexpr Field fields[] = {{"azimuth", &Camera::azimuth},
                             {"elevation", &Camera::elevation},
                             {"roll", &Camera::roll},
                             {"zoom", &Camera::zoom}};
-
-constexpr const char* line_hint =
-    "a line is: azimuth elevation [roll [zoom]], or JSON such as {\"azimuth\": 30, \"zoom\": 2}";
 
 double Camera::*field_named(const std::string& name) {
   for (const auto& field : fields)
@@ -52,7 +50,7 @@ std::vector<double Camera::*> columns_of(std::string line) {
 
 Camera from_json(const std::string& line, const std::string& where, Camera camera) {
   const json j = json::parse(line, nullptr, false);
-  if (!j.is_object()) throw InputError(fmt::format("{}: this is not a JSON object", where), line_hint);
+  if (!j.is_object()) throw InputError(fmt::format("{}: this is not a JSON object", where), path_line_hint);
   for (const auto& [key, value] : j.items()) {
     if (key == "matrix" && value.is_array() && value.size() == 12 &&
         std::all_of(value.begin(), value.end(), [](const json& n) { return n.is_number(); })) {
@@ -62,8 +60,8 @@ Camera from_json(const std::string& line, const std::string& where, Camera camer
     } else {
       throw InputError(
           fmt::format("{}: '{}' is not azimuth, elevation, roll or zoom with a number, nor matrix with 12",
-                      where, key),
-          line_hint);
+                      where, excerpt(key)),
+          path_line_hint);
     }
   }
   return camera;
@@ -73,12 +71,16 @@ Camera from_columns(const std::string& line, const std::string& where,
                     const std::vector<double Camera::*>& columns, Camera camera) {
   const auto numbers = parse_numbers(line);
   if (!numbers || numbers->empty() || numbers->size() > columns.size())
-    throw InputError(fmt::format("{}: '{}' is not 1 to {} numbers", where, line, columns.size()), line_hint);
+    throw InputError(fmt::format("{}: '{}' is not 1 to {} numbers", where, excerpt(line), columns.size()),
+                     path_line_hint);
   for (std::size_t k = 0; k < numbers->size(); ++k) camera.*columns[k] = (*numbers)[k];
   return camera;
 }
 
 }  // namespace
+
+const char* const path_line_hint =
+    "a line is: azimuth elevation [roll [zoom]], or JSON such as {\"azimuth\": 30, \"zoom\": 2}";
 
 std::vector<Camera> orbit(const Camera& start, int frames) {
   std::vector<Camera> cameras(static_cast<std::size_t>(frames), start);
@@ -86,25 +88,52 @@ std::vector<Camera> orbit(const Camera& start, int frames) {
   return cameras;
 }
 
-std::vector<Camera> parse_path(const std::string& text, const std::string& where, const Camera& defaults) {
-  std::vector<double Camera::*> columns;
-  for (const auto& field : fields) columns.push_back(field.part);
-  std::vector<Camera> cameras;
-  std::istringstream in(text);
-  int number = 0;
-  for (std::string line; std::getline(in, line);) {
-    ++number;
-    const auto first = line.find_first_not_of(" \t\r");
-    if (first == std::string::npos || line[first] == '#') continue;
-    const std::string here = fmt::format("{}:{}", where, number);
-    while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
-    if (const auto named = columns_of(line); !named.empty() && cameras.empty())
-      columns = named;
-    else
-      cameras.push_back(line[first] == '{' ? from_json(line, here, defaults)
-                                           : from_columns(line, here, columns, defaults));
+PathReader::PathReader(const Camera& defaults) : defaults_(defaults) {
+  for (const auto& field : fields) columns_.push_back(field.part);
+}
+
+std::optional<Camera> PathReader::read(std::string line, const std::string& where) {
+  const auto first = line.find_first_not_of(" \t\r");
+  if (first == std::string::npos || line[first] == '#') return std::nullopt;
+  while (line.ends_with('\r') || line.ends_with(' ')) line.pop_back();
+  if (const auto named = columns_of(line); !named.empty() && !view_came_) {
+    columns_ = named;
+    return std::nullopt;
   }
-  if (cameras.empty()) throw InputError(fmt::format("{}: there is no view in it", where), line_hint);
+  const Camera view =
+      line[first] == '{' ? from_json(line, where, defaults_) : from_columns(line, where, columns_, defaults_);
+  view_came_ = true;
+  return view;
+}
+
+void refuse_long_line(const LineSplitter::Line& line, const std::string& where) {
+  throw InputError(
+      fmt::format("{}: '{}' has more than {} bytes", where, excerpt(line.text), LineSplitter::most_bytes),
+      path_line_hint);
+}
+
+std::vector<Camera> parse_path(std::istream& in, const std::string& where, const Camera& defaults) {
+  PathReader reader(defaults);
+  std::vector<Camera> cameras;
+  const auto take = [&](const LineSplitter::Line& line) {
+    const std::string here = fmt::format("{}:{}", where, line.number);
+    if (line.too_long) refuse_long_line(line, here);
+    const auto view = reader.read(line.text, here);
+    if (!view) return;
+    if (cameras.size() == most_views)
+      throw InputError(fmt::format("{}: there are more than {} views in it", where, most_views),
+                       "render it in parts, or take it from stdin: --path - < FILE");
+    cameras.push_back(*view);
+  };
+  LineSplitter lines;
+  std::vector<char> piece(std::size_t{1} << 16);
+  while (in.read(piece.data(), std::streamsize(piece.size())) || in.gcount() > 0)
+    lines.add({piece.data(), std::size_t(in.gcount())}, take);
+  if (in.bad())
+    throw InputError(fmt::format("{} cannot be read to its end", where),
+                     "is the disk or the network at fault?");
+  lines.end(take);
+  if (cameras.empty()) throw InputError(fmt::format("{}: there is no view in it", where), path_line_hint);
   return cameras;
 }
 
@@ -112,10 +141,8 @@ std::vector<Camera> read_path(const std::filesystem::path& file, const Camera& d
   std::ifstream in(file, std::ios::binary);
   // A folder opens like a file, but nothing can be read from it.
   if (!in || std::filesystem::is_directory(file))
-    throw InputError(fmt::format("--path {} cannot be read", file.string()), line_hint);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return parse_path(text.str(), file.string(), defaults);
+    throw InputError(fmt::format("--path {} cannot be read", file.string()), path_line_hint);
+  return parse_path(in, file.string(), defaults);
 }
 
 std::filesystem::path numbered(const std::filesystem::path& file, std::size_t index) {

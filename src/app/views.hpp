@@ -1,8 +1,11 @@
 #pragma once
 #include <filesystem>
+#include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "app/line_splitter.hpp"
 #include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {
@@ -10,12 +13,33 @@ namespace ringsplat::app {
 /// `frames` views once around the volume: azimuths from start.azimuth on in steps of 360/frames degrees.
 std::vector<Camera> orbit(const Camera& start, int frames);
 
-/// A camera a line: "azimuth elevation [roll [zoom]]" with blanks, commas or semicolons, or a JSON object
-/// with these keys or "matrix" (12 numbers). A first line of column names gives another order; lines that are
-/// empty or begin with # are skipped. What a line does not say is taken from `defaults`. Throws InputError
-/// naming file and line.
+/// What a line of a path may be, for messages.
+extern const char* const path_line_hint;
+
+/// Reads a path line by line. A line is a camera: "azimuth elevation [roll [zoom]]" with blanks, commas or
+/// semicolons, or a JSON object with these keys or "matrix" (12 numbers). Column names before the first view
+/// give another order; lines that are empty or begin with # are skipped. What a line does not say is taken
+/// from `defaults`.
+class PathReader {
+ public:
+  explicit PathReader(const Camera& defaults);
+  /// The line's view, if it gives one. Throws InputError that begins with `where` and shows an excerpt.
+  std::optional<Camera> read(std::string line, const std::string& where);
+
+ private:
+  Camera defaults_;
+  std::vector<double Camera::*> columns_;
+  bool view_came_ = false;
+};
+
+/// Throws InputError for a line of more than LineSplitter::most_bytes.
+[[noreturn]] void refuse_long_line(const LineSplitter::Line& line, const std::string& where);
+
+/// A whole path. Throws InputError naming file and line; also when there is no view, or more than
+/// most_views.
 std::vector<Camera> read_path(const std::filesystem::path& file, const Camera& defaults);
-std::vector<Camera> parse_path(const std::string& text, const std::string& where, const Camera& defaults);
+std::vector<Camera> parse_path(std::istream& in, const std::string& where, const Camera& defaults);
+constexpr std::size_t most_views = 1'000'000;
 
 /// OUT.png -> OUT-0007.png.
 std::filesystem::path numbered(const std::filesystem::path& file, std::size_t index);

@@ -1,9 +1,11 @@
 // The program as people use it, on one process and on ranks.
 #include <nlohmann/json.hpp>
+#include <regex>
 
 #include "app/program_runner.hpp"
 #include "ringsplat/app/image_io.hpp"
 #include "support/catch.hpp"
+#include "volume/files.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app_test;
@@ -96,9 +98,17 @@ TEST_CASE("an orbit makes numbered frames and a summary") {
   const Ended ended = w.render("turn.png", {"--orbit", "3", "--stats", w / "turn.json"}, 3);
   for (const char* name : {"turn-0000.png", "turn-0001.png", "turn-0002.png"}) CHECK(fs::exists(w / name));
   CHECK_FALSE(fs::exists(w / "turn.png"));
-  CHECK_THAT(ended.out, Catch::Matchers::Contains("3 frames, median"));
+  // Frames overlap: each takes longer than the time from one to the next.
+  CHECK(lines_with(ended.out, "s after the one before").size() == 2);
+  const auto summary = lines_with(ended.out, "3 frames, median");
+  REQUIRE(summary.size() == 1);
+  CHECK_THAT(summary[0], Catch::Matchers::Contains("s from start to end, one every "));
   const json stats = json::parse(read_text(w / "turn.json"));
   REQUIRE(stats.size() == 3);
+  double periods = 0;
+  for (const json& frame : stats) periods += frame.at("period").get<double>();
+  const double every = std::stod(summary[0].substr(summary[0].find("every ") + 6));
+  CHECK(every == Approx(periods / 3).margin(6e-5));
   for (std::size_t k = 0; k < 3; ++k) {
     const json& s = stats[k];
     CHECK(s.at("settings").at("camera").at("azimuth").get<double>() == Approx(120.0 * double(k)));
@@ -262,6 +272,75 @@ TEST_CASE("info knows the volume") {
   const std::string text = w.must({"info", w.volume()}).out;
   for (const char* part : {"24 x 20 x 16", "histogram", "--gps", "range"})
     CHECK_THAT(text, Catch::Matchers::Contains(part));
+}
+
+TEST_CASE("the presets come as JSON too") {
+  const Ended ended = run_program({"info", "--presets", "--json"});
+  REQUIRE(ended.code == 0);
+  const json presets = json::parse(ended.out);
+  REQUIRE(presets.size() > 5);
+  for (const json& preset : presets) {
+    CHECK_FALSE(preset.at("name").get<std::string>().empty());
+    CHECK_FALSE(preset.at("description").get<std::string>().empty());
+  }
+  CHECK(lines_with(run_program({"info", "--presets"}).out, presets.front().at("name").get<std::string>())
+            .size() == 1);
+}
+
+TEST_CASE("info and render warn once of what is wrong with a volume") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "series");
+  files::Dicom slice;
+  slice.pixels.assign(std::size_t(slice.columns * slice.rows) * 2, '\1');
+  for (const int z : {0, 1, 2, 5, 6}) {
+    slice.number = z;
+    slice.position = "0\\0\\" + std::to_string(z);
+    write_text(folder / ("series/" + std::to_string(z) + ".dcm"), slice.bytes());
+  }
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"info", folder / "series"},
+                                             {"info", folder / "series", "--ranks", "2"},
+                                             {"render", folder / "series", "-o", folder / "x.png", "--size",
+                                              "32", "--error", "method", "--tf", "grey"}}) {
+    const Ended ended = run_program(arguments);
+    INFO(ended.err);
+    CHECK(ended.code == 0);
+    CHECK(lines_with(ended.err, "not evenly spaced").size() == 1);
+  }
+}
+
+TEST_CASE("zero is never printed with a minus sign") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "series");
+  files::Dicom slice;
+  slice.orientation = "-1\\-0\\0\\0\\-1\\-0";
+  files::write_dicom_series(folder / "series", slice);
+  const auto has_minus_zero = [](const std::string& text) {
+    return std::regex_search(text, std::regex(R"((^|[\s(\[,:])[-]0(\.0*)?([\s)\],]|$))"));
+  };
+  REQUIRE(has_minus_zero("(1 -0 0)"));
+  REQUIRE(has_minus_zero("[-0.0,1]"));
+  const Ended text = run_program({"info", folder / "series"}),
+              json_text = run_program({"info", folder / "series", "--json"});
+  REQUIRE(text.code == 0);
+  REQUIRE(json_text.code == 0);
+  INFO(text.out << json_text.out);
+  CHECK_FALSE(has_minus_zero(text.out));
+  CHECK_FALSE(has_minus_zero(json_text.out));
+  const Workshop w;
+  w.render("x.png", {"--elevation", "-0.0", "--stats", w / "s.json"});
+  CHECK_FALSE(has_minus_zero(read_text(w / "s.json")));
+}
+
+TEST_CASE("a file name that is not UTF-8 goes into statistics and pictures with its bytes replaced") {
+  const Workshop w;
+  const std::string volume = w / "sh\xff.nrrd";
+  fs::copy_file(w.volume(), volume);
+  w.must({"render", volume, "-o", w / "x.png", "--size", "32", "--stats", w / "s.json"});
+  CHECK_THAT(json::parse(read_text(w / "s.json")).at(0).at("volume").get<std::string>(),
+             Catch::Matchers::EndsWith("sh\xef\xbf\xbd.nrrd"));
+  CHECK(json::parse(read_image(w / "x.png").settings).at("volume") == "sh\xef\xbf\xbd.nrrd");
+  CHECK(run_program({"info", volume, "--json"}).code == 0);
 }
 
 TEST_CASE("no run leaves a file that was not asked for") {

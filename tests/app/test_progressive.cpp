@@ -1,5 +1,7 @@
 // --undersample, --progressive and views on stdin, in one process and on ranks.
+#include <cstdio>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "app/program_runner.hpp"
 #include "support/catch.hpp"
@@ -71,15 +73,62 @@ TEST_CASE("a newer view on stdin ends the refinement of the ones before it") {
   }
 }
 
-TEST_CASE("views on stdin are each rendered, and a line that is none is named") {
+TEST_CASE("lines on stdin that give no view are skipped, the others are rendered, and the run ends with 2") {
+  for (const int ranks : {0, 2}) {
+    INFO(ranks << " ranks");
+    const Files files;
+    // A zoom of 0 is a view that cannot be rendered; the long line is longer than any pipe or buffer.
+    const std::string lines =
+        "10 5\nleft\x1b[31m\xff\n20 5 0 0\n" + std::string(3'000'000, 'y') + "\n100 5\n";
+    const Ended ended = run_program(files.render({"--path", "-", "--stats", files.stats}), ranks, lines);
+    INFO(ended.err);
+    CHECK(ended.code == 2);
+    const auto warnings = lines_with(ended.err, "warning: skipped");
+    REQUIRE(warnings.size() == 3);
+    CHECK_THAT(warnings[0], Catch::Matchers::Contains("line 2: 'left\\x1b[31m\\xff' is not"));
+    CHECK_THAT(warnings[1], Catch::Matchers::Contains("line 3: "));
+    CHECK_THAT(warnings[2], Catch::Matchers::Contains("line 4: '" + std::string(40, 'y') + "...'"));
+    CHECK(ended.err.find('\x1b') == std::string::npos);
+    const auto errors = lines_with(ended.err, "error: --path -");
+    REQUIRE(errors.size() == 1);
+    CHECK_THAT(errors[0], Catch::Matchers::Contains("3 lines give no view and were skipped (2, 3, 4)"));
+    CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5"}));
+    CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5"}));
+    CHECK(json::parse(read_text(files.stats)).size() == 2);
+  }
+}
+
+TEST_CASE("a stdin without a view is refused") {
+  const Files files;
+  const Ended ended = run_program(files.render({"--path", "-"}), 0, "# nothing\n");
+  CHECK(ended.code == 2);
+  CHECK(lines_with(ended.err, "no view came on stdin").size() == 1);
+}
+
+TEST_CASE("a run that only waits for views says so, and not that it renders") {
+  const Files files;
+  std::string command = "timeout -k 2 60 " + quoted(RINGSPLAT_PROGRAM);
+  for (const auto& word : files.render({"--path", "-"})) command.append(" ").append(quoted(word));
+  const std::string said = files.folder / "err";
+  std::FILE* program = popen((command + " 2>" + quoted(said) + " >/dev/null").c_str(), "w");
+  REQUIRE(program != nullptr);
+  std::string text;
+  for (int tries = 0; tries < 3000 && text.find('\n') == std::string::npos; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    text = read_text(said);
+  }
+  CHECK_THAT(text, Catch::Matchers::StartsWith("ringsplat: waiting for views on stdin\n"));
+  std::fputs("10 5\n", program);
+  CHECK(pclose(program) == 0);
+  CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5"}));
+}
+
+TEST_CASE("views on stdin are each rendered, but not by every subcommand") {
   const Files files;
   const Ended ended = run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n");
   INFO(ended.err);
   REQUIRE(ended.code == 0);
   CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5"}));
-  const Ended bad = run_program(files.render({"--path", "-"}), 0, "10 5\nleft\n");
-  CHECK(bad.code == 3);
-  CHECK(lines_with(bad.err, "line 2").size() == 1);
   const Ended none = run_program({"reference", files.volume, "-o", files.picture, "--path", "-"});
   CHECK(none.code == 2);
   CHECK(lines_with(none.err, "stdin").size() == 1);

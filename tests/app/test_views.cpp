@@ -1,10 +1,21 @@
 #include "app/views.hpp"
 
+#include <sstream>
+
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app;
+
+namespace {
+
+std::vector<Camera> parse_path(const std::string& text, const std::string& where, const Camera& defaults) {
+  std::istringstream in(text);
+  return app::parse_path(in, where, defaults);
+}
+
+}  // namespace
 
 TEST_CASE("an orbit goes once around") {
   const Camera start{.azimuth = 10, .elevation = 20, .roll = 30, .zoom = 2};
@@ -47,6 +58,11 @@ TEST_CASE("a wrong path names its line") {
   refused("{\"azimuth\": \"3\"}\n", "p.csv:1");
   refused("{\"matrix\": [1, 2]}\n", "matrix");
   refused("{\"azimuth\": 3\n", "p.csv:1");
+  refused("0 0\n" + std::string(5000, '1') + "\n",
+          "p.csv:2: '" + std::string(40, '1') + "...' has more than 4096");
+  refused("left \x1b[2J" + std::string(100, 'x'),
+          "'left \\x1b[2J" + std::string(31, 'x') + "...' is not 1 to 4");
+  refused("{\"a\\u0007\": 1}\n", "'a\\x07' is not azimuth");
   refused("", "no view");
   refused("azimuth elevation\n", "no view");
   CHECK_THROWS_AS(read_path("/no/such/file.csv", {}), InputError);
