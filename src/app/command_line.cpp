@@ -18,15 +18,39 @@ constexpr const char* program_footer = R"(Examples:
 
 Exit codes: 0 done, 1 a comparison failed, 2 wrong usage or bad input, 3 a failure while running.)";
 
-constexpr const char* config_footer =
-    "Any option can be put into a TOML file and read with --config FILE: gps = 4, size = \"640x480\", \n"
-    "light = [-0.4, 0.6, 0.7]. What the command line says comes first. --verbose says more, on every rank.\n";
-
-constexpr const char* render_footer = R"(
-Examples:
-  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
+constexpr const char* render_examples =
+    R"(  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
   mpirun -n 6 ringsplat render head.nrrd -o turn.png --gps 4 --renderers 2 --orbit 36 --elevation 15
   ringsplat render ct_512x512x300_int16.raw -o bone.exr --spacing 0.7x0.7x1 --tf ct-bone --stats bone.json)";
+
+constexpr const char* info_examples = R"(  ringsplat info head.nrrd
+  ringsplat info ct_512x512x300_int16.raw --gps 12 --json
+  ringsplat info head.nrrd --ranks 6 --size 1024 --tf mr-surface
+  ringsplat info --presets)";
+
+constexpr const char* compare_examples = R"(  ringsplat compare face.png before.png
+  ringsplat compare face.exr truth.exr --fail-above 2.5 --diff difference.png --diff-scale 10)";
+
+constexpr const char* synth_examples = R"(  ringsplat synth --list
+  ringsplat synth shell -o shell.nrrd --dims 128
+  ringsplat synth marschner-lobb -o ml.raw --dims 41x41x41 --type float32)";
+
+constexpr const char* reference_examples =
+    R"(  ringsplat reference head.nrrd -o truth.exr --tf mr-soft --size 256
+  ringsplat reference ml_41x41x41_float32.raw -o truth.exr --truth analytic --formula marschner-lobb
+  ringsplat reference head.nrrd -o turn.exr --truth method --orbit 4)";
+
+constexpr const char* study_examples = R"(  ringsplat study -o study.csv
+  ringsplat study --list
+  ringsplat study list.toml -o study.csv --keep-images pictures)";
+
+/// What a subcommand's help ends with; `config` is a line of a configuration for it.
+std::string footer_with(const char* config, const char* examples) {
+  return fmt::format(
+      "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
+      "What the command line says comes first. --verbose says more, on every rank.\n\nExamples:\n{}",
+      config, examples);
+}
 
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
@@ -120,8 +144,6 @@ void require_output(const RenderOptions& render) {
                      fmt::format("for instance ringsplat render {} -o out.png", render.volume.path));
   if (simulation.voxel_weight != 1 && !simulation.count_only)
     throw InputError("--voxel-weight has no effect on pictures", "add --count-only, or leave it out");
-  if (simulation.count_only && render.error.truth)
-    throw InputError("--count-only draws no picture whose error could be measured", "leave out --error");
 }
 
 void require_volume(const CLI::App& subcommand, const VolumeOptions& volume) {
@@ -168,30 +190,37 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   add_run_options(*render_app, render.run);
   add_error_options(*render_app, render.error);
   add_error_budget_options(*render_app, render.budget);
-  render_app->footer(std::string(config_footer) + render_footer);
+  render_app->footer(footer_with("gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples));
   auto* info_app = program.add_subcommand(
       "info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest");
   add_volume_options(*info_app, info.volume);
   add_info_options(*info_app, info);
   add_view_options(*info_app, info.picture);
   add_picture_options(*info_app, info.picture);
+  info_app->remove_option(info_app->get_option("--tf-out"));  // a prediction writes no file
   add_shortcut_options(*info_app, info.picture);
+  info_app->footer(footer_with("gps = 4 or size = \"640x480\"", info_examples));
   auto* compare_app =
       program.add_subcommand("compare", "Compare two pictures; exit with 1 when they differ too much");
   add_compare_options(*compare_app, compare);
+  compare_app->footer(footer_with("threshold = 2", compare_examples));
   auto* synth_app = program.add_subcommand("synth", "Write an analytic test volume");
   add_synth_options(*synth_app, synth);
+  synth_app->footer(footer_with("dims = \"64x64x32\"", synth_examples));
   auto* reference_app =
       program.add_subcommand("reference", "Compute the true picture in double precision, to compare with");
   add_volume_options(*reference_app, reference.picture.volume);
   add_reference_options(*reference_app, reference);
   add_view_options(*reference_app, reference.picture);
   add_picture_options(*reference_app, reference.picture);
+  reference_app->footer(footer_with("size = \"640x480\" or truth = \"field\"", reference_examples));
   auto* study_app = program.add_subcommand("study", "Measure speed and error of many settings");
   add_study_options(*study_app, study);
+  study_app->footer(footer_with("output = \"study.csv\"", study_examples));
 
   try {
     program.parse(argc, argv);
+    refuse_contradictions(program);
     for (const auto* subcommand : program.get_subcommands()) refuse_contradictions(*subcommand);
     if (render_app->parsed()) {
       require_volume(*render_app, render.volume);
@@ -206,6 +235,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
       line.command = compare;
     } else if (reference_app->parsed()) {
       require_volume(*reference_app, reference.picture.volume);
+      note_options_without_effect(*reference_app, reference);
       line.command = reference;
     } else if (study_app->parsed()) {
       line.command = study;
@@ -221,6 +251,9 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     line.error = with_hint(problem_of(program, e), hint_for(program, e));
   } catch (const InputError& e) {
     line.error = one_line(e.what());
+  } catch (const std::exception& e) {
+    line.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
+                           "--help shows the options");
   }
   return line;
 }

@@ -48,6 +48,9 @@ class Inputs {
     write_text(sparse, "");
     fs::resize_file(sparse, std::uintmax_t{1'000'000'000'000});
 
+    write_text(
+        folder_ / "good.json",
+        R"([{"RGBPoints": [0, 0, 0, 0, 9, 1, 1, 1], "Points": [0, 0, 0.5, 0, 9, 1, 0.5, 0], "Name": "good"}])");
     write_text(folder_ / "one_point.json",
                R"([{"RGBPoints": [0, 1, 1, 1], "Points": [0, 1, 0.5, 0], "Name": "one"}])");
     write_text(folder_ / "not_json.json", "RGBPoints: 0 1 1 1\n");
@@ -104,6 +107,12 @@ const std::vector<Case>& cases() {
       {{"+", "--background", "nocolour"}, "no colour"},
       {{"+", "--orbit", "0"}, "--orbit"},
       {{"+", "--orbit", "-3"}, "--orbit"},
+      {{"+", "--orbit", ""}, "--orbit", true},
+      {{"+", "--orbit", "10000000000000000000000"}, "--orbit"},
+      {{"+", "--max-delay", "-4"}, "--max-delay"},
+      {{"+", "--path", ""}, "--path is empty"},
+      {{"+", "--stats", ""}, "--stats is empty"},
+      {{"+", "--config", ""}, "--config is empty"},
       {{"+", "--gps", "0"}, "--gps is 0", true},
       {{"+", "--renderers", "-1"}, "--renderers is -1"},
       {{"+", "--gps", "2.5"}, "--gps"},
@@ -130,13 +139,23 @@ const std::vector<Case>& cases() {
        "--matrix and --azimuth"},
       {{"+", "--shading", "none", "--light", "0", "0", "1"}, "no effect"},
       {{"+", "--phases", "3"}, "no effect"},
+      {{"+", "--error-pixels", "99"}, "no effect"},
+      {{"+", "--error-seed", "3"}, "no effect"},
+      {{"+", "--prefilter"}, "no effect"},
+      {{"+", "--link-slots", "2"}, "no effect"},
+      {{"+", "--seed", "2"}, "no effect"},
+      {{"render", "{in}/good.nrrd", "--count-only", "--max-error", "3"}, "--count-only and --max-error"},
+      {{"render", "{in}/good.nrrd", "--count-only", "--error", "method"}, "--count-only and --error"},
       {{"+", "--kernel", "texture", "--phases", "17"}, "--phases"},
       {{"+", "--kernel", "splat"}, "qee|texture"},
       {{"+", "--kernel", "texture", "--qee-bits", "10"}, "no effect"},
       {{"+", "--qee-bits", "1"}, "--qee-bits"},
       {{"+", "--normalisation", "exact", "--radius", "0.7"}, "--radius"},
       {{"+", "--kernel", "texture", "--zoom", "3000"}, "pixels wide"},
-      {{"+", "--stats", "{out}/x.png"}, "same file"},
+      {{"+", "--stats", "{out}/x.png"}, "same file", true},
+      {{"+", "--stats", "{out}/./x.png"}, "same file"},
+      {{"+", "--trace", "{in}/good.nrrd"}, "would replace the volume"},
+      {{"+", "--tf", "{in}/good.json", "--tf-out", "{in}/good.json"}, "would replace --tf"},
       {{"+", "--config", "{in}/contradiction.toml", "--path", "{in}/bad_path.csv"}, "--orbit and --path"},
       {{"+", "--dims", "4x4x4"}, "only --spacing"},
       // Volumes.
@@ -188,17 +207,23 @@ const std::vector<Case>& cases() {
       // The other subcommands.
       {{"info"}, "VOLUME"},
       {{"info", "{in}/good.nrrd", "--gps", "0"}, "--gps"},
+      {{"info", "{in}/good.nrrd", "--presets"}, "--presets and volume"},
+      {{"info", "{in}/good.nrrd", "--ranks", "2", "--path", "-"}, "stdin"},
+      {{"info", "{in}/good.nrrd", "--tf-out", "{out}/x.json"}, "--tf-out"},
       {{"info", "{in}/truncated.nrrd"}, "truncated.nrrd", true},
       {{"compare", "{in}/good.nrrd"}, "b is required"},
       {{"compare", "{in}/missing.png", "{in}/missing.png"}, "missing.png", true},
       {{"compare", "{in}/letter.txt", "{in}/letter.txt"}, "letter.txt"},
       {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--fail-above", "-1"}, "--fail-above"},
+      {{"compare", "{in}/letter.txt", "{in}/letter.txt", "--diff-scale", "2"}, "no effect"},
+      {{"synth", "--list", "ball"}, "--list and name"},
+      {{"study", "--list", "-o", "{out}/x.csv"}, "--list and --output"},
       {{"synth", "nonsense", "-o", "{out}/x.nrrd"}, "nonsense"},
       {{"synth", "ball"}, "-o FILE"},
       {{"synth", "-o", "{out}/x.nrrd"}, "NAME"},
       {{"synth", "ball", "-o", "{out}/x.xyz"}, "x.xyz"},
       {{"synth", "ball", "-o", "{out}/missing/x.nrrd"}, "no folder"},
-      {{"synth", "ball", "-o", "{out}/x.nrrd", "--dims", "100000"}, "disk"},
+      {{"synth", "ball", "-o", "{out}/x.nrrd", "--dims", "100000"}, "MiB, but the disk"},
   };
   return all;
 }

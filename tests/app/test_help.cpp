@@ -1,0 +1,57 @@
+// Each subcommand's help, and that what it shows works.
+#include <sstream>
+
+#include "app/command_line.hpp"
+#include "app/program_runner.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat::app_test;
+using ringsplat::app::CommandLine;
+using ringsplat::app::parse_command_line;
+
+namespace {
+
+/// The command lines below "Examples:", as words; a launcher's part is left out.
+std::vector<std::vector<std::string>> examples_in(const std::string& help) {
+  std::vector<std::vector<std::string>> examples;
+  std::istringstream in(help.substr(std::min(help.size(), help.find("Examples:"))));
+  for (std::string line; std::getline(in, line);) {
+    const auto program = line.find("ringsplat ");
+    if (!line.starts_with("  ") || program == std::string::npos) continue;
+    std::istringstream words(line.substr(program));
+    examples.emplace_back();
+    for (std::string word; words >> word;) examples.back().push_back(word);
+  }
+  return examples;
+}
+
+CommandLine parse(const std::vector<std::string>& words) {
+  std::vector<const char*> arguments;
+  for (const auto& word : words) arguments.push_back(word.c_str());
+  return parse_command_line(int(arguments.size()), arguments.data());
+}
+
+}  // namespace
+
+TEST_CASE("each subcommand's help has examples of its own, which are right") {
+  for (const char* subcommand : {"render", "info", "compare", "reference", "study", "synth"}) {
+    const CommandLine line = parse({"ringsplat", subcommand, "--help"});
+    const auto* said = std::get_if<ringsplat::app::Say>(&line.command);
+    REQUIRE(said != nullptr);
+    const auto examples = examples_in(said->text);
+    INFO(said->text);
+    CHECK(examples.size() >= 2);
+    for (const auto& words : examples) {
+      INFO(words.size() << " words: " << words.at(1));
+      CHECK(words.at(1) == subcommand);
+      CHECK(parse(words).error.empty());
+    }
+  }
+}
+
+TEST_CASE("the program's own examples are right") {
+  const CommandLine line = parse({"ringsplat", "--help"});
+  const auto examples = examples_in(std::get<ringsplat::app::Say>(line.command).text);
+  CHECK(examples.size() >= 3);
+  for (const auto& words : examples) CHECK(parse(words).error.empty());
+}

@@ -1,0 +1,139 @@
+// What may go to standard output, what may not, and that nothing is lost on its way.
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat::app_test;
+using nlohmann::json;
+
+namespace {
+
+struct Files {
+  TemporaryFolder folder;
+  std::string volume = folder / "ball.nrrd";
+  Files() { REQUIRE(run_program({"synth", "ball", "-o", volume, "--dims", "20"}).code == 0); }
+  Ended render(std::vector<std::string> more, int ranks = 0) const {
+    more.insert(more.begin(), {"render", volume, "-o", folder / "x.png", "--size", "32"});
+    return run_program(more, ranks);
+  }
+};
+
+/// Where the program runs meanwhile: a file of a relative name would be made there.
+class WorkingFolder {
+ public:
+  explicit WorkingFolder(const fs::path& folder) { fs::current_path(folder); }
+  ~WorkingFolder() { fs::current_path(before_); }
+  WorkingFolder(const WorkingFolder&) = delete;
+  WorkingFolder& operator=(const WorkingFolder&) = delete;
+
+ private:
+  fs::path before_ = fs::current_path();
+};
+
+/// Runs the program with its standard output redirected by the shell.
+int run_redirected(const std::vector<std::string>& arguments, const std::string& redirection) {
+  std::string command = "timeout -k 2 60 " + quoted(RINGSPLAT_PROGRAM);
+  for (const auto& argument : arguments) command.append(" ").append(quoted(argument));
+  const int status = std::system((command + " " + redirection).c_str());
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace
+
+TEST_CASE("--stats - writes to stdout what it would write into a file, and nothing else goes there") {
+  const Files files;
+  const WorkingFolder inside(files.folder.path());
+  for (const int ranks : {0, 2}) {
+    const Ended ended = files.render({"--orbit", "2", "--stats", "-"}, ranks);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    CHECK(json::parse(ended.out).size() == 2);
+    CHECK(lines_with(ended.err, "visible voxels").size() == 2);
+    CHECK(lines_with(ended.err, "2 frames, median").size() == 1);
+  }
+  const Ended timed = run_program({"render", files.volume, "--stats", "-", "--size", "32"});
+  CHECK(timed.code == 0);
+  CHECK(json::parse(timed.out).size() == 1);
+  CHECK_FALSE(fs::exists("-"));
+}
+
+TEST_CASE("a timeline and a transfer function can go to stdout, but one text only") {
+  const Files files;
+  const Ended trace = files.render({"--trace", "-"});
+  REQUIRE(trace.code == 0);
+  CHECK(json::parse(trace.out).contains("traceEvents"));
+  const Ended function = files.render({"--tf-out", "-"});
+  REQUIRE(function.code == 0);
+  CHECK(json::parse(function.out).at(0).contains("RGBPoints"));
+  const Ended truth =
+      run_program({"reference", files.volume, "-o", files.folder / "t.exr", "--size", "8", "--tf-out", "-"});
+  REQUIRE(truth.code == 0);
+  CHECK(json::parse(truth.out).at(0).contains("RGBPoints"));
+  const Ended both = files.render({"--stats", "-", "--trace", "-"});
+  CHECK(both.code == 2);
+  CHECK(lines_with(both.err, "same file").size() == 1);
+}
+
+TEST_CASE("reference names the options that change nothing in its truth") {
+  const Files files;
+  const auto warned = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"reference", files.volume, "-o", files.folder / "t.exr", "--size", "8"});
+    const Ended ended = run_program(more);
+    CHECK(ended.code == 0);
+    return lines_with(ended.err, "warning");
+  };
+  CHECK(warned({}).empty());
+  CHECK(warned({"--truth", "method", "--radius", "1.4"}).empty());
+  const auto field = warned({"--radius", "1.4", "--region", "32"}),
+             method = warned({"--truth", "method", "--tolerance", "0.01"});
+  REQUIRE(field.size() == 1);
+  CHECK_THAT(field[0], Catch::Matchers::Contains("--region, --radius change nothing in the field truth"));
+  REQUIRE(method.size() == 1);
+  CHECK_THAT(method[0], Catch::Matchers::Contains("--tolerance changes nothing in the method truth"));
+}
+
+TEST_CASE("pictures, volumes and tables go to files only") {
+  const Files files;
+  REQUIRE(files.render({}).code == 0);
+  const std::string picture = files.folder / "x.png";
+  const WorkingFolder inside(files.folder.path());
+  const auto count = files_in(files.folder.path());
+  for (const auto& arguments :
+       std::vector<std::vector<std::string>>{{"render", files.volume, "-o", "-"},
+                                             {"reference", files.volume, "-o", "-"},
+                                             {"compare", picture, picture, "--diff", "-"},
+                                             {"synth", "ball", "-o", "-"},
+                                             {"study", "-o", "-"},
+                                             {"study", "-o", "s.csv", "--keep-images", "-"}}) {
+    const Ended ended = run_program(arguments);
+    INFO(arguments.front() << ": " << ended.err);
+    CHECK(ended.code == 2);
+    CHECK(ended.out.empty());
+    CHECK(lines_with(ended.err, "cannot go to standard output").size() == 1);
+  }
+  CHECK(files_in(files.folder.path()) == count);
+}
+
+TEST_CASE("a stdout that is full fails the run") {
+  const Files files;
+  for (const auto& arguments : std::vector<std::vector<std::string>>{
+           {"info", files.volume},
+           {"render", files.volume, "--stats", "-", "--size", "32"},
+           {"render", files.volume, "-o", files.folder / "x.png", "--size", "32"}})
+    CHECK(run_redirected(arguments, ">/dev/full 2>" + quoted(files.folder / "err")) == 3);
+  CHECK_THAT(read_text(files.folder / "err"), Catch::Matchers::Contains("standard output cannot be written"));
+}
+
+TEST_CASE("a closed stdout does not put its lines into the files that are opened instead") {
+  const Files files;
+  const std::string with = files.folder / "with.json", without = files.folder / "without.json";
+  const auto arguments = [&](const std::string& file) {
+    return std::vector<std::string>{"render",   files.volume, "--size", "32",
+                                    "--tf-out", file,         "-o",     file + ".png"};
+  };
+  REQUIRE(run_program(arguments(with)).code == 0);
+  CHECK(run_redirected(arguments(without), ">&- 2>&- <&-") == 0);
+  CHECK(read_text(with) == read_text(without));
+  CHECK(read_text(with + ".png") == read_text(without + ".png"));
+}
