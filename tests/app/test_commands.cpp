@@ -247,6 +247,10 @@ TEST_CASE("compare tells equal pictures from different ones") {
   CHECK(j.at("over_2") <= j.at("over_1"));
   CHECK(read_image(w / "d.png").image.width == 96);
   CHECK(run_program({"compare", w / "a.png", w / "b.png", "--fail-above", "200"}).code == 0);
+  const std::string before = read_text(w / "a.png");
+  CHECK(run_program({"compare", w / "a.png", w / "b.png", "--diff", w / "a.png"}).code == 2);
+  const bool untouched = read_text(w / "a.png") == before;
+  CHECK(untouched);
   // The same picture in two encodings differs by the 8 bits only.
   w.render("a.exr");
   CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "1.5"}).code == 0);

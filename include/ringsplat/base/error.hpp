@@ -17,7 +17,7 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Wrong usage or bad input: found before any frame, exit code 2.
+/// Wrong usage or bad input, exit code 2: found before any frame, but for views that come on stdin.
 struct InputError : Error {
   InputError(const std::string& problem, const std::string& hint = {})
       : Error(ExitCode::bad_input, problem, hint) {}
