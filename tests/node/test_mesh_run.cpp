@@ -195,6 +195,30 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
     }
 }
 
+TEST_CASE("in step, a frame begins when the one before it is over") {
+  const auto source = synth_source("jack", make_grid({17, 15, 16}));
+  const Layout mesh = mesh_layout(3, 3, 6);
+  LoopbackOptions loopback{.seed = 3, .reorder = true, .max_delay = 3, .in_step = true};
+  std::int64_t under_way = 0;
+  std::map<std::pair<std::int64_t, Link>, int> uses;
+  loopback.on_link_use = [&](std::int64_t step, const Link& link, const Header& header) {
+    CHECK(header.frame >= under_way);
+    under_way = header.frame;
+    if (header.kind == Kind::payload) CHECK(++uses[{step, link}] == 1);
+  };
+  int done = 0;
+  render_many(
+      *source, mesh, {.frames_in_flight = 3}, loopback, 4,
+      [](int frame) {
+        FrameSpec spec = small_view(48);
+        spec.camera.azimuth = 90.0 * frame + 33;
+        return spec;
+      },
+      [&](FrameResult&&) { ++done; });
+  CHECK(done == 4);
+  CHECK(under_way == 3);
+}
+
 TEST_CASE("a rank that stops ends the run with a report of who waits for whom") {
   const auto source = synth_source("jack", make_grid({17, 15, 16}));
   const FrameSpec spec = small_view(48);
