@@ -1,7 +1,10 @@
 // Which views a calibration renders, and what it makes of the pictures and times that it is given.
+#include <cstdlib>
+#include <functional>
 #include <glm/vec3.hpp>
 
 #include "app/calibration.hpp"
+#include "app/calibration_cache.hpp"
 #include "app/program_runner.hpp"
 #include "ringsplat/node/render.hpp"
 #include "support/catch.hpp"
@@ -151,4 +154,70 @@ TEST_CASE("a setting's error has an upper end above what its sample says, the wo
   const double between = 0.5 * (measured[1].rmse + measured[1].rmse_high);
   CHECK_FALSE(cheapest_within(std::span(measured).subspan(1), between).has_value());
   CHECK(cheapest_within(std::span(measured).subspan(1), measured[1].rmse_high) == 0);
+}
+
+TEST_CASE("a calibration's key holds all that its measurements depend on") {
+  struct Asked {
+    RenderOptions options;
+    FrameSpec reference;
+    Layout layout{2, 3};
+    Histogram values{0, 1, 4};
+    std::vector<Camera> views{{.azimuth = 10}, {.azimuth = 50}};
+    std::string key() const { return calibration_key(options, reference, layout, values, views); }
+  };
+  Asked asked;
+  asked.reference.transfer_function = constant_opacity(0.5);
+  const std::string key = asked.key();
+  const std::vector<std::pair<const char*, std::function<void(Asked&)>>> changes{
+      {"width", [](Asked& a) { ++a.reference.width; }},
+      {"transfer function", [](Asked& a) { a.reference.transfer_function = constant_opacity(0.4); }},
+      {"radius", [](Asked& a) { a.reference.kernel_radius = 1.5; }},
+      {"light", [](Asked& a) { a.reference.light.x = 0.3; }},
+      {"volume", [](Asked& a) { a.options.volume.path = "another.nrrd"; }},
+      {"values' range", [](Asked& a) { a.values.high = 2; }},
+      {"values", [](Asked& a) { ++a.values.counts[2]; }},
+      {"views", [](Asked& a) { a.views[1].azimuth = 51; }},
+      {"number of views", [](Asked& a) { a.views.pop_back(); }},
+      {"fixed radius", [](Asked& a) { a.options.budget.fixed_radius = true; }},
+      {"fixed precision", [](Asked& a) { a.options.budget.fixed_precision = true; }},
+      {"GPs", [](Asked& a) { ++a.layout.gps; }},
+      {"Renderers", [](Asked& a) { ++a.layout.renderers; }},
+      {"colocated", [](Asked& a) { a.layout.placement = Placement::colocated; }},
+      {"slots", [](Asked& a) { ++a.options.run.protocol.slots; }},
+      {"look-ahead", [](Asked& a) { ++a.options.run.protocol.look_ahead; }},
+      {"send-ahead", [](Asked& a) { ++a.options.run.protocol.send_ahead; }},
+      {"threads", [](Asked& a) { ++a.options.run.protocol.threads_per_rank; }},
+      {"pixels", [](Asked& a) { ++a.options.error.pixels; }},
+      {"seed", [](Asked& a) { ++a.options.error.seed; }}};
+  for (const auto& [what, change] : changes) {
+    INFO(what);
+    Asked changed = asked;
+    change(changed);
+    CHECK(changed.key() != key);
+  }
+  Asked later = asked;  // which frame of a run asks, and how it looks at the volume, does not matter
+  later.reference.frame = 7;
+  later.reference.camera.azimuth = 77;
+  CHECK(later.key() == key);
+}
+
+TEST_CASE("the budget that a hint allows is kept") {
+  const app_test::TemporaryFolder folder;
+  setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
+  const std::string volume = folder / "volume.nrrd";
+  REQUIRE(app_test::run_program({"synth", "gaussians", "--dims", "12x12x12", "-o", volume}).code == 0);
+  const auto render = [&](const std::string& budget) {
+    return app_test::run_program({"render", volume, "-o", folder / "x.exr", "--size", "48", "--tf", "grey",
+                                  "--shading", "none", "--precision", "u8", "--max-error", budget});
+  };
+  const auto refused = render("1e-9");
+  REQUIRE(refused.code == 2);
+  const std::string allow = "allow --max-error ";
+  const auto at = refused.err.find(allow);
+  REQUIRE(at != std::string::npos);
+  const auto end = refused.err.find_first_not_of("0123456789.e-", at + allow.size());
+  const std::string budget = refused.err.substr(at + allow.size(), end - at - allow.size());
+  INFO(refused.err << ", so " << budget);
+  CHECK(render(budget).code == 0);
+  unsetenv("XDG_CACHE_HOME");
 }

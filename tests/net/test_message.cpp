@@ -1,3 +1,5 @@
+#include <cstddef>
+
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/net/message.hpp"
@@ -47,9 +49,17 @@ TEST_CASE("bytes that are no message are refused and the sender is named") {
   Bytes wrong_kind = wire_of(with_body(4));
   wrong_kind[4] = std::byte{200};
   CHECK(refused(wrong_kind));
-  Bytes truncated = wire_of(with_body(4));
+  for (const std::size_t role : {offsetof(Header, source_role), offsetof(Header, destination_role)})
+    for (const int wrong : {4, 255}) {
+      Bytes wrong_role = wire_of(with_body(4));
+      wrong_role[role] = std::byte(wrong);
+      CHECK(refused(wrong_role));
+    }
+  Bytes truncated = wire_of(with_body(4)), longer = truncated;
   truncated.pop_back();
   CHECK(refused(truncated));
+  longer.push_back(std::byte{0});
+  CHECK(refused(longer));
 }
 
 TEST_CASE("headers that name nodes the run does not have are refused") {
