@@ -12,6 +12,7 @@
 #include "app/views.hpp"
 #include "ringsplat/app/image_io.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/base/output_file.hpp"
 
 namespace ringsplat::app {
 

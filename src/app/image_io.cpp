@@ -11,7 +11,6 @@
 #include <limits>
 #include <utility>
 
-#include "app/output_file.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/images/image_file.hpp"
 #include "ringsplat/images/srgb.hpp"
@@ -166,10 +165,7 @@ void write_image(const Image& image, const fs::path& file, const std::optional<g
     display = display_pixels(linear, std::size_t(channels));
     data.samples = display.data();
   }
-  app::write_beside(file, [&](const fs::path& temporary) {
-    if (const std::string problem = write_image_file(temporary, data); !problem.empty())
-      throw RunError(fmt::format("{} cannot be written: {}", file.string(), problem), "is the disk full?");
-  });
+  write_image_file(file, data);
 }
 
 StoredImage read_image(const fs::path& file) {

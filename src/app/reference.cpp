@@ -8,7 +8,6 @@
 #include "app/json_text.hpp"
 #include "app/measured_error.hpp"
 #include "app/option_values.hpp"
-#include "app/output_file.hpp"
 #include "app/output_names.hpp"
 #include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
@@ -16,6 +15,7 @@
 #include "ringsplat/app/image_io.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/base/output_file.hpp"
 #include "ringsplat/volume/synth.hpp"
 
 namespace ringsplat::app {

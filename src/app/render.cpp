@@ -14,7 +14,6 @@
 #include "app/error_budget.hpp"
 #include "app/frame_output.hpp"
 #include "app/keep_budget.hpp"
-#include "app/output_file.hpp"
 #include "app/output_names.hpp"
 #include "app/simulation_options.hpp"
 #include "app/text_output.hpp"
@@ -24,6 +23,7 @@
 #include "app/watched_source.hpp"
 #include "ringsplat/app/image_io.hpp"
 #include "ringsplat/base/log.hpp"
+#include "ringsplat/base/output_file.hpp"
 #include "ringsplat/model/charge.hpp"
 #include "ringsplat/node/trace_json.hpp"
 

@@ -11,11 +11,11 @@
 #include "app/json_text.hpp"
 #include "app/measured_error.hpp"
 #include "app/option_values.hpp"
-#include "app/output_file.hpp"
 #include "app/progress.hpp"
 #include "app/study_list.hpp"
 #include "app/study_pictures.hpp"
 #include "app/transfer_function_option.hpp"
+#include "ringsplat/base/output_file.hpp"
 #include "ringsplat/node/render.hpp"
 #include "ringsplat/volume/synth.hpp"
 
@@ -218,7 +218,9 @@ ExitCode run_study(const StudyOptions& o) {
   const StudyList list = parse_study_list(list_text(o), o.list.empty() ? "the default list" : o.list);
   if (fs::path(o.output).extension() != ".csv")
     throw InputError(fmt::format("-o '{}' does not name a .csv file", o.output), "for instance -o study.csv");
+  const fs::path json_file = fs::path(o.output).replace_extension(".json");
   check_can_write(o.output, "-o");
+  check_can_write(json_file, "-o's JSON");
   StudyPictures pictures(o.pictures);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   Progress progress;
@@ -232,8 +234,7 @@ ExitCode run_study(const StudyOptions& o) {
     }
   }
   progress.end();
-  write_text(o.output, to_csv(rows));
-  write_text(fs::path(o.output).replace_extension(".json"), plain_json_text(rows, 1) + "\n");
+  write_texts({{o.output, to_csv(rows)}, {json_file, plain_json_text(rows, 1) + "\n"}});
   progress.print(fmt::format("{}  {} measurements", o.output, rows.size()));
   return ExitCode::done;
 }

@@ -3,9 +3,9 @@
 #include <filesystem>
 
 #include "app/commands.hpp"
-#include "app/output_file.hpp"
 #include "app/progress.hpp"
 #include "app/watched_source.hpp"
+#include "ringsplat/base/output_file.hpp"
 #include "ringsplat/volume/synth.hpp"
 #include "ringsplat/volume/write.hpp"
 
@@ -20,14 +20,18 @@ std::string list_of_volumes() {
   return text;
 }
 
-void check_room(const fs::path& file, const Grid& grid) {
+/// Says before the work what the disk would say at its end: exit code 2 where no disk of this size would do.
+void check_room(const fs::path& file, const Grid& grid, bool compressed) {
+  constexpr std::uint64_t most_compression = 1032;  // zlib's technical details: of deflate
+  const std::uint64_t needed = compressed ? grid.bytes() / most_compression : grid.bytes();
   std::error_code error;
   const auto space = fs::space(file.has_parent_path() ? file.parent_path() : ".", error);
-  if (!error && grid.bytes() > space.available)
-    throw InputError(
-        fmt::format("{} x {} x {} {} needs {} MiB, but the disk has {} MiB left", grid.dims.x, grid.dims.y,
-                    grid.dims.z, to_string(grid.type), grid.bytes() >> 20, space.available >> 20),
-        "use smaller --dims");
+  if (error || needed <= space.available) return;
+  const std::string problem = fmt::format(
+      "{} cannot be written: {} x {} x {} {} needs {} KiB, but the disk has {} KiB left", file.string(),
+      grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type), needed >> 10, space.available >> 10);
+  if (needed > space.capacity) throw InputError(problem, "use smaller --dims");
+  throw RunError(problem, "make room, or use smaller --dims");
 }
 
 }  // namespace
@@ -49,7 +53,7 @@ ExitCode run_synth(const SynthOptions& o) {
   grid.spacing = o.spacing;
   auto source = synth_source(o.name, grid);
   check_can_write(o.output, "-o");
-  check_room(o.output, grid);
+  check_room(o.output, grid, !o.no_compression && fs::path(o.output).extension() == ".nrrd");
   Progress progress;
   progress.begin("writing " + o.output, grid.dims.z);
   WatchedSource watched(std::move(source), progress);

@@ -6,7 +6,7 @@ namespace ringsplat::app {
 /// Whether the name of a file of text says standard output: "-".
 bool is_stdout(const std::string& file);
 
-/// Throws InputError naming `option` when the file cannot be written (app/output_file.hpp); standard output
+/// Throws InputError naming `option` when the file cannot be written (base/output_file.hpp); standard output
 /// always can.
 void check_can_write_text(const std::string& file, const std::string& option);
 

@@ -58,11 +58,6 @@ OpenedLibrary open_shared_library(const char* name) {
   return opened;
 }
 
-const ImageLibrary& library() {
-  static const ImageLibrary& loaded = image_library_of(RINGSPLAT_IMAGE_LIBRARY);
-  return loaded;
-}
-
 }  // namespace
 
 const ImageLibrary& image_library_of(const char* shared_library) {
@@ -80,10 +75,13 @@ const ImageLibrary& image_library_of(const char* shared_library) {
   return *reinterpret_cast<decltype(&ringsplat_image_library)>(found)();
 }
 
-OpenedImageFile open_image_file(const std::filesystem::path& path) { return library().open(path.string()); }
+const ImageLibrary& image_library() {
+  static const ImageLibrary& loaded = image_library_of(RINGSPLAT_IMAGE_LIBRARY);
+  return loaded;
+}
 
-std::string write_image_file(const std::filesystem::path& path, const ImageData& image) {
-  return library().write(path.string(), image);
+OpenedImageFile open_image_file(const std::filesystem::path& path) {
+  return image_library().open(path.string());
 }
 
 }  // namespace ringsplat

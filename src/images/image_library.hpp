@@ -1,13 +1,31 @@
 #pragma once
+#include <cstddef>
+#include <cstdint>
+
 #include "ringsplat/images/image_file.hpp"
 
 namespace ringsplat {
+
+/// Where a written image's bytes go. Throws nothing.
+class ImageSink {
+ public:
+  /// False: they could not be written, and the file is lost.
+  virtual bool write_at(std::uint64_t offset, const void* bytes, std::size_t count) = 0;
+  virtual std::uint64_t size() const = 0;
+  /// For formats that can only be written by name: one to write by instead, once. Empty: there is none.
+  virtual std::string name_to_write_by() = 0;
+
+ protected:
+  ~ImageSink() = default;
+};
 
 /// What is behind the functions of image_file.hpp, in a shared library of its own. No exception leaves it.
 class ImageLibrary {
  public:
   virtual OpenedImageFile open(const std::string& path) const = 0;
-  virtual std::string write(const std::string& path, const ImageData& image) const = 0;
+  /// The format follows from `path`, where nothing is written. Says what went wrong, or nothing: writers that
+  /// take no notice of what the sink says.
+  virtual std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const = 0;
 
  protected:
   ~ImageLibrary() = default;
@@ -15,6 +33,8 @@ class ImageLibrary {
 
 /// Loads the shared library that has it. Throws RunError when that fails.
 const ImageLibrary& image_library_of(const char* shared_library);
+/// This build's own.
+const ImageLibrary& image_library();
 
 }  // namespace ringsplat
 

@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
-#include "volume/output_file.hpp"
+#include "ringsplat/base/output_file.hpp"
+#include "volume/deflate_stream.hpp"
 #include "volume/raw_name.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat {
 namespace {
-
-using detail::OutputFile;
 
 constexpr bool native_is_big = std::endian::native == std::endian::big;
 
@@ -51,30 +50,45 @@ std::string meta_header(const Grid& grid, const std::string& data_file) {
       data_file);
 }
 
-void write_voxels(VolumeSource& source, OutputFile& file, bool gzip) {
+/// `out` takes slices by its write().
+template <class Out>
+void write_voxels(VolumeSource& source, Out& out) {
   std::vector<std::byte> slice(source.grid().slice_bytes(Axis::z));
-  if (gzip) file.begin_gzip();
   for (int z = 0; z < source.grid().dims.z; ++z) {
     source.read_slices(z, 1, slice);
-    file.write(slice);
+    out.write(std::span<const std::byte>(slice));
   }
 }
 
+/// A file whose place was checked, so that what goes wrong later is the disk's fault.
+OutputFile begin(const std::filesystem::path& path) {
+  check_can_write(path, "the volume");
+  return OutputFile(path);
+}
+
 void write_attached(VolumeSource& source, const std::filesystem::path& path, bool compress) {
-  OutputFile file(path);
+  OutputFile file = begin(path);
   file.write(nrrd_header(source.grid(), compress, {}));
-  write_voxels(source, file, compress);
+  if (compress) {
+    detail::DeflateStream stream(file);
+    write_voxels(source, stream);
+    stream.finish();
+  } else {
+    write_voxels(source, file);
+  }
   file.commit();
 }
 
-/// The voxels get their name before the header does: a header is never seen without them.
+/// Both are on the disk before either gets its name, the voxels first: a header is never seen without them.
 void write_detached(VolumeSource& source, const std::filesystem::path& path, bool meta) {
   auto data_path = path;
   data_path.replace_extension(".raw");
   const auto name = data_path.filename().string();
-  OutputFile header(path), data(data_path);
+  OutputFile header = begin(path), data = begin(data_path);
   header.write(meta ? meta_header(source.grid(), name) : nrrd_header(source.grid(), false, name));
-  write_voxels(source, data, false);
+  write_voxels(source, data);
+  header.secure();
+  data.secure();
   data.commit();
   header.commit();
 }
@@ -103,8 +117,8 @@ std::filesystem::path write_volume(VolumeSource& source, const std::filesystem::
     throw InputError(fmt::format("cannot write {}: unknown ending '{}'", path.string(), ending),
                      "use .nrrd, .nhdr, .mhd or .raw");
   const auto tagged = raw_path(source.grid(), path);
-  OutputFile file(tagged);
-  write_voxels(source, file, false);
+  OutputFile file = begin(tagged);
+  write_voxels(source, file);
   file.commit();
   return tagged;
 }

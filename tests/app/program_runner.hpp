@@ -15,6 +15,7 @@ namespace ringsplat::app_test {
 
 namespace fs = std::filesystem;
 
+using support::files_in;
 using support::TemporaryFolder;
 
 inline std::string read_text(const fs::path& file) {
@@ -67,10 +68,6 @@ inline std::vector<std::string> lines_with(const std::string& text, const std::s
     at = end + 1;
   }
   return lines;
-}
-
-inline std::size_t files_in(const fs::path& folder) {
-  return std::size_t(std::distance(fs::directory_iterator(folder), fs::directory_iterator{}));
 }
 
 }  // namespace ringsplat::app_test

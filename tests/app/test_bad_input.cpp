@@ -223,7 +223,7 @@ const std::vector<Case>& cases() {
       {{"synth", "-o", "{out}/x.nrrd"}, "NAME"},
       {{"synth", "ball", "-o", "{out}/x.xyz"}, "x.xyz"},
       {{"synth", "ball", "-o", "{out}/missing/x.nrrd"}, "no folder"},
-      {{"synth", "ball", "-o", "{out}/x.nrrd", "--dims", "100000"}, "MiB, but the disk"},
+      {{"synth", "ball", "-o", "{out}/x.nrrd", "--dims", "100000"}, "KiB, but the disk has"},
   };
   return all;
 }

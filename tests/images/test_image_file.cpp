@@ -1,16 +1,23 @@
 #include "ringsplat/images/image_file.hpp"
 
+#include <OpenImageIO/imageio.h>
+
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numeric>
 
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/images/srgb.hpp"
 #include "support/catch.hpp"
+#include "support/file_size_limit.hpp"
 #include "support/temporary_folder.hpp"
 
 using namespace ringsplat;
+using support::files_in;
+using support::FileSizeLimit;
 using support::TemporaryFolder;
 
 namespace {
@@ -24,18 +31,29 @@ std::vector<float> ramp() {
   return samples;
 }
 
+/// With what makes a second directory of a TIFF, and without the time.
+const std::vector<ImageData::Attribute> described{{"ImageDescription", "some text"},
+                                                  {"oiio:ColorSpace", "sRGB"},
+                                                  {"oiio:UnassociatedAlpha", 1},
+                                                  {"DateTime", ""}};
+
+std::string bytes_of(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
 }  // namespace
 
 TEST_CASE("an image file gives back what was written") {
   const TemporaryFolder folder;
   const std::string path = folder / "a.exr";
   const std::vector<float> written = ramp();
-  REQUIRE(write_image_file(path, {width,
-                                  height,
-                                  channels,
-                                  SampleType::float32,
-                                  written.data(),
-                                  {{"ImageDescription", "a ramp"}, {"ringsplat:count", 7}}}) == "");
+  write_image_file(path, {width,
+                          height,
+                          channels,
+                          SampleType::float32,
+                          written.data(),
+                          {{"ImageDescription", "a ramp"}, {"ringsplat:count", 7}}});
 
   const auto [file, problem] = open_image_file(path);
   REQUIRE(file);
@@ -66,7 +84,7 @@ TEST_CASE("an image file gives back what was written") {
   CHECK_FALSE(file->seek(1));
 }
 
-TEST_CASE("what is no image, or cannot be written, is said and not thrown") {
+TEST_CASE("what is no image is said, and what cannot be written is thrown") {
   const TemporaryFolder folder;
   std::ofstream(folder / "text.png") << "this is no picture";
   const auto [file, problem] = open_image_file(folder / "text.png");
@@ -76,8 +94,68 @@ TEST_CASE("what is no image, or cannot be written, is said and not thrown") {
 
   const std::vector<float> samples = ramp();
   const ImageData image{width, height, channels, SampleType::float32, samples.data(), {}};
-  CHECK(write_image_file(folder / "a.unknown", image) != "");
-  CHECK(write_image_file(folder / "no folder/a.exr", image) != "");
+  CHECK_THROWS_AS(write_image_file(folder / "a.unknown", image), RunError);
+  CHECK_THROWS_AS(write_image_file(folder / "no folder/a.exr", image), RunError);
+  CHECK(files_in(folder.path()) == 1);
+}
+
+TEST_CASE("a picture's file has the bytes that its library writes by itself") {
+  const std::string name = GENERATE("a.png", "a.tga", "a.jpg", "a.exr", "a.tif", "a.sgi");
+  CAPTURE(name);
+  const TemporaryFolder folder;
+  constexpr int size = 200;
+  const int depth = name == "a.jpg" ? 3 : 4;
+  std::vector<std::uint8_t> samples(std::size_t(size * size * depth));
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] = std::uint8_t(k * k >> 8);
+  write_image_file(folder / name, {size, size, depth, SampleType::uint8, samples.data(), described});
+
+  OIIO::ImageSpec spec(size, size, depth, OIIO::TypeDesc::UINT8);
+  for (const auto& [key, value] : described)
+    std::visit([&, &attribute = key](const auto& v) { spec.attribute(attribute, v); }, value);
+  const auto output = OIIO::ImageOutput::create(name);
+  REQUIRE(output->open(folder / ("by-itself-" + name), spec));
+  REQUIRE(output->write_image(spec.format, samples.data()));
+  REQUIRE(output->close());
+  const bool same_bytes = bytes_of(folder / name) == bytes_of(folder / ("by-itself-" + name));
+  CHECK(same_bytes);
+}
+
+TEST_CASE("a picture that finds no room for any one of its bytes is an error and leaves the old one alone") {
+  const auto [name, most_channels, type] = GENERATE(table<std::string, int, SampleType>({
+      {"a.png", 4, SampleType::uint8},
+      {"a.tga", 4, SampleType::uint8},
+      {"a.jpg", 3, SampleType::uint8},
+      {"a.exr", 4, SampleType::float32},
+      {"a.tif", 4, SampleType::uint8},
+      {"a.sgi", 4, SampleType::uint8},  // whose writer knows nothing but names
+  }));
+  CAPTURE(name);
+  const TemporaryFolder folder;
+  const std::vector<float> samples = ramp();
+  const ImageData image{width, height, most_channels, type, samples.data(), described};
+  write_image_file(folder / name, image);
+  const auto bytes = std::filesystem::file_size(folder / name);
+  REQUIRE(bytes > 40);
+  std::ofstream(folder / name) << "the old picture";
+  for (std::uintmax_t most = 0; most < bytes; ++most) {
+    const FileSizeLimit limit(most);
+    CAPTURE(most, bytes);
+    std::string said;
+    try {
+      write_image_file(folder / name, image);
+    } catch (const RunError& error) {
+      said = error.what();
+    }
+    REQUIRE(said.find(folder / name) == 0);
+    REQUIRE(said.find('\n') == std::string::npos);
+  }
+  CHECK(files_in(folder.path()) == 1);
+  CHECK(bytes_of(folder / name) == "the old picture");
+  // What is written by name goes through memory, where the limit holds as well.
+  const bool by_name = name == "a.tif" || name == "a.sgi";
+  const FileSizeLimit limit(by_name ? bytes + (1 << 17) : bytes);
+  write_image_file(folder / name, image);
+  CHECK(std::filesystem::file_size(folder / name) == bytes);
 }
 
 TEST_CASE("a library that cannot be loaded is an error that names it and says what to do") {

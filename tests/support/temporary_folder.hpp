@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
@@ -26,5 +27,9 @@ class TemporaryFolder {
  private:
   std::filesystem::path path_;
 };
+
+inline std::size_t files_in(const std::filesystem::path& folder) {
+  return std::size_t(std::distance(std::filesystem::directory_iterator(folder), {}));
+}
 
 }  // namespace ringsplat::support

@@ -17,8 +17,8 @@ void check_image_name(const std::filesystem::path& file, const std::string& opti
 /// .exr: premultiplied linear float32. All others: 8 bits, straight (not premultiplied) sRGB, rounded to
 /// nearest. A background (linear light) is put behind the picture in linear light, which then has no alpha
 /// channel. `settings`, a JSON text, becomes the metadata "ImageDescription" and, where the format has free
-/// names, "ringsplat:settings"; nothing else in the file depends on when or where it was made. Writes beside
-/// and renames; throws RunError (disk full, ...).
+/// names, "ringsplat:settings"; nothing else in the file depends on when or where it was made. Throws
+/// RunError as OutputFile does, which leaves what was there as it was.
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::optional<glm::dvec3>& background, const std::string& settings);
 

@@ -57,7 +57,8 @@ struct ImageData {
   std::vector<Attribute> attributes;  ///< with OpenImageIO's names
 };
 
-/// The format follows from the path's ending. Says what went wrong, or nothing.
-std::string write_image_file(const std::filesystem::path& path, const ImageData& image);
+/// The format follows from the path's ending. The file appears when all of it is on the disk (OutputFile);
+/// until then, and when that fails, what was there stays. Throws RunError naming the file and the reason.
+void write_image_file(const std::filesystem::path& path, const ImageData& image);
 
 }  // namespace ringsplat

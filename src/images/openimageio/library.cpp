@@ -1,9 +1,13 @@
+#include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <exception>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "images/image_library.hpp"
 
@@ -71,6 +75,45 @@ OIIO::ImageSpec spec_of(const ImageData& image) {
   return spec;
 }
 
+/// OpenImageIO's writers of PNG, TGA and JPEG take no notice of writes that fail; the sink does.
+class SinkProxy final : public OIIO::Filesystem::IOProxy {
+ public:
+  SinkProxy(const std::string& path, ImageSink& sink) : IOProxy(path, Write), sink_(sink) {}
+  const char* proxytype() const override { return "ringsplat"; }
+  size_t write(const void* bytes, size_t count) override {
+    const size_t written = pwrite(bytes, count, m_pos);
+    m_pos += static_cast<int64_t>(written);
+    return written;
+  }
+  size_t pwrite(const void* bytes, size_t count, int64_t offset) override {
+    return sink_.write_at(static_cast<std::uint64_t>(offset), bytes, count) ? count : 0;
+  }
+  size_t size() const override { return sink_.size(); }
+
+ private:
+  ImageSink& sink_;
+};
+
+/// OpenImageIO 2.4's TIFF says that it does, but of a file with two directories it then loses the first: it
+/// cannot read it again.
+bool writes_to_proxies(const OIIO::ImageOutput& output) {
+  return output.supports("ioproxy") != 0 && std::string_view(output.format_name()) != "tiff";
+}
+
+/// Why a file of that format does not hold a whole image of that shape; empty when it does.
+std::string damage_of(const std::string& format, const std::string& name, const OIIO::ImageSpec& spec) {
+  const auto input = OIIO::ImageInput::create(format);
+  if (!input) return OIIO::geterror();
+  OIIO::ImageSpec found;
+  if (!input->open(name, found)) return input->geterror();
+  if (found.width != spec.width || found.height != spec.height || found.nchannels != spec.nchannels)
+    return "what was written is another image";
+  std::vector<std::byte> samples(found.image_bytes(true));
+  return input->read_image(0, 0, 0, found.nchannels, OIIO::TypeDesc::UNKNOWN, samples.data())
+             ? std::string()
+             : input->geterror();
+}
+
 class OpenImageIo final : public ImageLibrary {
  public:
   OpenedImageFile open(const std::string& path) const override try {
@@ -83,13 +126,17 @@ class OpenImageIo final : public ImageLibrary {
     return {nullptr, error.what()};
   }
 
-  std::string write(const std::string& path, const ImageData& image) const override try {
+  std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const override try {
+    SinkProxy proxy(path, sink);
     const auto output = OIIO::ImageOutput::create(path);
     if (!output) return OIIO::geterror();
+    const bool to_sink = writes_to_proxies(*output) && output->set_ioproxy(&proxy);
+    const std::string name = to_sink ? path : sink.name_to_write_by();
+    if (name.empty()) return "there is no file in memory";
     const OIIO::ImageSpec spec = spec_of(image);
-    if (output->open(path, spec) && output->write_image(spec.format, image.samples) && output->close())
-      return {};
-    return output->geterror();
+    if (!output->open(name, spec) || !output->write_image(spec.format, image.samples) || !output->close())
+      return output->geterror();
+    return to_sink ? std::string() : damage_of(output->format_name(), name, spec);
   } catch (const std::exception& error) {
     return error.what();
   }

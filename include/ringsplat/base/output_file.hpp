@@ -1,0 +1,76 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace ringsplat {
+
+namespace detail {
+class TemporaryFile;
+}
+
+/// A file that appears under its name only when all of it is on the disk. Until then its bytes are in a
+/// hidden file beside it (docs/design.md, "Files"), and what had the name before stays as it was. That hidden
+/// file goes with this object, by remove_unfinished_files(), or, after a kill, when a process of the same
+/// user next writes into the folder.
+///
+/// Every function may throw RunError, which names the file and the system's reason. One thread at a time.
+class OutputFile {
+ public:
+  /// Makes the hidden file, in a folder that must exist.
+  explicit OutputFile(std::filesystem::path path);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t size() const { return size_; }  ///< bytes so far
+
+  /// Appends.
+  void write(std::span<const std::byte> bytes) { write_at(size_, bytes); }
+  void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
+  /// Writes from byte `offset` on, over what is there. A gap reads as zeros.
+  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+
+  /// Proves that all bytes are on the disk: flushed, of the right size, closed. Nothing can be written after
+  /// it.
+  void secure();
+  /// secure(), then gives the file its name. Of files that belong together secure all before the first
+  /// commit.
+  void commit();
+
+ private:
+  void flush_buffer();
+  void put(std::uint64_t offset, std::span<const std::byte> bytes);
+  [[noreturn]] void fail(int reason) const;
+
+  std::filesystem::path path_;
+  std::unique_ptr<detail::TemporaryFile> file_;
+  std::uint64_t size_ = 0;
+  std::vector<std::byte> buffer_;  ///< not yet written, from buffer_at_ on
+  std::uint64_t buffer_at_ = 0;
+  bool secured_ = false;
+};
+
+/// A whole text file. Throws RunError as OutputFile does.
+void write_text(const std::filesystem::path& path, const std::string& text);
+/// Text files that belong together: all get their names, or, when one cannot be written, none.
+void write_texts(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
+
+/// Throws InputError naming `option` unless a file can be made where `path` says: its folder exists and can
+/// be written, and `path` is neither a folder nor a device. RunError when it is the disk that fails. Leaves
+/// nothing behind.
+void check_can_write(const std::filesystem::path& path, const std::string& option);
+
+/// Removes the hidden files of all OutputFiles of this process. For the handlers of signals that end it, as
+/// it is async-signal-safe; nothing can be written after it: a thread that begins a file waits for the
+/// process's end.
+void remove_unfinished_files() noexcept;
+
+}  // namespace ringsplat

@@ -1,0 +1,129 @@
+#include "base/temporary_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <climits>
+#include <cstdio>
+#include <mutex>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+
+namespace ringsplat::detail {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// What all names on this machine begin with: no two hosts have the same, and none the beginning of
+/// another's.
+std::string host_prefix() {
+  std::array<char, HOST_NAME_MAX + 1> host{};
+  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
+  std::string prefix = ".ringsplat_";
+  for (const char* at = host.data(); *at != '\0'; ++at) {
+    const auto c = static_cast<unsigned char>(*at);
+    const bool plain = (c < 128 && std::isalnum(c) != 0) || c == '.' || c == '-';
+    prefix += plain ? std::string(1, *at) : fmt::format("%{:02X}", c);
+  }
+  return prefix + '_';
+}
+
+fs::path hidden_name(const fs::path& path) {
+  static std::atomic<unsigned> counter{0};
+  const std::string prefix = fmt::format("{}{}-{}_", host_prefix(), getpid(), counter++);
+  std::string name = path.filename().string();
+  const std::size_t room = prefix.size() < NAME_MAX ? NAME_MAX - prefix.size() : 0;
+  if (name.size() > room) name.erase(0, name.size() - room);
+  return folder_of(path) / (prefix + name);
+}
+
+/// The process that a hidden file of this host names; 0: it is none.
+pid_t maker_of(const std::string& name, const std::string& prefix) {
+  if (name.compare(0, prefix.size(), prefix) != 0) return 0;
+  const char* const end = name.data() + name.size();
+  pid_t pid = 0;
+  unsigned counter = 0;
+  const auto after_pid = std::from_chars(name.data() + prefix.size(), end, pid);
+  if (after_pid.ec != std::errc{} || pid <= 0 || after_pid.ptr == end || *after_pid.ptr != '-') return 0;
+  const auto after_counter = std::from_chars(after_pid.ptr + 1, end, counter);
+  const bool whole = after_counter.ec == std::errc{} && after_counter.ptr != end && *after_counter.ptr == '_';
+  return whole ? pid : 0;
+}
+
+/// A process number is used again, in containers by the very next run: this process's own may be another's.
+bool is_alive(pid_t pid, const fs::path& path) {
+  if (pid == getpid()) return is_unfinished_here(path);
+  return kill(pid, 0) == 0 || errno != ESRCH;
+}
+
+void remove_if_abandoned(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return;
+  struct stat status {};
+  const bool own = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid();
+  // Who writes it holds its lock, also where containers of one host's name have process numbers of their own.
+  // Where a disk knows no locks the process number decides alone.
+  if (own && (flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)) unlink(path.c_str());
+  ::close(descriptor);
+}
+
+void remove_stale_files_once(const fs::path& folder) {
+  static std::mutex lock;
+  static std::set<fs::path> done;
+  std::error_code ignored;
+  const std::lock_guard held(lock);
+  if (done.insert(fs::weakly_canonical(folder, ignored)).second) remove_stale_files(folder);
+}
+
+}  // namespace
+
+fs::path folder_of(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+TemporaryFile::TemporaryFile(const fs::path& path, std::error_code& error) {
+  remove_stale_files_once(folder_of(path));
+  do {
+    path_ = hidden_name(path);
+    unfinished_ = std::make_unique<UnfinishedFile>(path_);
+  } while (unfinished_->descriptor() < 0 && errno == EEXIST);
+  descriptor_ = unfinished_->descriptor();
+  error = descriptor_ < 0 ? std::error_code(errno, std::generic_category()) : std::error_code();
+  if (descriptor_ >= 0) flock(descriptor_, LOCK_SH | LOCK_NB);
+}
+
+TemporaryFile::~TemporaryFile() {
+  close();
+  if (unfinished_ && unfinished_->descriptor() >= 0) unlink(path_.c_str());
+}
+
+bool TemporaryFile::close() { return descriptor_ < 0 || ::close(std::exchange(descriptor_, -1)) == 0; }
+
+bool TemporaryFile::rename_to(const fs::path& path) {
+  if (std::rename(path_.c_str(), path.c_str()) != 0) return false;
+  unfinished_.reset();
+  return true;
+}
+
+void remove_stale_files(const fs::path& folder) {
+  const std::string prefix = host_prefix();
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    const pid_t pid = maker_of(entry->path().filename().string(), prefix);
+    if (pid != 0 && !is_alive(pid, entry->path())) remove_if_abandoned(entry->path());
+  }
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,113 @@
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstddef>
+#include <cstring>
+#include <exception>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "images/image_library.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/output_file.hpp"
+#include "ringsplat/images/image_file.hpp"
+
+namespace ringsplat {
+namespace {
+
+RunError failed(const std::filesystem::path& path, std::string why, const std::string& hint = {}) {
+  std::replace(why.begin(), why.end(), '\n', ' ');
+  return {fmt::format("{} cannot be written: {}", path.string(), why), hint};
+}
+
+/// A file that is nowhere but in memory and yet has a name.
+class MemoryFile {
+ public:
+  ~MemoryFile() {
+    if (descriptor_ >= 0) close(descriptor_);
+  }
+  MemoryFile() = default;
+  MemoryFile(const MemoryFile&) = delete;
+  MemoryFile& operator=(const MemoryFile&) = delete;
+
+  bool exists() const { return descriptor_ >= 0; }
+  std::string name() {
+    if (!exists()) descriptor_ = memfd_create("ringsplat", MFD_CLOEXEC);
+    return exists() ? fmt::format("/proc/self/fd/{}", descriptor_) : std::string();
+  }
+  std::uint64_t size() const {
+    struct stat status {};
+    return fstat(descriptor_, &status) == 0 ? std::uint64_t(status.st_size) : 0;
+  }
+  void append_to(OutputFile& file) const {
+    std::vector<std::byte> part(std::size_t{1} << 20);
+    for (std::uint64_t at = 0;;) {
+      const ssize_t got = pread(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
+      if (got < 0) throw failed(file.path(), std::strerror(errno));
+      if (got == 0) return;
+      file.write(std::span(part).first(std::size_t(got)));
+      at += std::uint64_t(got);
+    }
+  }
+
+ private:
+  int descriptor_ = -1;
+};
+
+/// Keeps what writing threw until the library is done: nothing may be thrown through it.
+class FileSink final : public ImageSink {
+ public:
+  explicit FileSink(const std::filesystem::path& path) : file(path) {}
+
+  bool write_at(std::uint64_t offset, const void* bytes, std::size_t count) override {
+    if (failure) return false;
+    try {
+      file.write_at(offset, std::span(static_cast<const std::byte*>(bytes), count));
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    return !failure;
+  }
+  std::uint64_t size() const override { return file.size(); }
+  std::string name_to_write_by() override { return by_name.name(); }
+
+  OutputFile file;
+  MemoryFile by_name;
+  std::exception_ptr failure;
+};
+
+/// Memory has room where disks have none, but the limit of files' sizes holds there too, and writers by name
+/// overlook what it cuts off. None writes more at once than the image and its header.
+bool may_be_cut(std::uint64_t written, const ImageData& image) {
+  constexpr std::uint64_t largest_sample = 8, header = 1 << 16;
+  const std::uint64_t at_once = largest_sample * std::uint64_t(image.width) * std::uint64_t(image.height) *
+                                    std::uint64_t(image.channels) +
+                                header;
+  rlimit limit{};
+  const bool limited = getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+  return limited && written + at_once > limit.rlim_cur;
+}
+
+}  // namespace
+
+void write_image_file(const std::filesystem::path& path, const ImageData& image) {
+  FileSink sink(path);
+  const std::string problem = image_library().write(path.string(), image, sink);
+  if (sink.failure) std::rethrow_exception(sink.failure);
+  if (!problem.empty()) throw failed(path, problem);
+  if (sink.by_name.exists()) {
+    if (may_be_cut(sink.by_name.size(), image))
+      throw failed(path, "it is too near to the limit of files' sizes",
+                   "raise ulimit -f, or write a .png or .exr");
+    sink.by_name.append_to(sink.file);
+  }
+  sink.file.commit();
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,263 @@
+#include "ringsplat/base/output_file.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <memory>
+#include <regex>
+#include <thread>
+
+#include "base/temporary_file.hpp"
+#include "ringsplat/base/error.hpp"
+#include "support/catch.hpp"
+#include "support/file_size_limit.hpp"
+#include "support/temporary_folder.hpp"
+
+using namespace ringsplat;
+using support::files_in;
+using support::FileSizeLimit;
+using support::TemporaryFolder;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string text_of(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+void make(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
+
+/// Runs `work` in a process of its own, which then ends at once. Returns that process's number.
+pid_t in_a_child(const std::function<void()>& work) {
+  const pid_t child = fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    work();
+    _exit(0);
+  }
+  int status = 0;
+  REQUIRE(waitpid(child, &status, 0) == child);
+  return child;
+}
+
+std::string only_name_in(const fs::path& folder) {
+  REQUIRE(files_in(folder) == 1);
+  return fs::directory_iterator(folder)->path().filename().string();
+}
+
+/// What a process that was killed in the middle of a file left in the folder.
+std::string name_left_by_a_killed_process(const fs::path& folder) {
+  in_a_child([&] {
+    OutputFile file(folder / "x.png");
+    file.write("some of it");
+    raise(SIGKILL);
+  });
+  return only_name_in(folder);
+}
+
+std::string replaced(std::string text, const std::string& part, const std::string& by) {
+  const auto at = text.find(part);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, part.size(), by);
+}
+
+}  // namespace
+
+TEST_CASE("a file gets its name when all of it is on the disk") {
+  const TemporaryFolder folder;
+  make(folder / "a.txt", "old");
+  {
+    OutputFile file(folder / "a.txt");
+    file.write("new ");
+    CHECK(files_in(folder.path()) == 2);
+    file.write("text");
+    file.secure();
+    CHECK(text_of(folder / "a.txt") == "old");
+    file.commit();
+  }
+  CHECK(text_of(folder / "a.txt") == "new text");
+  CHECK(only_name_in(folder.path()) == "a.txt");
+}
+
+TEST_CASE("a file that is given up leaves nothing") {
+  const TemporaryFolder folder;
+  make(folder / "a.txt", "old");
+  { OutputFile(folder / "a.txt").write("new"); }
+  CHECK(only_name_in(folder.path()) == "a.txt");
+  CHECK(text_of(folder / "a.txt") == "old");
+}
+
+TEST_CASE("bytes may be written in any order, over others and after a gap, whatever is buffered") {
+  const TemporaryFolder folder;
+  constexpr std::size_t large = (std::size_t{3} << 20) + 5;
+  std::string expected;
+  OutputFile file(folder / "a");
+  unsigned seed = 1;
+  const auto random = [&](std::size_t below) {
+    return std::size_t(seed = seed * 1664525 + 1013904223) % below;
+  };
+  for (int k = 0; k < 200; ++k) {
+    const std::size_t offset = k % 3 == 0 ? expected.size() : random(expected.size() + 1000);
+    const std::string part(k % 50 == 7 ? large : random(5000), char('a' + k % 26));
+    file.write_at(offset, std::as_bytes(std::span(part)));
+    if (expected.size() < offset + part.size()) expected.resize(offset + part.size(), '\0');
+    expected.replace(offset, part.size(), part);
+    REQUIRE(file.size() == expected.size());
+  }
+  file.commit();
+  const bool same = text_of(folder / "a") == expected;
+  CHECK(same);
+}
+
+TEST_CASE("a text that finds no room for any one of its bytes is an error and leaves the old one alone") {
+  const TemporaryFolder folder;
+  make(folder / "a.txt", "old");
+  const std::string text = "twelve bytes";
+  for (std::size_t most = 0; most < text.size(); ++most) {
+    const FileSizeLimit limit(most);
+    CHECK_THROWS_AS(write_text(folder / "a.txt", text), RunError);
+    CHECK(text_of(folder / "a.txt") == "old");
+    CHECK(files_in(folder.path()) == 1);
+  }
+  const FileSizeLimit limit(text.size());
+  write_text(folder / "a.txt", text);
+  CHECK(text_of(folder / "a.txt") == text);
+}
+
+TEST_CASE("of texts that belong together all are written or none") {
+  const TemporaryFolder folder;
+  make(folder / "a", "old a");
+  make(folder / "b", "old b");
+  {
+    const FileSizeLimit limit(500);
+    CHECK_THROWS_AS(write_texts({{folder / "a", "short"}, {folder / "b", std::string(501, 'b')}}), RunError);
+  }
+  CHECK(text_of(folder / "a") == "old a");
+  CHECK(text_of(folder / "b") == "old b");
+  CHECK(files_in(folder.path()) == 2);
+  write_texts({{folder / "a", "new a"}, {folder / "b", "new b"}});
+  CHECK(text_of(folder / "a") == "new a");
+  CHECK(text_of(folder / "b") == "new b");
+}
+
+TEST_CASE("a name of any length that the disk allows can be written") {
+  const TemporaryFolder folder;
+  const std::string name = std::string(251, 'n') + ".txt";
+  write_text(folder / name, "text");
+  CHECK(only_name_in(folder.path()) == name);
+}
+
+TEST_CASE("where no file can be made is said before, and devices stay devices") {
+  const TemporaryFolder folder;
+  CHECK_NOTHROW(check_can_write(folder / "a.txt", "-o"));
+  CHECK(files_in(folder.path()) == 0);
+  for (const std::string& path :
+       {folder / "missing/a.txt", folder.path().string(), folder / "", std::string("/dev/null")}) {
+    INFO(path);
+    CHECK_THROWS_AS(check_can_write(path, "-o"), InputError);
+    CHECK_THROWS_AS(write_text(path, "text"), RunError);
+  }
+  CHECK(fs::is_character_file("/dev/null"));
+}
+
+TEST_CASE("what a killed process left is removed by the next one that writes into the folder") {
+  const TemporaryFolder folder;
+  const std::string left = name_left_by_a_killed_process(folder.path());
+  CHECK(left.find(".ringsplat_") == 0);
+  CHECK(left.find("_x.png") != std::string::npos);
+  in_a_child([&] { write_text(folder / "y.txt", "text"); });
+  CHECK(only_name_in(folder.path()) == "y.txt");
+}
+
+TEST_CASE("what may be somebody else's stays") {
+  const TemporaryFolder folder, other_folder;
+  const pid_t dead = in_a_child([] {});
+  std::smatch parts;
+  const std::string left = name_left_by_a_killed_process(other_folder.path());
+  REQUIRE(std::regex_match(left, parts, std::regex(R"(\.ringsplat_(.+)_[0-9]+-[0-9]+_x\.png)")));
+  const std::string host = parts[1];
+  const auto named = [](const std::string& host_, pid_t pid, const std::string& name) {
+    return fmt::format(".ringsplat_{}_{}-0_{}", host_, pid, name);
+  };
+  const std::vector<std::string> others{
+      named(host, getppid(), "lives"),
+      named(host + "2", dead, "other-host"),
+      named(host + "-b", dead, "host-that-begins-alike"),
+      named(host + "_b", dead, "no-host-of-this-form"),
+      named(host, -dead, "no-process"),
+      fmt::format(".ringsplat_{}_{}_x", host, dead),
+      fmt::format(".ringsplat_{}_{}x-0_x", host, dead),
+      fmt::format(".ringsplat_{}_{}-0", host, dead),
+      fmt::format("ringsplat_{}_{}-0_x", host, dead),
+      fmt::format(".ringsplat-{}_{}-0_x", host, dead),
+      fmt::format(".x.{}.png", dead),
+  };
+  for (const std::string& other : others) make(folder / other, "not yours");
+  fs::create_directory(folder / named(host, dead, "folder"));
+  fs::create_symlink(folder / others[0], folder / named(host, dead, "link"));
+  const std::string locked = folder / named(host, dead, "counted-by-its-own-container-only");
+  make(locked, "by a process that lives");
+  const int descriptor = open(locked.c_str(), O_RDONLY | O_CLOEXEC);
+  REQUIRE(flock(descriptor, LOCK_SH) == 0);
+  const std::string stale = folder / named(host, dead, "x.png");
+  make(stale, "by a dead process");
+
+  detail::remove_stale_files(folder.path());
+  CHECK_FALSE(fs::exists(stale));
+  for (const std::string& other : others) {
+    INFO(other);
+    CHECK(text_of(folder / other) == "not yours");
+  }
+  CHECK(files_in(folder.path()) == others.size() + 3);
+  close(descriptor);
+  detail::remove_stale_files(folder.path());
+  CHECK_FALSE(fs::exists(locked));
+}
+
+TEST_CASE("a process does not take its own unfinished file for another's, but one that had its number") {
+  const TemporaryFolder folder;
+  const OutputFile file(folder / "x.png");
+  const std::string mine = only_name_in(folder.path());
+  make(folder / replaced(mine, "x.png", "z.png"), "of one that had the same number");
+  detail::remove_stale_files(folder.path());
+  CHECK(only_name_in(folder.path()) == mine);
+}
+
+TEST_CASE("unfinished files can be removed from a handler, and none is begun after it") {
+  const TemporaryFolder folder;
+  make(folder / "a", "old");
+  in_a_child([&] {
+    OutputFile a(folder / "a"), b(folder / "b");
+    a.write("new");
+    remove_unfinished_files();
+    std::thread begins([&] { OutputFile late(folder / "c"); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    _exit(0);
+  });
+  CHECK(only_name_in(folder.path()) == "a");
+  CHECK(text_of(folder / "a") == "old");
+}
+
+TEST_CASE("more files than the handler has places for are written all the same") {
+  const TemporaryFolder folder;
+  std::vector<std::unique_ptr<OutputFile>> files;
+  for (int k = 0; k < 100; ++k) {
+    files.push_back(std::make_unique<OutputFile>(folder / std::to_string(k)));
+    files.back()->write("text");
+  }
+  detail::remove_stale_files(folder.path());
+  for (const auto& file : files) file->commit();
+  files.clear();
+  CHECK(files_in(folder.path()) == 100);
+  const OutputFile after(folder / "after");
+  detail::remove_stale_files(folder.path());
+  CHECK(files_in(folder.path()) == 101);
+}
