@@ -1,3 +1,7 @@
+#include "app/process_end.hpp"
 #include "app/program.hpp"
 
-int main(int argc, char** argv) { return ringsplat::app::run_program(argc, argv); }
+int main(int argc, char** argv) {
+  ringsplat::app::prepare_for_signals();
+  return ringsplat::app::exit_code_after_printing(ringsplat::app::run_program(argc, argv));
+}

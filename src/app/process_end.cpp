@@ -1,0 +1,54 @@
+#include "app/process_end.hpp"
+
+#include <signal.h>
+
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/log.hpp"
+#include "ringsplat/base/output_file.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+struct Handled {
+  int signal;
+  struct sigaction before;
+};
+std::array<Handled, 6> handled{
+    {{SIGHUP, {}}, {SIGINT, {}}, {SIGQUIT, {}}, {SIGTERM, {}}, {SIGXCPU, {}}, {SIGPIPE, {}}}};
+
+extern "C" void remove_files_and_end(int number) {
+  remove_unfinished_files();
+  // What would have been done without this handler, so that the exit status is the signal's.
+  for (const Handled& h : handled)
+    if (h.signal == number) sigaction(number, &h.before, nullptr);
+  raise(number);
+}
+
+}  // namespace
+
+void prepare_for_signals() {
+  signal(SIGXFSZ, SIG_IGN);
+  struct sigaction action {};
+  action.sa_handler = remove_files_and_end;
+  sigfillset(&action.sa_mask);
+  for (Handled& h : handled) {
+    sigaction(h.signal, nullptr, &h.before);
+    if (h.before.sa_handler != SIG_IGN) sigaction(h.signal, &action, nullptr);
+  }
+}
+
+int exit_code_after_printing(int code) {
+  const bool flushed = std::fflush(stdout) == 0;
+  // A run that has failed has said why, be it this.
+  if ((flushed && std::ferror(stdout) == 0) || code == static_cast<int>(ExitCode::run_failed)) return code;
+  log_error("standard output cannot be written{}{}; hint: is its disk full?", flushed ? "" : ": ",
+            flushed ? "" : std::strerror(errno));
+  return static_cast<int>(ExitCode::run_failed);
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,157 @@
+#include <map>
+
+#include "app/program_runner.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat::app_test;
+
+namespace {
+
+using Arguments = std::vector<std::string>;
+using Files = std::map<std::string, std::string>;
+
+/// What a folder holds, hidden files too.
+Files files_of(const fs::path& folder) {
+  Files files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    files[entry.path().filename().string()] = read_text(entry.path());
+  return files;
+}
+
+/// Runs the program while no file may grow over so many bytes. What it says goes through a pipe, which has no
+/// size.
+Ended run_limited(const Arguments& arguments, std::uintmax_t bytes) {
+  const TemporaryFolder said;
+  std::string command =
+      "{ timeout -k 2 60 prlimit --fsize=" + std::to_string(bytes) + " " + quoted(RINGSPLAT_PROGRAM);
+  for (const auto& argument : arguments) command.append(" ").append(quoted(argument));
+  command += " 2>&1 >/dev/null; echo $? >" + quoted(said / "code") + "; } | cat >" + quoted(said / "err");
+  REQUIRE(std::system(command.c_str()) == 0);
+  Ended ended;
+  ended.code = std::stoi(read_text(said / "code"));
+  ended.err = read_text(said / "err");
+  return ended;
+}
+
+struct Written {
+  Arguments arguments;
+  std::string file;  ///< the one that finds no room
+};
+
+/// A command writes into folder/out, what it reads is beside that.
+class Scene {
+ public:
+  Scene() {
+    fs::create_directory(out());
+    REQUIRE(run_program({"synth", "ball", "--dims", "20", "-o", volume()}).code == 0);
+    REQUIRE(render("a.png", {}).code == 0);
+    REQUIRE(render("b.png", {"--azimuth", "30"}).code == 0);
+    write_text(folder_ / "list.toml",
+               "repetitions = 1\nsize = \"16x16\"\nerror_pixels = 16\nviews = [\"0 0\"]\n[scene.one]\nsynth "
+               "= \"ball\"\n"
+               "dims = \"12x12x12\"\ntf = \"grey\"\n[setting.a]\nradius = 1.6\n");
+  }
+
+  fs::path out() const { return folder_ / "out"; }
+  std::string volume() const { return folder_ / "ball.nrrd"; }
+  std::string operator/(const std::string& name) const { return folder_ / name; }
+
+ private:
+  Ended render(const std::string& name, Arguments more) const {
+    more.insert(more.begin(), {"render", volume(), "--size", "64", "-o", folder_ / name});
+    return run_program(more);
+  }
+
+  TemporaryFolder folder_;
+};
+
+/// Every file that the program writes, so that the room for it is what is missing.
+std::vector<Written> all_that_is_written(const Scene& s) {
+  const auto out = [&](const std::string& name) { return (s.out() / name).string(); };
+  const auto render = [&](const std::string& file, Arguments more) {
+    more.insert(more.begin(), {"render", s.volume(), "--size", "64"});
+    return Written{more, file};
+  };
+  const auto small = [&](const std::string& option, const std::string& file) {
+    return Written{{"render", s.volume(), "--size", "8", "-o", out("small.tga"), option, out(file)}, file};
+  };
+  const auto synth = [&](const std::string& name, const std::string& file, Arguments more = {}) {
+    more.insert(more.begin(), {"synth", "ball", "--dims", "20", "-o", out(name)});
+    return Written{more, file};
+  };
+  return {render("p.png", {"-o", out("p.png")}),
+          render("p.tga", {"-o", out("p.tga")}),
+          render("p.jpg", {"-o", out("p.jpg"), "--background", "white"}),
+          render("p.exr", {"-o", out("p.exr")}),
+          render("p.tif", {"-o", out("p.tif")}),
+          render("p-0001.png", {"-o", out("p.png"), "--orbit", "2"}),
+          render("p-0001.tga", {"-o", out("p.tga"), "--orbit", "2"}),
+          render("p-0001.exr", {"-o", out("p.exr"), "--orbit", "2"}),
+          small("--stats", "s.json"),
+          small("--trace", "t.json"),
+          small("--tf-out", "f.json"),
+          {{"reference", s.volume(), "--size", "8", "-o", out("r.exr")}, "r.exr"},
+          {{"compare", s / "a.png", s / "b.png", "--diff", out("d.png")}, "d.png"},
+          {{"study", s / "list.toml", "-o", out("s.csv")}, "s.csv"},
+          {{"study", s / "list.toml", "-o", out("s.csv")}, "s.json"},
+          synth("v.nrrd", "v.nrrd"),
+          synth("v.nrrd", "v.nrrd", {"--no-compression"}),
+          synth("v.nhdr", "v.raw"),
+          synth("v.mhd", "v.raw"),
+          synth("v.raw", "v_20x20x20_uint8.raw")};
+}
+
+}  // namespace
+
+TEST_CASE("no room for a file ends the run with a message, and what was there stays") {
+  const Scene scene;
+  for (const Written& written : all_that_is_written(scene)) {
+    CAPTURE(written.arguments, written.file);
+    const Ended done = run_program(written.arguments);
+    INFO(done.err);
+    REQUIRE(done.code == 0);
+    const Files whole = files_of(scene.out());
+    for (const auto& [name, text] : whole) write_text(scene.out() / name, "old " + name);
+    const Files old = files_of(scene.out());
+    const auto bytes = whole.at(written.file).size();
+    REQUIRE(bytes > 100);
+    // Measured seconds have not always the same number of digits.
+    const bool measured =
+        fs::path(written.file).extension() == ".json" || fs::path(written.file).extension() == ".csv";
+    std::vector<std::uintmax_t> limits{measured ? bytes * 7 / 8 : bytes - 1};
+    if (written.file.find("p.") == 0) limits.push_back(0);
+    for (const std::uintmax_t most : limits) {
+      CAPTURE(most, bytes);
+      const Ended failed = run_limited(written.arguments, most);
+      INFO(failed.err);
+      CHECK(failed.code == 3);
+      CHECK(lines_with(failed.err, "").size() == 1);
+      CHECK(lines_with(failed.err, "cannot be written: ").size() == 1);
+      const Files left = files_of(scene.out());
+      CHECK(left.size() == old.size());
+      CHECK(left.at(written.file) == old.at(written.file));
+      for (const auto& [name, text] : left) {
+        INFO(name);
+        const bool old_or_whole = text == old.at(name) || text.size() >= whole.at(name).size() / 2;
+        CHECK(old_or_whole);
+      }
+      // Of an orbit's pictures another may be the first without room.
+      const fs::path named =
+          written.file.find("-0001.") == std::string::npos ? scene.out() / written.file : scene.out();
+      if (most > 0) CHECK(failed.err.find(named.string()) != std::string::npos);
+    }
+    for (const auto& [name, text] : whole) fs::remove(scene.out() / name);
+  }
+}
+
+TEST_CASE("what cannot be printed is an error too") {
+  if (!fs::exists("/dev/full")) return;
+  const TemporaryFolder said;
+  for (const std::string arguments : {"synth --list", "study --list", "--version"}) {
+    INFO(arguments);
+    const std::string command =
+        quoted(RINGSPLAT_PROGRAM) + " " + arguments + " >/dev/full 2>" + quoted(said / "err");
+    CHECK(WEXITSTATUS(std::system(command.c_str())) == 3);
+    CHECK(lines_with(read_text(said / "err"), "standard output cannot be written").size() == 1);
+  }
+}
