@@ -194,15 +194,15 @@ class Dealer {
   int decoded_ = 0;
 };
 
+/// Every process's values, joined in the order of the processes; any of them may have none.
 template <class T>
 std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
-  Block block(mine.size() * sizeof(T));
-  std::memcpy(block.data(), mine.data(), block.size());
+  const auto bytes = std::as_bytes(std::span(mine));
   std::vector<T> all;
-  for (const auto& one : collectives.all_gather(block)) {
+  for (const auto& one : collectives.all_gather({bytes.begin(), bytes.end()})) {
     const auto at = all.size();
     all.resize(at + one.size() / sizeof(T));
-    std::memcpy(all.data() + at, one.data(), one.size());
+    std::copy(one.begin(), one.end(), std::as_writable_bytes(std::span(all).subspan(at)).begin());
   }
   return all;
 }
