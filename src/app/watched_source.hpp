@@ -18,6 +18,7 @@ class WatchedSource final : public VolumeSource {
     source_->read_slices(first, count, out);
     progress_.at(first + count);
   }
+  Facts facts() const override { return source_->facts(); }
 
  private:
   std::unique_ptr<VolumeSource> source_;

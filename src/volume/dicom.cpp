@@ -19,6 +19,7 @@
 #include "volume/input_file.hpp"
 #include "volume/itk_image.hpp"
 #include "volume/limits.hpp"
+#include "volume/volume_files.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -95,9 +96,15 @@ void convert(const std::vector<std::byte>& in, std::span<std::byte> out) {
 /// Each slice is a file of its own, so every process reads its own.
 class DicomSource final : public VolumeSource {
  public:
-  DicomSource(const Grid& grid, std::vector<DicomSlice> slices) : grid_(grid), slices_(std::move(slices)) {}
+  DicomSource(const Grid& grid, std::vector<DicomSlice> slices)
+      : grid_(grid), slices_(std::move(slices)), files_(files_of(slices_)) {}
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return true; }
+  Facts facts() const override {
+    Facts facts = files_.facts();
+    facts.insert(facts.begin(), {"encoding", "DICOM"});
+    return facts;
+  }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
     const auto bytes = grid_.slice_bytes(Axis::z);
@@ -106,10 +113,19 @@ class DicomSource final : public VolumeSource {
   }
 
  private:
+  static std::vector<std::filesystem::path> files_of(const std::vector<DicomSlice>& slices) {
+    std::vector<std::filesystem::path> files;
+    for (const DicomSlice& slice : slices) files.push_back(slice.file);
+    return files;
+  }
+
   void read_slice(const DicomSlice& slice, std::span<std::byte> out) {
+    // GDCM fills as many bytes as the file says now, whatever room there is.
+    files_.require_unchanged(slice.file);
     const bool same = slice.grid.type == grid_.type;
     std::vector<std::byte> raw(same ? 0 : slice.grid.bytes());
     with_itk(slice.file, [&] { read_information(slice.file)->Read(same ? out.data() : raw.data()); });
+    files_.require_unchanged(slice.file);
     if (same) return;
     // Where slices differ in their rescaling, types differ too and the volume's is float32.
     visit_type(slice.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
@@ -117,6 +133,7 @@ class DicomSource final : public VolumeSource {
 
   Grid grid_;
   std::vector<DicomSlice> slices_;
+  VolumeFiles files_;
 };
 
 void require_alike(const std::vector<DicomSlice>& slices) {

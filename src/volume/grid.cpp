@@ -95,4 +95,15 @@ void check(const Grid& grid, const std::string& where) {
                      "correct the orientation in the header");
 }
 
+Facts facts_of(const Grid& grid) {
+  // Adding 0 makes -0 the 0 that it equals.
+  const auto text = [](const glm::dvec3& v) { return fmt::format("{} {} {}", v.x + 0, v.y + 0, v.z + 0); };
+  return {{"dimensions", fmt::format("{} x {} x {}", grid.dims.x, grid.dims.y, grid.dims.z)},
+          {"type", to_string(grid.type)},
+          {"spacing", text(grid.spacing)},
+          {"origin", text(grid.origin)},
+          {"direction", fmt::format("{}, {}, {}", text(grid.direction[0]), text(grid.direction[1]),
+                                    text(grid.direction[2]))}};
+}
+
 }  // namespace ringsplat

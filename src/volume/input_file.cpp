@@ -14,6 +14,19 @@
 
 namespace ringsplat::detail {
 
+FileStamp stamp_of(const struct stat& status) {
+  return {static_cast<std::uint64_t>(status.st_size), status.st_mtim.tv_sec, status.st_mtim.tv_nsec};
+}
+
+void require_same_stamp(const std::filesystem::path& file, const FileStamp& before, const FileStamp& now) {
+  if (now == before) return;
+  const std::string how = now.bytes == before.bytes
+                              ? "other bytes"
+                              : fmt::format("{} bytes instead of {}", now.bytes, before.bytes);
+  throw InputError(fmt::format("{} has changed since it was opened: {}", file.string(), how),
+                   "start again when nobody writes to it any more");
+}
+
 InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
   // Without O_NONBLOCK a named pipe would wait for ever for somebody who writes.
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -25,7 +38,7 @@ InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
     ::close(descriptor_);
     throw InputError(fmt::format("{} is not a regular file", path_.string()), "give a volume file");
   }
-  size_ = static_cast<std::uint64_t>(status.st_size);
+  stamp_ = stamp_of(status);
 }
 
 InputFile::~InputFile() { ::close(descriptor_); }
@@ -50,10 +63,19 @@ std::size_t InputFile::read_some(std::uint64_t offset, std::span<std::byte> out)
 
 void InputFile::read(std::uint64_t offset, std::span<std::byte> out) const {
   const auto got = read_some(offset, out);
-  if (got != out.size())
-    throw InputError(
-        fmt::format("{} ends at byte {}, {} are needed", path_.string(), offset + got, offset + out.size()),
-        "the file was cut short: copy it again");
+  if (got == out.size()) return;
+  require_unchanged();
+  throw InputError(
+      fmt::format("{} ends at byte {}, {} are needed", path_.string(), offset + got, offset + out.size()),
+      "the file was cut short: copy it again");
+}
+
+void InputFile::require_unchanged() const {
+  struct stat status {};
+  if (::fstat(descriptor_, &status) != 0)
+    throw InputError(fmt::format("cannot ask for the size of {}: {}", path_.string(), std::strerror(errno)),
+                     "check the disk");
+  require_same_stamp(path_, stamp_, stamp_of(status));
 }
 
 }  // namespace ringsplat::detail

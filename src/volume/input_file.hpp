@@ -4,7 +4,19 @@
 #include <filesystem>
 #include <span>
 
+struct stat;
+
 namespace ringsplat::detail {
+
+/// By what a file is told from what it was before: its size and the time of its last change.
+struct FileStamp {
+  std::uint64_t bytes = 0;
+  std::int64_t seconds = 0, nanoseconds = 0;
+  bool operator==(const FileStamp&) const = default;
+};
+FileStamp stamp_of(const struct stat& status);
+/// Throws InputError when it is not the stamp that the file had.
+void require_same_stamp(const std::filesystem::path& file, const FileStamp& before, const FileStamp& now);
 
 /// A regular file opened for reading at any place (64-bit offsets). Owns the descriptor.
 class InputFile {
@@ -16,18 +28,20 @@ class InputFile {
   InputFile& operator=(const InputFile&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  std::uint64_t size() const { return size_; }
+  std::uint64_t size() const { return stamp_.bytes; }
 
   /// Reads up to out.size() bytes at `offset`; less only at the end of the file. Throws InputError
   /// when the disk fails.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> out) const;
   /// Fills `out`; throws InputError when the file ends before.
   void read(std::uint64_t offset, std::span<std::byte> out) const;
+  /// Throws InputError when the file has been written to since it was opened.
+  void require_unchanged() const;
 
  private:
   std::filesystem::path path_;
   int descriptor_ = -1;
-  std::uint64_t size_ = 0;
+  FileStamp stamp_;
 };
 
 }  // namespace ringsplat::detail

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "volume/volume_files.hpp"
+
 namespace ringsplat::detail {
 namespace {
 
@@ -21,9 +23,14 @@ glm::dvec3 vec3(const std::vector<double>& values) {
 class ItkSource final : public VolumeSource {
  public:
   ItkSource(itk::ImageIOBase::Pointer io, const Grid& grid, std::filesystem::path path)
-      : io_(std::move(io)), grid_(grid), path_(std::move(path)) {}
+      : io_(std::move(io)), grid_(grid), path_(std::move(path)), files_({path_}) {}
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return false; }
+  Facts facts() const override {
+    Facts facts = files_.facts();
+    facts.insert(facts.begin(), {"encoding", "decoded as a whole"});
+    return facts;
+  }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
     if (voxels_.empty()) load();
@@ -33,6 +40,7 @@ class ItkSource final : public VolumeSource {
 
  private:
   void load() {
+    files_.require_unchanged(path_);
     std::vector<std::byte> voxels(grid_.bytes());
     with_itk(path_, [&] {
       itk::ImageIORegion whole(io_->GetNumberOfDimensions());
@@ -40,12 +48,14 @@ class ItkSource final : public VolumeSource {
       io_->SetIORegion(whole);
       io_->Read(voxels.data());
     });
+    files_.require_unchanged(path_);
     voxels_ = std::move(voxels);
   }
 
   itk::ImageIOBase::Pointer io_;
   Grid grid_;
   std::filesystem::path path_;
+  VolumeFiles files_;
   std::vector<std::byte> voxels_;
 };
 

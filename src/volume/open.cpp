@@ -49,6 +49,7 @@ class RespacedSource final : public VolumeSource {
   void read_slices(int first, int count, std::span<std::byte> out) override {
     source_->read_slices(first, count, out);
   }
+  Facts facts() const override { return source_->facts(); }
 
  private:
   std::unique_ptr<VolumeSource> source_;

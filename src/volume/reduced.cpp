@@ -48,6 +48,7 @@ class SkippingSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
+  Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     for_each_slice(grid_, first, count, out,
                    [this](auto zero, int z, auto part) { pick<decltype(zero)>(z, part); });
@@ -86,6 +87,7 @@ class HalvedSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
+  Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     for_each_slice(grid_, first, count, out,
                    [this](auto zero, int z, auto part) { filter<decltype(zero)>(z, part); });

@@ -12,6 +12,7 @@
 #include "volume/inflate_stream.hpp"
 #include "volume/input_file.hpp"
 #include "volume/limits.hpp"
+#include "volume/volume_files.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -73,6 +74,20 @@ class StoredSource final : public VolumeSource {
     apply(*stored_.rescale, stored_.type, raw, grid_.type, out);
   }
 
+  Facts facts() const override {
+    Facts facts{{"encoding", stored_.compressed ? "compressed" : "raw"},
+                {"stored type", to_string(stored_.type)}};
+    if (size_of(stored_.type) > 1) facts.push_back({"byte order", stored_.big_endian ? "big" : "little"});
+    if (stored_.rescale)
+      facts.push_back({"rescaling", fmt::format("slope {}, intercept {}", stored_.rescale->slope,
+                                                stored_.rescale->intercept)});
+    facts.push_back({"offset", fmt::format("{} bytes", stored_.offset)});
+    const auto voxel_bytes = std::uint64_t(grid_.voxels()) * size_of(stored_.type);
+    add_facts_of(file_, stored_.offset, stored_.compressed ? file_.size() - stored_.offset : voxel_bytes,
+                 facts);
+    return facts;
+  }
+
  private:
   void read_stored(int first, int count, std::span<std::byte> out) {
     const auto slice_bytes = grid_.slice_voxels(Axis::z) * size_of(stored_.type);
@@ -82,6 +97,7 @@ class StoredSource final : public VolumeSource {
       decode(stored_.skip + position, wanted);
     else
       file_.read(stored_.offset + position, wanted);
+    file_.require_unchanged();
     to_native_order(wanted, size_of(stored_.type), stored_.big_endian);
   }
 

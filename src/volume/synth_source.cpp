@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/synth.hpp"
@@ -21,9 +22,11 @@ T scaled(double value) {
 
 class SynthSource final : public VolumeSource {
  public:
-  SynthSource(const Grid& grid, Field field) : grid_(grid), field_(field) {}
+  SynthSource(std::string name, const Grid& grid, Field field)
+      : name_(std::move(name)), grid_(grid), field_(field) {}
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return true; }
+  Facts facts() const override { return {{"synthetic volume", name_}}; }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
     visit_type(grid_.type, [&](auto type) {
@@ -42,6 +45,7 @@ class SynthSource final : public VolumeSource {
     return field_((x + 0.5) / n.x, (y + 0.5) / n.y, (z + 0.5) / n.z);
   }
 
+  std::string name_;
   Grid grid_;
   Field field_;  ///< null: the one voxel of "point", which depends on the lattice
 };
@@ -53,7 +57,7 @@ std::unique_ptr<VolumeSource> synth_source(const std::string& name, const Grid& 
   std::vector<std::string> names;
   for (const auto& known : synth_names()) {
     if (known.name == name)
-      return std::make_unique<SynthSource>(grid, name == "point" ? nullptr : synth_field(name));
+      return std::make_unique<SynthSource>(name, grid, name == "point" ? nullptr : synth_field(name));
     names.push_back(known.name);
   }
   throw InputError(fmt::format("'{}' is not a synthetic volume", name),

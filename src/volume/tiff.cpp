@@ -13,6 +13,7 @@
 #include "volume/limits.hpp"
 #include "volume/text.hpp"
 #include "volume/tiff_pages.hpp"
+#include "volume/volume_files.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -103,9 +104,15 @@ void add_pages(const std::filesystem::path& path, std::vector<Page>& pages, std:
 /// Pages are found by number, so every process reads its own.
 class TiffSource final : public VolumeSource {
  public:
-  TiffSource(const Grid& grid, std::vector<Page> pages) : grid_(grid), pages_(std::move(pages)) {}
+  TiffSource(const Grid& grid, std::vector<Page> pages)
+      : grid_(grid), pages_(std::move(pages)), files_(files_of(pages_)) {}
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return true; }
+  Facts facts() const override {
+    Facts facts = files_.facts();
+    facts.insert(facts.begin(), {"encoding", "TIFF"});
+    return facts;
+  }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
     const auto bytes = grid_.slice_bytes(Axis::z);
@@ -114,7 +121,14 @@ class TiffSource final : public VolumeSource {
   }
 
  private:
+  static std::vector<std::filesystem::path> files_of(const std::vector<Page>& pages) {
+    std::vector<std::filesystem::path> files;
+    for (const Page& page : pages) files.push_back(page.file);
+    return files;
+  }
+
   void read_page(const Page& page, std::span<std::byte> out) {
+    files_.require_unchanged(page.file);
     if (!image_ || opened_ != page.file) {
       image_ = open_image(page.file);
       opened_ = page.file;
@@ -124,10 +138,12 @@ class TiffSource final : public VolumeSource {
       throw InputError(
           fmt::format("cannot read page {} of {}: {}", page.index, page.file.string(), one_line(problem)),
           "the file was cut short or damaged");
+    files_.require_unchanged(page.file);
   }
 
   Grid grid_;
   std::vector<Page> pages_;
+  VolumeFiles files_;
   std::unique_ptr<ImageFile> image_;
   std::filesystem::path opened_;
 };

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "ringsplat/base/axis.hpp"
+#include "ringsplat/base/fact.hpp"
 
 namespace ringsplat {
 
@@ -65,5 +66,8 @@ struct Grid {
 /// Throws InputError (naming `where`) when a dimension is below 1, the spacing not positive and
 /// finite, the origin not finite, or the direction singular.
 void check(const Grid& grid, const std::string& where);
+
+/// Dimensions, type, spacing, origin and direction; doubles to the last bit.
+Facts facts_of(const Grid& grid);
 
 }  // namespace ringsplat

@@ -24,6 +24,11 @@ class VolumeSource {
   /// native byte order. A source that is not concurrent is cheapest when read in ascending order,
   /// each slice once. Throws InputError naming the file (truncated, unreadable).
   virtual void read_slices(int first, int count, std::span<std::byte> out) = 0;
+
+  /// What must be the same, beside the grid, wherever processes read one volume: encoding, files, their
+  /// sizes, hashes of their first and last bytes. None for a source that reads no file. Throws InputError
+  /// when a file cannot be read.
+  virtual Facts facts() const { return {}; }
 };
 
 /// What the command line says of a raw file; fields left out come from its name
