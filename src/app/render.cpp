@@ -7,6 +7,7 @@
 #include <cstring>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "app/auto_roles.hpp"
 #include "app/browsing.hpp"
@@ -224,7 +225,8 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   Plan plan;
   launch.check_on_rank_0([&] { plan = make_plan(o); });
   const auto open = [&] {
-    return open_everywhere(launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); });
+    return open_everywhere(
+        launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); }, o.volume.path);
   };
   OpenedVolume volume = open();
   launch.check_on_rank_0([&] { check_frames(o, plan, volume.grid); });
@@ -244,7 +246,12 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, plan, scene); });
   if (o.budget.max_error &&
       keep_budget(o, plan.cameras, options.kept_axes, layout, scene, frame, progress, launch)) {
-    volume = open();
+    const Facts before = std::exchange(volume, open()).facts;
+    launch.check_on_rank_0([&] {
+      if (volume.facts != before)
+        throw InputError(fmt::format("{} has changed since it was first read", o.volume.path),
+                         "start again when nobody writes to it any more");
+    });
     scene = load(volume, options, layout, wiring, progress);
   }
 

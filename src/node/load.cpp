@@ -1,11 +1,14 @@
 #include "ringsplat/node/load.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstring>
 #include <optional>
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/normals.hpp"
+#include "ringsplat/net/same_facts.hpp"
 #include "ringsplat/volume/slice_ranges.hpp"
 
 namespace ringsplat {
@@ -241,13 +244,17 @@ void for_each_slice(const std::map<int, SliceStore>& stores, F&& f) {
 }  // namespace
 
 OpenedVolume open_everywhere(Collectives& collectives,
-                             const std::function<std::unique_ptr<VolumeSource>()>& open) {
+                             const std::function<std::unique_ptr<VolumeSource>()>& open,
+                             const std::string& name) {
   OpenedVolume volume;
   std::string error;
   const auto try_open = [&] {
     try {
       volume.source = open();
       check(volume.source->grid(), "the volume");
+      volume.facts = facts_of(volume.source->grid());
+      const Facts more = volume.source->facts();
+      volume.facts.insert(volume.facts.end(), more.begin(), more.end());
     } catch (const InputError& e) {
       error = e.what();
     }
@@ -255,21 +262,24 @@ OpenedVolume open_everywhere(Collectives& collectives,
   if (collectives.process() == 0) try_open();
   agree(collectives, error);
 
-  struct Facts {
+  struct Known {
     Grid grid;
     bool concurrent;
-  } facts{};
-  Block block(sizeof(Facts));
+  } known{};
+  Block block(sizeof(Known));
   if (volume.source) {
-    facts = {volume.source->grid(), volume.source->concurrent()};
-    std::memcpy(block.data(), &facts, sizeof(Facts));
+    known = {volume.source->grid(), volume.source->concurrent()};
+    std::memcpy(block.data(), &known, sizeof(Known));
   }
   block = collectives.broadcast(std::move(block), 0);
-  std::memcpy(&facts, block.data(), sizeof(Facts));
-  volume.grid = facts.grid;
-  volume.concurrent = facts.concurrent;
-  if (volume.concurrent && collectives.process() != 0) try_open();
+  std::memcpy(&known, block.data(), sizeof(Known));
+  volume.grid = known.grid;
+  volume.concurrent = known.concurrent;
+  if (!volume.concurrent) return volume;
+  if (collectives.process() != 0) try_open();
   agree(collectives, error);
+  require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),
+               "give every machine the same files, or a path that leads to one place from all of them");
   return volume;
 }
 

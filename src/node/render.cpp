@@ -7,6 +7,8 @@
 #include "node/charged_transport.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/process.hpp"
+#include "ringsplat/net/same_facts.hpp"
+#include "ringsplat/node/wire_format.hpp"
 
 namespace ringsplat {
 namespace {
@@ -20,6 +22,29 @@ std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring&
     gps[std::size_t(rank)].push_back(gp);
   }
   return gps;
+}
+
+/// What makes sense of the messages with which a volume is dealt and rendered.
+Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) {
+  std::string axes, levels;
+  for (const Axis axis : all_axes)
+    if (load.kept_axes[std::size_t(axis)]) axes += name(axis);
+  for (const int factor : load.factors) levels += fmt::format("{} ", factor);
+  Facts facts = facts_of(grid);
+  const Facts more{{"wire format", wire_format()},
+                   {"GPs", std::to_string(layout.gps)},
+                   {"Renderers", std::to_string(layout.renderers)},
+                   {"idle ranks", std::to_string(layout.idle)},
+                   {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"},
+                   {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
+                   {"mesh", fmt::format("{} x {}", layout.mesh_columns, layout.mesh_rows)},
+                   {"routing", layout.routing == Routing::manhattan ? "manhattan" : "direct"},
+                   {"kept axes", axes},
+                   {"normals", load.with_normals ? "kept" : "left out"},
+                   {"levels", levels},
+                   {"prefilter", load.prefilter ? "yes" : "no"}};
+  facts.insert(facts.end(), more.begin(), more.end());
+  return facts;
 }
 
 void check_wiring(const Layout& layout, const Wiring& wiring) {
@@ -59,6 +84,8 @@ LoadOptions load_options(const FrameSpec& spec, const Grid& grid) {
 
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
                  const Wiring& wiring) {
+  require_same(wiring.collectives, facts_of(volume.grid, options, layout), "was given another scene to load",
+               "every process must pass the same grid, options and layout, and run the same build");
   check_wiring(layout, wiring);
   Scene scene;
   scene.grid = volume.grid;

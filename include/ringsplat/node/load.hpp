@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "ringsplat/net/collectives.hpp"
@@ -20,15 +21,20 @@ struct LoadOptions {
   bool prefilter = false;       ///< of the others (volume/reduced.hpp)
 };
 
-/// Opens the volume on process 0, and on the others too when it can be read by all at once. Every process
-/// gets the grid; a process that need not read gets no source. All throw the same InputError when one fails.
 struct OpenedVolume {
   Grid grid;
   bool concurrent = false;
   std::unique_ptr<VolumeSource> source;
+  Facts facts = {};  ///< on process 0: by what the volume is known again when it is opened once more
 };
+
+/// Opens the volume on process 0, and on the others too when it can be read by all at once; then all must see
+/// the same one: grid, encoding, sizes and first and last bytes. Every process gets the grid; a process that
+/// need not read gets no source. All throw the same InputError when one fails or sees another volume than
+/// process 0; there `name` is what the volume is called.
 OpenedVolume open_everywhere(Collectives& collectives,
-                             const std::function<std::unique_ptr<VolumeSource>()>& open);
+                             const std::function<std::unique_ptr<VolumeSource>()>& open,
+                             const std::string& name = "the volume");
 
 /// Deals the volume to the GPs: GP g gets slices s ≡ g (mod G) of each kept axis, with quantised normals. No
 /// process holds more of the volume than its GPs' share and a batch of slices on their way.

@@ -31,7 +31,8 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 /// What has to be loaded for one frame.
 LoadOptions load_options(const FrameSpec& spec, const Grid& grid);
 
-/// Deals an opened volume's slices and gathers its range and histogram. All processes call it.
+/// Deals an opened volume's slices and gathers its range and histogram. All processes call it, with the same
+/// grid, options and layout: all throw the same InputError that names a process which passed others.
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
                  const Wiring& wiring);
 

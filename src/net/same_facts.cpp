@@ -1,0 +1,108 @@
+#include "ringsplat/net/same_facts.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/fingerprint.hpp"
+
+namespace ringsplat {
+namespace {
+
+void put_text(Bytes& out, const std::string& text) {
+  append(out, std::uint64_t(text.size()));
+  for (const char c : text) append(out, c);
+}
+
+std::string take_text(std::span<const std::byte> in, std::size_t& at) {
+  std::uint64_t size = 0;
+  if (!take(in, at, size) || size > in.size() - at)
+    throw RunError("what a rank says of itself cannot be read", "all ranks must run the same build");
+  const auto part = in.subspan(at, size);
+  at += size;
+  return {reinterpret_cast<const char*>(part.data()), part.size()};
+}
+
+Block encode(const Facts& facts) {
+  Bytes bytes;
+  for (const Fact& fact : facts) {
+    put_text(bytes, fact.field);
+    put_text(bytes, fact.value);
+  }
+  return {bytes.begin(), bytes.end()};
+}
+
+Facts decode(std::span<const std::byte> bytes) {
+  Facts facts;
+  for (std::size_t at = 0; at < bytes.size();) {
+    std::string field = take_text(bytes, at);
+    facts.push_back({std::move(field), take_text(bytes, at)});
+  }
+  return facts;
+}
+
+Block hash_of(const Block& facts) {
+  Fingerprint hash;
+  hash.add(facts);
+  Bytes bytes;
+  append(bytes, hash.value());
+  return {bytes.begin(), bytes.end()};
+}
+
+/// Fills in the first field that differs, of those that process 0 has or else of the other's.
+void find_field(const Facts& on_0, const Facts& there, Disagreement& found) {
+  const auto by_field = [](const Facts& facts) {
+    std::map<std::string, std::string> values;
+    for (const Fact& fact : facts) values.emplace(fact.field, fact.value);
+    return values;
+  };
+  const auto values_on_0 = by_field(on_0), values_there = by_field(there);
+  const auto value_in = [](const auto& values, const std::string& field) {
+    const auto at = values.find(field);
+    return at == values.end() ? "(none)" : at->second;
+  };
+  for (const Facts* facts : {&on_0, &there})
+    for (const Fact& fact : *facts) {
+      found.field = fact.field;
+      found.value = value_in(values_there, fact.field);
+      found.value_on_0 = value_in(values_on_0, fact.field);
+      if (found.value != found.value_on_0) return;
+    }
+}
+
+}  // namespace
+
+std::optional<Disagreement> find_disagreement(Collectives& collectives, const Facts& mine) {
+  const Block facts = encode(mine);
+  const auto hashes = collectives.all_gather(hash_of(facts));
+  const auto differs = [&](const Block& hash) { return hash != hashes.front(); };
+  const auto first = std::find_if(hashes.begin(), hashes.end(), differs);
+  if (first == hashes.end()) return {};
+  Disagreement found{.process = static_cast<int>(first - hashes.begin()),
+                     .others = static_cast<int>(std::count_if(first + 1, hashes.end(), differs))};
+  const auto said_by = [&](int process) {
+    return decode(collectives.broadcast(collectives.process() == process ? facts : Block{}, process));
+  };
+  const Facts on_0 = said_by(0);
+  find_field(on_0, said_by(found.process), found);
+  return found;
+}
+
+void require_same(Collectives& collectives, const Facts& mine, const std::string& what,
+                  const std::string& hint) {
+  const auto found = find_disagreement(collectives, mine);
+  if (!found) return;
+  const std::string others = found->others == 0   ? ""
+                             : found->others == 1 ? " (1 more rank differs)"
+                                                  : fmt::format(" ({} more ranks differ)", found->others);
+  throw InputError(fmt::format("rank {} {}: {} {}, rank 0 has {}{}", found->process, what, found->field,
+                               found->value, found->value_on_0, others),
+                   hint);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,86 @@
+#pragma once
+// Several processes' collectives in one process: each is a thread.
+#include <barrier>
+#include <exception>
+#include <functional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "ringsplat/net/collectives.hpp"
+
+namespace ringsplat::test {
+
+/// What the threads share. One that ends early counts as having nothing more to say, so that the others go
+/// on.
+class ThreadExchange {
+ public:
+  explicit ThreadExchange(int processes) : barrier_(processes), mail_(std::size_t(processes)) {
+    for (auto& row : mail_) row.resize(std::size_t(processes));
+  }
+  int processes() const { return int(mail_.size()); }
+  std::vector<Block> swap(int process, std::vector<Block> out) {
+    mail_[std::size_t(process)] = std::move(out);
+    barrier_.arrive_and_wait();
+    std::vector<Block> in;
+    for (const auto& row : mail_) in.push_back(row[std::size_t(process)]);
+    barrier_.arrive_and_wait();
+    return in;
+  }
+  void leave(int process) {
+    mail_[std::size_t(process)].assign(mail_.size(), {});
+    barrier_.arrive_and_drop();
+  }
+
+ private:
+  std::barrier<> barrier_;
+  std::vector<std::vector<Block>> mail_;  ///< [from][to]
+};
+
+class ThreadCollectives final : public Collectives {
+ public:
+  ThreadCollectives(ThreadExchange& exchange, int process) : exchange_(exchange), process_(process) {}
+  int process() const override { return process_; }
+  int processes() const override { return exchange_.processes(); }
+  std::vector<Block> all_to_all(std::vector<Block> out) override {
+    for (const Block& block : out) sent_ += block.size();
+    return exchange_.swap(process_, std::move(out));
+  }
+  std::vector<Block> all_gather(const Block& mine) override {
+    sent_ += mine.size();
+    return exchange_.swap(process_, std::vector<Block>(std::size_t(processes()), mine));
+  }
+  Block broadcast(Block block, int root) override {
+    if (process_ == root) sent_ += block.size();
+    return exchange_.swap(process_,
+                          std::vector<Block>(std::size_t(processes()), std::move(block)))[std::size_t(root)];
+  }
+  std::size_t sent() const { return sent_; }  ///< bytes, one for all receivers
+
+ private:
+  ThreadExchange& exchange_;
+  int process_;
+  std::size_t sent_ = 0;
+};
+
+/// Runs `f` as so many processes. What each throws, by process; empty for one that ends well.
+inline std::vector<std::string> run_as_processes(int processes,
+                                                 const std::function<void(ThreadCollectives&)>& f) {
+  ThreadExchange exchange(processes);
+  std::vector<std::string> thrown(std::size_t(processes), std::string{});
+  std::vector<std::thread> threads;
+  for (int p = 0; p < processes; ++p)
+    threads.emplace_back([&, p] {
+      ThreadCollectives mine(exchange, p);
+      try {
+        f(mine);
+      } catch (const std::exception& e) {
+        thrown[std::size_t(p)] = e.what();
+      }
+      exchange.leave(p);
+    });
+  for (auto& thread : threads) thread.join();
+  return thrown;
+}
+
+}  // namespace ringsplat::test
