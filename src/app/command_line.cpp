@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/option_values.hpp"
+#include "app/settled_options.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -220,6 +221,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
 
   try {
     program.parse(argc, argv);
+    line.options = settled_options(program);
     refuse_contradictions(program);
     for (const auto* subcommand : program.get_subcommands()) refuse_contradictions(*subcommand);
     if (render_app->parsed()) {

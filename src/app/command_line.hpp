@@ -17,6 +17,7 @@ struct CommandLine {
                ReferenceOptions, StudyOptions>
       command;
   bool verbose = false;
+  Facts options;      ///< what was said (settled_options)
   std::string error;  ///< one line with a hint, or empty
 };
 

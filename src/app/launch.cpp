@@ -6,8 +6,10 @@
 #include <new>
 #include <span>
 
+#include "app/build_id.hpp"
 #include "app/role_choice.hpp"
 #include "ringsplat/model/charge.hpp"
+#include "ringsplat/net/same_facts.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -68,6 +70,15 @@ Launch::Launch(int& argc, char**& argv, TransportChoice choice)
 Transport* Launch::transport() {
   if (over_mpi() && !transport_) transport_ = session_->make_transport();
   return transport_.get();
+}
+
+void Launch::require_same_build() const {
+  if (session_) app::require_same_build(session_->introductions(build_id()));
+}
+
+void Launch::require_same_options(const Facts& options) {
+  require_same(*collectives_, options, "was started with other options",
+               "start all ranks with the same command line and --config file; only --verbose may differ");
 }
 
 void Launch::settle(const std::string& error) {

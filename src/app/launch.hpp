@@ -36,6 +36,10 @@ class Launch {
   Transport* transport();
   Wiring wiring(const LoopbackOptions& loopback) { return {collectives(), transport(), loopback}; }
 
+  /// Throws InputError on all ranks when one runs another build than rank 0. Comes first of what ranks say.
+  void require_same_build() const;
+  /// Throws InputError on all ranks when one was told other options than rank 0.
+  void require_same_options(const Facts& options);
   /// All ranks hand in an error's text or an empty one; all throw the same InputError when any has one.
   void settle(const std::string& error);
   /// `check` runs on every rank; when it throws InputError on one, all throw it.

@@ -30,9 +30,12 @@ struct Ending {
 };
 
 Ending dispatch(const CommandLine& line, Launch& launch) {
-  // A --config file may be readable on some ranks only: what they say must be the same before they go on.
+  // Ranks may be of different builds, started differently, or able to read their --config file on some
+  // machines only: what they say must be the same before they go on.
   const Outcome agreed = guarded([&] {
+    launch.require_same_build();
     launch.settle(line.error);
+    launch.require_same_options(line.options);
     return ExitCode::done;
   });
   if (agreed.code != ExitCode::done) return {agreed, agreed.code == ExitCode::bad_input};

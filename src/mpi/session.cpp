@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <cstring>
 
 #include "mpi/checked.hpp"
 #include "ringsplat/base/clock.hpp"
@@ -40,6 +41,20 @@ std::unique_ptr<Transport> MpiSession::make_transport() {
   return simulated() ? make_blocking_transport(MPI_COMM_WORLD) : make_mpi_transport(MPI_COMM_WORLD);
 }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
+
+std::vector<std::string> MpiSession::introductions(const std::string& mine) const {
+  // Other builds rely on the size and on the closing zero.
+  constexpr std::size_t size = 128;
+  std::array<char, size> text{};
+  mine.copy(text.data(), size - 1);
+  std::vector<char> all(size * std::size_t(ranks()));
+  checked(MPI_Allgather(text.data(), int(size), MPI_CHAR, all.data(), int(size), MPI_CHAR, MPI_COMM_WORLD),
+          "MPI_Allgather (introductions)");
+  std::vector<std::string> said;
+  for (std::size_t at = 0; at < all.size(); at += size)
+    said.emplace_back(all.data() + at, ::strnlen(all.data() + at, size));
+  return said;
+}
 
 void MpiSession::abort(int exit_code) {
   MPI_Abort(MPI_COMM_WORLD, exit_code);

@@ -39,24 +39,53 @@ inline std::string quoted(const std::string& word) {
   return safe.append("'");
 }
 
-/// ranks 0: without a launcher. `input`: what comes on stdin.
-inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0,
-                         const std::string& input = {}) {
+/// A command of the shell, after at most a minute killed. `input`: what comes on stdin.
+inline Ended run_command(const std::string& command, const std::string& input = {}) {
   const TemporaryFolder said;
   write_text(said / "in", input);
-  std::string command = "timeout -k 2 60 ";
-  if (ranks > 0) command += quoted(RINGSPLAT_MPIEXEC) + " -n " + std::to_string(ranks) + " ";
-  command += quoted(RINGSPLAT_PROGRAM);
-  for (const auto& argument : arguments) command.append(" ").append(quoted(argument));
-  command += " >" + quoted(said / "out") + " 2>" + quoted(said / "err") + " <" + quoted(said / "in");
+  std::string line = "timeout -k 2 60 " + command;
+  line += " >" + quoted(said / "out") + " 2>" + quoted(said / "err") + " <" + quoted(said / "in");
   const auto start = std::chrono::steady_clock::now();
-  const int status = std::system(command.c_str());
+  const int status = std::system(line.c_str());
   Ended ended;
   ended.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   ended.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   ended.out = read_text(said / "out");
   ended.err = read_text(said / "err");
   return ended;
+}
+
+inline std::string command_of(const std::string& program, const std::vector<std::string>& arguments) {
+  std::string command = quoted(program);
+  for (const auto& argument : arguments) command.append(" ").append(quoted(argument));
+  return command;
+}
+
+/// ranks 0: without a launcher. `input`: what comes on stdin.
+inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0,
+                         const std::string& input = {}) {
+  std::string command;
+  if (ranks > 0) command += quoted(RINGSPLAT_MPIEXEC) + " -n " + std::to_string(ranks) + " ";
+  return run_command(command.append(command_of(RINGSPLAT_PROGRAM, arguments)), input);
+}
+
+/// Ranks of one job that are started differently: `ranks` of `program` with `arguments`, in `folder`.
+struct RankGroup {
+  int ranks = 1;
+  fs::path folder;
+  std::vector<std::string> arguments;
+  std::string program = RINGSPLAT_PROGRAM;
+};
+
+inline Ended run_groups(const std::vector<RankGroup>& groups) {
+  std::string command;
+  for (const auto& group : groups) {
+    command.append(command.empty() ? quoted(RINGSPLAT_MPIEXEC) : " :");
+    command.append(" -n ").append(std::to_string(group.ranks));
+    command.append(" -wdir ").append(quoted(group.folder.string()));
+    command.append(" ").append(command_of(group.program, group.arguments));
+  }
+  return run_command(command);
 }
 
 inline std::vector<std::string> lines_with(const std::string& text, const std::string& part) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/transport.hpp"
@@ -21,6 +22,10 @@ class MpiSession {
   /// All ranks call both, in the same order.
   std::unique_ptr<Transport> make_transport();
   std::unique_ptr<Collectives> make_collectives();
+  /// What every rank says, by rank; up to 127 letters, what is longer is cut. All ranks call it, before
+  /// anything else: its message is the same in every build, so that ranks of different builds can tell each
+  /// other which.
+  std::vector<std::string> introductions(const std::string& mine) const;
   /// Ends the job on all ranks.
   [[noreturn]] void abort(int exit_code);
 
