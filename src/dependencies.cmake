@@ -11,8 +11,8 @@ find_package(ZLIB REQUIRED)
 find_package(TBB CONFIG REQUIRED)
 # Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
 set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
-find_package(ITK REQUIRED COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIOMeta ITKMetaIO ITKIONIFTI ITKNIFTI
-             ITKIOGDCM ITKIOTIFF ITKIOVTK)
+find_package(ITK REQUIRED COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIFTI ITKNIFTI ITKIOGDCM
+             ITKIOTIFF ITKIOVTK)
 unset(CMAKE_MESSAGE_LOG_LEVEL)
 
 # Debian's OpenImageIO CMake package names an include folder of another package

@@ -1,93 +1,192 @@
 #include <fmt/format.h>
-#include <itkMetaImageIO.h>
 
 #include <algorithm>
-#include <fstream>
+#include <array>
+#include <limits>
+#include <span>
+#include <string_view>
+#include <utility>
+#include <vector>
 
+#include "ringsplat/base/error.hpp"
 #include "volume/formats.hpp"
 #include "volume/input_file.hpp"
-#include "volume/itk_image.hpp"
-#include "volume/limits.hpp"
+#include "volume/meta_header.hpp"
+#include "volume/slice_files.hpp"
 #include "volume/stored_source.hpp"
+#include "volume/text.hpp"
+#include "volume/text_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-/// MetaIO loops for ever, or writes beyond its arrays, when NDims is not from 1 to 10.
-void require_dimension_count(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string line;
-  constexpr std::size_t longest_header = 10'000;  // lines; MetaIO's own limit is lower
-  for (std::size_t i = 0; i < longest_header && std::getline(stream, line); ++i) {
-    const auto equals = line.find_first_of("=:");
-    const auto key = one_line(line.substr(0, equals));
-    if (key == "ElementDataFile") return;
-    if (key != "NDims" || equals == std::string::npos) continue;
-    const auto value = one_line(line.substr(equals + 1));
-    if (value != "2" && value != "3" && value != "4")
-      throw InputError(fmt::format("{}: NDims is '{}'", path.string(), value),
-                       "only volumes of 3 dimensions can be rendered");
-  }
+constexpr const char* pattern_hint = "write it as 'NAME%03d.raw FIRST LAST STEP'";
+
+[[noreturn]] void fail_data_file(const std::filesystem::path& path, const MetaHeader& header,
+                                 const std::string& what, const std::string& hint) {
+  throw InputError(fmt::format("{}: ElementDataFile '{}' {}", path.string(), excerpt(header.data_file), what),
+                   hint);
 }
 
-/// The header as MetaIO reads it, and the byte after its last line.
-struct MetaHeader {
-  MetaImage image;
-  std::uint64_t end = 0;
+/// A name in which "%d" or "%03d" stands for a number. Nothing else may follow a percent sign: MetaIO hands
+/// the name to printf.
+class NamePattern {
+ public:
+  /// Not valid where the name is no such pattern.
+  explicit NamePattern(const std::string& name) {
+    const auto percent = name.find('%');
+    const auto letter = name.find_first_not_of("0123456789", percent + 1);
+    if (percent == std::string::npos || letter == std::string::npos || name[letter] != 'd' ||
+        name.find('%', letter) != std::string::npos)
+      return;
+    const auto digits = name.substr(percent + 1, letter - percent - 1);
+    constexpr int widest = 20;
+    width_ = digits.empty() ? 0 : number_in<int>(digits).value_or(widest + 1);
+    zeros_ = digits.starts_with('0');
+    before_ = name.substr(0, percent);
+    after_ = name.substr(letter + 1);
+    valid_ = width_ <= widest;
+  }
+  bool valid() const { return valid_; }
+  std::string name(std::int64_t number) const {
+    const auto digits = zeros_ ? fmt::format("{:0{}}", number, width_) : fmt::format("{:{}}", number, width_);
+    return before_ + digits + after_;
+  }
 
-  explicit MetaHeader(const std::filesystem::path& path) {
-    require_dimension_count(path);
-    std::ifstream stream(path, std::ios::binary);
-    constexpr bool read_voxels = false;
-    if (!image.ReadStream(0, &stream, read_voxels))
-      throw InputError(fmt::format("{} has no readable MetaImage header", path.string()),
-                       "it needs NDims, DimSize, ElementType and ElementDataFile");
-    for (int i = 0; i < image.NDims(); ++i)
-      if (image.DimSize(i) < 1)
-        throw InputError(fmt::format("{}: DimSize is {} along axis {}", path.string(), image.DimSize(i), i),
-                         "every dimension must be at least 1");
-    stream.clear();
-    end = std::uint64_t(stream.tellg());
-  }
-  std::string data_name() const { return image.ElementDataFileName(); }
-  bool is_local() const { return data_name() == "LOCAL" || data_name() == "Local" || data_name() == "local"; }
-  /// A list of files or a name pattern, one file a slice or so.
-  bool several_files() const {
-    return data_name().rfind("LIST", 0) == 0 || data_name().find('%') != std::string::npos;
-  }
+ private:
+  bool valid_ = false, zeros_ = false;
+  int width_ = 0;
+  std::string before_, after_;
 };
 
+struct Numbering {
+  std::int64_t first = 1, last = 0, step = 1;
+};
+
+/// FIRST, LAST and STEP follow the name, which may have blanks in it when all three do.
+std::pair<NamePattern, Numbering> parse_pattern(const std::filesystem::path& path, const MetaHeader& header,
+                                                std::int64_t files) {
+  const auto words = words_of(header.data_file);
+  const auto numbers = words.size() > 4 ? 3 : words.size() - 1;
+  auto name_end = header.data_file.size();
+  std::vector<std::int64_t> given;
+  for (std::size_t i = words.size() - numbers; i < words.size(); ++i) {
+    const auto number = number_in<std::int32_t>(words[i]);
+    if (!number || *number < 0)
+      fail_data_file(path, header, fmt::format("has '{}' where a whole number belongs", excerpt(words[i])),
+                     pattern_hint);
+    given.push_back(*number);
+  }
+  for (std::size_t i = 0; i < numbers; ++i)
+    name_end = header.data_file.find_last_not_of(" \t", header.data_file.find_last_of(" \t", name_end) - 1);
+  const NamePattern pattern(header.data_file.substr(0, numbers > 0 ? name_end + 1 : std::string::npos));
+  if (!pattern.valid())
+    fail_data_file(path, header,
+                   "is no pattern of file names: it needs one %d and nothing else with a percent sign",
+                   pattern_hint);
+  Numbering range;
+  if (!given.empty()) range.first = given[0];
+  range.last = given.size() > 1 ? given[1] : range.first + files - 1;
+  if (given.size() > 2)
+    range.step = given[2];
+  else if (files > 1)
+    range.step = (range.last - range.first) / (files - 1);
+  return {pattern, range};
+}
+
+std::vector<std::string> names_of_pattern(const std::filesystem::path& path, const MetaHeader& header,
+                                          std::int64_t files) {
+  const auto [pattern, range] = parse_pattern(path, header, files);
+  if (range.step < 1)
+    fail_data_file(path, header, fmt::format("counts in steps of {}", range.step), pattern_hint);
+  const auto found = range.last < range.first ? 0 : (range.last - range.first) / range.step + 1;
+  if (found != files)
+    fail_data_file(path, header, fmt::format("names {} files, DimSize asks for {}", found, files),
+                   "correct the numbers behind the name, or DimSize");
+  std::vector<std::string> names;
+  for (std::int64_t i = 0; i < files; ++i) names.push_back(pattern.name(range.first + i * range.step));
+  return names;
+}
+
+/// The lines behind the header, of which empty ones mean nothing.
+std::vector<std::string> names_of_list(const std::filesystem::path& path, const MetaHeader& header,
+                                       std::int64_t files) {
+  const InputFile file(path);
+  const auto bytes = file.size() - header.end;
+  constexpr std::uint64_t longest_name = 4096;
+  if (bytes / longest_name > std::uint64_t(files))
+    fail_data_file(path, header, fmt::format("is followed by {} bytes", bytes), "give one file name a line");
+  std::string text(std::size_t(bytes), '\0');
+  file.read(header.end, std::as_writable_bytes(std::span(text)));
+  std::vector<std::string> names;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto newline = std::min(text.find('\n', at), text.size());
+    const auto name = trimmed(text.substr(at, newline - at));
+    if (!name.empty()) names.push_back(name);
+    at = newline + 1;
+  }
+  if (std::int64_t(names.size()) != files)
+    fail_data_file(path, header, fmt::format("names {} files, DimSize asks for {}", names.size(), files),
+                   "give one file name a line");
+  return names;
+}
+
+bool is_list(const MetaHeader& header) { return words_of(header.data_file).front() == "LIST"; }
+
+/// "LIST 2" and "LIST 3" say how many dimensions a file has; without a number it is one less than the volume.
+int dimensions_of_a_file(const std::filesystem::path& path, const MetaHeader& header) {
+  const auto words = words_of(header.data_file);
+  int dimensions = header.dimensions - 1;
+  if (is_list(header) && words.size() > 1) {
+    const auto number = number_in<int>(
+        lower_case(words[1]).ends_with('d') ? words[1].substr(0, words[1].size() - 1) : words[1]);
+    if (words.size() > 2 || !number || *number < 2 || *number > 3)
+      fail_data_file(path, header, "cannot be read", "a LIST is of files of 2 or 3 dimensions");
+    dimensions = *number;
+  }
+  if (dimensions < 2)
+    fail_data_file(path, header, "names files of single lines", "put whole slices into files");
+  return dimensions;
+}
+
+std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path, const MetaHeader& header) {
+  if (!header.binary || header.compressed)
+    fail_data_file(path, header,
+                   fmt::format("names several files of {}", header.binary ? "compressed voxels" : "text"),
+                   "write the volume into one file");
+  const std::int64_t files = dimensions_of_a_file(path, header) > 2 ? 1 : header.grid.dims.z;
+  const auto names =
+      is_list(header) ? names_of_list(path, header, files) : names_of_pattern(path, header, files);
+  SliceFiles slices{.files = {}, .header_size = header.header_size, .big_endian = header.big_endian};
+  for (const auto& name : names) slices.files.push_back(path.parent_path() / name);
+  return slice_files_source(header.grid, std::move(slices));
+}
+
+/// Where one file's voxels begin. A header size is for uncompressed voxels in a file of their own.
 std::uint64_t voxel_offset(const MetaHeader& header, std::uint64_t file_bytes, std::uint64_t voxel_bytes) {
   if (header.is_local()) return header.end;
-  // -1: the voxels are the last bytes of the file (MetaIO's documentation, "HeaderSize").
-  if (header.image.HeaderSize() == -1) return file_bytes - std::min(file_bytes, voxel_bytes);
-  return header.image.HeaderSize() > 0 ? std::uint64_t(header.image.HeaderSize()) : 0;
+  if (header.compressed) return 0;
+  if (header.header_size < 0) return file_bytes - std::min(file_bytes, voxel_bytes);
+  return std::uint64_t(header.header_size);
 }
 
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path) {
-  return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
-    const MetaHeader header(path);
-    auto io = itk::MetaImageIO::New();
-    io->SetFileName(path.string());
-    io->ReadImageInformation();
-    const Grid grid = grid_of(*io, path);
-    if (header.several_files()) return itk_source(io.GetPointer(), grid, path);
-
-    StoredVoxels stored{.file = header.is_local() ? path : path.parent_path() / header.data_name()};
-    const InputFile file(stored.file);
-    if (!header.image.BinaryData()) {
-      require_numbers(stored.file, header.is_local() ? header.end : 0, std::uint64_t(grid.voxels()));
-      return itk_source(io.GetPointer(), grid, path);
-    }
-    stored.compressed = header.image.CompressedData();
-    stored.offset =
-        stored.compressed && !header.is_local() ? 0 : voxel_offset(header, file.size(), grid.bytes());
-    stored.big_endian = header.image.BinaryDataByteOrderMSB();
-    stored.type = grid.type;
-    return stored_source(grid, stored);
-  });
+  const MetaHeader header = read_meta_header(path);
+  if (is_list(header) || header.data_file.find('%') != std::string::npos)
+    return open_slice_files(path, header);
+  const auto file = header.is_local() ? path : path.parent_path() / header.data_file;
+  if (!header.binary)
+    return text_source(
+        header.grid, file,
+        header.is_local() ? header.end : std::uint64_t(std::max<std::int64_t>(0, header.header_size)));
+  return stored_source(header.grid,
+                       {.file = file,
+                        .offset = voxel_offset(header, InputFile(file).size(), header.grid.bytes()),
+                        .compressed = header.compressed,
+                        .big_endian = header.big_endian,
+                        .type = header.grid.type});
 }
 
 }  // namespace ringsplat::detail

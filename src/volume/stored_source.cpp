@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <cstring>
 #include <utility>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "volume/byte_order.hpp"
 #include "volume/inflate_stream.hpp"
 #include "volume/input_file.hpp"
 #include "volume/limits.hpp"
@@ -16,26 +16,6 @@
 
 namespace ringsplat::detail {
 namespace {
-
-template <std::size_t Size>
-void swap_bytes(std::span<std::byte> values) {
-  for (std::size_t i = 0; i + Size <= values.size(); i += Size)
-    std::reverse(values.begin() + std::ptrdiff_t(i), values.begin() + std::ptrdiff_t(i + Size));
-}
-
-void to_native_order(std::span<std::byte> values, std::size_t scalar_bytes, bool big_endian) {
-  if (big_endian == (std::endian::native == std::endian::big)) return;
-  switch (scalar_bytes) {
-    case 2:
-      return swap_bytes<2>(values);
-    case 4:
-      return swap_bytes<4>(values);
-    case 8:
-      return swap_bytes<8>(values);
-    default:
-      return;
-  }
-}
 
 void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
            std::span<std::byte> out) {

@@ -1,0 +1,22 @@
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <span>
+#include <type_traits>
+
+namespace ringsplat::detail {
+
+/// Turns scalars of that many bytes, stored in one order, into the machine's.
+inline void to_native_order(std::span<std::byte> values, std::size_t scalar_bytes, bool big_endian) {
+  if (scalar_bytes < 2 || big_endian == (std::endian::native == std::endian::big)) return;
+  const auto swap = [values](auto size) {
+    for (std::size_t i = 0; i + size() <= values.size(); i += size())
+      std::reverse(values.begin() + std::ptrdiff_t(i), values.begin() + std::ptrdiff_t(i + size()));
+  };
+  if (scalar_bytes == 2) swap(std::integral_constant<std::size_t, 2>{});
+  if (scalar_bytes == 4) swap(std::integral_constant<std::size_t, 4>{});
+  if (scalar_bytes == 8) swap(std::integral_constant<std::size_t, 8>{});
+}
+
+}  // namespace ringsplat::detail

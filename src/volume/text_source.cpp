@@ -1,0 +1,119 @@
+#include "volume/text_source.hpp"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "ringsplat/base/error.hpp"
+#include "volume/input_file.hpp"
+#include "volume/limits.hpp"
+#include "volume/text.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+/// Writers print whole numbers as "1e+06" too.
+template <class T>
+std::optional<T> voxel_in(const std::string& word) {
+  const auto number = number_in<double>(word);
+  if (!number) return {};
+  if constexpr (std::is_integral_v<T>)
+    if (!(*number >= double(std::numeric_limits<T>::min()) &&
+          *number <= double(std::numeric_limits<T>::max())) ||
+        *number != std::trunc(*number))
+      return {};
+  return T(*number);
+}
+
+class Words {
+ public:
+  Words(const std::filesystem::path& path, std::uint64_t offset) : file_(path), offset_(offset) {}
+
+  /// Empty at the end. A word of more than any number's characters ends there.
+  std::string next() {
+    constexpr std::size_t longest = 400;
+    std::string word;
+    for (auto c = peek(); c && word.size() < longest; c = peek()) {
+      const bool blank = std::isspace(static_cast<unsigned char>(*c)) != 0;
+      if (blank && !word.empty()) break;
+      ++at_;
+      if (!blank) word += *c;
+    }
+    return word;
+  }
+
+ private:
+  std::optional<char> peek() {
+    if (at_ == got_) {
+      offset_ += got_;
+      at_ = 0;
+      got_ = file_.read_some(offset_, window_);
+      if (got_ == 0) return {};
+    }
+    return char(window_[at_]);
+  }
+
+  InputFile file_;
+  std::uint64_t offset_;
+  std::vector<std::byte> window_ = std::vector<std::byte>(64 * 1024);
+  std::size_t at_ = 0, got_ = 0;
+};
+
+class TextSource final : public VolumeSource {
+ public:
+  TextSource(const Grid& grid, std::filesystem::path path, std::uint64_t offset)
+      : grid_(grid), path_(std::move(path)), offset_(offset) {
+    require_numbers(path_, offset_, std::uint64_t(grid.voxels()));
+  }
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return false; }
+
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    if (voxels_.empty()) load();
+    const auto bytes = grid_.slice_bytes(Axis::z);
+    std::memcpy(out.data(), voxels_.data() + std::size_t(first) * bytes, std::size_t(count) * bytes);
+  }
+
+ private:
+  void load() {
+    std::vector<std::byte> voxels(grid_.bytes());
+    Words words(path_, offset_);
+    visit_type(grid_.type, [&](auto type) {
+      using T = decltype(type);
+      auto* values = reinterpret_cast<T*>(voxels.data());
+      for (std::int64_t i = 0; i < grid_.voxels(); ++i) {
+        const auto word = words.next();
+        const auto value = voxel_in<T>(word);
+        if (!value)
+          throw InputError(fmt::format("{}: voxel {}, '{}', is not a number of type {}", path_.string(), i,
+                                       excerpt(word), to_string(grid_.type)),
+                           "correct the file or its type");
+        values[i] = *value;
+      }
+    });
+    voxels_ = std::move(voxels);
+  }
+
+  Grid grid_;
+  std::filesystem::path path_;
+  std::uint64_t offset_;
+  std::vector<std::byte> voxels_;
+};
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> text_source(const Grid& grid, const std::filesystem::path& file,
+                                          std::uint64_t offset) {
+  return std::make_unique<TextSource>(grid, file, offset);
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,16 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+
+#include "ringsplat/volume/source.hpp"
+
+namespace ringsplat::detail {
+
+/// Reads a volume written as numbers with blanks between them, from a byte of the file on, x fastest. The
+/// first read holds the whole volume; not concurrent. Throws InputError for fewer words than voxels; reading
+/// does for a word that is no number of the grid's type.
+std::unique_ptr<VolumeSource> text_source(const Grid& grid, const std::filesystem::path& file,
+                                          std::uint64_t offset);
+
+}  // namespace ringsplat::detail
