@@ -1,10 +1,7 @@
 #include <fmt/format.h>
-#include <itkGDCMImageIO.h>
-#include <itkMetaDataObject.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <map>
 #include <optional>
@@ -13,12 +10,12 @@
 #include <utility>
 #include <vector>
 
+#include "ringsplat/base/error.hpp"
 #include "ringsplat/base/log.hpp"
 #include "volume/dicom_elements.hpp"
+#include "volume/dicom_image.hpp"
 #include "volume/formats.hpp"
-#include "volume/input_file.hpp"
-#include "volume/itk_image.hpp"
-#include "volume/limits.hpp"
+#include "volume/text.hpp"
 #include "volume/volume_files.hpp"
 
 namespace ringsplat::detail {
@@ -26,64 +23,23 @@ namespace {
 
 struct DicomSlice {
   std::filesystem::path file;
-  Grid grid;  ///< one slice, its type after rescaling
+  Grid grid;  ///< its type after rescaling; several slices in a multi-frame file
   std::string series;
   int number = 0;  ///< Instance Number
 };
 
-itk::GDCMImageIO::Pointer read_information(const std::filesystem::path& file) {
-  auto io = itk::GDCMImageIO::New();
-  io->SetFileName(file.string());
-  io->ReadImageInformation();
-  return io;
-}
-
-/// The text of an element named "gggg|eeee", without its padding; empty when there is none.
-std::string text_of(const itk::GDCMImageIO& io, const char* tag) {
-  std::string text;
-  itk::ExposeMetaData<std::string>(io.GetMetaDataDictionary(), tag, text);
-  while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
-  return text;
-}
-
-/// What GDCM answers with an assertion or with zeros is refused before it sees it.
-void require_sound(const std::filesystem::path& file, const DicomElements& elements) {
-  if (!elements.followed) return;
-  if (elements.samples != 1)
-    throw InputError(fmt::format("{}: {} values per pixel", file.string(), elements.samples),
-                     "only scalar volumes can be rendered: take a series of grey images");
-  if (elements.rows < 1 || elements.columns < 1)
-    throw InputError(
-        fmt::format("{}: {} rows and {} columns", file.string(), elements.rows, elements.columns),
-        "take an image that has pixels");
-  if (elements.bits_allocated != 8 && elements.bits_allocated != 16 && elements.bits_allocated != 32)
-    throw InputError(fmt::format("{}: {} bits allocated per pixel", file.string(), elements.bits_allocated),
-                     "convert it to 8, 16 or 32 bits");
-  const auto bytes = std::uint64_t(elements.rows) * std::uint64_t(elements.columns) *
-                     std::uint64_t(elements.bits_allocated / 8);
-  if (elements.pixel_bytes)
-    require_bytes(file, *elements.pixel_bytes, 0, bytes);
-  else
-    require_compressed_bytes(file, InputFile(file).size(), bytes, any_best_ratio);
-}
-
-DicomSlice describe(const std::filesystem::path& file, const DicomElements& elements) {
-  require_sound(file, elements);
-  const auto io = read_information(file);
-  DicomSlice slice{file, grid_of(*io, file), text_of(*io, "0020|000e"),
-                   std::atoi(text_of(*io, "0020|0013").c_str())};
-  // The frames of a multi-frame file are in its grid only.
-  if (elements.pixel_bytes)
-    require_bytes(file, *elements.pixel_bytes, 0,
-                  std::uint64_t(slice.grid.voxels()) * std::uint64_t(elements.bits_allocated / 8));
-  return slice;
-}
-
-/// Nothing for a file that is no DICOM image: notes, a DICOMDIR, a report.
 std::optional<DicomSlice> try_describe(const std::filesystem::path& file) {
-  const auto elements = follow_dicom_elements(file);
-  if (!elements || !elements->has_pixels) return {};
-  return describe(file, *elements);
+  const auto image = DicomImage::open(file);
+  if (!image) return {};
+  return DicomSlice{file, image->grid(), image->series(), image->number()};
+}
+
+/// Of a file that was described before. Throws InputError when it is another now.
+void read_image(const DicomSlice& slice, std::span<std::byte> out) {
+  auto image = DicomImage::open(slice.file);
+  if (!image || image->grid().dims != slice.grid.dims || image->grid().type != slice.grid.type)
+    throw InputError(fmt::format("{} has changed while it was read", slice.file.string()), "start again");
+  image->read(out);
 }
 
 template <class From, class To>
@@ -120,11 +76,10 @@ class DicomSource final : public VolumeSource {
   }
 
   void read_slice(const DicomSlice& slice, std::span<std::byte> out) {
-    // GDCM fills as many bytes as the file says now, whatever room there is.
     files_.require_unchanged(slice.file);
     const bool same = slice.grid.type == grid_.type;
     std::vector<std::byte> raw(same ? 0 : slice.grid.bytes());
-    with_itk(slice.file, [&] { read_information(slice.file)->Read(same ? out.data() : raw.data()); });
+    read_image(slice, same ? out : raw);
     files_.require_unchanged(slice.file);
     if (same) return;
     // Where slices differ in their rescaling, types differ too and the volume's is float32.
@@ -134,6 +89,29 @@ class DicomSource final : public VolumeSource {
   Grid grid_;
   std::vector<DicomSlice> slices_;
   VolumeFiles files_;
+};
+
+/// The frames of one file, which GDCM decodes all at once: the first read holds the volume.
+class MultiFrameSource final : public VolumeSource {
+ public:
+  explicit MultiFrameSource(DicomSlice frames) : frames_(std::move(frames)) {}
+  const Grid& grid() const override { return frames_.grid; }
+  bool concurrent() const override { return false; }
+
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    if (voxels_.empty()) {
+      std::vector<std::byte> voxels(frames_.grid.bytes());
+      read_image(frames_, voxels);
+      voxels_ = std::move(voxels);
+    }
+    const auto bytes = frames_.grid.slice_bytes(Axis::z);
+    std::copy_n(voxels_.begin() + std::ptrdiff_t(std::size_t(first) * bytes), std::size_t(count) * bytes,
+                out.begin());
+  }
+
+ private:
+  DicomSlice frames_;
+  std::vector<std::byte> voxels_;
 };
 
 void require_alike(const std::vector<DicomSlice>& slices) {
@@ -177,12 +155,39 @@ Grid stack_grid(const std::vector<DicomSlice>& slices, const std::filesystem::pa
 
 using Series = std::map<std::string, std::vector<DicomSlice>>;
 
+std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (entry.is_regular_file()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+void tell(const std::vector<InputError>& problems, const std::filesystem::path& folder) {
+  constexpr std::size_t most = 5;
+  for (std::size_t i = 0; i < std::min(problems.size(), most); ++i)
+    log_warning_once("left out: {}", problems[i].what());
+  if (problems.size() > most)
+    log_warning_once("left out: {} more files of {} that cannot be read", problems.size() - most, folder.string());
+}
+
+/// What can be read of a folder; the files that cannot are named in warnings. Throws the first one's
+/// complaint when nothing can.
 Series series_in(const std::filesystem::path& folder) {
   Series series;
-  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    if (auto slice = try_describe(entry.path())) series[slice->series].push_back(std::move(*slice));
+  std::vector<InputError> problems;
+  for (const auto& file : files_in(folder)) {
+    try {
+      if (auto slice = try_describe(file))
+        series[slice->series].push_back(std::move(*slice));
+      else if (lower_case(file.extension().string()) == ".dcm" && !is_dicom(file))
+        throw InputError(fmt::format("{} is no DICOM file", file.string()), "copy the file again");
+    } catch (const InputError& error) {
+      problems.push_back(error);
+    }
   }
+  if (series.empty() && !problems.empty()) throw InputError(problems.front());
+  tell(problems, folder);
   return series;
 }
 
@@ -218,19 +223,16 @@ std::vector<DicomSlice> choose_series(const std::filesystem::path& path) {
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path) {
-  return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
-    auto slices = choose_series(path);
-    if (slices.empty())
-      throw InputError(fmt::format("{} holds no DICOM or TIFF images", path.string()),
-                       "give a folder with one series or stack, or a volume file");
-    if (slices.size() == 1 && slices.front().grid.dims.z > 1)
-      return itk_source(read_information(slices.front().file).GetPointer(), slices.front().grid,
-                        slices.front().file);
-    sort_slices(slices);
-    require_alike(slices);
-    const Grid grid = stack_grid(slices, path);
-    return std::make_unique<DicomSource>(grid, std::move(slices));
-  });
+  auto slices = choose_series(path);
+  if (slices.empty())
+    throw InputError(fmt::format("{} holds no DICOM or TIFF images", path.string()),
+                     "give a folder with one series or stack, or a volume file");
+  if (slices.size() == 1 && slices.front().grid.dims.z > 1)
+    return std::make_unique<MultiFrameSource>(std::move(slices.front()));
+  sort_slices(slices);
+  require_alike(slices);
+  const Grid grid = stack_grid(slices, path);
+  return std::make_unique<DicomSource>(grid, std::move(slices));
 }
 
 }  // namespace ringsplat::detail

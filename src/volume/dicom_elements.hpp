@@ -1,24 +1,62 @@
 #pragma once
+#include <compare>
 #include <cstdint>
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <optional>
+#include <string>
+#include <vector>
+
+#include "volume/input_file.hpp"
+#include "volume/memory_file.hpp"
 
 namespace ringsplat::detail {
 
-/// What the file says of its pixels before GDCM sees it; 0 where it says nothing.
-struct DicomElements {
-  bool has_pixels = false;
-  bool followed = true;
-  int samples = 1, rows = 0, columns = 0, bits_allocated = 0;
-  /// Length of uncompressed pixel data; none when compressed, or where the elements were not followed.
-  std::optional<std::uint64_t> pixel_bytes = std::nullopt;
+struct DicomTag {
+  std::uint16_t group = 0, element = 0;
+  auto operator<=>(const DicomTag&) const = default;
+};
+std::string to_string(DicomTag tag);  ///< "(0028,0010)"
+
+/// What is kept of a data set: values of a few elements in little endian, without padding, and the items of a
+/// few sequences.
+struct DicomItem {
+  std::map<DicomTag, std::string> values;
+  std::map<DicomTag, std::vector<DicomItem>> sequences;
+
+  const std::string* find(DicomTag tag) const;
+  const DicomItem* first_item(DicomTag sequence) const;  ///< null where there is none
 };
 
-/// Follows the element headers of a DICOM file (PS3.10 section 7, PS3.5 section 7) up to the pixel data
-/// and checks that every element lies within the file, because GDCM ends the process with an assertion
-/// when a header is cut, and fills up with zeros when pixels are. Big-endian and deflated data sets, both
-/// retired or rare, are not followed. Returns nothing for a file that is not DICOM; throws InputError
-/// for one that is cut short or damaged.
-std::optional<DicomElements> follow_dicom_elements(const std::filesystem::path& path);
+struct DicomFragment {
+  std::uint64_t begin = 0, length = 0;
+};
+
+/// Where the pixels are in DicomFile::data.
+struct DicomPixels {
+  bool encapsulated = false;             ///< compressed, in fragments of which the first is an offset table
+  bool words = false;                    ///< VR OW: 16-bit words
+  std::vector<DicomFragment> fragments;  ///< one when not encapsulated
+};
+
+struct DicomFile {
+  std::filesystem::path path;
+  std::optional<MemoryFile> inflated;  ///< a deflated data set, which `data` then reads
+  std::unique_ptr<InputFile> data;
+  std::string transfer_syntax, storage_class;  ///< UIDs of the file's own meta information
+  bool big_endian = false;
+  DicomItem elements;
+  std::optional<DicomPixels> pixels;
+};
+
+/// Follows the element headers of a DICOM file (PS3.10 section 7, PS3.5 section 7) to its end and checks that
+/// every element lies within the file and what contains it: GDCM believes lengths, allocates for them and
+/// ends the process with an assertion. Returns nothing for a file that is not DICOM; throws InputError for
+/// one that is cut short or damaged.
+std::optional<DicomFile> read_dicom_file(const std::filesystem::path& path);
+
+/// True where the four letters are that every DICOM file has behind its preamble.
+bool is_dicom(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

@@ -6,6 +6,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "volume/dicom_elements.hpp"
 #include "volume/formats.hpp"
 #include "volume/input_file.hpp"
 #include "volume/text.hpp"
@@ -85,6 +86,8 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
   if (const Open open = find_format(path)) return open_described(path, open, raw);
   const bool named_raw = detail::lower_case(path.extension().string()) == ".raw";
   if (named_raw || raw.dims) return detail::open_raw(path, raw);
+  // Scanners often name their files without an ending.
+  if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
       "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .tif .dcm .raw or a folder, or describe a raw "

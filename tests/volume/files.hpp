@@ -58,6 +58,12 @@ inline std::string gzip(const std::string& data) {
   return out;
 }
 
+/// Without any header (RFC 1951).
+inline std::string deflated(const std::string& data) {
+  const auto packed = gzip(data);  // a header of 10 bytes, and 8 at the end
+  return packed.substr(10, packed.size() - 18);
+}
+
 inline std::string zlib_stream(const std::string& data) {
   uLongf size = compressBound(data.size());
   std::string out(size, '\0');
@@ -134,44 +140,101 @@ struct Nifti {
   }
 };
 
-/// One DICOM CT slice, explicit VR little endian, 16-bit signed (PS3.5, section 7; PS3.10, section 7).
+/// One DICOM CT image, 16-bit signed and in explicit VR little endian unless said otherwise (PS3.5, section
+/// 7; PS3.10, section 7).
 struct Dicom {
   int columns = nx, rows = ny, number = 1, samples = 1;
+  int bits = 16, stored = 0, high_bit = -1,
+      frames = 0;  ///< stored and high bit follow from bits, no frames: not said
+  bool is_signed = true;
   std::string position = "0\\0\\0", orientation = "1\\0\\0\\0\\1\\0", spacing = "2\\1";
-  std::string slope = "1", intercept = "0", series = "1.2.3.4.5";
-  std::string pixels;
+  std::string slope = "1", intercept = "0", series = "1.2.3.4.5", photometric = "MONOCHROME2";
+  std::string syntax = "1.2.840.10008.1.2.1", storage_class = "1.2.840.10008.5.1.4.1.1.2";
+  std::string more;                    ///< encoded elements between the others and the pixels
+  std::string pixels;                  ///< little endian
+  std::vector<std::string> fragments;  ///< instead of pixels; the first is the offset table
 
-  static std::string element(unsigned group, unsigned id, const char* vr, std::string value) {
-    const bool text = std::string("UI OB OW US UL").find(vr) == std::string::npos;
+  /// A value in text, or in little-endian binary.
+  static std::string element(unsigned group, unsigned id, const std::string& vr, std::string value,
+                             const std::string& syntax = "1.2.840.10008.1.2.1") {
+    const bool implicit = syntax == "1.2.840.10008.1.2", big = syntax == "1.2.840.10008.1.2.2";
+    const bool text = std::string("UI OB OW US UL FD SQ").find(vr) == std::string::npos;
     if (value.size() % 2 != 0) value += text ? ' ' : '\0';
-    std::string out = bytes_of(std::uint16_t(group)) + bytes_of(std::uint16_t(id)) + vr;
-    if (vr[0] == 'O')
-      out += bytes_of(std::uint16_t(0)) + bytes_of(std::uint32_t(value.size()));
+    if (big && (vr == "US" || vr == "UL")) std::reverse(value.begin(), value.end());
+    if (big && vr == "OW")
+      for (std::size_t i = 0; i < value.size(); i += 2) std::swap(value[i], value[i + 1]);
+    std::string out = bytes_of(std::uint16_t(group), big) + bytes_of(std::uint16_t(id), big);
+    if (implicit) return out + bytes_of(std::uint32_t(value.size())) + value;
+    out += vr;
+    if (vr[0] == 'O' || vr == "SQ")
+      out += bytes_of(std::uint16_t(0)) + bytes_of(std::uint32_t(value.size()), big);
     else
-      out += bytes_of(std::uint16_t(value.size()));
+      out += bytes_of(std::uint16_t(value.size()), big);
     return out + value;
   }
-  static std::string number16(unsigned group, unsigned id, int value) {
-    return element(group, id, "US", bytes_of(std::uint16_t(value)));
+  static std::string item(const std::string& value) {
+    return bytes_of(std::uint16_t(0xFFFE)) + bytes_of(std::uint16_t(0xE000)) +
+           bytes_of(std::uint32_t(value.size())) + value;
+  }
+  static std::string sequence(unsigned group, unsigned id, const std::vector<std::string>& items) {
+    std::string all;
+    for (const auto& one : items) all += item(one);
+    return element(group, id, "SQ", all);
+  }
+
+  std::string meta() const {
+    const std::string instance = series + "." + std::to_string(number);
+    const std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) +
+                             element(2, 2, "UI", storage_class) + element(2, 3, "UI", instance) +
+                             element(2, 0x10, "UI", syntax) + element(2, 0x12, "UI", "1.2.3");
+    return std::string(128, '\0') + "DICM" + element(2, 0, "UL", bytes_of(std::uint32_t(meta.size()))) + meta;
+  }
+
+  std::string pixel_element() const {
+    if (fragments.empty()) return element(0x7FE0, 0x10, bits == 8 ? "OB" : "OW", pixels, syntax);
+    std::string out = bytes_of(std::uint16_t(0x7FE0)) + bytes_of(std::uint16_t(0x10)) + "OB" +
+                      bytes_of(std::uint16_t(0)) + bytes_of(std::uint32_t(0xFFFFFFFF));
+    for (const auto& fragment : fragments) out += item(fragment.size() % 2 == 0 ? fragment : fragment + '\0');
+    return out + bytes_of(std::uint16_t(0xFFFE)) + bytes_of(std::uint16_t(0xE0DD)) +
+           bytes_of(std::uint32_t(0));
   }
 
   std::string bytes() const {
-    const std::string ct = "1.2.840.10008.5.1.4.1.1.2", instance = series + "." + std::to_string(number);
-    std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) + element(2, 2, "UI", ct) +
-                       element(2, 3, "UI", instance) + element(2, 0x10, "UI", "1.2.840.10008.1.2.1") +
-                       element(2, 0x12, "UI", "1.2.3");
-    meta = element(2, 0, "UL", bytes_of(std::uint32_t(meta.size()))) + meta;
-    return std::string(128, '\0') + "DICM" + meta + element(8, 0x16, "UI", ct) +
-           element(8, 0x18, "UI", instance) + element(8, 0x60, "CS", "CT") +
-           element(0x10, 0x10, "PN", "Test") + element(0x20, 0xD, "UI", "1.2.3.4") +
-           element(0x20, 0xE, "UI", series) + element(0x20, 0x13, "IS", std::to_string(number)) +
-           element(0x20, 0x32, "DS", position) + element(0x20, 0x37, "DS", orientation) +
-           element(0x20, 0x52, "UI", "1.2.3.9") + number16(0x28, 2, samples) +
-           element(0x28, 4, "CS", "MONOCHROME2") + number16(0x28, 0x10, rows) +
-           number16(0x28, 0x11, columns) + element(0x28, 0x30, "DS", spacing) + number16(0x28, 0x100, 16) +
-           number16(0x28, 0x101, 16) + number16(0x28, 0x102, 15) + number16(0x28, 0x103, 1) +
-           element(0x28, 0x1052, "DS", intercept) + element(0x28, 0x1053, "DS", slope) +
-           element(0x7FE0, 0x10, "OW", pixels);
+    std::string out;
+    const auto add = [&](unsigned group, unsigned id, const char* vr, const std::string& value) {
+      out += element(group, id, vr, value, syntax);
+    };
+    const auto add16 = [&](unsigned group, unsigned id, int value) {
+      add(group, id, "US", bytes_of(std::uint16_t(value)));
+    };
+    const auto add_text = [&](unsigned group, unsigned id, const char* vr, const std::string& value) {
+      if (!value.empty()) add(group, id, vr, value);
+    };
+    const int used = stored > 0 ? stored : bits;
+    add(8, 0x16, "UI", storage_class);
+    add(8, 0x18, "UI", series + "." + std::to_string(number));
+    add(8, 0x60, "CS", "CT");
+    add(0x10, 0x10, "PN", "Test");
+    add(0x20, 0xD, "UI", "1.2.3.4");
+    add(0x20, 0xE, "UI", series);
+    add(0x20, 0x13, "IS", std::to_string(number));
+    add_text(0x20, 0x32, "DS", position);
+    add_text(0x20, 0x37, "DS", orientation);
+    add(0x20, 0x52, "UI", "1.2.3.9");
+    add16(0x28, 2, samples);
+    add(0x28, 4, "CS", photometric);
+    if (frames != 0) add(0x28, 8, "IS", std::to_string(frames));
+    add16(0x28, 0x10, rows);
+    add16(0x28, 0x11, columns);
+    add_text(0x28, 0x30, "DS", spacing);
+    add16(0x28, 0x100, bits);
+    add16(0x28, 0x101, used);
+    add16(0x28, 0x102, high_bit >= 0 ? high_bit : used - 1);
+    add16(0x28, 0x103, is_signed ? 1 : 0);
+    add_text(0x28, 0x1052, "DS", intercept);
+    add_text(0x28, 0x1053, "DS", slope);
+    out += more + pixel_element();
+    return meta() + (syntax == "1.2.840.10008.1.2.1.99" ? deflated(out) : out);
   }
 };
 

@@ -43,15 +43,16 @@ struct RawDescription {
 };
 
 /// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .img/.hdr), a DICOM folder
-/// (or one .dcm file of a series), TIFF (one multi-page file or a folder of pages), VTK (.vtk) or a raw file.
-/// For files that describe themselves only `raw.spacing` may be given; it replaces theirs.
+/// (or one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages), VTK
+/// (.vtk) or a raw file. For files that describe themselves only `raw.spacing` may be given; it replaces
+/// theirs.
 ///
 /// World coordinates are ITK's: patient left-posterior-superior where the file says how it lies in the
 /// patient (DICOM, NIfTI, whose right-anterior-superior is converted, NRRD with a `space`, MetaImage);
 /// else (plain spacings, TIFF, raw) the lattice's own axes.
 ///
-/// Whole slices are decoded one after another, without holding the volume, except where ITK alone can
-/// decode: text encodings, volumes in several NRRD or MetaImage files, multi-frame DICOM.
+/// Whole slices are decoded one after another, without holding the volume, except for text encodings,
+/// volumes in several NRRD files and multi-frame DICOM.
 ///
 /// Checks that the file is as long as its header says before anything is allocated.
 /// Throws InputError: what is wrong, in which file and field, what to do.

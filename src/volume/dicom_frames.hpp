@@ -1,0 +1,29 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "volume/dicom_checks.hpp"
+#include "volume/dicom_elements.hpp"
+
+namespace ringsplat::detail {
+
+/// The fragments of each frame of encapsulated pixels (PS3.5, annex A.4), without the offset table. Throws
+/// InputError when they cannot be told apart.
+std::vector<std::vector<DicomFragment>> dicom_frames(const DicomFile& file, const DicomShape& shape);
+
+/// A frame's bytes, its fragments joined.
+std::vector<std::byte> join_fragments(const DicomFile& file, const std::vector<DicomFragment>& fragments);
+
+/// Decodes a frame of run lengths (PS3.5, annex G) to little-endian pixels. Throws InputError for a frame
+/// that does not hold all its pixels.
+std::vector<std::byte> decode_rle(const DicomFile& file, const DicomShape& shape,
+                                  const std::vector<std::byte>& frame);
+
+/// Checks that a frame's JPEG, JPEG-LS or JPEG 2000 header says what the DICOM header says, and that its
+/// segments lie within it up to its end: GDCM ends the process, or writes beyond its memory, when they
+/// differ. Returns the frame without what decides no pixel, comments for instance, where GDCM stumbles too,
+/// and without what follows its end. Throws InputError.
+std::vector<std::byte> sound_jpeg_frame(const DicomFile& file, const DicomShape& shape,
+                                        const std::vector<std::byte>& frame);
+
+}  // namespace ringsplat::detail

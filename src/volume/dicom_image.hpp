@@ -1,0 +1,35 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat::detail {
+
+/// The pixels and the geometry of one DICOM file, by GDCM, from a copy that was checked. Holds the copy in
+/// memory. Not for several threads at once.
+class DicomImage {
+ public:
+  /// Throws InputError for a damaged file or one that cannot be read. Nothing for a file that is no DICOM
+  /// image: notes, a DICOMDIR, a report.
+  static std::optional<DicomImage> open(const std::filesystem::path& path);
+  ~DicomImage();
+  DicomImage(DicomImage&&) noexcept;
+
+  const Grid& grid() const;  ///< of all its frames, its type after rescaling
+  const std::string& series() const;
+  int number() const;  ///< Instance Number
+  /// All frames, grid().bytes() bytes.
+  void read(std::span<std::byte> out);
+
+ private:
+  struct Parts;
+  explicit DicomImage(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace ringsplat::detail
