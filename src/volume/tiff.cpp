@@ -12,6 +12,7 @@
 #include "volume/input_file.hpp"
 #include "volume/limits.hpp"
 #include "volume/text.hpp"
+#include "volume/tiff_description.hpp"
 #include "volume/tiff_pages.hpp"
 #include "volume/volume_files.hpp"
 
@@ -94,6 +95,7 @@ void add_pages(const std::filesystem::path& path, std::vector<Page>& pages, std:
   if (std::uint64_t(index) != chained)
     throw InputError(fmt::format("{}: page {} cannot be read", path.string(), index),
                      "the file was cut short or damaged");
+  require_one_stack(path, std::uint64_t(index));
   const auto size = InputFile(path).size();
   if (compressed)
     require_compressed_bytes(path, size, bytes, any_best_ratio);
@@ -187,6 +189,10 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
 bool is_tiff(const std::filesystem::path& path) {
   const auto ending = lower_case(path.extension().string());
   return ending == ".tif" || ending == ".tiff";
+}
+
+void warn_of_tiff_spacing(const std::filesystem::path& path) {
+  if (const auto files = files_of(path); !files.empty()) warn_of_voxel_size(files.front());
 }
 
 /// TIFF has no third spacing and its resolution is for printers: the spacing is 1.

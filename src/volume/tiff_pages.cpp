@@ -14,12 +14,21 @@ namespace {
 
 enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
 enum FieldTag : std::uint64_t {
+  image_description = 270,
+  x_resolution = 282,
+  y_resolution = 283,
   strip_offsets = 273,
   strip_bytes = 279,
   tile_offsets = 324,
   tile_bytes = 325
 };
-enum FieldType : std::uint64_t { short_numbers = 3, long_numbers = 4, long8_numbers = 16 };
+enum FieldType : std::uint64_t {
+  text = 2,
+  short_numbers = 3,
+  long_numbers = 4,
+  ratios = 5,
+  long8_numbers = 16
+};
 
 /// An array of numbers, in its directory entry when it fits there.
 struct Field {
@@ -43,7 +52,7 @@ class TiffChain {
     if (!is_tiff_) return 0;
     const auto most = file_.size() / (count_bytes() + offset_bytes());
     std::uint64_t pages = 0;
-    for (auto at = number(wide_ ? 8 : 4, offset_bytes()); at != 0; ++pages) {
+    for (auto at = first_page(); at != 0; ++pages) {
       if (pages > most)
         throw InputError(fmt::format("{}: its pages form a loop", file_.path().string()),
                          "write the file again");
@@ -52,7 +61,24 @@ class TiffChain {
     return pages;
   }
 
+  TiffNotes notes() const {
+    TiffNotes notes;
+    const auto at = is_tiff_ ? first_page() : 0;
+    if (at == 0) return notes;
+    const auto entries = number(at, count_bytes());
+    if (entries > file_.size() / entry_bytes()) fail();
+    for (std::uint64_t i = 0; i < entries; ++i) {
+      const auto entry = at + count_bytes() + i * entry_bytes();
+      const auto tag = number(entry, 2), type = number(entry + 2, 2);
+      if (tag == image_description && type == text) notes.description = text_of(field(entry));
+      if ((tag == x_resolution || tag == y_resolution) && type == ratios)
+        notes.resolution[tag == x_resolution ? 0 : 1] = ratio_of(field(entry));
+    }
+    return notes;
+  }
+
  private:
+  std::uint64_t first_page() const { return number(wide_ ? 8 : 4, offset_bytes()); }
   std::size_t offset_bytes() const { return wide_ ? 8 : 4; }
   std::size_t count_bytes() const { return wide_ ? 8 : 2; }
   std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
@@ -92,13 +118,28 @@ class TiffChain {
 
   Field field(std::uint64_t entry) const {
     const auto type = number(entry + 2, 2);
-    const std::size_t bytes = type == short_numbers   ? 2
-                              : type == long_numbers  ? 4
-                              : type == long8_numbers ? 8
-                                                      : 0;
+    const std::size_t bytes = type == text                              ? 1
+                              : type == short_numbers                   ? 2
+                              : type == long_numbers                    ? 4
+                              : type == long8_numbers || type == ratios ? 8
+                                                                        : 0;
     const auto count = number(entry + 4, offset_bytes()), value = entry + 4 + offset_bytes();
     if (bytes == 0 || count > file_.size() / bytes) fail();
     return {count * bytes <= offset_bytes() ? value : number(value, offset_bytes()), count, bytes};
+  }
+
+  /// To its first zero byte.
+  std::string text_of(const Field& field) const {
+    std::string text(std::size_t(field.count), '\0');
+    if (field.begin > file_.size() || file_.size() - field.begin < field.count) fail();
+    file_.read(field.begin, std::as_writable_bytes(std::span(text)));
+    return text.substr(0, text.find('\0'));
+  }
+
+  double ratio_of(const Field& field) const {
+    if (field.count < 1) return 0;
+    const auto above = number(field.begin, 4), below = number(field.begin + 4, 4);
+    return below == 0 ? 0 : double(above) / double(below);
   }
 
   const InputFile& file_;
@@ -110,6 +151,11 @@ class TiffChain {
 std::uint64_t count_tiff_pages(const std::filesystem::path& path) {
   const InputFile file(path);
   return TiffChain(file).pages();
+}
+
+TiffNotes read_tiff_notes(const std::filesystem::path& path) {
+  const InputFile file(path);
+  return TiffChain(file).notes();
 }
 
 }  // namespace ringsplat::detail

@@ -1,6 +1,8 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 namespace ringsplat::detail {
 
@@ -9,5 +11,13 @@ namespace ringsplat::detail {
 /// of a cut file for the end of the pages, and a missing strip for zeros; here both throw InputError.
 /// Returns 0 for a file that is not TIFF.
 std::uint64_t count_tiff_pages(const std::filesystem::path& path);
+
+/// What the first page says beside its pixels; empty and 0 when it says nothing.
+struct TiffNotes {
+  std::string description;                 ///< tag ImageDescription
+  std::array<double, 2> resolution{0, 0};  ///< tags XResolution and YResolution: pixels for a unit
+};
+/// Of a file whose pages were counted.
+TiffNotes read_tiff_notes(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail
