@@ -52,24 +52,30 @@ Calibration::Calibration(const FrameSpec& reference, std::vector<Camera> views,
     : reference_(reference),
       views_(std::move(views)),
       settings_(std::move(settings)),
-      pixels_(truth::random_pixels(reference.width, reference.height, error.pixels, error.seed)),
-      measurements_(frames_a_pass()) {
-  truth::Scene scene = make_scene(read_whole(*open_volume(volume.path, volume.raw)));
-  for (const Camera& camera : views_) {
-    reference_.camera = camera;
-    set_frame(scene, reference_);
-    truths_.push_back(evaluate(scene, {.truth = TruthKind::method}, pixels_));
-  }
-}
+      error_(error),
+      scene_(make_scene(read_whole(*open_volume(volume.path, volume.raw)))),
+      measurements_(frames_a_pass()) {}
 
 Director Calibration::director() {
   return {[this] { return next_frame(); }, [this](FrameResult&& result) { take(std::move(result)); }};
 }
 
-/// The first frame of all is not measured: it still allocates.
+/// The frames that are not measured still allocate. A frame's result may come one frame late (FrameBuffer):
+/// the last of them is there so that all pictures have come, and its own time is not taken while truths are
+/// evaluated.
 std::optional<FrameSpec> Calibration::next_frame() {
-  if (frames_asked_ == 1) started_ = now_seconds();
-  const std::size_t at = frames_asked_ == 0 ? 0 : frames_asked_ - 1;
+  const std::size_t asked = frames_asked_;
+  if (asked < first_measured()) {
+    ++frames_asked_;
+    FrameSpec frame = reference_;
+    frame.camera = views_[asked % views_.size()];
+    return frame;
+  }
+  if (asked == first_measured()) {
+    evaluate_truths();
+    started_ = now_seconds();
+  }
+  const std::size_t at = asked - first_measured();
   const std::size_t pass = at / frames_a_pass(), in_pass = at % frames_a_pass();
   if (in_pass == 0 && pass > 0 && (pass == most_passes || now_seconds() - started_ > patience))
     return std::nullopt;
@@ -79,12 +85,27 @@ std::optional<FrameSpec> Calibration::next_frame() {
   return frame;
 }
 
+void Calibration::evaluate_truths() {
+  for (std::size_t v = 0; v < views_.size(); ++v) {
+    reference_.camera = views_[v];
+    set_frame(scene_, reference_);
+    truths_.push_back(
+        sample_truth(pictures_[v], scene_, {.truth = TruthKind::method}, error_.pixels, error_.seed));
+  }
+  scene_ = {};
+  pictures_.clear();
+}
+
 void Calibration::take(FrameResult&& result) {
-  if (frames_done_++ == 0) return;
-  const std::size_t in_pass = (frames_done_ - 2) % frames_a_pass();
+  const std::size_t frame = frames_done_++;
+  if (frame < views_.size()) pictures_.push_back(std::move(result.image));
+  if (frame < first_measured()) return;
+  const std::size_t in_pass = (frame - first_measured()) % frames_a_pass();
   Measurements& m = measurements_[in_pass];
-  if (m.seconds.empty())
-    m.error = truth::sampled_error(result.image, pixels_, truths_[in_pass / settings_.size()]);
+  if (m.seconds.empty()) {
+    const SampledTruth& truth = truths_[in_pass / settings_.size()];
+    m.error = truth::sampled_error(result.image, truth.sample, truth.colours);
+  }
   m.seconds.push_back(result.stats.seconds);
 }
 

@@ -15,12 +15,12 @@ namespace ringsplat::app {
 std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
                                       const Grid& grid, int width, int height);
 
-/// Measures time and error of each setting: renders every view with each of them in turn, as often as some
-/// seconds allow, at most five times. Rank 0 only.
+/// Measures time and error of each setting: renders every view once to know which pixels to evaluate the
+/// method's truth of the reference at, then with each setting in turn, as often as some seconds allow, at
+/// most five times. Rank 0 only.
 class Calibration {
  public:
-  /// Evaluates the method's truth of `reference` at a seeded sample of pixels of each view, for which it
-  /// reads the volume. Throws InputError as read_whole does.
+  /// Reads the volume. Throws InputError as read_whole does.
   Calibration(const FrameSpec& reference, std::vector<Camera> views, std::vector<Shortcuts> settings,
               const VolumeOptions& volume, const ErrorOptions& error);
 
@@ -39,15 +39,20 @@ class Calibration {
   };
 
   std::size_t frames_a_pass() const { return views_.size() * settings_.size(); }
+  /// The frames before the first measured one: each view as the reference, and the first view once more.
+  std::size_t first_measured() const { return views_.size() + 1; }
   std::optional<FrameSpec> next_frame();
   void take(FrameResult&& result);
+  void evaluate_truths();
 
   FrameSpec reference_;
   std::vector<Camera> views_;
   std::vector<Shortcuts> settings_;
-  std::vector<truth::Pixel> pixels_;
-  std::vector<std::vector<truth::Rgba>> truths_;  ///< by view
-  std::vector<Measurements> measurements_;        ///< by view, then setting
+  ErrorOptions error_;
+  truth::Scene scene_;                      ///< until the truths are known
+  std::vector<Image> pictures_;             ///< of the reference, by view, until the truths are known
+  std::vector<SampledTruth> truths_;        ///< by view
+  std::vector<Measurements> measurements_;  ///< by view, then setting
   std::size_t frames_asked_ = 0, frames_done_ = 0;
   double started_ = 0;
 };

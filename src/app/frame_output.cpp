@@ -23,9 +23,11 @@ namespace {
 
 /// All of it but the time, which differs from run to run.
 json to_json(const MeasuredError& m) {
-  return {{"truth", to_string(m.truth)}, {"pixels", m.error.pixels},     {"seed", m.seed},
-          {"rmse", m.error.rmse},        {"rmse_low", m.error.rmse_low}, {"rmse_high", m.error.rmse_high},
-          {"largest", m.error.largest},  {"mean", m.error.mean},         {"unit", "1/255"}};
+  return {{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
+          {"outside", m.error.outside},     {"seed", m.seed},
+          {"rmse", m.error.rmse},           {"rmse_low", m.error.rmse_low},
+          {"rmse_high", m.error.rmse_high}, {"largest", m.error.largest},
+          {"mean", m.error.mean},           {"unit", "1/255"}};
 }
 
 /// The settings that decide the picture, and the volume: the same bytes for any ranks that rendered it.

@@ -66,11 +66,21 @@ std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e
                                e.tolerance);
 }
 
+truth::ScreenBounds bounds_of(const truth::Scene& scene, TruthKind truth) {
+  return truth == TruthKind::method ? truth::method_bounds(scene) : truth::field_bounds(scene);
+}
+
+SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
+                          std::size_t pixels, std::uint64_t seed) {
+  SampledTruth made{truth::draw_sample(picture, bounds_of(scene, evaluation.truth), pixels, seed), {}};
+  made.colours = evaluate(scene, evaluation, made.sample.pixels);
+  return made;
+}
+
 MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options) {
   const double start = now_seconds();
-  const auto pixels = truth::random_pixels(image.width, image.height, options.pixels, options.seed);
-  const auto colours = evaluate(scene, {*options.truth}, pixels);
-  return {*options.truth, options.seed, truth::sampled_error(image, pixels, colours), now_seconds() - start};
+  const auto [sample, colours] = sample_truth(image, scene, {*options.truth}, options.pixels, options.seed);
+  return {*options.truth, options.seed, truth::sampled_error(image, sample, colours), now_seconds() - start};
 }
 
 std::string to_text(const MeasuredError& m) {

@@ -29,7 +29,8 @@ void add_error_options(CLI::App& app, ErrorOptions& o) {
          "Measure the picture against a double-precision truth: the method's own, or the field's integral")
       ->type_name("method|field")
       ->group("Error");
-  app.add_option("--error-pixels", o.pixels, "Pixels to measure, drawn at random")
+  app.add_option("--error-pixels", o.pixels,
+                 "Pixels at which the truth is evaluated, drawn at random where the volume may show")
       ->type_name("N")
       ->check(CLI::Range(std::size_t(1), std::size_t(1) << 30))
       ->capture_default_str()

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <tuple>
 
@@ -138,14 +139,12 @@ std::string to_csv(const nlohmann::ordered_json& rows) {
 }
 
 /// One scene under all settings. The field's and the formula's truth do not depend on the kernel, so they are
-/// evaluated once a view and shading; the method's is evaluated for each setting.
+/// evaluated once a view and shading, where the first setting's picture differs most; the method's is
+/// evaluated for each setting.
 class SceneStudy {
  public:
   SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
-      : list_(list),
-        scene_list_(s),
-        pictures_(pictures),
-        pixels_(truth::random_pixels(list.width, list.height, list.error_pixels, list.seed)) {
+      : list_(list), scene_list_(s), pictures_(pictures) {
     WholeVolume volume = read_whole(*open_scene(s));
     transfer_function_ = TransferFunctionChoice(s.transfer_function).make(volume.histogram);
     scene_ = make_scene(std::move(volume));
@@ -156,18 +155,18 @@ class SceneStudy {
     const auto timed = render_views(list_, scene_list_, spec);
     for (std::size_t v = 0; v < list_.views.size(); ++v)
       for (const TruthKind kind : list_.truths) {
-        const auto error = truth::sampled_error(timed[v].image, pixels_, colours(kind, spec, v));
+        const auto truth = truth_of(timed[v].image, kind, spec, v);
+        const auto error = truth::sampled_error(timed[v].image, truth->sample, truth->colours);
         rows.push_back(row_of(scene_list_, setting, list_.views[v], timed[v], kind, error,
                               keep(setting, spec, timed[v], kind, v)));
       }
   }
 
  private:
-  std::vector<truth::Rgba> evaluate_now(TruthKind kind, FrameSpec spec, std::size_t view,
-                                        std::span<const truth::Pixel> pixels) {
+  Evaluation show(TruthKind kind, FrameSpec spec, std::size_t view) {
     spec.camera = list_.views[view];
     set_frame(scene_, spec);
-    return evaluate(scene_, {.truth = kind, .formula = scene_list_.synth}, pixels);
+    return {.truth = kind, .formula = scene_list_.synth};
   }
 
   /// What --keep-images keeps of a measurement. The method's truth looks like the picture itself: it is not.
@@ -177,26 +176,31 @@ class SceneStudy {
     const bool lit = spec.shading == Shading::phong;
     return {pictures_.keep(scene_list_.name, setting.name, view, timed.image),
             pictures_.keep_truth(scene_list_.name, to_string(kind) + (lit ? "-phong" : ""), view, [&] {
+              const Evaluation whole = show(kind, spec, view);
               const auto all = truth::all_pixels(list_.width, list_.height);
-              return truth::to_image(list_.width, list_.height, evaluate_now(kind, spec, view, all));
+              return truth::to_image(list_.width, list_.height, evaluate(scene_, whole, all));
             })};
   }
 
-  std::vector<truth::Rgba> colours(TruthKind kind, const FrameSpec& spec, std::size_t view) {
-    if (kind == TruthKind::method) return evaluate_now(kind, spec, view, pixels_);
-    const auto key = std::tuple(kind, spec.shading, view);
-    const auto known = known_.find(key);
-    return known != known_.end() ? known->second
-                                 : known_.emplace(key, evaluate_now(kind, spec, view, pixels_)).first->second;
+  std::shared_ptr<const SampledTruth> truth_of(const Image& image, TruthKind kind, const FrameSpec& spec,
+                                               std::size_t view) {
+    const auto sampled = [&] {
+      const Evaluation evaluation = show(kind, spec, view);
+      return std::make_shared<const SampledTruth>(
+          sample_truth(image, scene_, evaluation, list_.error_pixels, list_.seed));
+    };
+    if (kind == TruthKind::method) return sampled();
+    auto& known = known_[std::tuple(kind, spec.shading, view)];
+    if (!known) known = sampled();
+    return known;
   }
 
   const StudyList& list_;
   const StudyList::Scene& scene_list_;
   StudyPictures& pictures_;
-  std::vector<truth::Pixel> pixels_;
   TransferFunction transfer_function_;
   truth::Scene scene_;
-  std::map<std::tuple<TruthKind, Shading, std::size_t>, std::vector<truth::Rgba>> known_;
+  std::map<std::tuple<TruthKind, Shading, std::size_t>, std::shared_ptr<const SampledTruth>> known_;
 };
 
 std::string list_text(const StudyOptions& o) {

@@ -14,7 +14,7 @@ TruthKind truth_from(const std::string& name, const std::string& option);
 /// What `render --error` measures.
 struct ErrorOptions {
   std::optional<TruthKind> truth;  ///< nothing: measure nothing
-  std::size_t pixels = 4096;       ///< drawn at random
+  std::size_t pixels = 4096;       ///< at which the truth is evaluated
   std::uint64_t seed = 1;
 };
 

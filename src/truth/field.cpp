@@ -233,4 +233,6 @@ std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels,
   return colours;
 }
 
+ScreenBounds field_bounds(const Scene& scene) { return Rays(scene).bounds(); }
+
 }  // namespace ringsplat::truth

@@ -11,6 +11,7 @@
 
 #include "ringsplat/classify/normals.hpp"
 #include "truth/parallel.hpp"
+#include "truth/ray.hpp"
 #include "truth/shading.hpp"
 #include "truth/transfer_curve.hpp"
 
@@ -18,6 +19,9 @@ namespace ringsplat::truth {
 namespace {
 
 LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
+
+/// Steps of the lattice by which a kernel's reach is widened. Q decides; this only must not miss a voxel.
+constexpr double slack = 1e-3;
 
 /// The quartic on the screen: Q = 1 − |root · offset|².
 struct Kernel {
@@ -158,7 +162,6 @@ class Method {
     const glm::dvec2 centre{pixel.x + 0.5, pixel.y + 0.5};
     const glm::dvec2 middle =
         kernel_.to_lattice * (centre - glm::dvec2(view_.project(lattice_point(0, 0, slice))));
-    constexpr double slack = 1e-3;  // Q decides; this only must not miss a voxel
     const glm::dvec2 low = glm::ceil(middle - kernel_.lattice_reach - slack),
                      high = glm::floor(middle + kernel_.lattice_reach + slack);
     const auto weight_of = [&](double u, double v) {
@@ -209,6 +212,17 @@ class Method {
 std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels, Normals normals) {
   check(scene);
   return Method(scene, normals).evaluate(pixels);
+}
+
+ScreenBounds method_bounds(const Scene& scene) {
+  const ViewTransform view = make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height);
+  const Axis axis = choose_traversal(view, lattice_of(scene.grid)).axis;
+  const auto [u, v] = in_plane(axis);
+  const Kernel kernel = make_kernel(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]), scene.radius);
+  glm::dvec3 reach(slack);
+  reach[u] += kernel.lattice_reach.x;
+  reach[v] += kernel.lattice_reach.y;
+  return Rays(scene, {-reach, glm::dvec3(scene.grid.dims) - 1.0 + reach}).bounds();
 }
 
 }  // namespace ringsplat::truth

@@ -4,20 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "ringsplat/base/error.hpp"
+#include "truth/levels.hpp"
 
 namespace ringsplat::truth {
 namespace {
-
-constexpr double levels = 255;
-
-double apart(double a, double b) {
-  if (std::isfinite(a) && std::isfinite(b)) return levels * (a - b);
-  const bool same = a == b || (std::isnan(a) && std::isnan(b));
-  return same ? 0.0 : std::numeric_limits<double>::infinity();
-}
 
 struct Sums {
   double squares = 0, signed_sum = 0, largest = 0;
@@ -44,7 +36,7 @@ class PixelDistances {
     for (std::size_t at = 0; at < image.rgba.size(); at += 4) {
       double most = 0;
       for (auto c = std::size_t(first); c < std::size_t(end); ++c)
-        most = std::max(most, std::abs(apart(double(image.rgba[at + c]), double(truth.rgba[at + c]))));
+        most = std::max(most, std::abs(levels_apart(double(image.rgba[at + c]), double(truth.rgba[at + c]))));
       distances_.push_back(most);
     }
   }
@@ -77,7 +69,7 @@ ImageError compare(const Image& image, const Image& truth, int channels) {
   Sums all;
   for (std::size_t at = 0; at < image.rgba.size(); ++at)
     if (const auto channel = at % 4; int(channel) < channels) {
-      const double d = apart(double(image.rgba[at]), double(truth.rgba[at]));
+      const double d = levels_apart(double(image.rgba[at]), double(truth.rgba[at]));
       by_channel[channel].add(d);
       all.add(d);
     }
@@ -101,43 +93,6 @@ ImageError compare(const Image& image, const Image& truth, int channels) {
 
 double fraction_over(const Image& image, const Image& truth, double threshold, int channels) {
   return PixelDistances(image, truth, 0, channels).fraction_over(threshold);
-}
-
-SampledError sampled_error(const Image& image, std::span<const Pixel> pixels, std::span<const Rgba> truth) {
-  if (pixels.size() != truth.size() || pixels.empty())
-    throw InputError(
-        fmt::format("{} pixels cannot be compared with {} true colours", pixels.size(), truth.size()),
-        "sample at least one pixel");
-  SampledError error;
-  error.pixels = pixels.size();
-  Sums sums;
-  double fourth_powers = 0;
-  for (std::size_t p = 0; p < pixels.size(); ++p) {
-    const float* pixel = image.pixel(pixels[p].x, pixels[p].y);
-    double square = 0;
-    for (int c = 0; c < 4; ++c) {
-      const double d = apart(double(pixel[c]), truth[p][c]);
-      if (std::abs(d) > sums.largest) error.worst = pixels[p];
-      sums.add(d);
-      square += d * d / 4;
-    }
-    fourth_powers += square * square;
-  }
-  const auto count = double(pixels.size()), total = double(image.width) * image.height;
-  const ErrorFigures f = figures(sums, 4 * count);
-  error.rmse = f.rmse;
-  error.largest = f.largest;
-  error.mean = f.mean;
-  const double mean_square = f.rmse * f.rmse;
-  const double variance =
-      count > 1 ? std::max(0.0, fourth_powers / count - mean_square * mean_square) * count / (count - 1)
-                : 0.0;
-  const double not_sampled = total > 1 ? std::max(0.0, (total - count) / (total - 1)) : 0.0;
-  constexpr double normal_95 = 1.959964;
-  const double margin = normal_95 * std::sqrt(variance / count * not_sampled);
-  error.rmse_low = std::sqrt(std::max(0.0, mean_square - margin));
-  error.rmse_high = std::sqrt(mean_square + margin);
-  return error;
 }
 
 }  // namespace ringsplat::truth

@@ -6,13 +6,19 @@
 #include <glm/matrix.hpp>
 #include <limits>
 
+#include "truth/parallel.hpp"
+
 namespace ringsplat::truth {
 
-Rays::Rays(const Scene& scene)
+LatticeBox voxel_faces(const Grid& grid) { return {glm::dvec3(-0.5), glm::dvec3(grid.dims) - 0.5}; }
+
+Rays::Rays(const Scene& scene, const LatticeBox& box)
     : view_(make_view(scene.camera,
                       {scene.grid.dims, scene.grid.spacing, scene.grid.origin, scene.grid.direction},
                       scene.width, scene.height)),
-      dims_(scene.grid.dims) {
+      width_(scene.width),
+      height_(scene.height),
+      box_(box) {
   to_lattice_ = glm::inverse(view_.linear);
   const glm::dvec3& spacing = scene.grid.spacing;
   const double smallest = std::min({spacing.x, spacing.y, spacing.z});
@@ -25,13 +31,13 @@ LatticeRay Rays::through(Pixel pixel) const {
   ray.origin = to_lattice_ * (glm::dvec3(pixel.x + 0.5, pixel.y + 0.5, 0) - view_.offset);
   ray.step = step_;
   // From the point nearest to the volume's middle on, so that s is no difference of large numbers.
-  const glm::dvec3 middle = 0.5 * (dims_ - 1.0);
+  const glm::dvec3 middle = 0.5 * (box_.low + box_.high);
   const double nearest = glm::dot(middle - ray.origin, step_) / glm::dot(step_, step_);
   ray.origin += nearest * step_;
   ray.enter = -std::numeric_limits<double>::infinity();
   ray.leave = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
-    const double low = -0.5, high = dims_[k] - 0.5;
+    const double low = box_.low[k], high = box_.high[k];
     if (step_[k] == 0) {
       if (ray.origin[k] >= low && ray.origin[k] < high) continue;
       ray.enter = ray.leave = 0;  // beside the box all the way
@@ -42,6 +48,25 @@ LatticeRay Rays::through(Pixel pixel) const {
     ray.leave = std::min(ray.leave, std::max(s0, s1));
   }
   return ray;
+}
+
+ScreenBounds Rays::bounds() const {
+  ScreenBounds bounds;
+  bounds.rows.resize(std::size_t(height_));
+  const auto crosses = [&](int x, int y) {
+    const LatticeRay ray = through({x, y});
+    return ray.enter < ray.leave;
+  };
+  // A box's picture is convex, so a row has one piece of it.
+  parallel_for(bounds.rows.size(), 16, [&](std::size_t from, std::size_t to) {
+    for (std::size_t y = from; y < to; ++y) {
+      ScreenBounds::Row row{0, width_};
+      while (row.first < row.end && !crosses(row.first, int(y))) ++row.first;
+      while (row.first < row.end && !crosses(row.end - 1, int(y))) --row.end;
+      bounds.rows[y] = row;
+    }
+  });
+  return bounds;
 }
 
 double extinction(double opacity) {

@@ -7,26 +7,37 @@
 
 namespace ringsplat::truth {
 
-/// A pixel's ray in lattice coordinates, by unit lengths: point s is origin + s · step. It enters the box of
-/// the voxels' faces, [−½, n − ½] along each axis, at `enter` and leaves it at `leave`; enter ≥ leave when it
-/// misses.
+/// A box in lattice coordinates.
+struct LatticeBox {
+  glm::dvec3 low, high;
+};
+/// The voxels' faces: [−½, n − ½] along each axis.
+LatticeBox voxel_faces(const Grid& grid);
+
+/// A pixel's ray in lattice coordinates, by unit lengths: point s is origin + s · step. It enters the box at
+/// `enter` and leaves it at `leave`; enter ≥ leave when it misses.
 struct LatticeRay {
   glm::dvec3 origin, step;
   double enter = 0, leave = 0;
   glm::dvec3 at(double s) const { return origin + s * step; }
 };
 
-/// Rays of one view.
+/// Rays of one view, through the box of the voxels' faces or another one.
 class Rays {
  public:
-  explicit Rays(const Scene& scene);
+  explicit Rays(const Scene& scene) : Rays(scene, voxel_faces(scene.grid)) {}
+  Rays(const Scene& scene, const LatticeBox& box);
   LatticeRay through(Pixel pixel) const;
+  /// The pixels whose rays cross the box.
+  ScreenBounds bounds() const;
   const ViewTransform& view() const { return view_; }
 
  private:
   ViewTransform view_;
+  int width_, height_;
+  LatticeBox box_;
   glm::dmat3 to_lattice_{1.0};
-  glm::dvec3 step_{0.0}, dims_{1.0};
+  glm::dvec3 step_{0.0};
 };
 
 /// Extinction of opacity `opacity` per unit length: infinite for 1.

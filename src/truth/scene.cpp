@@ -4,8 +4,6 @@
 
 #include <algorithm>
 #include <cstring>
-#include <random>
-#include <unordered_set>
 
 #include "ringsplat/base/error.hpp"
 
@@ -47,21 +45,10 @@ std::vector<Pixel> all_pixels(int width, int height) {
   return pixels;
 }
 
-std::vector<Pixel> random_pixels(int width, int height, std::size_t count, std::uint64_t seed) {
-  const std::uint64_t total = std::uint64_t(width) * std::uint64_t(height);
-  if (count >= total) return all_pixels(width, height);
-  // Floyd's sampling without replacement (Bentley and Floyd 1987). The standard fixes the engine's numbers
-  // but not its distributions', so the remainder is taken here; its bias is below 2^-30 for any picture.
-  std::mt19937_64 random(seed);
-  std::unordered_set<std::uint64_t> chosen;
-  for (std::uint64_t j = total - count; j < total; ++j)
-    if (!chosen.insert(random() % (j + 1)).second) chosen.insert(j);
-  std::vector<std::uint64_t> places(chosen.begin(), chosen.end());
-  std::sort(places.begin(), places.end());
-  std::vector<Pixel> pixels;
-  for (const std::uint64_t p : places)
-    pixels.push_back({int(p % std::uint64_t(width)), int(p / std::uint64_t(width))});
-  return pixels;
+std::size_t ScreenBounds::pixels() const {
+  std::size_t sum = 0;
+  for (const Row& row : rows) sum += std::size_t(std::max(0, row.end - row.first));
+  return sum;
 }
 
 Image to_image(int width, int height, std::span<const Rgba> colours) {

@@ -266,6 +266,26 @@ TEST_CASE("a calibration that is damaged is made again, with a warning") {
   }
 }
 
+TEST_CASE("a calibration measures a small volume's views whole, whatever the seed") {
+  const Workshop w("shell");
+  std::vector<json> measured;
+  for (const char* seed : {"1", "2"}) {
+    const Ended ended =
+        w.render({"--max-error", "5", "--zoom", "0.2", "--tf", "mr-surface", "--error-pixels", "400",
+                  "--error-seed", seed, "--image-plane", "screen", "--undersample", "1"});
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    measured.push_back(json::parse(read_text(w.calibration())).at("measured"));
+    fs::remove(w.calibration());
+  }
+  REQUIRE(measured[0].size() == measured[1].size());
+  for (std::size_t k = 0; k < measured[0].size(); ++k) {
+    CHECK(measured[0][k].at("rmse").get<double>() > 0);
+    CHECK(measured[0][k].at("rmse").get<double>() == Approx(measured[1][k].at("rmse").get<double>()));
+    CHECK(measured[0][k].at("rmse_high").get<double>() == Approx(measured[0][k].at("rmse").get<double>()));
+  }
+}
+
 TEST_CASE("a picture over the budget is named with its error") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "1"}).code == 0);

@@ -69,17 +69,22 @@ TEST_CASE("render --error says the same as compare with the whole truth, in one 
     const json in_stats = json::parse(read_text(w / "stats.json")).at(0).at("error");
     const json in_picture = json::parse(read_image(w / "picture.exr").settings).at("error");
     const double rmse = rmse_of(w, "picture.exr", "field.exr");
-    CHECK(in_stats.at("pixels") == 64 * 48);  // no more than there are
+    CHECK(in_stats.at("pixels").get<int>() + in_stats.at("outside").get<int>() == 64 * 48);
+    CHECK(in_stats.at("outside") > 0);
     CHECK(in_stats.at("rmse").get<double>() == Approx(rmse).epsilon(1e-4));
     CHECK(in_picture.at("rmse") == in_stats.at("rmse"));
     CHECK(in_stats.contains("seconds"));
     CHECK_FALSE(in_picture.contains("seconds"));
   }
-  const Ended few = w.must(with(w.view("render", "picture.exr"),
-                                {"--error", "field", "--error-pixels", "500", "--stats", w / "stats.json"}));
-  const json sampled = json::parse(read_text(w / "stats.json")).at(0).at("error");
-  CHECK(sampled.at("rmse_low") < sampled.at("rmse"));
-  CHECK(sampled.at("rmse_high") > sampled.at("rmse"));
+  std::vector<json> sampled;
+  for (const int ranks : {0, 3}) {
+    w.must(with(w.view("render", "picture.exr"), {"--error", "field", "--error-pixels", "500"}), ranks);
+    sampled.push_back(json::parse(read_image(w / "picture.exr").settings).at("error"));
+  }
+  CHECK(sampled[0] == sampled[1]);
+  CHECK(sampled[0].at("pixels") == 500);
+  CHECK(sampled[0].at("rmse_low") < sampled[0].at("rmse"));
+  CHECK(sampled[0].at("rmse_high") > sampled[0].at("rmse"));
 }
 
 TEST_CASE("an orbit's frames are each measured") {
@@ -142,4 +147,24 @@ TEST_CASE("truths that cannot be are refused with the way out") {
     CHECK_THAT(ended.err, Catch::Matchers::Contains(named) && Catch::Matchers::Contains("hint:"));
   }
   CHECK_FALSE(fs::exists(w / "x.exr"));
+}
+
+TEST_CASE("a small volume's error is measured where the volume is, not where nothing can be wrong") {
+  const Workshop w;
+  const std::vector<std::string> far{"--zoom", "0.2"};
+  w.must(with(with(w.view("reference", "field.exr"), far), {"--truth", "field"}));
+  double rmse = 0;
+  for (const char* seed : {"1", "2", "3"}) {
+    w.must(with(
+        with(w.view("render", "picture.exr"), far),
+        {"--error", "field", "--error-pixels", "400", "--error-seed", seed, "--stats", w / "stats.json"}));
+    const json error = json::parse(read_text(w / "stats.json")).at(0).at("error");
+    rmse = rmse_of(w, "picture.exr", "field.exr");
+    CHECK(error.at("rmse_low").get<double>() <= rmse * 1.0001);
+    CHECK(error.at("rmse_high").get<double>() >= rmse * 0.9999);
+    // Fewer pixels within the bounds than may be evaluated.
+    CHECK(error.at("pixels") < 400);
+    CHECK(error.at("rmse").get<double>() == Approx(rmse).epsilon(1e-4));
+  }
+  CHECK(rmse > 0);
 }

@@ -34,7 +34,7 @@ double rms_error(Field field, int n, double depth_of_cube, bool jump) {
   const FrameSpec spec = plain_spec(tf, 64, oblique);
   const Volume volume = sample_field(n, field);
   const auto scene = scene_of(volume, spec);
-  const auto pixels = truth::random_pixels(64, 64, 150, 1);
+  const auto pixels = random_pixels(64, 64, 150, 1);
   const auto sampled = truth::field_truth(scene, pixels, 1e-8),
              formula = truth::analytic_truth(scene, field, 1.0, pixels, 1e-8);
   double sum = 0;

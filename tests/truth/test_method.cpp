@@ -98,7 +98,7 @@ TEST_CASE("a pixel's colour does not depend on which others are asked for") {
   const auto scene =
       scene_of(volume, spec_of(0.3, 40, {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1}));
   const auto every = truth::all_pixels(40, 40);
-  const auto some = truth::random_pixels(40, 40, 100, 3);
+  const auto some = random_pixels(40, 40, 100, 3);
   const auto all_colours = truth::method_truth(scene, every), some_colours = truth::method_truth(scene, some);
   for (std::size_t k = 0; k < some.size(); ++k)
     CHECK(some_colours[k] == all_colours[std::size_t(some[k].y * 40 + some[k].x)]);

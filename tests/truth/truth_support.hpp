@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstring>
 #include <functional>
+#include <random>
+#include <set>
 #include <vector>
 
 #include "ringsplat/app/truth_scene.hpp"
@@ -59,6 +61,19 @@ inline Image rendered(const Volume& volume, const FrameSpec& frame) {
   spec.opaque_threshold = 0;
   const auto source = memory_source(volume.grid, volume.bytes);
   return render_loopback(*source, spec, 1, 1).image;
+}
+
+/// `count` pixels of the picture, fewer than it has, ascending row by row: the same for the same seed.
+inline std::vector<truth::Pixel> random_pixels(int width, int height, std::size_t count, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::set<std::uint64_t> places;
+  const std::uint64_t total = std::uint64_t(width) * std::uint64_t(height);
+  for (std::uint64_t j = total - count; j < total; ++j)
+    if (!places.insert(random() % (j + 1)).second) places.insert(j);
+  std::vector<truth::Pixel> pixels;
+  for (const std::uint64_t p : places)
+    pixels.push_back({int(p % std::uint64_t(width)), int(p / std::uint64_t(width))});
+  return pixels;
 }
 
 /// The method's own truth for the whole picture.

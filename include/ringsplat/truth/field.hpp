@@ -22,4 +22,7 @@ namespace ringsplat::truth {
 /// error allowed in the final colour. All cores.
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance = 1e-6);
 
+/// The pixels whose rays cross the volume's box. At all others this truth, and the formula's, is transparent.
+ScreenBounds field_bounds(const Scene& scene);
+
 }  // namespace ringsplat::truth

@@ -25,4 +25,7 @@ enum class Normals {
 std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels,
                                Normals normals = Normals::exact);
 
+/// The pixels that a voxel's kernel may reach. At all others this truth is transparent.
+ScreenBounds method_bounds(const Scene& scene);
+
 }  // namespace ringsplat::truth

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstddef>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -35,21 +34,6 @@ ImageError compare(const Image& image, const Image& truth, int channels = 4);
 /// The fraction of the pixels of which one of the first `channels` channels differs by more than
 /// `threshold` / 255. Pictures of the same size.
 double fraction_over(const Image& image, const Image& truth, double threshold, int channels = 4);
-
-/// The error of a picture from some of its pixels.
-struct SampledError {
-  std::size_t pixels = 0;
-  double rmse = 0;                     ///< of the sample, over four channels, in 1/255
-  double rmse_low = 0, rmse_high = 0;  ///< 95 % confidence interval of the whole picture's
-  double largest = 0;                  ///< of the sample, in 1/255
-  double mean = 0;                     ///< signed
-  Pixel worst{0, 0};
-};
-
-/// `truth[k]` belongs to `pixels[k]`, drawn at random without repetition. The interval is the normal one
-/// of the mean squared error with the finite population's correction; it is too narrow when fewer
-/// than some dozens of the sampled pixels are wrong at all.
-SampledError sampled_error(const Image& image, std::span<const Pixel> pixels, std::span<const Rgba> truth);
 
 /// Defects that a single figure hides. All compare opacities and colours alike.
 

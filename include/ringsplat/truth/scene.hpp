@@ -1,5 +1,5 @@
 #pragma once
-#include <cstdint>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <span>
@@ -49,9 +49,16 @@ using Rgba = glm::dvec4;
 /// Row by row from the top.
 std::vector<Pixel> all_pixels(int width, int height);
 
-/// `count` different pixels of the picture, ascending row by row; all of them when there are no more. The
-/// same for the same seed on every machine.
-std::vector<Pixel> random_pixels(int width, int height, std::size_t count, std::uint64_t seed);
+/// The part of a picture outside which a truth is exactly transparent: of each row, from the top, the pixels
+/// [first, end); none where first ≥ end.
+struct ScreenBounds {
+  struct Row {
+    int first = 0, end = 0;
+    bool contains(int x) const { return first <= x && x < end; }
+  };
+  std::vector<Row> rows;
+  std::size_t pixels() const;
+};
 
 /// Rounds to float; `colours` are those of all_pixels(width, height).
 Image to_image(int width, int height, std::span<const Rgba> colours);

@@ -1,0 +1,17 @@
+#pragma once
+#include <cmath>
+#include <limits>
+
+namespace ringsplat::truth {
+
+/// Levels of an 8-bit picture: the unit of all differences is one of them.
+constexpr double levels = 255;
+
+/// a − b in levels. A value that is not finite is infinitely far from every value but itself.
+inline double levels_apart(double a, double b) {
+  if (std::isfinite(a) && std::isfinite(b)) return levels * (a - b);
+  const bool same = a == b || (std::isnan(a) && std::isnan(b));
+  return same ? 0.0 : std::numeric_limits<double>::infinity();
+}
+
+}  // namespace ringsplat::truth

@@ -1,0 +1,192 @@
+// What a stratified sample says of the whole picture's error.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/truth/sampling.hpp"
+#include "truth/levels.hpp"
+
+namespace ringsplat::truth {
+namespace {
+
+/// A pixel's difference, over the four channels.
+struct Difference {
+  double square = 0, mean = 0, largest = 0;
+};
+
+Difference difference(const float* pixel, const Rgba& truth) {
+  Difference d;
+  for (int c = 0; c < 4; ++c) {
+    const double apart = levels_apart(double(pixel[c]), truth[c]);
+    d.square += apart * apart / 4;
+    d.mean += apart / 4;
+    d.largest = std::max(d.largest, std::abs(apart));
+  }
+  return d;
+}
+
+bool is_finite(const float* pixel) {
+  return std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); });
+}
+
+/// The 0.975 quantile of Student's distribution: between the table's it is nearly linear in 1 / freedom.
+double student_975(double freedom) {
+  constexpr std::array<std::pair<double, double>, 12> table{{{1, 12.7062},
+                                                             {2, 4.3027},
+                                                             {3, 3.1824},
+                                                             {4, 2.7764},
+                                                             {5, 2.5706},
+                                                             {7, 2.3646},
+                                                             {10, 2.2281},
+                                                             {15, 2.1314},
+                                                             {30, 2.0423},
+                                                             {60, 2.0003},
+                                                             {120, 1.9799},
+                                                             {1e9, 1.95996}}};
+  freedom = std::clamp(freedom, table.front().first, table.back().first);
+  std::size_t k = 1;
+  while (table[k].first < freedom) ++k;
+  const auto [f0, t0] = table[k - 1];
+  const auto [f1, t1] = table[k];
+  return t0 + (t1 - t0) * (1 / f0 - 1 / freedom) / (1 / f0 - 1 / f1);
+}
+
+/// The sampled squares of a stratum.
+struct Squares {
+  PixelSample::Stratum stratum;
+  std::span<const double> values;
+  double mean = 0, largest = 0;
+
+  bool complete() const { return stratum.sampled == stratum.pixels; }
+  double total() const { return double(stratum.pixels) * mean; }
+
+  /// The variance of total(), as if its largest square had been met once more, and one that is `other` if
+  /// that is larger. A stratum's rare large squares are seldom in its sample, and without any of them it
+  /// would look as if it had none.
+  double variance(double other) const {
+    const auto pixels = double(stratum.pixels), sampled = double(stratum.sampled);
+    const double left_out = pixels * (pixels - sampled) / sampled;
+    if (values.size() == 1) return left_out * largest * largest;  // one says nothing of their spread
+    const std::array further{largest, std::max(largest, other)};
+    const double count = double(values.size() + further.size());
+    const double middle = (double(values.size()) * mean + further[0] + further[1]) / count;
+    double sum = 0;
+    for (const double v : values) sum += (v - middle) * (v - middle);
+    for (const double v : further) sum += (v - middle) * (v - middle);
+    return left_out * sum / (count - 1);
+  }
+};
+
+/// A stratum may hold pixels of half the square of its neighbours' worst: what divides them is gradual.
+double square_next_to(const std::vector<Squares>& strata, std::size_t k) {
+  double largest = 0;
+  if (k > 0) largest = strata[k - 1].largest;
+  if (k + 1 < strata.size()) largest = std::max(largest, strata[k + 1].largest);
+  return 0.5 * largest;
+}
+
+struct Interval {
+  double low, high;
+};
+
+/// 95 % interval of the picture's sum of squares, of which `sum` is the estimate and `known` no estimate.
+Interval interval_of(const std::vector<Squares>& strata, double sum, double known) {
+  double variance = 0, satterthwaite = 0;
+  for (std::size_t k = 0; k < strata.size(); ++k) {
+    const Squares& s = strata[k];
+    if (s.complete()) {
+      known += s.total();
+      continue;
+    }
+    const double v = s.variance(square_next_to(strata, k));
+    variance += v;
+    satterthwaite += v * v / std::max(1.0, double(s.stratum.sampled) - 1);
+  }
+  if (!std::isfinite(sum) || !(variance > 0 && sum > 0)) return {sum, sum};
+  const double t = student_975(variance * variance / satterthwaite);
+  const double factor = std::exp(t * std::sqrt(variance) / sum);
+  return {std::max(known, sum / factor), sum * factor};
+}
+
+/// Adds up what is seen of one picture.
+class Comparison {
+ public:
+  explicit Comparison(const Image& image) : image_(image) {}
+
+  Difference see(Pixel at, const Rgba& truth) {
+    const Difference d = difference(image_.pixel(at.x, at.y), truth);
+    if (d.largest > error_.largest) error_.worst = at;
+    error_.largest = std::max(error_.largest, d.largest);
+    return d;
+  }
+
+  /// Where the truth is transparent, and where the picture is wrong whatever is true.
+  void see_known(const ScreenBounds& bounds) {
+    for (int y = 0; y < image_.height; ++y)
+      for (int x = 0; x < image_.width; ++x) {
+        const bool inside = bounds.rows[std::size_t(y)].contains(x);
+        if (inside && is_finite(image_.pixel(x, y))) continue;
+        const Difference d = see({x, y}, Rgba(0.0));
+        known_ += d.square;
+        signed_sum_ += d.mean;
+        if (!inside) ++error_.outside;
+      }
+  }
+
+  void see_strata(const PixelSample& sample, std::span<const Rgba> truth) {
+    values_.reserve(truth.size());
+    for (const auto& stratum : sample.strata) {
+      Squares s{stratum, {}};
+      double means = 0;
+      for (std::size_t k = 0; k < stratum.sampled; ++k) {
+        const Difference d = see(sample.pixels[values_.size()], truth[values_.size()]);
+        values_.push_back(d.square);
+        s.mean += d.square / double(stratum.sampled);
+        s.largest = std::max(s.largest, d.square);
+        means += d.mean / double(stratum.sampled);
+      }
+      s.values = std::span(values_).last(stratum.sampled);
+      signed_sum_ += means * double(stratum.pixels);
+      strata_.push_back(s);
+    }
+    error_.pixels = truth.size();
+  }
+
+  SampledError error() const {
+    double sum = known_;
+    for (const Squares& s : strata_) sum += s.total();
+    const Interval interval = interval_of(strata_, sum, known_);
+    const double pixels = double(image_.width) * image_.height;
+    SampledError error = error_;
+    error.mean = signed_sum_ / pixels;
+    error.rmse = std::sqrt(sum / pixels);
+    error.rmse_low = std::sqrt(interval.low / pixels);
+    error.rmse_high = std::sqrt(interval.high / pixels);
+    return error;
+  }
+
+ private:
+  const Image& image_;
+  std::vector<double> values_;  ///< of all strata, which refer to them
+  std::vector<Squares> strata_;
+  double known_ = 0, signed_sum_ = 0;
+  SampledError error_;
+};
+
+}  // namespace
+
+SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth) {
+  if (sample.pixels.size() != truth.size() || image.rgba.empty())
+    throw InputError(
+        fmt::format("{} pixels cannot be compared with {} true colours", sample.pixels.size(), truth.size()),
+        "evaluate the truth at each of the sample's pixels");
+  Comparison comparison(image);
+  comparison.see_known(sample.bounds);
+  comparison.see_strata(sample, truth);
+  return comparison.error();
+}
+
+}  // namespace ringsplat::truth
