@@ -210,3 +210,42 @@ TEST_CASE("news of opaque tiles arrive as they were sent, and cut ones or of no 
     CHECK_THROWS_AS(read_opaque_news(wrong, known), RunError);
   }
 }
+
+TEST_CASE("every frame tells anew which tiles are opaque, and a GP each of them once") {
+  const Grid grid = make_grid({40, 40, 40});
+  const auto source = synth_source("constant", grid);
+  const auto stores = dealt(*source, 1);
+  FrameSpec spec = oblique_view(96, 96, 48);
+  spec.transfer_function = constant_opacity(1.0);
+  spec.dealt_to = 1;
+  const FrameGeometry geometry = make_geometry(spec, grid);
+  ThreadTeam threads(1);
+  EmptySpace empty_space;
+  const auto encoder = make_encoder(spec, geometry, 1, empty_space, threads);
+  const auto painter = make_painter(0, 1, threads);
+  const auto news_of_frame = [&] {
+    painter->begin_frame(spec, geometry);
+    Bytes all;
+    for (int step = 0; step < geometry.slices; ++step) {
+      const int slice = geometry.traversal.slice_at(step, geometry.slices);
+      encoder->begin(stores.at(0).slice(geometry.traversal.axis, slice));
+      while (!encoder->work()) {
+      }
+      const Bytes payload = encoder->finish().payloads.at(0);
+      painter->begin(step, std::span<const std::byte>(payload).subspan(sizeof(Header)));
+      while (!painter->work()) {
+      }
+      Bytes news;
+      painter->opaque_news(0, news);
+      all.insert(all.end(), news.begin() + std::min<std::ptrdiff_t>(sizeof(Header), std::ssize(news)),
+                 news.end());
+      Bytes again;
+      painter->opaque_news(0, again);
+      CHECK(again.empty());
+    }
+    return all;
+  };
+  const Bytes first = news_of_frame();
+  REQUIRE_FALSE(first.empty());
+  CHECK(news_of_frame() == first);
+}
