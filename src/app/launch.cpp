@@ -1,6 +1,7 @@
 #include "app/launch.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <new>
@@ -106,6 +107,16 @@ Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
   const Block code = collectives_->broadcast(Block{std::byte(outcome.code)}, 0);
   outcome.code = static_cast<ExitCode>(code.at(0));
   return outcome;
+}
+
+void Launch::take_leave(double seconds) {
+  if (simulated()) return;
+  const std::vector<int> absent = collectives_->absent(seconds);
+  if (absent.empty()) return;
+  throw RunError(
+      fmt::format("after the last frame rank {} did not answer for {} s; what was rendered is written",
+                  fmt::join(absent, ", "), seconds),
+      "a rank may have been stopped or be very slow; --stall-timeout sets the limit");
 }
 
 namespace {

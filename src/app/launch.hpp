@@ -48,6 +48,9 @@ class Launch {
   void check_on_rank_0(const std::function<void()>& check);
   /// `work` runs on rank 0 only while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);
+  /// All ranks call it when their work is done. Throws RunError on rank 0 when some have not after `seconds`:
+  /// the end of MPI would wait for them for ever.
+  void take_leave(double seconds);
   [[noreturn]] void abort(ExitCode code) { session_->abort(static_cast<int>(code)); }
 
  private:

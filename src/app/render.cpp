@@ -178,13 +178,13 @@ void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protoc
   try {
     if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
     render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
-    if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
   } catch (const InputError& e) {
     throw RunError(e.what());
   }
 }
 
-void write_trace(const Trace& trace, const std::string& file, const Layout& layout, Launch& launch) {
+void write_trace(Trace& trace, const std::string& file, const Layout& layout, Launch& launch) {
+  trace.compare_clocks(launch.collectives());
   const Trace::Gathered all = trace.gather(launch.collectives());
   if (launch.rank() != 0) return;
   for (const auto& node : all.nodes)
@@ -269,8 +269,9 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   render_all(std::move(scene), layout, protocol,
              launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring);
   progress.end();
-  if (!o.trace.empty()) write_trace(trace, o.trace, layout, launch);
   if (launch.rank() == 0) output.finish();
+  launch.take_leave(protocol.stall_timeout);
+  if (!o.trace.empty()) write_trace(trace, o.trace, layout, launch);
   if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);
   flush_stdout();
   if (reads_stdin) launch.check_on_rank_0([&] { browsing.check_stream(); });

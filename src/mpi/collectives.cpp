@@ -1,15 +1,18 @@
 #include <algorithm>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <numeric>
+#include <thread>
 
 #include "mpi/checked.hpp"
+#include "ringsplat/base/clock.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
 namespace {
 
-constexpr int block_tag = 3;
+constexpr int block_tag = 3, presence_tag = 4;
 
 class MpiCollectives final : public Collectives {
  public:
@@ -77,7 +80,35 @@ class MpiCollectives final : public Collectives {
     return block;
   }
 
+  std::vector<int> absent(double seconds) override {
+    if (process() != 0) {
+      checked(MPI_Send(nullptr, 0, MPI_BYTE, 0, presence_tag, comm_.get()), "MPI_Send");
+      return {};
+    }
+    std::vector<int> missing(std::size_t(processes()) - 1);
+    std::iota(missing.begin(), missing.end(), 1);
+    const double until = now_seconds() + seconds;
+    while (true) {
+      // Asked before looking, so that what came while this process had no core still counts.
+      const bool late = now_seconds() > until;
+      std::erase_if(missing, [this](int p) { return take_presence(p); });
+      if (missing.empty() || late) return missing;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
  private:
+  /// Whether this process has said that it is here. Each is asked for by itself: who is fast may have said so
+  /// for the next call already.
+  bool take_presence(int from) const {
+    int arrived = 0;
+    MPI_Message matched = MPI_MESSAGE_NULL;
+    checked(MPI_Improbe(from, presence_tag, comm_.get(), &arrived, &matched, MPI_STATUS_IGNORE), "MPI_Improbe");
+    if (arrived == 0) return false;
+    checked(MPI_Mrecv(nullptr, 0, MPI_BYTE, &matched, MPI_STATUS_IGNORE), "MPI_Mrecv");
+    return true;
+  }
+
   /// `sum` fits into a message. A broadcast from each process would be as many messages as there are pairs of
   /// them.
   std::vector<Block> all_gather_at_once(const Block& mine, const std::vector<std::uint64_t>& sizes,

@@ -55,6 +55,7 @@ class ThreadCollectives final : public Collectives {
     return exchange_.swap(process_,
                           std::vector<Block>(std::size_t(processes()), std::move(block)))[std::size_t(root)];
   }
+  std::vector<int> absent(double) override { return {}; }
   std::size_t sent() const { return sent_; }  ///< bytes, one for all receivers
 
  private:

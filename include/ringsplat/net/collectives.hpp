@@ -18,6 +18,9 @@ class Collectives {
   virtual std::vector<Block> all_to_all(std::vector<Block> out) = 0;
   virtual std::vector<Block> all_gather(const Block& mine) = 0;
   virtual Block broadcast(Block block, int root) = 0;
+  /// Unlike the others this waits no longer than `seconds`: process 0 gets those that have not made the call
+  /// by then, ascending. Elsewhere it returns nothing, at once.
+  virtual std::vector<int> absent(double seconds) = 0;
 };
 
 /// One process alone.
@@ -28,6 +31,7 @@ class SoloCollectives final : public Collectives {
   std::vector<Block> all_to_all(std::vector<Block> out) override { return out; }
   std::vector<Block> all_gather(const Block& mine) override { return {mine}; }
   Block broadcast(Block block, int) override { return block; }
+  std::vector<int> absent(double) override { return {}; }
 };
 
 /// Every process hands in its error's text, or an empty one; when any is not empty, all throw the
