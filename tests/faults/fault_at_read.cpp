@@ -1,0 +1,40 @@
+// Preloaded: does something to a file just before the program reads the part of it that begins at byte
+// FAULT_AT, while it is open. FAULT: truncate, change or remove.
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <string>
+
+namespace {
+
+void harm(int descriptor, const std::string& fault) {
+  const std::string link = "/proc/self/fd/" + std::to_string(descriptor);
+  char path[4096] = {};
+  if (readlink(link.c_str(), path, sizeof path - 1) < 0) return;
+  if (fault == "remove") unlink(path);
+  // It is open for reading only.
+  const int file = open(path, O_WRONLY);
+  if (file < 0) return;
+  struct stat status {};
+  fstat(file, &status);
+  const std::string other(1000, '\xff');
+  const bool done = fault == "truncate" ? ftruncate(file, status.st_size / 4) == 0
+                                        : write(file, other.data(), other.size()) > 0;
+  close(file);
+  if (!done) std::abort();
+}
+
+}  // namespace
+
+extern "C" ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset) {
+  using Pread = ssize_t (*)(int, void*, size_t, off_t);
+  static const auto really = reinterpret_cast<Pread>(dlsym(RTLD_NEXT, "pread"));
+  const char* const at = std::getenv("FAULT_AT");
+  const char* const fault = std::getenv("FAULT");
+  if (at != nullptr && fault != nullptr && std::atoll(at) == offset) harm(descriptor, fault);
+  return really(descriptor, bytes, count, offset);
+}
