@@ -12,6 +12,29 @@
 #include "ringsplat/base/process.hpp"
 
 namespace ringsplat {
+namespace {
+
+/// TBB orders lanes and their caller by itself, but by fences that ThreadSanitizer does not see; these it does.
+/// They order no lane with another, which would hide what two lanes both write. They are the same for all teams, as
+/// a lane could find its team's own only by what is to be ordered.
+std::atomic<unsigned> begun = 0, ended = 0;
+
+/// What the caller did before comes before the lanes, and what they did before what it does next.
+struct CallerOrder {
+  CallerOrder() { begun.fetch_add(1, std::memory_order_release); }
+  ~CallerOrder() { static_cast<void>(ended.load(std::memory_order_acquire)); }
+  CallerOrder(const CallerOrder&) = delete;
+  CallerOrder& operator=(const CallerOrder&) = delete;
+};
+
+struct LaneOrder {
+  LaneOrder() { static_cast<void>(begun.load(std::memory_order_acquire)); }
+  ~LaneOrder() { ended.fetch_add(1, std::memory_order_release); }
+  LaneOrder(const LaneOrder&) = delete;
+  LaneOrder& operator=(const LaneOrder&) = delete;
+};
+
+}  // namespace
 
 struct ThreadTeam::State {
   explicit State(int threads) : arena(threads) {
@@ -22,7 +45,6 @@ struct ThreadTeam::State {
   }
   std::optional<tbb::global_control> limit;
   tbb::task_arena arena;
-  std::atomic<int> handed_over = 0;
 };
 
 ThreadTeam::ThreadTeam(int threads) : threads_(threads) {
@@ -42,18 +64,14 @@ void ThreadTeam::run(int lanes, const std::function<void(int lane)>& work) {
     for (int lane = 0; lane < lanes; ++lane) work(lane);
     return;
   }
-  // TBB orders all of this by itself, but by fences that ThreadSanitizer does not see.
-  std::atomic<int>& handed_over = state_->handed_over;
   const auto one = [&](int lane) {
-    handed_over.fetch_add(1, std::memory_order_acq_rel);
+    const LaneOrder order;
     flush_denormals();
     work(lane);
-    handed_over.fetch_add(1, std::memory_order_acq_rel);
   };
-  handed_over.fetch_add(1, std::memory_order_acq_rel);
+  const CallerOrder order;
   // Statically: a lane tends to meet the same thread again, whose cache has its buffers.
   state_->arena.execute([&] { tbb::parallel_for(0, lanes, one, tbb::static_partitioner()); });
-  handed_over.fetch_add(1, std::memory_order_acq_rel);
 }
 
 }  // namespace ringsplat

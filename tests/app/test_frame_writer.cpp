@@ -19,7 +19,7 @@ FinishedFrame numbered(std::int64_t frame) {
 
 }  // namespace
 
-TEST_CASE("frames are written in order by another thread") {
+TEST_CASE("frames are written in order by another thread", "[threads]") {
   std::vector<std::int64_t> written;
   bool other_thread = true;
   FrameWriter writer([&, caller = std::this_thread::get_id()](FinishedFrame&& frame) {
@@ -33,7 +33,7 @@ TEST_CASE("frames are written in order by another thread") {
   CHECK(other_thread);
 }
 
-TEST_CASE("no more frames wait than there is room for") {
+TEST_CASE("no more frames wait than there is room for", "[threads]") {
   std::atomic<bool> may_write = false;
   std::atomic<int> put = 0, written = 0;
   FrameWriter writer([&](FinishedFrame&&) {
@@ -57,7 +57,7 @@ TEST_CASE("no more frames wait than there is room for") {
   CHECK(written == held + 5);
 }
 
-TEST_CASE("what writing throws comes out, and nothing is written after it") {
+TEST_CASE("what writing throws comes out, and nothing is written after it", "[threads]") {
   std::atomic<int> written = 0;
   const auto fail_at_2 = [&](FinishedFrame&& frame) {
     if (frame.result.spec.frame == 2) throw RunError("the disk is full");
@@ -79,7 +79,7 @@ TEST_CASE("what writing throws comes out, and nothing is written after it") {
   CHECK(written == 2);
 }
 
-TEST_CASE("a run that ends early has its complete frames written") {
+TEST_CASE("a run that ends early has its complete frames written", "[threads]") {
   int written = 0;
   {
     FrameWriter writer([&](FinishedFrame&&) { ++written; });

@@ -56,7 +56,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a newer view on stdin ends the refinement of the ones before it") {
+TEST_CASE("a newer view on stdin ends the refinement of the ones before it", "[threads]") {
   for (const int ranks : {0, 4}) {
     INFO(ranks << " ranks");
     const Files files;

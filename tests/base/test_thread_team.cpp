@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <limits>
+#include <thread>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
@@ -10,7 +11,7 @@
 
 using namespace ringsplat;
 
-TEST_CASE("a team runs every lane once and hands on what one throws") {
+TEST_CASE("a team runs every lane once and hands on what one throws", "[threads]") {
   for (const int threads : {1, 2, 3, 8}) {
     ThreadTeam team(threads);
     CHECK(team.size() == threads);
@@ -31,7 +32,7 @@ TEST_CASE("a team runs every lane once and hands on what one throws") {
   }
 }
 
-TEST_CASE("lanes see what was written before them, and the caller what they wrote") {
+TEST_CASE("lanes see what was written before them, and the caller what they wrote", "[threads]") {
   ThreadTeam team(4);
   std::vector<int> numbers(4, 0);
   for (int k = 0; k < 500; ++k) {
@@ -41,7 +42,20 @@ TEST_CASE("lanes see what was written before them, and the caller what they wrot
   for (int lane = 0; lane < 4; ++lane) CHECK(numbers[std::size_t(lane)] == 500 * (lane + 1));
 }
 
-TEST_CASE("teams share their threads one after another") {
+// Wrong on purpose and run by name only, under the thread sanitizer, which must see it.
+TEST_CASE("two lanes write the same number at once", "[.race]") {
+  ThreadTeam team(2);
+  std::atomic<int> here = 0;
+  int number = 0;
+  team.run(2, [&](int lane) {
+    here.fetch_add(1, std::memory_order_relaxed);
+    while (here.load(std::memory_order_relaxed) < 2) std::this_thread::yield();
+    number += lane;
+  });
+  CHECK(number >= 0);
+}
+
+TEST_CASE("teams share their threads one after another", "[threads]") {
   ThreadTeam wide(8), narrow(2);
   std::atomic<int> ran = 0;
   for (int k = 0; k < 100; ++k) {
@@ -52,7 +66,7 @@ TEST_CASE("teams share their threads one after another") {
 }
 
 #if defined(__SSE2__)
-TEST_CASE("denormals are flushed in all lanes that share") {
+TEST_CASE("denormals are flushed in all lanes that share", "[threads]") {
   ThreadTeam team(5);
   std::atomic<int> denormals = 0;
   for (int k = 0; k < 200; ++k)

@@ -3,10 +3,13 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <numeric>
+#include <thread>
+#include <vector>
 
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
@@ -82,6 +85,28 @@ TEST_CASE("an image file gives back what was written") {
 
   CHECK(file->seek(0));
   CHECK_FALSE(file->seek(1));
+}
+
+TEST_CASE("threads may read and write pictures at once, and one of them loads the library", "[threads]") {
+  const TemporaryFolder folder;
+  const std::vector<float> written = ramp();
+  std::array<std::string, 4> problems;
+  std::vector<std::thread> threads;
+  for (std::size_t t = 0; t < problems.size(); ++t)
+    threads.emplace_back([&, t] {
+      try {
+        const std::string path = folder / (std::to_string(t) + ".exr");
+        write_image_file(path, {width, height, channels, SampleType::float32, written.data(), {}});
+        const auto [file, problem] = open_image_file(path);
+        std::vector<float> all(written.size());
+        problems[t] = file ? file->read(0, channels, SampleType::float32, all.data()) : problem;
+        if (all != written) problems[t] += " other values were read";
+      } catch (const RunError& error) {
+        problems[t] = error.what();
+      }
+    });
+  for (auto& thread : threads) thread.join();
+  for (const std::string& problem : problems) CHECK(problem == "");
 }
 
 TEST_CASE("what is no image is said, and what cannot be written is thrown") {

@@ -85,7 +85,7 @@ TEST_CASE("rows are cut into bands of about as many voxels") {
         std::vector<int>{0});
 }
 
-TEST_CASE("payloads are the same bytes whatever the number of threads") {
+TEST_CASE("payloads are the same bytes whatever the number of threads", "[threads]") {
   const auto source = synth_source("ball", make_grid({70, 61, 24}));
   struct Form {
     PayloadForm form;
@@ -124,7 +124,7 @@ TEST_CASE("payloads are the same bytes whatever the number of threads") {
         }
 }
 
-TEST_CASE("the image and the counts are the same whatever the number of threads") {
+TEST_CASE("the image and the counts are the same whatever the number of threads", "[threads]") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto form : {PayloadForm::runs, PayloadForm::words})
@@ -153,7 +153,7 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
       }
 }
 
-TEST_CASE("threads keep the bits on any layout, with messages in any order") {
+TEST_CASE("threads keep the bits on any layout, with messages in any order", "[threads]") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto precision : {Precision::float32, Precision::half, Precision::u8}) {
@@ -181,7 +181,7 @@ TEST_CASE("threads keep the bits on any layout, with messages in any order") {
     }
 }
 
-TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels") {
+TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels", "[threads]") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const KernelOptions& kernel :
@@ -200,7 +200,7 @@ TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels") {
     }
 }
 
-TEST_CASE("frames that are dropped while threads draw them leave nothing behind") {
+TEST_CASE("frames that are dropped while threads draw them leave nothing behind", "[threads]") {
   const auto source = synth_source("ball", make_grid({33, 31, 32}));
   std::vector<FrameSpec> specs(9, oblique_view(300, 280, 32));
   for (std::size_t k = 0; k < specs.size(); ++k) {
