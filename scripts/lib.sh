@@ -4,6 +4,11 @@
 repo=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build="$repo/build/release"
 
+# Builds with the same flags in several folders share what ccache keeps; who has configured it knows better.
+if command -v ccache >/dev/null && [[ -z $(ccache --get-config base_dir) ]]; then
+  export CCACHE_BASEDIR=$repo CCACHE_NOHASHDIR=1
+fi
+
 say() { printf 'ringsplat: %s\n' "$*" >&2; }
 die() {
   say "$*"
@@ -36,8 +41,8 @@ allow_ranks() {
   fi
 }
 
-# run_ranks N PROGRAM...
+# run_ranks N PROGRAM...: with mpirun, or the launcher that RINGSPLAT_MPIEXEC names.
 run_ranks() {
   allow_ranks "$1"
-  mpirun -n "$@"
+  "${RINGSPLAT_MPIEXEC:-mpirun}" -n "$@"
 }

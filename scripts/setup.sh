@@ -3,6 +3,7 @@
 #
 #   scripts/setup.sh            install
 #   scripts/setup.sh --check    only say what is missing; exit 1 when something is
+#   scripts/setup.sh --mpich    MPICH too, beside Open MPI, for scripts/check.sh
 #
 # RINGSPLAT_SKIP_SETUP=1 makes it do nothing, for machines that have the libraries from elsewhere.
 set -euo pipefail
@@ -22,6 +23,17 @@ optional=(
   python3 python3-numpy python3-matplotlib    # plots
   python3-venv                                # SSIM and FLIP, which scripts/accuracy.sh takes from PyPI
 )
+
+mpich=(libmpich-dev mpich)
+
+check=0
+for word; do
+  case $word in
+    --check) check=1 ;;
+    --mpich) required+=("${mpich[@]}") ;;
+    *) die "setup.sh does not know $word; it knows --check and --mpich" ;;
+  esac
+done
 
 missing() {
   local package
@@ -56,7 +68,7 @@ mapfile -t needed < <(missing "${required[@]}")
 mapfile -t wanted < <(missing "${optional[@]}")
 ((${#needed[@]} + ${#wanted[@]} > 0)) || exit 0
 
-if [[ ${1:-} == --check ]]; then
+if ((check)); then
   say "missing: ${needed[*]} ${wanted[*]}"
   exit 1
 fi

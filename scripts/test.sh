@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds everything and runs all tests:  scripts/test.sh [CTEST OPTION...]
+# Installs what is missing, builds everything and runs all tests, and without options a few under the sanitizers:
+#   scripts/test.sh [CTEST OPTION...]
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -8,3 +9,4 @@ build_ringsplat all
 # Tests that start ranks say how many cores they take, so that CTest runs no more of them at once than fit.
 cd "$repo"
 ctest --preset release --parallel "$(cores)" --no-tests=error "$@"
+(($# > 0)) || "$repo/scripts/check.sh" smoke

@@ -71,7 +71,7 @@ class PipedStream {
 
 }  // namespace
 
-TEST_CASE("no more is read from the pipe while enough views wait, and none is lost") {
+TEST_CASE("no more is read from the pipe while enough views wait, and none is lost", "[threads]") {
   PipedStream piped;
   const std::string line = "10 20\n";
   constexpr std::size_t most = 4'000'000;
@@ -83,7 +83,7 @@ TEST_CASE("no more is read from the pipe while enough views wait, and none is lo
   CHECK_NOTHROW(piped.stream().check_all_was_read());
 }
 
-TEST_CASE("a stream can be given up while its reader waits for room") {
+TEST_CASE("a stream can be given up while its reader waits for room", "[threads]") {
   PipedStream piped;
   std::string text;
   for (std::size_t k = 0; k < 4 * ViewStream::room; ++k) text += "1 2\n";
@@ -91,7 +91,7 @@ TEST_CASE("a stream can be given up while its reader waits for room") {
   while (!piped.stream().has_next()) usleep(200);
 }
 
-TEST_CASE("lines that give no view are skipped with a warning, and counted in the end") {
+TEST_CASE("lines that give no view are skipped with a warning, and counted in the end", "[threads]") {
   PipedStream piped([](const Camera& camera) {
     if (camera.zoom == 0) throw InputError("the zoom is 0", "use more");
   });
@@ -113,7 +113,7 @@ TEST_CASE("lines that give no view are skipped with a warning, and counted in th
                                 "came are rendered"));
 }
 
-TEST_CASE("not every line of a flood of bad ones is warned of") {
+TEST_CASE("not every line of a flood of bad ones is warned of", "[threads]") {
   PipedStream piped;
   std::string text;
   for (int k = 0; k < 2000; ++k) text += "no\n";
@@ -125,7 +125,7 @@ TEST_CASE("not every line of a flood of bad ones is warned of") {
                     Catch::Matchers::Contains("2000 lines give no view"));
 }
 
-TEST_CASE("a stream without a view is no good input, nor is one that cannot be read") {
+TEST_CASE("a stream without a view is no good input, nor is one that cannot be read", "[threads]") {
   PipedStream piped;
   CHECK(piped.rest().empty());
   CHECK_THROWS_WITH(piped.stream().check_all_was_read(), Catch::Matchers::Contains("no view came"));

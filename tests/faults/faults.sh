@@ -186,11 +186,11 @@ case $fault in
     ;;
   truncated_file)
     read_while truncate
-    refused 'volume.nrrd was cut from .* bytes while it was being read'
+    refused 'volume.nrrd has changed since it was opened: .* bytes instead of'
     ;;
   changed_file)
     read_while change
-    refused 'volume.nrrd was written to while it was being read'
+    refused 'volume.nrrd has changed since it was opened: other bytes'
     ;;
   removed_file)
     read_while remove

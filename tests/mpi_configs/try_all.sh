@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
 # Runs every file of mpi_configs on this machine, as its comments say, and compares the pictures:
-#   try_all.sh PROGRAM SCRATCH_FOLDER
+#   try_all.sh PROGRAM SCRATCH_FOLDER MPIEXEC
 set -euo pipefail
 here=$(dirname "${BASH_SOURCE[0]}")
 # shellcheck source-path=SCRIPTDIR source=../../scripts/lib.sh
 source "$here/../../scripts/lib.sh"
 program=$1
 scratch=$2
+export RINGSPLAT_MPIEXEC=$3
 
 configs=$repo/mpi_configs
 # Small and shaded, from a side that cuts through all regions. Command lines come before configuration files.
@@ -54,7 +55,7 @@ for file in mpi_configs/*.toml; do
 done
 [[ $(find out -name 'orbit*.png' | wc -l) == 36 ]] || die "the orbit is not 36 pictures"
 
-if mpirun --version 2>&1 | grep -q 'Open MPI'; then
+if "$RINGSPLAT_MPIEXEC" --version 2>&1 | grep -q 'Open MPI'; then
   for hosts in mpi_configs/hostfile.*; do
     run_ranks 6 --hostfile "$hosts" ringsplat render "$volume" -o out/hostfile.png --config mpi_configs/ring-4+2.toml
     same_picture "$hosts" out/hostfile.png
@@ -63,7 +64,7 @@ if mpirun --version 2>&1 | grep -q 'Open MPI'; then
     ringsplat render "$volume" -o out/rankfile.png --config mpi_configs/ring-4+2.toml
   same_picture mpi_configs/rankfile.cluster out/rankfile.png
   allow_ranks 6
-  mpirun --app mpi_configs/appfile
+  "$RINGSPLAT_MPIEXEC" --app mpi_configs/appfile
   same_picture mpi_configs/appfile out/head.png
 else
   say "hostfiles, rankfile and app file left out: they are in Open MPI's format"
