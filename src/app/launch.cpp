@@ -1,13 +1,13 @@
 #include "app/launch.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <new>
 #include <span>
 
 #include "app/build_id.hpp"
+#include "app/option_values.hpp"
 #include "app/role_choice.hpp"
 #include "ringsplat/model/charge.hpp"
 #include "ringsplat/net/same_facts.hpp"
@@ -113,9 +113,11 @@ void Launch::take_leave(double seconds) {
   if (simulated()) return;
   const std::vector<int> absent = collectives_->absent(seconds);
   if (absent.empty()) return;
+  std::vector<std::string> ranks;
+  for (const int rank : absent) ranks.push_back(std::to_string(rank));
   throw RunError(
       fmt::format("after the last frame rank {} did not answer for {} s; what was rendered is written",
-                  fmt::join(absent, ", "), seconds),
+                  joined(ranks, ", "), seconds),
       "a rank may have been stopped or be very slow; --stall-timeout sets the limit");
 }
 

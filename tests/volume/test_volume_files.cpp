@@ -61,11 +61,15 @@ TEST_CASE("every source that all processes read says what it reads") {
             "ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_UCHAR\nElementDataFile = "
             "LOCAL\n" +
                 samples<std::uint8_t>());
+  for (const char* slice : {"s0", "s1", "s2"}) write(folder / slice, std::string(20, '7'));
+  const auto list = write(folder / "list.mhd",
+                          "ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_UCHAR\n"
+                          "ElementDataFile = LIST\ns0\ns1\ns2\n");
   const auto nifti = write(folder / "a.nii", Nifti{}.header() + samples<short>());
   write_pages(folder / "pages");
   fs::create_directory(folder / "series");
   write_dicom_series(folder / "series");
-  for (const auto& path : {raw, nrrd, meta, nifti, folder / "pages", folder / "series"}) {
+  for (const auto& path : {raw, nrrd, meta, list, nifti, folder / "pages", folder / "series"}) {
     INFO(path);
     const auto source = open_volume(path);
     const Facts facts = source->facts();
