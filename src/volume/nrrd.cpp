@@ -11,6 +11,7 @@
 #include "volume/input_file.hpp"
 #include "volume/itk_image.hpp"
 #include "volume/limits.hpp"
+#include "volume/nrrd_files.hpp"
 #include "volume/stored_source.hpp"
 
 namespace ringsplat::detail {
@@ -79,10 +80,27 @@ class NrrdHeader {
   NrrdIoState* io_;
 };
 
+/// Throws InputError unless the files can hold the voxels.
+void require_files(const std::filesystem::path& path, const NrrdIoState& io, const Grid& grid) {
+  std::uint64_t compressed = 0;
+  for_data_files(path, io, [&](const std::filesystem::path& file, std::uint64_t files) {
+    const auto size = InputFile(file).size();
+    if (io.encoding == nrrdEncodingRaw)
+      require_bytes(file, size, 0, grid.bytes() / files);
+    else if (io.encoding == nrrdEncodingHex)
+      require_bytes(file, size, 0, 2 * (grid.bytes() / files));
+    else if (io.encoding == nrrdEncodingAscii)
+      require_numbers(file, 0, std::uint64_t(grid.voxels()) / files);
+    compressed += size;
+  });
+  require_compressed_bytes(path, compressed, grid.bytes(), deflate_best_ratio);
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path) {
   return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
+    require_plain_pattern(path);
     const NrrdHeader header(path);
     if (!header.is_nrrd())
       throw InputError(fmt::format("{} does not begin with the letters NRRD", path.string()),
@@ -92,7 +110,10 @@ std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path) {
     io->SetFileName(path.string());
     io->ReadImageInformation();
     const Grid grid = grid_of(*io, path);
-    if (header.several_files()) return itk_source(io.GetPointer(), grid, path);
+    if (header.several_files()) {
+      require_files(path, header.io(), grid);
+      return itk_source(io.GetPointer(), grid, path);
+    }
 
     const auto* encoding = header.io().encoding;
     const bool gzip = encoding == nrrdEncodingGzip;

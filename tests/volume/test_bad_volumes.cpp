@@ -76,6 +76,23 @@ std::vector<Bad> bad_nrrds() {
            nrrd("type: uint8\ndimension: 3\nencoding: ascii\nsizes: 5 4 3\n", "1 2 3\n")),
       file("missing data file", "nowhere.raw", "a.nhdr",
            nrrd(scalar_field("uint8") + "sizes: 5 4 3\ndata file: nowhere.raw\n", "")),
+      file("a number of 4000 digits in the names of data files", "pattern of its data files", "a.nhdr",
+           nrrd(scalar_field("uint8") + "sizes: 5 4 3\ndata file: s%4000d.raw 0 2 1\n", "")),
+      file("two patterns in the names of data files", "pattern of its data files", "a.nhdr",
+           nrrd(scalar_field("uint8") + "sizes: 5 4 3\ndata file: s%d-%d.raw 0 2 1\n", "")),
+      {"6 GB in three data files of a few bytes", "promises 2000000000 bytes",
+       [](const Folder& f) {
+         for (const char* name : {"s0.raw", "s1.raw", "s2.raw"}) write(f / name, "short");
+         return write(f / "a.nhdr",
+                      nrrd(scalar_field("uint8") + "sizes: 50000 40000 3\ndata file: s%d.raw 0 2 1\n", ""));
+       }},
+      {"6 GB in a list of data files", "promises 3000000000 bytes",
+       [](const Folder& f) {
+         for (const char* name : {"s0.raw", "s1.raw"}) write(f / name, "short");
+         return write(
+             f / "a.nhdr",
+             nrrd(scalar_field("uint8") + "sizes: 50000 60000 2\ndata file: LIST\ns0.raw\ns1.raw", ""));
+       }},
       file("zero spacing", "spacing (0) invalid", "a.nrrd",
            nrrd(scalar_field("uint8") + "sizes: 5 4 3\nspacings: 1 0 1\n")),
       file(

@@ -1,0 +1,74 @@
+#include "volume/nrrd_files.hpp"
+
+#include <NrrdIO.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+#include "ringsplat/base/error.hpp"
+#include "volume/text.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+/// Where the first %d, %03d … ends; nothing in a name without.
+std::size_t end_of_number(std::string_view name) {
+  for (auto at = name.find('%'); at != name.npos; at = name.find('%', at + 1)) {
+    auto end = at + 1;
+    while (end < name.size() && std::isdigit(static_cast<unsigned char>(name[end])) != 0) ++end;
+    if (end < name.size() && name[end] == 'd') return end + 1;
+  }
+  return name.npos;
+}
+
+bool is_plain(std::string_view name) {
+  const auto end = end_of_number(name);
+  if (end == name.npos) return true;  // a name, no pattern
+  const auto percent = name.find('%');
+  constexpr std::size_t longest = 4;  // %09d
+  return std::count(name.begin(), name.end(), '%') == 1 && end - percent <= longest;
+}
+
+}  // namespace
+
+void require_plain_pattern(const std::filesystem::path& header) {
+  std::ifstream stream(header, std::ios::binary);
+  std::string line;
+  constexpr int longest_header = 10'000;  // lines
+  for (int i = 0; i < longest_header && std::getline(stream, line) && !one_line(line).empty(); ++i) {
+    if (i == 0 && line.rfind("NRRD", 0) != 0) return;
+    const auto colon = std::min(line.find(':'), line.size());
+    const auto key = lower_case(one_line(line.substr(0, colon)));
+    if ((key == "data file" || key == "datafile") && !is_plain(line.substr(colon)))
+      throw InputError(fmt::format("{}: the pattern of its data files is '{}'", header.string(),
+                                   one_line(line.substr(std::min(colon + 1, line.size())))),
+                       "give a name with one number, such as slice%03d.raw 1 60 1");
+  }
+}
+
+void for_data_files(const std::filesystem::path& header, const NrrdIoState& io,
+                    const std::function<void(const std::filesystem::path&, std::uint64_t)>& use) {
+  const auto folder = header.parent_path();
+  if (io.dataFNFormat == nullptr) {
+    for (unsigned k = 0; k < io.dataFNArr->len; ++k) use(folder / io.dataFN[k], io.dataFNArr->len);
+    return;
+  }
+  const std::int64_t first = io.dataFNMin, last = io.dataFNMax, step = io.dataFNStep;
+  const std::int64_t count = step == 0 ? 1 : std::max<std::int64_t>((last - first) / step + 1, 0);
+  for (std::int64_t k = 0; k < count; ++k) {
+    std::array<char, 4096> name{};
+    // Of a pattern that require_plain_pattern allows.
+    const int length = std::snprintf(name.data(), name.size(), io.dataFNFormat, int(first + k * step));
+    if (length < 0 || std::size_t(length) >= name.size())
+      throw InputError(fmt::format("{}: the names of its data files are too long", header.string()),
+                       "shorten them");
+    use(folder / name.data(), std::uint64_t(count));
+  }
+}
+
+}  // namespace ringsplat::detail
