@@ -4,13 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <iterator>
 
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "ringsplat/base/log.hpp"
 #include "ringsplat/model/charge.hpp"
+#include "ringsplat/net/blocks.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 
 namespace ringsplat::app {
@@ -64,11 +64,8 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
     chosen = predictions.front().layout;
     say(costs, ranks, predictions);
   });
-  Block block(sizeof(Layout));
-  std::memcpy(block.data(), &chosen, sizeof(Layout));
-  block = launch.collectives().broadcast(std::move(block), 0);
-  std::memcpy(&chosen, block.data(), sizeof(Layout));
-  return chosen;
+  const Block block = launch.collectives().broadcast(block_of_value(chosen), 0);
+  return value_of<Layout>(block, "a layout");
 }
 
 int drawing_renderers(const Layout& layout, Launch& launch) {

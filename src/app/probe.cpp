@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <string>
@@ -14,6 +13,7 @@
 
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/net/blocks.hpp"
 #include "ringsplat/node/render.hpp"
 #include "ringsplat/volume/statistics.hpp"
 
@@ -285,16 +285,14 @@ Places count_places(Collectives& collectives) {
   if (sched_getaffinity(0, sizeof(mine.cores), &mine.cores) != 0)
     for (long core = 0; core < std::min<long>(sysconf(_SC_NPROCESSORS_ONLN), CPU_SETSIZE); ++core)
       CPU_SET(std::size_t(core), &mine.cores);
-  Block block(sizeof(Place));
-  std::memcpy(block.data(), &mine, sizeof(Place));
   struct Machine {
     int ranks = 0;
     cpu_set_t cores{};
   };
   std::map<std::string, Machine> machines;
-  for (const Block& one : collectives.all_gather(block)) {
-    Place place;
-    std::memcpy(&place, one.data(), sizeof(Place));
+  for (const Block& one : collectives.all_gather(block_of_value(mine))) {
+    Place place = value_of<Place>(one, "its machine's name and cores");
+    place.machine.back() = '\0';
     Machine& machine = machines[place.machine.data()];
     ++machine.ranks;
     CPU_OR(&machine.cores, &machine.cores, &place.cores);

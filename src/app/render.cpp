@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -26,6 +25,7 @@
 #include "ringsplat/base/log.hpp"
 #include "ringsplat/base/output_file.hpp"
 #include "ringsplat/model/charge.hpp"
+#include "ringsplat/net/blocks.hpp"
 #include "ringsplat/node/trace_json.hpp"
 
 namespace ringsplat::app {
@@ -85,11 +85,8 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
   if (launch.rank() == 0) axes = needed_axes(plan.cameras, grid, o.frame.width, o.frame.height);
-  Block block(sizeof(axes));
-  std::memcpy(block.data(), axes.data(), sizeof(axes));
-  block = launch.collectives().broadcast(std::move(block), 0);
-  std::memcpy(axes.data(), block.data(), sizeof(axes));
-  return axes;
+  const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
+  return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }
 
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {

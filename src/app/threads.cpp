@@ -3,21 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "ringsplat/base/log.hpp"
 #include "ringsplat/base/process.hpp"
+#include "ringsplat/net/blocks.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 std::vector<int> cores_by_rank(Launch& launch) {
   const int mine = allowed_cores();
-  Block block(sizeof mine);
-  std::memcpy(block.data(), &mine, sizeof mine);
   std::vector<int> cores;
-  for (const Block& one : launch.collectives().all_gather(block))
-    std::memcpy(&cores.emplace_back(), one.data(), sizeof(int));
+  for (const Block& one : launch.collectives().all_gather(block_of_value(mine)))
+    cores.push_back(value_of<int>(one, "how many cores it has"));
   return cores;
 }
 

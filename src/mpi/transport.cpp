@@ -1,3 +1,4 @@
+#include <fmt/format.h>
 #include <sched.h>
 #include <sys/prctl.h>
 #include <unistd.h>
@@ -138,12 +139,15 @@ class MpiTransport final : public Transport {
 
   /// The first part holds the header, which says how much follows; parts of one sender stay in order.
   void receive_parts(Bytes& block, int source) {
-    Header header;
-    std::memcpy(&header, block.data(), sizeof(Header));
-    const std::size_t total = sizeof(Header) + header.bytes;
+    const Header header = Message::header_of(block, source);
+    constexpr std::uint64_t longest = std::uint64_t{1}
+                                      << 44;  // of any machine's memory, and far from overflow
+    const std::size_t total = sizeof(Header) + std::min(header.bytes, longest);
     std::size_t at = block.size();
-    if (total < at)
-      throw RunError("a message in parts has a wrong length", "all ranks must run the same build");
+    if (total < at || header.bytes > longest)
+      throw RunError(fmt::format("rank {} sent a {} in parts that says it has {} bytes", source,
+                                 name(header.kind), header.bytes),
+                     "all ranks must run the same build");
     block.resize(total);
     while (at < total) {
       const std::size_t part = std::min(largest_part_, total - at);

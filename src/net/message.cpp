@@ -34,17 +34,23 @@ Message::Message(const Header& h, Bytes wire) : header(h), wire_(std::move(wire)
   header.bytes = body_size(wire_);
 }
 
-Message Message::from_wire(Bytes block, int from_rank) {
-  Message message;
+Header Message::header_of(std::span<const std::byte> block, int from_rank) {
   if (block.size() < sizeof(Header))
     throw RunError(
         fmt::format("rank {} sent a message of {} bytes, shorter than a header", from_rank, block.size()));
-  std::memcpy(&message.header, block.data(), sizeof(Header));
-  const Header& h = message.header;
+  Header h;
+  std::memcpy(&h, block.data(), sizeof(Header));
   if (h.magic != Header{}.magic || static_cast<std::uint8_t>(h.kind) >= kinds || h.source_role > Role::host ||
       h.destination_role > Role::host)
     throw RunError(fmt::format("rank {} sent bytes that are no Ringsplat message", from_rank),
                    "all ranks must run the same build");
+  return h;
+}
+
+Message Message::from_wire(Bytes block, int from_rank) {
+  Message message;
+  message.header = header_of(block, from_rank);
+  const Header& h = message.header;
   if (h.bytes != block.size() - sizeof(Header))
     throw RunError(fmt::format("rank {} sent a {} of {} bytes that says it has {}", from_rank, name(h.kind),
                                block.size() - sizeof(Header), h.bytes));

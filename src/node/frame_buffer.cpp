@@ -124,8 +124,8 @@ void FrameBuffer::take_tile(Frame& frame, const Message& message) {
   const Header& h = message.header;
   const Regions& regions = frame.geometry.regions;
   const auto region = static_cast<int>(h.region);
-  if (region < 0 || region >= regions.count() || frame.owners->of(region) != h.source ||
-      frame.tile_here[h.region])
+  if (region < 0 || region >= regions.count() || h.source_role != Role::renderer ||
+      frame.owners->of(region) != h.source || frame.tile_here[h.region])
     throw RunError(fmt::format("{} delivered region {} of frame {}, which is not its own or came before",
                                to_string(h.from()), h.region, h.frame));
   const PixelRect rect = regions.rect(region);
@@ -151,6 +151,9 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
     throw RunError(fmt::format("{} sent a report of {} bytes", to_string(h.from()), h.bytes),
                    "all ranks must run the same build");
   const bool from_gp = h.source_role == Role::gp;
+  if (!from_gp && h.source_role != Role::renderer)
+    throw RunError(
+        fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
   auto reported = (from_gp ? frame.gp_reported : frame.renderer_reported)[std::size_t(h.source)];
   if (reported) throw RunError(fmt::format("{} reported frame {} twice", to_string(h.from()), h.frame));
   reported = true;

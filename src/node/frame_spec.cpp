@@ -99,7 +99,9 @@ void check(const FrameSpec& spec) {
                        "ambient, diffuse, specular and exponent are at least 0");
 }
 
-std::string to_json_text(const FrameSpec& spec) { return to_json(spec).dump(); }
+std::string to_json_text(const FrameSpec& spec) {
+  return to_json(spec).dump(-1, ' ', false, json::error_handler_t::replace);
+}
 
 LatticeFrame lattice_frame(const Grid& grid) {
   return {grid.dims, grid.spacing, grid.origin, grid.direction};

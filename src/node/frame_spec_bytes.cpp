@@ -89,6 +89,19 @@ bool pass(Wire& wire, Spec& spec) {
          all(factor, prefilter, payload, precision);
 }
 
+template <class Enum>
+bool is_one_of(Enum value, Enum last) {
+  return static_cast<int>(value) >= 0 && value <= last;
+}
+
+/// Every enumeration has one of its values.
+bool has_names(const FrameSpec& spec) {
+  return is_one_of(spec.image_plane, ImagePlane::slices) && is_one_of(spec.shading, Shading::phong) &&
+         is_one_of(spec.kernel.method, KernelMethod::texture) &&
+         is_one_of(spec.kernel.normalisation, Normalisation::exact) &&
+         is_one_of(spec.payload, PayloadForm::runs) && is_one_of(spec.precision, Precision::u8);
+}
+
 }  // namespace
 
 Bytes encode(const FrameSpec& spec) {
@@ -100,7 +113,7 @@ Bytes encode(const FrameSpec& spec) {
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   FrameSpec spec;
   Reader reader(bytes);
-  if (!pass(reader, spec) || !reader.ended())
+  if (!pass(reader, spec) || !reader.ended() || !has_names(spec))
     throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
   return spec;
 }

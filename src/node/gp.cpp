@@ -80,6 +80,9 @@ void Gp::begin_frame(const FrameSpec& spec) {
     throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded", spec.frame,
                                name(traversal.axis)),
                    "load it with --axes all");
+  if (spec.shading == Shading::phong && !frame->store->has_normals())
+    throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", spec.frame),
+                   "load them with --shading phong");
   find_steps(*frame);
   if (frame->tokens == 0) {
     // The volume lies beside the picture.

@@ -74,6 +74,19 @@ bool Host::release_kept() {
   return released;
 }
 
+FrameSpec Host::announced_frame(const Message& message) const {
+  FrameSpec spec = decode_frame_spec(message.body());
+  if (spec.frame != message.header.frame)
+    throw RunError(fmt::format("rank {} was told of frame {} in a message about frame {}", rank(), spec.frame,
+                               message.header.frame));
+  try {
+    check(spec);
+  } catch (const InputError& e) {
+    throw RunError(fmt::format("rank {} was told of a frame that cannot be: {}", rank(), e.what()));
+  }
+  return spec;
+}
+
 void Host::announce(Message message) {
   // Idle ranks only hear of the end.
   const int ranks = message.header.kind == Kind::shutdown ? layout_.ranks() : layout_.working_ranks();
@@ -100,7 +113,7 @@ void Host::take_announcement(const Message& message) {
     drop_announced();
     return;
   }
-  FrameSpec announced = decode_frame_spec(message.body());
+  FrameSpec announced = announced_frame(message);
   early_frames_.emplace(announced.frame, std::move(announced));
   // Announcements may overtake each other; nodes get frames in order.
   for (auto next = early_frames_.begin(); next != early_frames_.end() && next->first == next_frame_;

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <optional>
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/normals.hpp"
+#include "ringsplat/net/blocks.hpp"
 #include "ringsplat/net/same_facts.hpp"
 #include "ringsplat/volume/slice_ranges.hpp"
 
@@ -121,6 +123,8 @@ class Dealer {
     if (z < 0 || z >= grid_.dims.z) return nullptr;
     const auto found = received_.find(z);
     if (found != received_.end()) return found->second.data();
+    if (!volume_.source)
+      throw RunError(fmt::format("rank 0 did not hand out slice {}", z), "all ranks must run the same build");
     Block slice(slice_bytes_);
     volume_.source->read_slices(z, 1, slice);
     return received_.emplace(z, std::move(slice)).first->second.data();
@@ -176,8 +180,10 @@ class Dealer {
       const int gp = get<int>(block, at);
       const auto size = get<std::uint64_t>(block, at);
       const auto store = stores_.find(gp);
-      if (store == stores_.end() || !unpack_columns(store->second, axis, gp, gps_, z, options_.with_normals,
-                                                    get_bytes(block, at, size)))
+      const bool crosses = axis == Axis::x || axis == Axis::y;
+      if (store == stores_.end() || !crosses || !store->second.keeps(axis) ||
+          !unpack_columns(store->second, axis, gp, gps_, z, options_.with_normals,
+                          get_bytes(block, at, size)))
         throw RunError("a volume exchange message does not fit this rank's slices",
                        "all ranks must run the same build");
     }
@@ -197,16 +203,12 @@ class Dealer {
   int decoded_ = 0;
 };
 
-/// Every process's values, joined in the order of the processes; any of them may have none.
+/// The values of all processes; any of them may have none.
 template <class T>
 std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
-  const auto bytes = std::as_bytes(std::span(mine));
   std::vector<T> all;
-  for (const auto& one : collectives.all_gather({bytes.begin(), bytes.end()})) {
-    const auto at = all.size();
-    all.resize(at + one.size() / sizeof(T));
-    std::copy(one.begin(), one.end(), std::as_writable_bytes(std::span(all).subspan(at)).begin());
-  }
+  for (const auto& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine)))))
+    for (std::size_t at = 0; at < one.size();) all.push_back(get<T>(one, at));
   return all;
 }
 
@@ -214,20 +216,46 @@ std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
 /// processes are too much for each to hold.
 std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uint64_t> mine) {
   std::vector<Block> out(std::size_t(collectives.processes()));
-  out.front().resize(mine.size() * sizeof(mine[0]));
-  std::memcpy(out.front().data(), mine.data(), out.front().size());
+  out.front() = block_of(std::as_bytes(std::span(mine)));
   Block sums = out.front();
   const auto in = collectives.all_to_all(std::move(out));
   if (collectives.process() == 0) {
     std::fill(mine.begin(), mine.end(), 0);
     for (const Block& one : in)
-      for (std::size_t k = 0, at = 0; k < mine.size() && at < one.size(); ++k)
-        mine[k] += get<std::uint64_t>(one, at);
-    std::memcpy(sums.data(), mine.data(), sums.size());
+      for (std::size_t k = 0, at = 0; k < mine.size(); ++k) mine[k] += get<std::uint64_t>(one, at);
+    sums = block_of(std::as_bytes(std::span(mine)));
   }
   sums = collectives.broadcast(std::move(sums), 0);
-  std::memcpy(mine.data(), sums.data(), sums.size());
+  if (sums.size() != mine.size() * sizeof(mine[0]))
+    throw RunError(fmt::format("process 0 sent {} bytes instead of {} sums", sums.size(), mine.size()),
+                   "all ranks must run the same build");
+  std::size_t at = 0;
+  for (auto& sum : mine) sum = get<std::uint64_t>(sums, at);
   return mine;
+}
+
+/// What process 0 says of the volume that it has opened.
+struct Known {
+  Grid grid;
+  std::uint8_t concurrent = 0;
+};
+
+/// Throws RunError when no process can have opened such a volume.
+void take_known(const Known& known, OpenedVolume& volume) {
+  const auto type = int(known.grid.type), last = int(ScalarType::float64);
+  try {
+    if (type < 0 || type > last || known.concurrent > 1) throw InputError("its type is none");
+    check(known.grid, "its grid");
+  } catch (const InputError& e) {
+    throw RunError(fmt::format("rank 0 announced a volume that cannot be: {}", e.what()));
+  }
+  volume.grid = known.grid;
+  volume.concurrent = known.concurrent == 1;
+}
+
+bool is_of(const Grid& grid, const SliceRange& range) {
+  const auto is_axis = std::find(all_axes.begin(), all_axes.end(), range.axis) != all_axes.end();
+  return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
 }
 
 /// Calls `f(values)` for every slice of one kept axis of every store: each voxel once over all processes.
@@ -262,19 +290,10 @@ OpenedVolume open_everywhere(Collectives& collectives,
   if (collectives.process() == 0) try_open();
   agree(collectives, error);
 
-  struct Known {
-    Grid grid;
-    bool concurrent;
-  } known{};
-  Block block(sizeof(Known));
-  if (volume.source) {
-    known = {volume.source->grid(), volume.source->concurrent()};
-    std::memcpy(block.data(), &known, sizeof(Known));
-  }
+  Block block;
+  if (volume.source) block = block_of_value(Known{volume.source->grid(), volume.source->concurrent()});
   block = collectives.broadcast(std::move(block), 0);
-  std::memcpy(&known, block.data(), sizeof(Known));
-  volume.grid = known.grid;
-  volume.concurrent = known.concurrent;
+  take_known(value_of<Known>(block, "a volume's grid"), volume);
   if (!volume.concurrent) return volume;
   if (collectives.process() != 0) try_open();
   agree(collectives, error);
@@ -295,7 +314,13 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
     for (const Axis axis : all_axes)
       for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
         if (store.owns(s)) mine.push_back(slice_range(store.slice(axis, s)));
-  const auto ranges = std::make_shared<const SliceRanges>(gathered(collectives, mine));
+  const std::vector<SliceRange> all = gathered(collectives, mine);
+  for (const auto& [gp, store] : stores)
+    if (!std::all_of(all.begin(), all.end(),
+                     [&s = store](const SliceRange& r) { return is_of(s.grid(), r); }))
+      throw RunError("a rank sent the range of a slice that the volume does not have",
+                     "all ranks must run the same build");
+  const auto ranges = std::make_shared<const SliceRanges>(all);
   for (auto& [gp, store] : stores) store.know_ranges(ranges);
 }
 
@@ -305,7 +330,13 @@ ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& col
     mine.add(s.begin()->second.grid().type, values);
   });
   ValueRange all;
-  for (const auto& one : gathered(collectives, std::vector<ValueRange>{mine})) all.merge(one);
+  for (const auto& one : gathered(collectives, std::vector<ValueRange>{mine})) {
+    const bool is_range = std::isfinite(one.low) && std::isfinite(one.high) && one.low <= one.high;
+    if (!one.empty() && !is_range)
+      throw RunError(fmt::format("a rank sent {} to {} as the range of its values", one.low, one.high),
+                     "all ranks must run the same build");
+    all.merge(one);
+  }
   return all;
 }
 

@@ -44,6 +44,10 @@ class SplatPainter final : public Painter {
   }
 
   void begin(int step, std::span<const std::byte> body) override {
+    if (step < 0 || step >= geometry_.slices)
+      throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
+                                 step, geometry_.slices),
+                     "all ranks must run the same build");
     const auto owned = [this](int region) {
       return region >= 0 && region < geometry_.regions.count() &&
              slot_of_region_[std::size_t(region)] != not_owned;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "node/counted_values.hpp"
 #include "ringsplat/base/bytes.hpp"
@@ -20,15 +21,49 @@ bool continues(const Span& last, Activity activity, std::int64_t frame, std::int
          begin - last.end <= NodeTrace::longest_gap;
 }
 
+void append_offset(Bytes& out, const ClockOffset& clock) {
+  append(out, clock.at);
+  append(out, clock.offset);
+  append(out, clock.uncertainty);
+  append(out, clock.common);
+}
+
+bool take_bool(std::span<const std::byte> in, std::size_t& at, bool& value) {
+  std::uint8_t byte = 0;
+  if (!take(in, at, byte) || byte > 1) return false;
+  value = byte == 1;
+  return true;
+}
+
+bool take_offset(std::span<const std::byte> in, std::size_t& at, ClockOffset& clock) {
+  return take(in, at, clock.at) && take(in, at, clock.offset) && take(in, at, clock.uncertainty) &&
+         take_bool(in, at, clock.common);
+}
+
 Block to_block(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+/// No sum or table that is made of it later leaves its bounds.
+bool is_sound(const NodeRecord& record) {
+  constexpr double longest = 4e9;  // seconds; more nanoseconds than fit into 64 bits would be twice as long
+  constexpr std::int32_t most_nodes = 1 << 24;
+  const auto is_time = [](double seconds) { return std::abs(seconds) <= longest; };
+  const auto is_span = [&](const Span& s) {
+    return is_time(s.begin) && is_time(s.end) && is_time(s.busy) && is_time(s.stages.classify) &&
+           is_time(s.stages.shade) && s.activity <= Activity::frame;
+  };
+  const auto is_mark = [&](const Mark& m) { return is_time(m.time) && m.moment <= Moment::take_payload; };
+  return record.node.role < Role::host && record.node.index >= 0 && record.node.index < most_nodes &&
+         std::all_of(record.spans.begin(), record.spans.end(), is_span) &&
+         std::all_of(record.marks.begin(), record.marks.end(), is_mark);
+}
 
 bool take_records(const Block& block, Trace::Gathered& all) {
   std::size_t at = 0;
-  if (!take(block, at, all.offsets.emplace_back())) return false;
+  if (!take_offset(block, at, all.offsets.emplace_back())) return false;
   while (at < block.size()) {
     NodeRecord& record = all.nodes.emplace_back();
-    if (!take(block, at, record.node) || !take(block, at, record.full) ||
-        !take_all(block, at, record.spans) || !take_all(block, at, record.marks))
+    if (!take(block, at, record.node) || !take_bool(block, at, record.full) ||
+        !take_all(block, at, record.spans) || !take_all(block, at, record.marks) || !is_sound(record))
       return false;
   }
   return true;
@@ -111,7 +146,7 @@ double Trace::in_clock_of_0(double time) const {
 
 Trace::Gathered Trace::gather(Collectives& collectives) const {
   Bytes mine;
-  append(mine, compared_.empty() ? ClockOffset{} : compared_.back());
+  append_offset(mine, compared_.empty() ? ClockOffset{} : compared_.back());
   for (const auto& [key, node] : nodes_) {
     NodeRecord record = node.record();
     for (Span& span : record.spans) {

@@ -53,4 +53,9 @@ TEST_CASE("bytes that are no frame announcement are refused, whatever their leng
   longer.push_back(std::byte{0});
   REQUIRE_THROWS_AS(decode_frame_spec(longer), RunError);
   REQUIRE_THROWS_AS(decode_frame_spec(Bytes(whole.size(), std::byte{0xff})), RunError);
+  for (const int unknown : {-1, 3, 1 << 30}) {
+    FrameSpec odd = unusual_spec();
+    odd.precision = static_cast<Precision>(unknown);
+    REQUIRE_THROWS_AS(decode_frame_spec(encode(odd)), RunError);
+  }
 }

@@ -70,6 +70,8 @@ class Message {
   Message(const Header& h, Bytes wire);
   /// Takes a received block apart. Throws RunError when it is no message or its length is not what it says.
   static Message from_wire(Bytes block, int from_rank);
+  /// The header of a received block, of which the end may still be missing. Throws RunError when it is none.
+  static Header header_of(std::span<const std::byte> block, int from_rank);
 
   /// An empty body to append to.
   static Bytes body_buffer() { return Bytes(sizeof(Header)); }

@@ -60,7 +60,8 @@ struct FrameSpec {
 /// threshold outside [0, 1), words with less than float precision.
 void check(const FrameSpec& spec);
 
-/// Exact bytes and back, for ranks of one build; throws RunError when they are no FrameSpec.
+/// Exact bytes and back, for ranks of one build; throws RunError when they are no FrameSpec. Whether it makes
+/// sense is check()'s to say.
 Bytes encode(const FrameSpec& spec);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
 /// As JSON text, for --stats and image metadata.

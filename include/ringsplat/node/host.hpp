@@ -44,6 +44,7 @@ class Host {
   void announce(Message message);
   void take(Message message);
   void take_announcement(const Message& message);
+  FrameSpec announced_frame(const Message& message) const;
   void drop_announced();
   void answer_link_query(std::int64_t frame);
   void report_stall();

@@ -39,6 +39,7 @@ class SliceStore {
 
   const Grid& grid() const { return grid_; }
   bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
+  bool has_normals() const { return with_normals_; }
   bool owns(int slice) const { return slice % gps_ == gp_; }
   /// The slices this GP owns of an axis with `slices` of them.
   static int owned_count(int slices, int gp, int gps) {
