@@ -1,5 +1,6 @@
 #include "ringsplat/splat/warp_image.hpp"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -31,6 +32,27 @@ Image random_image(int width, int height, unsigned seed) {
     for (std::size_t c = 0; c < 3; ++c) image.rgba[k + c] = unit(random) * image.rgba[k + 3];
   }
   return image;
+}
+
+/// Catmull and Rom's cubic of the sixteen pixels round a place, in double precision, clamped; nothing where
+/// they are not all in the image.
+std::array<double, 4> cubic_at(const Image& plane, glm::dvec2 place) {
+  const glm::dvec2 from = place - 1.5, first = glm::floor(from), t = from - first;
+  std::array<double, 4> sum{};
+  if (first.x < 0 || first.y < 0 || first.x > plane.width - 4 || first.y > plane.height - 4) return sum;
+  const auto weights = [](double f) {
+    return std::array{0.5 * f * (-1 + f * (2 - f)), 1 + 0.5 * f * f * (-5 + 3 * f),
+                      0.5 * f * (1 + f * (4 - 3 * f)), 0.5 * f * f * (f - 1)};
+  };
+  const auto wx = weights(t.x), wy = weights(t.y);
+  for (int y = 0; y < 4; ++y)
+    for (int x = 0; x < 4; ++x)
+      for (std::size_t k = 0; k < 4; ++k)
+        sum[k] += wx[std::size_t(x)] * wy[std::size_t(y)] *
+                  double(plane.pixel(int(first.x) + x, int(first.y) + y)[k]);
+  const double opacity = std::clamp(sum[3], 0.0, 1.0);
+  for (double& value : sum) value = std::clamp(value, 0.0, opacity);
+  return sum;
 }
 
 const PlaneWarp turned{glm::dmat2(0.31, 0.12, -0.17, 0.29), {9.3, 4.1}};
@@ -135,6 +157,29 @@ TEST_CASE("leaving out what is empty leaves the picture as it is") {
     CHECK(*std::max_element(whole.rgba.begin(), whole.rgba.end()) > 0.5F);
     CHECK(warp_image(plane, {40, 40, -1, -1}, warp, 90, 80) == Image(90, 80));
   }
+}
+
+TEST_CASE("a picture is the cubic of the plane up to its lobes' last corner, whatever is filled") {
+  // Slanting edges: rows and columns of the filled part begin and end at other places. And single pixels,
+  // of which the corners' lobes are above zero.
+  Image slanted(40, 40), dots(40, 40);
+  for (int y = 14; y < 24; ++y)
+    for (int x = 12 + y % 5; x < 46 - y; ++x) std::fill_n(slanted.pixel(x, y), 4, 0.9F);
+  for (const auto& [x, y] : {std::pair{20, 20}, {9, 26}, {30, 12}}) std::fill_n(dots.pixel(x, y), 4, 1.0F);
+  for (const Image* plane : {&slanted, &dots})
+    for (const PlaneWarp& warp : {turned, upright, PlaneWarp{glm::dmat2(0, 0.37, -0.43, 0), {39.2, 0.3}},
+                                  PlaneWarp{glm::dmat2(0.23), {10.1, 5.2}}}) {
+      const Image screen = warp_image(*plane, all_of(*plane), warp, 130, 120);
+      int faint = 0;
+      for (int y = 0; y < screen.height; ++y)
+        for (int x = 0; x < screen.width; ++x) {
+          const auto expected = cubic_at(*plane, warp.from_screen({x + 0.5, y + 0.5}));
+          faint += expected[3] > 0 && expected[3] < 0.006;
+          for (std::size_t k = 0; k < 4; ++k)
+            REQUIRE(double(screen.pixel(x, y)[k]) == Approx(expected[k]).margin(1e-6));
+        }
+      CHECK(faint > 0);  // corners of lobes
+    }
 }
 
 TEST_CASE("every instruction set warps to the same bits") {
