@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 
 #include "ringsplat/volume/grid.hpp"
@@ -52,6 +53,22 @@ TEST_CASE("a grid that cannot be rendered is refused with the place named", "[gr
   refused([](Grid& g) { g.origin.z = std::numeric_limits<double>::infinity(); });
   refused([](Grid& g) { g.direction[1] = g.direction[0]; });
   refused([](Grid& g) { g.direction[1] = glm::dvec3(std::numeric_limits<double>::quiet_NaN()); });
+}
+
+TEST_CASE("a shear is judged by its angles, whatever the columns' lengths", "[grid]") {
+  const auto direction = [](const glm::dvec3& lengths, double rise) {
+    return glm::dmat3(lengths.x * glm::dvec3(1, 0, 0), lengths.y * glm::dvec3(0, 1, 0),
+                      lengths.z * glm::dvec3(std::sqrt(1 - rise * rise), 0, rise));
+  };
+  for (const glm::dvec3& lengths :
+       {glm::dvec3(1.0), glm::dvec3(0.01, 0.01, 1), glm::dvec3(100, 100, 1), glm::dvec3(1, 1e-4, 1e4)}) {
+    Grid grid;
+    grid.dims = {2, 3, 4};
+    grid.direction = direction(lengths, 0.002);
+    CHECK_NOTHROW(check(grid, "here"));
+    grid.direction = direction(lengths, 0.0005);
+    CHECK(says(complaint_of([&] { check(grid, "here"); }), "singular"));
+  }
 }
 
 TEST_CASE("volumes beyond 2^31 voxels are counted in 64 bits", "[grid]") {

@@ -42,6 +42,17 @@ TEST_CASE("a reduced lattice covers the volume, and means lie in the middle of t
   CHECK_THROWS_AS(reduced_grid(grid, {0, false}), InputError);
 }
 
+TEST_CASE("a prefiltered lattice begins at the volume's own corner, however it lies in the world") {
+  Grid grid = float_grid({8, 6, 4});
+  grid.direction = {glm::dvec3(0, 1, 0), glm::dvec3(-1, 0, 0), glm::dvec3(0.3, 0, 0.9)};
+  const auto corner = [](const Grid& g) { return g.origin - g.direction * (0.5 * g.spacing); };
+  for (const int factor : {2, 4}) {
+    const Grid mean = reduced_grid(grid, {factor, true});
+    CHECK(mean.direction == grid.direction);
+    for (int k = 0; k < 3; ++k) CHECK(corner(mean)[k] == Approx(corner(grid)[k]).margin(1e-12));
+  }
+}
+
 TEST_CASE("skipping takes every second voxel") {
   const Grid grid = float_grid({5, 3, 3});
   std::vector<float> values(45);
