@@ -16,18 +16,9 @@ namespace {
 constexpr int size = 128, draws = 400;
 constexpr std::size_t sampled_pixels = 512;
 
-Volume volume_of(VolumeSource& source) {
-  Volume volume{source.grid(), {}};
-  volume.bytes.resize(volume.grid.bytes());
-  source.read_slices(0, volume.grid.dims.z, volume.bytes);
-  return volume;
-}
-
 Volume synthesised(const std::string& name) {
   return volume_of(*synth_source(name, make_grid(glm::ivec3(48))));
 }
-
-Volume head() { return volume_of(*open_volume(RINGSPLAT_TEST_DATA "/head.nrrd")); }
 
 /// A surface two values thick.
 TransferFunction thin_surface(double value) {
@@ -48,7 +39,7 @@ struct TestedScene {
 std::vector<TestedScene> tested_scenes() {
   const Camera camera{.azimuth = 20, .elevation = 10};
   Histogram whole_range(0, 255, 256);
-  return {{"head, its surface, unlit", head(), preset("mr-surface", whole_range), Shading::none, camera},
+  return {{"head, its surface, unlit", head(), head_preset("mr-surface"), Shading::none, camera},
           {"shell, mr-surface, unlit", synthesised("shell"), preset("mr-surface", whole_range), Shading::none,
            camera},
           {"Gaussians, a thin surface, unlit",

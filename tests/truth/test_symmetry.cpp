@@ -86,6 +86,43 @@ TEST_CASE("integers, whose gradients often lie half-way between two normals, tur
   }
 }
 
+TEST_CASE("a turned head is the same picture but at 45 degrees and in the slices' plane") {
+  // What ties two slice sets, and where pixels of the slices' plane are counted from, goes by the order and
+  // the direction of the axes, which do not turn with the volume.
+  constexpr int n = 96;
+  const Volume whole = head();
+  const glm::ivec3 dims = whole.grid.dims;
+  const auto value = [&](int x, int y, int z) {
+    return std::to_integer<int>(
+        whole.bytes[std::size_t(x * dims.x / n) +
+                    std::size_t(dims.x) *
+                        (std::size_t(y * dims.y / n) + std::size_t(dims.y) * std::size_t(z * dims.z / n))]);
+  };
+  const Volume volume = make_volume(glm::ivec3(n), ScalarType::uint8, value);
+  const Volume turned = make_volume(glm::ivec3(n), ScalarType::uint8,
+                                    [&](int x, int y, int z) { return value(y, n - 1 - x, z); });
+  const auto apart = [&](const char* name, ImagePlane plane, double azimuth) {
+    FrameSpec spec = plain_spec(head_preset(name), 256, {.azimuth = azimuth, .elevation = 25});
+    spec.image_plane = plane;
+    const Image before = rendered(volume, spec);
+    spec.camera.azimuth += 90;
+    return truth::compare(rendered(turned, spec), before).total;
+  };
+  for (const auto& [name, least, most] : {std::tuple{"mr-soft", 0.4, 2.0}, {"mr-surface", 1.2, 7.0}}) {
+    INFO(name);
+    for (const double azimuth : {20.0, 44.9999, 45.0001, 110.0})
+      CHECK(apart(name, ImagePlane::screen, azimuth).largest < 5e-7 * 255);
+    const truth::ErrorFigures tied = apart(name, ImagePlane::screen, 45);
+    const truth::ErrorFigures in_plane = apart(name, ImagePlane::slices, 20);
+    INFO("45 degrees: RMSE " << tied.rmse << ", largest " << tied.largest
+                             << "; slices' plane: " << in_plane.rmse << ", " << in_plane.largest);
+    for (const double rmse : {tied.rmse, in_plane.rmse}) {
+      CHECK(rmse > least);
+      CHECK(rmse < most);
+    }
+  }
+}
+
 TEST_CASE("turns about x and y, by a camera matrix") {
   constexpr int n = 9;
   const Volume volume = make_volume(glm::ivec3(n), ScalarType::float32, lopsided);

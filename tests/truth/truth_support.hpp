@@ -47,6 +47,17 @@ inline Volume sample_field(int n, const std::function<double(double, double, dou
                      [&](int x, int y, int z) { return field((x + 0.5) / n, (y + 0.5) / n, (z + 0.5) / n); });
 }
 
+inline Volume volume_of(VolumeSource& source) {
+  Volume volume{source.grid(), {}};
+  volume.bytes.resize(volume.grid.bytes());
+  source.read_slices(0, volume.grid.dims.z, volume.bytes);
+  return volume;
+}
+
+/// tests/data/head.nrrd, and what its presets are made for.
+inline Volume head() { return volume_of(*open_volume(RINGSPLAT_TEST_DATA "/head.nrrd")); }
+inline TransferFunction head_preset(const std::string& name) { return preset(name, Histogram(0, 248, 1024)); }
+
 inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
   truth::Scene scene;
   scene.grid = volume.grid;
