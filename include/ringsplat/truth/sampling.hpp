@@ -44,10 +44,10 @@ struct SampledError {
 /// mean square and the mean are unbiased. The interval is Student's of the mean square's logarithm, with the
 /// strata's finite populations and Satterthwaite's degrees of freedom. Since a few pixels may have most of
 /// the error, each stratum's variance is taken as if more pixels as bad as its worst had been met. It holds
-/// the true RMSE as often as it says from about 500 pixels on (docs/accuracy.md); an error in a few pixels of
-/// which neither the picture nor the sample shows a sign is beyond it. A value of the picture that is not
-/// finite makes its RMSE infinite, sampled or not. Throws InputError when there is no picture, or not one
-/// colour for each pixel.
+/// the true RMSE as often as it says from about a thousand pixels on (docs/accuracy.md); an error in a few
+/// pixels of which neither the picture nor the sample shows a sign is beyond it. A value of the picture that
+/// is not finite makes its RMSE infinite, sampled or not. Throws InputError when there is no picture, or not
+/// one colour for each pixel.
 SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth);
 
 }  // namespace ringsplat::truth
