@@ -1,0 +1,213 @@
+// What ranks send each other while they render: headers, announcements, payloads, news and reports.
+#include <stdexcept>
+
+#include "fuzz/driver.hpp"
+#include "fuzz/other_process.hpp"
+#include "fuzz/small_scene.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/layout.hpp"
+#include "ringsplat/net/link_counts.hpp"
+#include "ringsplat/net/message.hpp"
+#include "ringsplat/node/trace.hpp"
+#include "ringsplat/node/trace_json.hpp"
+#include "support/scenes.hpp"
+
+namespace ringsplat::fuzz {
+namespace {
+
+Input input_of(std::span<const std::byte> bytes) { return Input(text_of(bytes)); }
+std::span<const std::byte> body_of(const Bytes& wire) {
+  return std::span(wire).last(Message::body_size(wire));
+}
+
+void run_message(std::span<const std::byte> input) {
+  Message message = Message::from_wire(copy_of(input), 3);
+  check(message.header, Layout{2, 2});
+  static_cast<void>(name(message.header.kind));
+  if (message.seal().size() != input.size() || message.body().size() != message.header.bytes)
+    throw std::logic_error("a message is not as long as it came");
+}
+
+std::vector<Input> message_seeds() {
+  Bytes body = Message::body_buffer();
+  append(body, std::uint64_t{7});
+  Message payload({.kind = Kind::payload,
+                   .source_role = Role::gp,
+                   .destination_role = Role::renderer,
+                   .frame = 1,
+                   .step = 3},
+                  body);
+  Message token({.source_role = Role::gp, .destination_role = Role::gp, .destination = 1});
+  return {input_of(payload.seal()), input_of(token.seal())};
+}
+
+void run_frame_spec(std::span<const std::byte> input) {
+  const FrameSpec spec = decode_frame_spec(copy_of(input));
+  static_cast<void>(to_json_text(spec));
+  check(spec);
+  // A rank that announces a picture holds it.
+  constexpr std::int64_t most_pixels = 1 << 16;
+  if (std::int64_t{spec.width} * spec.height > most_pixels) return;
+  const FrameGeometry geometry = make_geometry(spec, small_grid());
+  if (std::int64_t{geometry.width} * geometry.height > most_pixels) return;
+  SmallRun run(spec, small_grid());
+  for (int step = 0; step < run.geometry().slices; ++step)
+    if (const EncodedSlice slice = run.encode(step); !slice.payloads[0].empty())
+      run.draw(step, body_of(slice.payloads[0]));
+  run.finish();
+}
+
+std::vector<Input> frame_spec_seeds() {
+  std::vector<Input> seeds;
+  for (unsigned choice = 0; choice < frame_choices; ++choice)
+    seeds.push_back(input_of(encode(small_frame(choice))));
+  FrameSpec other = small_frame(0);
+  other.camera.matrix = {4, 0, 0, 20, 0, 4, 0, 18, 0, 0, 1, 0};
+  other.reduction = {.factor = 2, .prefilter = true};
+  other.shading = Shading::none;
+  seeds.push_back(input_of(encode(other)));
+  return seeds;
+}
+
+/// A choice of frame, then parts: a step and a payload.
+void run_payload(std::span<const std::byte> input) {
+  SmallRun run(small_frame(take_choice(input)), small_grid());
+  try {
+    for (std::span<const std::byte> part; take_part(input, part);) {
+      const int step = int(take_choice(part));
+      const Bytes payload = copy_of(part);
+      run.draw(step, payload);
+      Bytes news;
+      run.painter().opaque_news(0, news);
+    }
+  } catch (const InputError&) {
+    throw std::logic_error("a payload from another rank is no bad input");
+  }
+  run.finish();
+}
+
+std::vector<Input> payload_seeds() {
+  std::vector<Input> seeds;
+  for (unsigned choice = 0; choice < frame_choices; ++choice) {
+    SmallRun run(small_frame(choice), small_grid());
+    Input seed(1, char(choice));
+    for (int step = 0; step < run.geometry().slices; step += 2) {
+      const EncodedSlice slice = run.encode(step);
+      if (slice.payloads[0].empty()) continue;
+      Bytes part{std::byte(step)};
+      const auto body = body_of(slice.payloads[0]);
+      part.insert(part.end(), body.begin(), body.end());
+      append_part(seed, part);
+    }
+    seeds.push_back(seed);
+  }
+  return seeds;
+}
+
+/// A choice of frame, then parts: news before each slice. Renderers must be able to draw what comes of it.
+void run_opaque_news(std::span<const std::byte> input) {
+  SmallRun run(small_frame(take_choice(input)), small_grid());
+  int step = 0;
+  for (std::span<const std::byte> part; take_part(input, part) && step < run.geometry().slices; ++step) {
+    try {
+      run.encoder().take_opaque_news(copy_of(part));
+    } catch (const InputError&) {
+      throw std::logic_error("news from another rank are no bad input");
+    }
+    const EncodedSlice slice = run.encode(step);
+    if (slice.payloads[0].empty()) continue;
+    try {
+      run.draw(step, body_of(slice.payloads[0]));
+    } catch (const RunError& e) {
+      throw std::logic_error(std::string("a GP's own payload is refused: ") + e.what());
+    }
+  }
+  run.finish();
+}
+
+std::vector<Input> opaque_news_seeds() {
+  std::vector<Input> seeds;
+  for (const unsigned choice : {0U, 3U, 4U, 12U}) {
+    FrameSpec spec = small_frame(choice);
+    spec.opaque_threshold = 0.9;
+    SmallRun run(spec, small_grid());
+    Input seed(1, char(choice));
+    for (int step = 0; step < run.geometry().slices; ++step) {
+      const EncodedSlice slice = run.encode(step);
+      if (!slice.payloads[0].empty()) run.draw(step, body_of(slice.payloads[0]));
+      Bytes news;
+      run.painter().opaque_news(0, news);
+      append_part(seed, body_of(news));
+    }
+    seeds.push_back(seed);
+  }
+  return seeds;
+}
+
+/// A choice of rank, then the report.
+void run_link_counts(std::span<const std::byte> input) {
+  const Layout mesh = mesh_layout(2, 2, 3);
+  const int rank = int(take_choice(input) % unsigned(mesh.ranks()));
+  for (const LinkCounts& count : decode_link_counts(copy_of(input), mesh, rank))
+    static_cast<void>(name(mesh, count.link));
+}
+
+std::vector<Input> link_counts_seeds() {
+  const Layout mesh = mesh_layout(2, 2, 3);
+  std::vector<Input> seeds;
+  for (int rank = 0; rank < mesh.ranks(); ++rank) {
+    std::vector<LinkCounts> counts;
+    for (const Link& link : links_from(mesh, rank))
+      counts.push_back({.link = link, .messages = 3, .bytes = 99});
+    const Bytes wire = encode(counts);
+    seeds.emplace_back(1, char(rank)).append(text_of(body_of(wire)));
+  }
+  return seeds;
+}
+
+Trace a_trace() {
+  Trace trace;
+  NodeTrace* const gp = trace.of({Role::gp, 0});
+  gp->add(Activity::slice, 0, 3, 1.0, 1.5, {0.1, 0.2});
+  gp->add(Activity::send, 0, 3, 1.5, 1.6);
+  gp->mark(Moment::pass_token, 0, 4, 0, 1.6);
+  NodeTrace* const renderer = trace.of({Role::renderer, 0});
+  renderer->add(Activity::draw, 0, 3, 1.7, 1.8);
+  renderer->mark(Moment::take_payload, 0, 3, 0, 1.65);
+  return trace;
+}
+
+/// A choice of process, then what the other one sends when records are gathered or clocks are compared.
+void run_trace(std::span<const std::byte> input) {
+  const bool gathers = take_choice(input) % 2 == 0;
+  Trace trace = a_trace();
+  OtherProcess collectives(gathers ? 0 : 1, input);
+  if (gathers)
+    static_cast<void>(to_chrome_trace(trace.gather(collectives), Layout{2, 2}));
+  else
+    trace.compare_clocks(collectives);
+}
+
+std::vector<Input> trace_seeds() {
+  OtherProcess gathering(1, {}), comparing(0, {});
+  static_cast<void>(a_trace().gather(gathering));
+  a_trace().compare_clocks(comparing);
+  Input records(1, '\0'), clock(1, '\1');
+  append_part(records, gathering.sent.front());
+  for (int round = 0; round < 16; ++round) append_part(clock, {});
+  append_part(clock, comparing.sent.front());
+  return {records, clock};
+}
+
+}  // namespace
+
+std::vector<Driver> message_drivers() {
+  return {{"message", run_message, message_seeds, {"RSP1"}, 10000},
+          {"frame_spec", run_frame_spec, frame_spec_seeds, {}, 1000},
+          {"payload", run_payload, payload_seeds, {}, 1500},
+          {"opaque_news", run_opaque_news, opaque_news_seeds, {}, 1000},
+          {"link_counts", run_link_counts, link_counts_seeds, {}, 5000},
+          {"trace", run_trace, trace_seeds, {}, 3000}};
+}
+
+}  // namespace ringsplat::fuzz

@@ -1,0 +1,310 @@
+// Whole ranks: one is under test, and an input is what the others send it, in a frame or while a volume is
+// dealt.
+#include <algorithm>
+#include <condition_variable>
+#include <mutex>
+#include <stdexcept>
+#include <thread>
+
+#include "fuzz/driver.hpp"
+#include "fuzz/other_process.hpp"
+#include "node/empty_space.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/node/host.hpp"
+#include "ringsplat/node/load.hpp"
+#include "support/scenes.hpp"
+
+namespace ringsplat::fuzz {
+namespace {
+
+// A frame.
+
+struct Job {
+  Layout layout;
+  ProtocolOptions protocol;
+  FrameSpec spec;
+};
+
+FrameSpec frame_of_ranks() {
+  FrameSpec spec;
+  spec.camera = {.azimuth = 33, .elevation = 21};
+  spec.width = 48;
+  spec.height = 40;
+  spec.region_size = 16;
+  spec.transfer_function = test::ramp(20, 255, 0.9);
+  spec.shading = Shading::none;
+  return spec;
+}
+
+const std::vector<Job>& jobs() {
+  static const std::vector<Job> all = [] {
+    const FrameSpec spec = frame_of_ranks();
+    FrameSpec words = spec, shaded = spec;
+    words.payload = PayloadForm::words;
+    shaded.shading = Shading::phong;
+    shaded.image_plane = ImagePlane::slices;
+    ProtocolOptions ahead, counting;
+    ahead.send_ahead = ahead.look_ahead = 3;
+    counting.simulation.count_only = true;
+    return std::vector<Job>{{Layout{2, 2}, {}, spec},
+                            {Layout{3, 2, Placement::colocated}, ahead, shaded},
+                            {mesh_layout(2, 2, 3), {}, words},
+                            {mesh_layout(2, 2, 2, Routing::direct), {}, spec},
+                            {Layout{2, 2}, counting, spec}};
+  }();
+  return all;
+}
+
+Scene load(const Job& job) {
+  SoloCollectives solo;
+  const Grid grid = test::make_grid({12, 10, 9});
+  OpenedVolume volume{grid, true, synth_source("ball", grid)};
+  return load_scene(volume, load_options(job.spec, grid), job.layout, {solo});
+}
+
+/// Of each job, loaded once.
+const Scene& scene_of(std::size_t job) {
+  static const std::vector<Scene> all = [] {
+    std::vector<Scene> scenes;
+    for (const Job& one : jobs()) scenes.push_back(load(one));
+    return scenes;
+  }();
+  return all[job];
+}
+
+Director one_frame(const FrameSpec& spec, bool& asked) {
+  return {[&spec, &asked]() -> std::optional<FrameSpec> {
+            return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
+          },
+          [](FrameResult&&) {}};
+}
+
+SliceStore slices_of(std::size_t job, int rank) {
+  return rank < jobs()[job].layout.gps ? scene_of(job).stores.at(rank) : SliceStore();
+}
+
+/// Delivers an input's parts, one whenever the rank has nothing left to do: nothing comes before what it
+/// answers. Takes what the rank sends and forgets it.
+class SentByOthers final : public Transport {
+ public:
+  SentByOthers(int rank, int ranks, std::span<const std::byte> parts)
+      : rank_(rank), ranks_(ranks), parts_(parts) {}
+  int rank() const override { return rank_; }
+  int ranks() const override { return ranks_; }
+  void send(int destination, Message message) override {
+    if (destination < 0 || destination >= ranks_ || destination == rank_)
+      throw std::logic_error("a message is sent to a rank that does not exist or to itself");
+    static_cast<void>(message.seal());
+  }
+  std::optional<Message> receive() override { return std::exchange(here_, std::nullopt); }
+  bool sends_done() override { return true; }
+  void wait_next() override {}
+
+  /// Puts the next message there; false when there are no more.
+  bool deliver() {
+    std::span<const std::byte> part;
+    if (!take_part(parts_, part)) return false;
+    Message message = Message::from_wire(copy_of(part), (rank_ + 1) % ranks_);
+    // The answer to a stall is a line in the log and half a second's wait.
+    if (message.header.kind != Kind::stall) here_ = std::move(message);
+    return true;
+  }
+
+ private:
+  int rank_, ranks_;
+  std::span<const std::byte> parts_;
+  std::optional<Message> here_;
+};
+
+/// A choice of job and of its rank, then messages.
+void run_rank(std::span<const std::byte> input) {
+  const std::size_t k = take_choice(input) % jobs().size();
+  const Job& job = jobs()[k];
+  const int rank = int(take_choice(input)) % job.layout.ranks();
+  SentByOthers transport(rank, job.layout.ranks(), input);
+  bool asked = false;
+  Host host(job.layout, job.protocol, scene_of(k).grid, transport, slices_of(k, rank),
+            rank == 0 ? one_frame(job.spec, asked) : Director{});
+  do {
+    while (host.step()) {
+    }
+    static_cast<void>(host.waiting_for());
+  } while (!host.finished() && transport.deliver());
+}
+
+/// Notes what comes.
+class Recorder final : public Transport {
+ public:
+  Recorder(Transport& transport, Input& record) : transport_(transport), record_(record) {}
+  int rank() const override { return transport_.rank(); }
+  int ranks() const override { return transport_.ranks(); }
+  void send(int destination, Message message) override { transport_.send(destination, std::move(message)); }
+  std::optional<Message> receive() override {
+    auto message = transport_.receive();
+    if (message) append_part(record_, message->seal());
+    return message;
+  }
+  bool sends_done() override { return transport_.sends_done(); }
+  void wait_next() override { transport_.wait_next(); }
+
+ private:
+  Transport& transport_;
+  Input& record_;
+};
+
+std::vector<Input> record_frame(std::size_t k) {
+  const Job& job = jobs()[k];
+  const auto ranks = std::size_t(job.layout.ranks());
+  std::vector<Input> records;
+  for (std::size_t rank = 0; rank < ranks; ++rank) records.push_back({char(k), char(rank)});
+  LoopbackNetwork network(int(ranks), {});
+  std::vector<std::unique_ptr<Recorder>> transports;
+  std::vector<std::unique_ptr<Host>> hosts;
+  bool asked = false;
+  for (int rank = 0; rank < int(ranks); ++rank) {
+    transports.push_back(std::make_unique<Recorder>(network.transport(rank), records[std::size_t(rank)]));
+    hosts.push_back(std::make_unique<Host>(job.layout, job.protocol, scene_of(k).grid, *transports.back(),
+                                           slices_of(k, rank),
+                                           rank == 0 ? one_frame(job.spec, asked) : Director{}));
+  }
+  const auto finished = [](const std::unique_ptr<Host>& host) { return host->finished(); };
+  while (!std::all_of(hosts.begin(), hosts.end(), finished)) {
+    for (const auto& host : hosts) host->step();
+    network.turn();
+  }
+  return records;
+}
+
+std::vector<Input> rank_seeds() {
+  std::vector<Input> seeds;
+  for (std::size_t k = 0; k < jobs().size(); ++k)
+    for (Input& record : record_frame(k)) seeds.push_back(std::move(record));
+  return seeds;
+}
+
+// A volume being dealt.
+
+constexpr int dealt_gps = 3;
+
+/// One that only process 0 can read.
+class InOrder final : public VolumeSource {
+ public:
+  explicit InOrder(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
+  const Grid& grid() const override { return source_->grid(); }
+  bool concurrent() const override { return false; }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    source_->read_slices(first, count, out);
+  }
+
+ private:
+  std::unique_ptr<VolumeSource> source_;
+};
+
+void deal_a_volume(Collectives& collectives, bool concurrent) {
+  OpenedVolume volume = open_everywhere(collectives, [&]() -> std::unique_ptr<VolumeSource> {
+    auto source = synth_source("ball", test::make_grid({7, 6, 5}));
+    return concurrent ? std::move(source) : std::make_unique<InOrder>(std::move(source));
+  });
+  // A rank that says how large a volume is holds its share.
+  constexpr std::uint64_t most_bytes = 1 << 20;
+  if (volume.grid.bytes() > most_bytes) return;
+  auto stores = deal_slices(volume, {}, dealt_gps, {{0, 2}, {1}}, collectives);
+  share_slice_ranges(stores, collectives);
+  const ValueRange range = value_range(stores, collectives);
+  static_cast<void>(histogram(stores, range, 64, collectives));
+  TransferFunction tf = test::ramp(20, 255, 0.9);
+  for (auto& [gp, store] : stores) {
+    EmptySpace empty_space;
+    for (const Axis axis : all_axes) static_cast<void>(empty_space.shown_slices(store, axis, tf));
+  }
+}
+
+/// What two processes, threads here, send each other.
+class Meeting {
+ public:
+  /// All call it with what they give; each gets what all gave.
+  std::vector<std::vector<Block>> exchange(int process, std::vector<Block> mine) {
+    std::unique_lock lock(mutex_);
+    given_[std::size_t(process)] = std::move(mine);
+    const int round = round_;
+    if (++here_ == 2) {
+      taken_ = given_;
+      here_ = 0;
+      ++round_;
+      all_here_.notify_all();
+    } else {
+      all_here_.wait(lock, [&] { return round_ != round; });
+    }
+    return taken_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable all_here_;
+  std::vector<std::vector<Block>> given_{2}, taken_;
+  int here_ = 0, round_ = 0;
+};
+
+/// Notes what comes from the other process.
+class MeetingProcess final : public Collectives {
+ public:
+  MeetingProcess(Meeting& meeting, int process, Input& record)
+      : meeting_(meeting), process_(process), record_(record) {}
+  int process() const override { return process_; }
+  int processes() const override { return 2; }
+  std::vector<Block> all_to_all(std::vector<Block> out) override {
+    const auto all = meeting_.exchange(process_, std::move(out));
+    append_part(record_, all[other()][std::size_t(process_)]);
+    return {all[0][std::size_t(process_)], all[1][std::size_t(process_)]};
+  }
+  std::vector<Block> all_gather(const Block& mine) override {
+    const auto all = meeting_.exchange(process_, {mine});
+    append_part(record_, all[other()][0]);
+    return {all[0][0], all[1][0]};
+  }
+  Block broadcast(Block block, int root) override {
+    const auto all = meeting_.exchange(process_, {std::move(block)});
+    if (root != process_) append_part(record_, all[std::size_t(root)][0]);
+    return all[std::size_t(root)][0];
+  }
+  std::vector<int> absent(double) override { return {}; }
+
+ private:
+  std::size_t other() const { return std::size_t(1 - process_); }
+  Meeting& meeting_;
+  int process_;
+  Input& record_;
+};
+
+/// A choice of process and of whether all can read, then what the other process sends.
+void run_exchange(std::span<const std::byte> input) {
+  const unsigned choice = take_choice(input);
+  OtherProcess collectives(int(choice % 2), input);
+  deal_a_volume(collectives, choice / 2 % 2 == 0);
+}
+
+std::vector<Input> exchange_seeds() {
+  std::vector<Input> seeds;
+  for (const bool concurrent : {true, false}) {
+    Meeting meeting;
+    Input records[2] = {Input(1, char(concurrent ? 0 : 2)), Input(1, char(concurrent ? 1 : 3))};
+    const auto take_part_in = [&](int process) {
+      MeetingProcess collectives(meeting, process, records[process]);
+      deal_a_volume(collectives, concurrent);
+    };
+    std::thread other(take_part_in, 1);
+    take_part_in(0);
+    other.join();
+    seeds.insert(seeds.end(), std::begin(records), std::end(records));
+  }
+  return seeds;
+}
+
+}  // namespace
+
+std::vector<Driver> rank_drivers() {
+  return {{"rank", run_rank, rank_seeds, {"RSP1"}, 1000},
+          {"exchange", run_exchange, exchange_seeds, {}, 2000}};
+}
+
+}  // namespace ringsplat::fuzz

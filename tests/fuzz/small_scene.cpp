@@ -1,0 +1,90 @@
+#include "fuzz/small_scene.hpp"
+
+#include <cstring>
+#include <stdexcept>
+
+#include "ringsplat/net/message.hpp"
+#include "support/scenes.hpp"
+
+namespace ringsplat::fuzz {
+
+Grid small_grid() { return test::make_grid({12, 10, 9}); }
+
+FrameSpec small_frame(unsigned choice) {
+  FrameSpec spec;
+  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.width = 48;
+  spec.height = 40;
+  spec.region_size = 16;
+  spec.transfer_function = test::ramp(20, 255, 0.9);
+  spec.dealt_to = small_renderers;
+  if (choice % 4 == 3)
+    spec.payload = PayloadForm::words;
+  else
+    spec.precision = static_cast<Precision>(choice % 4);
+  switch (choice / 4 % 4) {
+    case 1:
+      spec.image_plane = ImagePlane::slices;
+      spec.plane_samples = 1 << choice % 3;
+      break;
+    case 2:
+      spec.kernel.method = KernelMethod::texture;
+      break;
+    case 3:
+      spec.camera.zoom = 8;
+      spec.region_size = 37;
+      if (choice % 2 == 0) spec.kernel.qee_bits = 10;
+      break;
+    default:
+      spec.kernel.normalisation = Normalisation::exact;
+      spec.opaque_threshold = 0.1;
+  }
+  return spec;
+}
+
+SliceStore patterned_slices(const Grid& grid) {
+  SliceStore store(grid, 0, 1, {true, true, true}, true);
+  for (const Axis axis : all_axes)
+    for (int s = 0; s < grid.slices(axis); ++s) {
+      const auto values = store.values(axis, s);
+      for (std::size_t k = 0; k < values.size(); ++k) values[k] = std::byte(37 * k + 11 * std::size_t(s));
+      const auto normals = store.normals(axis, s);
+      for (std::size_t k = 0; k < normals.size(); ++k) normals[k] = std::uint16_t(k * 97);
+    }
+  return store;
+}
+
+SmallRun::SmallRun(const FrameSpec& spec, const Grid& grid)
+    : spec_(spec),
+      geometry_(make_geometry(spec_, grid)),
+      slices_(patterned_slices(geometry_.grid)),
+      encoder_(make_encoder(spec_, geometry_, small_renderers, empty_space_, alone_)),
+      painter_(make_painter(0, small_renderers, alone_)) {
+  painter_->begin_frame(spec_, geometry_);
+}
+
+EncodedSlice SmallRun::encode(int step) {
+  const Traversal& traversal = geometry_.traversal;
+  encoder_->begin(slices_.slice(traversal.axis, traversal.slice_at(step, geometry_.slices)));
+  while (!encoder_->work()) {
+  }
+  return encoder_->finish();
+}
+
+void SmallRun::draw(int step, std::span<const std::byte> payload) {
+  painter_->begin(step, payload);
+  while (!painter_->work()) {
+  }
+}
+
+void SmallRun::finish() {
+  painter_->finish([](int, const Bytes& tile) {
+    for (std::size_t at = sizeof(Header); at + sizeof(float) <= tile.size(); at += sizeof(float)) {
+      float value = 0;
+      std::memcpy(&value, tile.data() + at, sizeof value);
+      if (!(value >= 0 && value <= 1.0001F)) throw std::logic_error("a picture has a value outside 0..1");
+    }
+  });
+}
+
+}  // namespace ringsplat::fuzz

@@ -1,0 +1,43 @@
+#pragma once
+#include <memory>
+
+#include "node/empty_space.hpp"
+#include "ringsplat/base/thread_team.hpp"
+#include "ringsplat/node/engine.hpp"
+#include "ringsplat/volume/slice_store.hpp"
+
+namespace ringsplat::fuzz {
+
+/// 12 x 10 x 9 voxels of a byte.
+Grid small_grid();
+/// A picture of it of 48 x 40 pixels in regions of 16. `choice` decides by its bits the payload's form, where
+/// regions lie and how kernels are drawn, all that a Renderer reads payloads by.
+FrameSpec small_frame(unsigned choice);
+inline constexpr unsigned frame_choices = 16;  ///< that differ
+/// All of a grid's slices, with values and normals of every kind.
+SliceStore patterned_slices(const Grid& grid);
+
+/// One GP and one of two Renderers of a frame.
+class SmallRun {
+ public:
+  SmallRun(const FrameSpec& spec, const Grid& grid);
+  const FrameGeometry& geometry() const { return geometry_; }
+  Encoder& encoder() { return *encoder_; }
+  Painter& painter() { return *painter_; }
+  EncodedSlice encode(int step);
+  void draw(int step, std::span<const std::byte> payload);
+  /// Throws std::logic_error when a tile has a number that no picture has.
+  void finish();
+
+ private:
+  FrameSpec spec_;
+  FrameGeometry geometry_;
+  SliceStore slices_;
+  EmptySpace empty_space_;
+  ThreadTeam alone_;
+  std::unique_ptr<Encoder> encoder_;
+  std::unique_ptr<Painter> painter_;
+};
+inline constexpr int small_renderers = 2;
+
+}  // namespace ringsplat::fuzz

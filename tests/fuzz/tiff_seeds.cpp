@@ -1,0 +1,85 @@
+#include "fuzz/tiff_seeds.hpp"
+
+#include <algorithm>
+#include <map>
+
+#include "volume/files.hpp"
+
+namespace ringsplat::fuzz {
+namespace {
+
+using namespace files;
+
+/// A stack of pages with one strip or tile each, byte by byte (TIFF 6.0, section 2).
+struct TiffStack {
+  bool big_endian = false, tiled = false;
+  int compression = 1, format = 2, bits = 16;  ///< format: 1 unsigned, 2 signed, 3 floating point
+  std::vector<Input> pages;                    ///< as they are stored
+
+  Input bytes() const {
+    Input out = big_endian ? Input("MM\0*", 4) : Input("II*\0", 4);
+    std::size_t link = out.size();
+    out += bytes_of(std::uint32_t{0}, big_endian);
+    for (const Input& page : pages) {
+      const auto at = std::uint32_t(out.size());
+      out += page;
+      if (out.size() % 2 != 0) out += '\0';
+      const Input offset = bytes_of(std::uint32_t(out.size()), big_endian);
+      out.replace(link, 4, offset);
+      link = out.size() + 2 + 12 * fields(at, page).size();
+      out += bytes_of(std::uint16_t(fields(at, page).size()), big_endian);
+      for (const auto& [tag, value] : fields(at, page))
+        out += bytes_of(std::uint16_t(tag), big_endian) + bytes_of(std::uint16_t{4}, big_endian) +
+               bytes_of(std::uint32_t{1}, big_endian) + bytes_of(value, big_endian);
+      out += bytes_of(std::uint32_t{0}, big_endian);
+    }
+    return out;
+  }
+
+ private:
+  std::map<int, std::uint32_t> fields(std::uint32_t at, const Input& page) const {
+    std::map<int, std::uint32_t> all{
+        {256, nx}, {257, ny}, {258, std::uint32_t(bits)},  {259, std::uint32_t(compression)},
+        {262, 1},  {277, 1},  {339, std::uint32_t(format)}};
+    if (tiled) {
+      all.insert({{322, 16}, {323, 16}, {324, at}, {325, std::uint32_t(page.size())}});
+    } else {
+      all.insert({{273, at}, {278, ny}, {279, std::uint32_t(page.size())}});
+    }
+    return all;
+  }
+};
+
+/// Only runs of different bytes, which every PackBits decoder takes (TIFF 6.0, section 9).
+Input pack_bits(const Input& data) {
+  constexpr std::size_t longest = 128;
+  Input out;
+  for (std::size_t at = 0; at < data.size(); at += longest) {
+    const std::size_t count = std::min(longest, data.size() - at);
+    out += char(count - 1) + data.substr(at, count);
+  }
+  return out;
+}
+
+std::vector<Input> slices(const Input& all) {
+  std::vector<Input> pages;
+  const std::size_t bytes = all.size() / nz;
+  for (std::size_t z = 0; z < nz; ++z) pages.push_back(all.substr(z * bytes, bytes));
+  return pages;
+}
+
+}  // namespace
+
+std::vector<Input> tiff_seeds() {
+  TiffStack little{.pages = slices(samples<short>())},
+      big{.big_endian = true, .pages = slices(samples<short>(true))};
+  TiffStack floats{.format = 3, .bits = 32, .pages = slices(samples<float>())};
+  TiffStack deflated{.compression = 8, .pages = little.pages},
+      packed{.compression = 32773, .pages = little.pages};
+  for (Input& page : deflated.pages) page = zlib_stream(page);
+  for (Input& page : packed.pages) page = pack_bits(page);
+  TiffStack tiles{.tiled = true, .format = 1, .bits = 8, .pages = std::vector<Input>(2, Input(256, 't'))};
+  return {little.bytes(), big.bytes(), floats.bytes(), deflated.bytes(), packed.bytes(), tiles.bytes()};
+}
+
+}  // namespace ringsplat::fuzz

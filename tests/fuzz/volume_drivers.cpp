@@ -1,0 +1,418 @@
+// Volume files: opened, and where the header is believed, read slice by slice.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "app/option_values.hpp"
+#include "fuzz/driver.hpp"
+#include "fuzz/tiff_seeds.hpp"
+#include "ringsplat/volume/source.hpp"
+#include "volume/files.hpp"
+#include "volume/raw_name.hpp"
+
+namespace ringsplat::fuzz {
+namespace {
+
+using namespace files;
+
+void read(VolumeSource& source, int z, std::span<std::byte> slice, std::byte before) {
+  std::fill(slice.begin(), slice.end(), before);
+  source.read_slices(z, 1, slice);
+}
+
+/// Reads forwards, and the first slice once more. A byte that a reader leaves as it was would be a voxel that
+/// nobody wrote. `available`: bytes of the file and those beside it, of which each holds `ratio` bytes of
+/// voxels at most; who promises more must be refused before that is allocated.
+void use(VolumeSource& source, std::uint64_t available, std::uint64_t ratio) {
+  const Grid& grid = source.grid();
+  check(grid, "the grid");
+  if (grid.bytes() / ratio > available)
+    throw std::logic_error(fmt::format("a header's {} bytes are believed of {}", grid.bytes(), available));
+  constexpr std::uint64_t most_bytes = 8 << 20;
+  if (grid.bytes() > most_bytes) return;
+  std::vector<std::byte> slice(grid.slice_bytes(Axis::z)), again(slice.size());
+  for (int z = 0; z < grid.dims.z; ++z) read(source, z, slice, std::byte{0xA5});
+  read(source, 0, slice, std::byte{0xA5});
+  read(source, 0, again, std::byte{0x5A});
+  if (slice != again) throw std::logic_error("reading a slice twice gives two results");
+}
+
+bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
+
+/// What headers name, beside them.
+const fs::path& folder_of_volumes() {
+  static const fs::path folder = [] {
+    const auto little = samples<short>();
+    const fs::path path = scratch() / "volumes";
+    if (!fs::create_directory(path)) return path;  // by the process that this one is a child of
+    write(path / "data.raw", "123" + little);
+    write(path / "data.raw.gz", gzip("123" + little));
+    write(path / "data.zraw", zlib_stream(little));
+    write(path / "a.img", little);
+    for (int z = 0; z < nz; ++z)
+      write(path / fmt::format("s{}.bin", z), little.substr(std::size_t(z) * 40, 40));
+    return path;
+  }();
+  return folder;
+}
+
+constexpr std::uint64_t deflate_ratio = 1032, any_ratio = 100'000, bytes_beside = 1024;
+
+void open_and_use(const std::string& name, std::span<const std::byte> input,
+                  std::uint64_t ratio = deflate_ratio) {
+  use(*open_volume(write(folder_of_volumes() / name, std::string(text_of(input)))),
+      input.size() + bytes_beside, ratio);
+}
+
+std::string text_of_samples() {
+  std::string text;
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) text += std::to_string(sample<short>(x, y, z)) + (x + 1 < nx ? " " : "\n");
+  return text;
+}
+
+std::vector<Input> with_header(std::string_view header,
+                               const std::vector<std::pair<std::string, std::string>>& rest) {
+  folder_of_volumes();
+  std::vector<Input> seeds;
+  for (const auto& [fields, data] : rest) seeds.push_back(std::string(header) + fields + data);
+  return seeds;
+}
+
+std::vector<Input> nrrd_seeds() {
+  const auto little = samples<short>(), big = samples<short>(true), bytes = samples<std::uint8_t>();
+  std::string hex;
+  for (const char c : little) hex += fmt::format("{:02x}", static_cast<unsigned char>(c));
+  return with_header(
+      "NRRD0004\n# test\ndimension: 3\nsizes: 5 4 3\n",
+      {{"type: short\nencoding: raw\nendian: little\nspacings: 1 2 3\n\n", little},
+       {"type: unsigned char\nencoding: gzip\n\n", gzip(bytes)},
+       {"type: short\nencoding: raw\nendian: big\nspace: left-posterior-superior\nspace directions: (1,0,0) "
+        "(0,2,0) (0,0.5,3)\nspace origin: (-1,-2,3.5)\nkinds: domain domain domain\n\n",
+        big},
+       {"type: int16\nencoding: ascii\n\n", text_of_samples()},
+       {"type: short\nencoding: hex\nendian: little\n\n", hex},
+       {"type: float\nencoding: raw\nendian: little\nthicknesses: 1 1 1\naxis mins: 0 0 0\nlabels: \"x\" "
+        "\"y\" "
+        "\"z\"\n\n",
+        samples<float>()},
+       {"type: short\nencoding: raw\nendian: little\nbyte skip: 3\ndata file: data.raw\n", ""},
+       {"type: short\nencoding: raw\nendian: little\nbyte skip: -1\ndata file: data.raw\n", ""},
+       {"type: short\nencoding: gzip\nendian: little\nline skip: 0\nbyte skip: 3\ndata file: data.raw.gz\n",
+        ""},
+       {"type: short\nencoding: raw\nendian: little\ndata file: s%d.bin 0 2 1 2\n", ""},
+       {"type: short\nencoding: raw\nendian: little\ndata file: LIST\ns0.bin\ns1.bin\ns2.bin\n", ""}});
+}
+
+void run_nrrd(std::span<const std::byte> input) {
+  const auto text = text_of(input);
+  open_and_use(contains(text, "data file") || contains(text, "datafile") ? "a.nhdr" : "a.nrrd", input);
+}
+
+std::vector<Input> meta_seeds() {
+  const auto little = samples<short>(), packed = zlib_stream(little);
+  return with_header(
+      "ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_SHORT\n",
+      {{"BinaryData = True\nBinaryDataByteOrderMSB = False\nElementDataFile = LOCAL\n", little},
+       {fmt::format("BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n"
+                    "CompressedDataSize = {}\nElementDataFile = LOCAL\n",
+                    packed.size()),
+        packed},
+       {"BinaryData = False\nElementDataFile = LOCAL\n", text_of_samples()},
+       {"TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\nCenterOfRotation = 0 0 0\n"
+        "AnatomicalOrientation = RAI\nElementSpacing = 1 2 3\nElementNumberOfChannels = 1\n"
+        "BinaryData = True\nBinaryDataByteOrderMSB = True\nHeaderSize = 3\nElementDataFile = data.raw\n",
+        ""},
+       {"BinaryData = True\nHeaderSize = -1\nElementDataFile = data.raw\n", ""},
+       {"BinaryData = True\nCompressedData = True\nElementDataFile = data.zraw\n", ""},
+       {"BinaryData = True\nElementDataFile = s%d.bin 0 2 1\n", ""},
+       {"BinaryData = True\nElementDataFile = LIST\ns0.bin\ns1.bin\ns2.bin\n", ""}});
+}
+
+void run_meta(std::span<const std::byte> input) {
+  open_and_use(contains(text_of(input), "LOCAL") ? "a.mha" : "a.mhd", input);
+}
+
+std::vector<Input> nifti_seeds() {
+  folder_of_volumes();
+  const auto little = samples<short>();
+  Nifti pair, scaled, floats;
+  pair.magic = "ni1";
+  pair.offset = 0;
+  scaled.slope = 2;
+  scaled.intercept = -3;
+  floats.datatype = 16;
+  floats.bits = 32;
+  return {Nifti().header() + little,       Nifti().header(true) + samples<short>(true),
+          gzip(Nifti().header() + little), pair.header().substr(0, 348),
+          scaled.header() + little,        floats.header() + samples<float>()};
+}
+
+void run_nifti(std::span<const std::byte> input) {
+  const auto text = text_of(input);
+  const bool zipped = text.starts_with("\x1f\x8b"), pair = text.size() >= 347 && text.substr(344, 3) == "ni1";
+  open_and_use(zipped ? "a.nii.gz" : pair ? "a.hdr" : "a.nii", input);
+}
+
+std::vector<Input> vtk_seeds() {
+  const auto header = [](const char* kind, const char* type) {
+    return fmt::format(
+        "# vtk DataFile Version 3.0\ntest\n{}\nDATASET STRUCTURED_POINTS\nDIMENSIONS 5 4 3\nSPACING 1 2 3\n"
+        "ORIGIN 0 0 0\nPOINT_DATA 60\nSCALARS values {} 1\nLOOKUP_TABLE default\n",
+        kind, type);
+  };
+  return {header("BINARY", "short") + samples<short>(true), header("ASCII", "short") + text_of_samples(),
+          header("BINARY", "unsigned_char") + samples<std::uint8_t>(),
+          header("BINARY", "float") + samples<float>(true)};
+}
+
+void run_vtk(std::span<const std::byte> input) { open_and_use("a.vtk", input); }
+
+void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, any_ratio); }
+
+std::vector<Input> dicom_seeds() {
+  Dicom plain, scaled, colour, three;
+  plain.pixels = scaled.pixels = samples<short>().substr(0, 40);
+  scaled.slope = "0.5";
+  scaled.intercept = "-1024";
+  colour.samples = 3;
+  colour.pixels = samples<short>().substr(0, 120);
+  three.pixels = samples<short>();
+  Input frames = three.bytes();
+  frames.insert(frames.find(std::string("\x28\0\x10\0", 4)), Dicom::element(0x28, 8, "IS", "3"));
+  // Pixels in fragments: an empty table of offsets, one fragment, the end.
+  Input packed = plain.bytes();
+  packed.replace(packed.find("1.2.840.10008.1.2.1"), 19, std::string("1.2.840.10008.1.2.5"));
+  packed.resize(packed.rfind("OW"));
+  packed += std::string("OB\0\0\xff\xff\xff\xff", 8) + std::string("\xfe\xff\0\xe0\0\0\0\0", 8) +
+            std::string("\xfe\xff\0\xe0\x44\0\0\0", 8) + std::string("\x02\0\0\0\x40\0\0\0", 8) +
+            std::string(60, '\0') + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
+  return {plain.bytes(), scaled.bytes(), colour.bytes(), frames, packed};
+}
+
+void run_dicom(std::span<const std::byte> input) {
+  // Alone in its folder: a series is looked for beside it.
+  fs::create_directories(folder_of_volumes() / "dicom");
+  open_and_use("dicom/a.dcm", input, any_ratio);
+}
+
+/// A line with the name, one with options as on the command line but without their dashes, the bytes.
+std::vector<Input> raw_seeds() {
+  const auto little = samples<short>(), big = samples<short>(true);
+  return {"head_5x4x3_int16.raw\n\n" + little,
+          "x.bin\ndims=5x4x3 type=int16 endian=big offset=0 spacing=1x2x3\n" + big,
+          "x.raw\ndims=5x4x3 type=int16 offset=3\nabc" + little,
+          "HEAD_5X4X3_u8.RAW\nspacing=0.5\n" + samples<std::uint8_t>()};
+}
+
+std::string take_line(std::string_view& text) {
+  const auto end = std::min(text.find('\n'), text.size());
+  const std::string line(text.substr(0, end));
+  text.remove_prefix(std::min(end + 1, text.size()));
+  return line;
+}
+
+RawDescription description_of(const std::string& line) {
+  RawDescription raw;
+  std::istringstream words(line);
+  for (std::string word; words >> word;) {
+    const auto equals = std::min(word.find('='), word.size());
+    const std::string key = word.substr(0, equals), value = word.substr(std::min(equals + 1, word.size()));
+    if (key == "dims") raw.dims = app::parse_dims(value, "--dims");
+    if (key == "type") raw.type = scalar_type_from(value);
+    if (key == "endian") raw.big_endian = value == "big";
+    if (key == "spacing") raw.spacing = app::parse_spacing(value, "--spacing");
+    if (key == "offset") raw.offset = std::uint64_t(app::parse_count(value, "--offset"));
+  }
+  return raw;
+}
+
+void run_raw(std::span<const std::byte> input) {
+  auto text = text_of(input);
+  std::string name = take_line(text);
+  static_cast<void>(detail::parse_raw_name(name));
+  const RawDescription raw = description_of(take_line(text));
+  // A name of one folder, and one that the file system takes.
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return c == '/' || c == '\0'; }, '_');
+  const fs::path folder = folder_of_volumes() / "raw";
+  fs::create_directories(folder);
+  const fs::path path = folder / ("n" + name.substr(0, 200));
+  write(path, std::string(text));
+  try {
+    use(*open_volume(path, raw), input.size(), 1);
+  } catch (...) {
+    fs::remove(path);
+    throw;
+  }
+  fs::remove(path);
+}
+
+}  // namespace
+
+std::vector<Driver> volume_drivers() {
+  return {{"nrrd",
+           run_nrrd,
+           nrrd_seeds,
+           {"type: ",
+            "encoding: ",
+            "endian: ",
+            "sizes: ",
+            "dimension: ",
+            "spacings: ",
+            "space directions: ",
+            "(1,0,0)",
+            "none",
+            "space: ",
+            "space dimension: 3",
+            "space origin: ",
+            "data file: ",
+            "LIST",
+            "byte skip: ",
+            "line skip: ",
+            "gzip",
+            "bzip2",
+            "ascii",
+            "hex",
+            "raw",
+            "little",
+            "big",
+            "kinds: ",
+            "vector",
+            "domain",
+            "block",
+            "block size: ",
+            "double",
+            "int64",
+            "uint",
+            "%d",
+            "%n",
+            "%s",
+            "%100000d",
+            "content: ",
+            "key:=value",
+            "NRRD0005",
+            "NRRD0001",
+            "centerings: cell",
+            "units: \"mm\"",
+            "measurement frame: ",
+            "min: ",
+            "max: ",
+            "old min: ",
+            "sample units: ",
+            "number: ",
+            "-",
+            "a.nhdr",
+            ".",
+            "/dev/null",
+            "left-posterior-superior-time",
+            "scanner-xyz"},
+           1500},
+          {"meta",
+           run_meta,
+           meta_seeds,
+           {"NDims = ",
+            "DimSize = ",
+            "ElementType = ",
+            "MET_UCHAR",
+            "MET_FLOAT",
+            "MET_LONG_LONG",
+            "MET_UCHAR_ARRAY",
+            "ElementDataFile = ",
+            "LOCAL",
+            "LIST",
+            "LIST 2",
+            "%d",
+            "%s%n",
+            "%100000d",
+            "s%d.bin",
+            "HeaderSize = ",
+            "CompressedData = True",
+            "CompressedDataSize = ",
+            "BinaryData = False",
+            "ElementNumberOfChannels = ",
+            "BinaryDataByteOrderMSB = True",
+            "ElementSpacing = ",
+            "ElementSize = ",
+            "Offset = ",
+            "TransformMatrix = ",
+            "ElementToIntensityFunctionSlope = ",
+            "Modality = ",
+            "ObjectType = ",
+            "ObjectSubType = ",
+            "Color = ",
+            "AnatomicalOrientation = ",
+            "Comment = ",
+            "Name = ",
+            "ID = ",
+            "Orientation = ",
+            "Rotation = ",
+            "a.mhd",
+            "data.zraw",
+            "."},
+           1500},
+          {"nifti", run_nifti, nifti_seeds, {"n+1", "ni1", "\x1f\x8b", "\x5c\x01", "\x01\x5c"}, 1500},
+          {"dicom",
+           run_dicom,
+           dicom_seeds,
+           {"DICM",
+            "OW",
+            "OB",
+            "UN",
+            "SQ",
+            "US",
+            "1.2.840.10008.1.2",
+            "1.2.840.10008.1.2.2",
+            "1.2.840.10008.1.2.1.99",
+            "1.2.840.10008.1.2.4.50",
+            "1.2.840.10008.1.2.4.70",
+            "1.2.840.10008.1.2.4.90",
+            "1.2.840.10008.1.2.5",
+            "MONOCHROME1",
+            "RGB",
+            "PALETTE COLOR",
+            "\xff\xff\xff\xff",
+            "\xfe\xff\xdd\xe0",
+            "\xfe\xff\x0d\xe0",
+            "\xe0\x7f\x10"},
+           800},
+          {"tiff", run_tiff, tiff_seeds, {"II", "MM"}, 800},
+          {"vtk",
+           run_vtk,
+           vtk_seeds,
+           {"ASCII",
+            "BINARY",
+            "DATASET STRUCTURED_POINTS",
+            "DIMENSIONS ",
+            "SPACING ",
+            "ORIGIN ",
+            "ASPECT_RATIO ",
+            "POINT_DATA ",
+            "CELL_DATA ",
+            "SCALARS values ",
+            "COLOR_SCALARS values 3",
+            "VECTORS values float",
+            "TENSORS values float",
+            "LOOKUP_TABLE default",
+            "unsigned_char",
+            "unsigned_short",
+            "int",
+            "long",
+            "double",
+            "bit",
+            "vtktypeint64",
+            "FIELD FieldData 1",
+            "STRUCTURED_GRID",
+            "# vtk DataFile Version 5.1"},
+           1500},
+          {"raw",
+           run_raw,
+           raw_seeds,
+           {"dims=", "type=", "endian=", "offset=", "spacing=", "big", "little", "uint8", "float", "float64",
+            "5x4x3", "_5x4x3_int16.raw", "1x1x1", "x"},
+           1500}};
+}
+
+}  // namespace ringsplat::fuzz
