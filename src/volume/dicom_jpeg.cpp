@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -32,7 +33,12 @@ enum Marker : unsigned {
   ls_frame = 0xF7,
   ls_parameters = 0xF8,
   codestream_begin = 0x4F,
-  codestream_size = 0x51
+  first_main = 0x50,
+  codestream_size = 0x51,
+  coding_style = 0x52,
+  last_main = 0x6F,
+  tile_part = 0x90,
+  tile_data = 0x93
 };
 
 /// One frame's walk from segment to segment.
@@ -82,7 +88,10 @@ class FrameWalk {
     const auto precision = (number(at_ + 38, 1) & 0x7F) + 1;
     if (number(at_ + 39, 1) != 1 || number(at_ + 40, 1) != 1) fail("is of fewer samples than pixels");
     require_size(word(0) - word(2), word(1) - word(3), precision);
-    return {bytes_.begin(), bytes_.end()};
+    at_ += size_bytes;
+    walk_segments(tile_part);
+    walk_tile_parts();
+    return {bytes_.begin(), bytes_.begin() + std::ptrdiff_t(at_)};
   }
 
  private:
@@ -97,6 +106,39 @@ class FrameWalk {
     for (std::size_t i = 0; i < count; ++i)
       value = value << 8 | std::to_integer<std::uint32_t>(bytes_[at + i]);
     return value;
+  }
+
+  /// Segments up to a marker. GDCM follows them too, but beyond the end.
+  void walk_segments(unsigned last) {
+    for (auto found = marker(); found != last; found = marker()) {
+      const auto length = number(at_, 2);
+      if (found < first_main || found > last_main || length < 2 || length > bytes_.size() - at_)
+        fail("is cut short or damaged");
+      constexpr std::uint32_t least_style = 12;  // bytes
+      if (found == coding_style && length < least_style) fail("does not say how it is coded");
+      has_style_ |= found == coding_style;
+      at_ += length;
+    }
+  }
+
+  /// From behind the first one's marker to the end of the image.
+  void walk_tile_parts() {
+    if (!has_style_) fail("does not say how it is coded");
+    for (unsigned found = tile_part; found != image_end; found = marker()) {
+      const auto begin = at_ - 2;
+      const auto length = number(at_ + 4, 4);
+      constexpr std::uint32_t header_bytes = 12;  // with its marker
+      if (found != tile_part || number(at_, 2) != header_bytes - 2 || length > bytes_.size() - begin)
+        fail("is cut short or damaged");
+      at_ = begin + header_bytes;
+      walk_segments(tile_data);
+      if (length != 0 && begin + length < at_) fail("is cut short or damaged");
+      at_ = begin + length;
+      if (length == 0) {  // the last one, up to the end
+        at_ = bytes_.size();
+        return;
+      }
+    }
   }
 
   /// Any number of bytes FF may precede a marker.
@@ -136,7 +178,8 @@ class FrameWalk {
     const auto depth = int(std::min(bits, 99U));
     if (shape_.codec == DicomCodec::jpeg && depth != 8 && depth != 12)
       fail(fmt::format("has {} bits per pixel, 8 or 12 are possible", bits));
-    if (depth < 2 || depth > shape_.bits_allocated || (depth <= 8) != (shape_.bits_allocated == 8) ||
+    if (depth < 2 || depth > shape_.bits_allocated ||
+        (shape_.bits_allocated == 8 ? depth != 8 : depth <= 8) ||
         (by_decoder && decoder(depth) != decoder(shape_.bits_stored)))
       fail(fmt::format("has {} bits per pixel, the DICOM header says {} stored in {}", bits,
                        shape_.bits_stored, shape_.bits_allocated));
@@ -157,6 +200,7 @@ class FrameWalk {
   const DicomShape& shape_;
   std::span<const std::byte> bytes_;
   std::size_t at_ = 0;
+  bool has_style_ = false;
 };
 
 }  // namespace

@@ -117,6 +117,11 @@ TEST_CASE("compressed DICOM frames that contradict the header or are damaged are
   refused("an unknown marker", frame.substr(0, 15) + "\xFF\x01" + frame.substr(17));
   refused("is cut short", frame.substr(0, frame.size() - 2));
   refused("is cut short", frame.substr(0, 40));
+  const std::vector<std::uint16_t> dark(std::size_t(nx * ny));
+  check_refused("has 7 bits per pixel", jpeg, [&](Dicom& d) {
+    d.bits = 8;
+    d.fragments = {"", lossless_jpeg_frame(dark, nx, ny, 7)};
+  });
   Dicom runs;
   runs.syntax = rle;
   const auto packed = rle_frame(slice_of_samples(0));
@@ -136,6 +141,43 @@ TEST_CASE("compressed DICOM frames that contradict the header or are damaged are
     d.frames = 2;
     d.fragments = {"", packed, packed, packed};
   });
+}
+
+TEST_CASE("damaged JPEG 2000 in DICOM is refused before GDCM looks into it", "[dicom][bad]") {
+  const auto size = [](int length, int width) {
+    std::string s = "\xFF\x4F\xFF\x51" + big16(length) + big16(0);
+    for (const int n : {width, ny, 0, 0, width, ny, 0, 0}) s += bytes_of(std::uint32_t(n), true);
+    return s + big16(1) + "\x0F\1\1";
+  };
+  const std::string style = "\xFF\x52" + big16(12) + std::string("\0\0\0\1\0\0\4\4\0\1", 10);
+  const auto tile = [](std::uint32_t length) {
+    return "\xFF\x90" + big16(10) + big16(0) + bytes_of(length, true) + std::string("\0\1", 2);
+  };
+  const std::string data = "\xFF\x93";
+  const std::pair<const char*, std::string> bad[] = {
+      {"not of one component", size(44, nx)},
+      {"has 9 x 4 pixels", size(41, 9)},
+      {"is cut short", size(41, nx)},
+      {"cut short or damaged", size(41, nx) + "\xFF\x5C" + big16(40'000)},
+      {"cut short or damaged", size(41, nx) + "\xFF\x5C" + big16(1)},
+      {"cut short or damaged", size(41, nx) + "\xFF\x20" + style},
+      {"does not say how it is coded", size(41, nx) + tile(12)},
+      {"does not say how it is coded", size(41, nx) + "\xFF\x52" + big16(5) + "abc" + tile(12)},
+      {"cut short or damaged", size(41, nx) + style + tile(1000)},
+      {"cut short or damaged", size(41, nx) + style + tile(3) + data},
+      {"cut short or damaged", size(41, nx) + style + "\xFF\x90" + big16(8) + tile(14).substr(4) + data},
+      {"is cut short", size(41, nx) + style + tile(14)},
+      {"cut short or damaged", size(41, nx) + style + tile(14) + "\x8F\xAE"},
+      {"cut short or damaged", size(41, nx) + style + tile(0) + "\xFF\x58" + big16(60'000)},
+      {"is cut short", size(41, nx) + style + tile(14) + data},
+      {"cut short or damaged",
+       size(41, nx) + style + tile(14) + data + std::string("\xFF\x52\0\0\0\0\0\0\0\0", 10)},
+  };
+  for (const auto& [message, frame] : bad) {
+    Dicom image;
+    image.syntax = "1.2.840.10008.1.2.4.90";
+    check_refused(message, image, [&, text = frame](Dicom& d) { d.fragments = {"", text}; });
+  }
 }
 
 TEST_CASE("what follows DICOM pixels is elements or zeros", "[dicom]") {
