@@ -20,6 +20,7 @@ endfunction()
 
 # The launcher gives up a little before CTest does, so that it is the one that ends the ranks.
 function(set_mpi_test_properties test ranks timeout)
+  math(EXPR timeout "${timeout} * ${RINGSPLAT_PATIENCE}")
   math(EXPR grace "${timeout} + 15")
   set_tests_properties(${test} PROPERTIES
     PROCESSORS ${ranks}
