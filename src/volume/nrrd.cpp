@@ -26,6 +26,8 @@ class NrrdHeader {
     nrrdIoStateSet(io_, nrrdIoStateKeepNrrdDataFileOpen, 1);
     if (nrrdLoad(nrrd_, path.c_str(), io_) != 0) {
       const std::string problem = take_error();
+      // NrrdIO has closed the header's own file, but not one that the header names.
+      if (!names_data_files()) io_->dataFile = nullptr;
       release();
       throw InputError(fmt::format("{} is not a readable NRRD file: {}", path.string(), problem),
                        "see teem.sourceforge.net/nrrd for the format");
@@ -44,6 +46,7 @@ class NrrdHeader {
                          "correct the sizes in the header");
   }
   bool is_nrrd() const { return io_->format == nrrdFormatNRRD; }
+  bool names_data_files() const { return io_->dataFNFormat != nullptr || io_->dataFNArr->len > 0; }
   bool several_files() const { return io_->dataFNFormat != nullptr || io_->dataFNArr->len > 1; }
   /// The first byte of the voxels or of the compressed stream, after the skipped lines and bytes.
   std::uint64_t offset() const {
@@ -100,7 +103,7 @@ void require_files(const std::filesystem::path& path, const NrrdIoState& io, con
 
 std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path) {
   return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
-    require_plain_pattern(path);
+    require_nrrdio_can_read(path);
     const NrrdHeader header(path);
     if (!header.is_nrrd())
       throw InputError(fmt::format("{} does not begin with the letters NRRD", path.string()),

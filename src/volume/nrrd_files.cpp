@@ -34,20 +34,35 @@ bool is_plain(std::string_view name) {
   return std::count(name.begin(), name.end(), '%') == 1 && end - percent <= longest;
 }
 
+/// Comments, key/value pairs and the content are never quoted.
+void require_quotable(const std::filesystem::path& header, const std::string& line, int number) {
+  constexpr std::size_t longest = 400;  // bytes; NrrdIO's messages have about 1000, for two lines at most
+  const bool is_free = line.front() == '#' || line.find(":=") != line.npos || line.rfind("content:", 0) == 0;
+  if (line.size() > longest && !is_free)
+    throw InputError(fmt::format("{}: line {} has {} bytes", header.string(), number, line.size()),
+                     "shorten it, and the names of data files by links to them");
+}
+
 }  // namespace
 
-void require_plain_pattern(const std::filesystem::path& header) {
+void require_nrrdio_can_read(const std::filesystem::path& header) {
   std::ifstream stream(header, std::ios::binary);
   std::string line;
-  constexpr int longest_header = 10'000;  // lines
-  for (int i = 0; i < longest_header && std::getline(stream, line) && !one_line(line).empty(); ++i) {
-    if (i == 0 && line.rfind("NRRD", 0) != 0) return;
+  bool lists_files = false;
+  for (int number = 1; std::getline(stream, line) && !one_line(line).empty(); ++number) {
+    if (number == 1 && line.rfind("NRRD", 0) != 0) return;
+    require_quotable(header, line, number);
     const auto colon = std::min(line.find(':'), line.size());
     const auto key = lower_case(one_line(line.substr(0, colon)));
-    if ((key == "data file" || key == "datafile") && !is_plain(line.substr(colon)))
-      throw InputError(fmt::format("{}: the pattern of its data files is '{}'", header.string(),
-                                   one_line(line.substr(std::min(colon + 1, line.size())))),
-                       "give a name with one number, such as slice%03d.raw 1 60 1");
+    const auto value = one_line(line.substr(std::min(colon + 1, line.size())));
+    if (key == "data file" || key == "datafile") {
+      lists_files = value.rfind("LIST", 0) == 0;
+      if (!is_plain(value))
+        throw InputError(fmt::format("{}: the pattern of its data files is '{}'", header.string(), value),
+                         "give a name with one number, such as slice%03d.raw 1 60 1");
+    } else if (number > 1 && colon == line.size() && line.front() != '#' && !lists_files) {
+      return;  // no line of a header, NrrdIO goes no further
+    }
   }
 }
 

@@ -9,9 +9,9 @@ struct NrrdIoState_t;
 /// The files that an NRRD header's "data file" names, for example s%03d.raw 1 60 1.
 namespace ringsplat::detail {
 
-/// Throws InputError unless the pattern, if the header has one, is a name with one number: NrrdIO hands it to
-/// sprintf with little room for the result.
-void require_plain_pattern(const std::filesystem::path& header);
+/// Throws InputError for what NrrdIO writes beyond its buffers with: a pattern of data files that is more
+/// than a name with a number, which it hands to sprintf; and long lines, which its error messages quote.
+void require_nrrdio_can_read(const std::filesystem::path& header);
 
 /// Calls `use(file, number of files)` for each of several files, in their order.
 void for_data_files(const std::filesystem::path& header, const NrrdIoState_t& io,

@@ -122,7 +122,9 @@ class Campaign {
   void take(const Watch::Batch& batch, bool keep_novel) {
     inputs_ += batch.inputs;
     accepted_ += batch.accepted;
-    if (keep_novel) corpus_.insert(corpus_.end(), batch.novel.begin(), batch.novel.end());
+    constexpr std::size_t most_kept = 2000;  // answers that hold a part of the input are always new
+    if (keep_novel && corpus_.size() < most_kept)
+      corpus_.insert(corpus_.end(), batch.novel.begin(), batch.novel.end());
     if (!batch.finding) return;
     ++findings_;
     Finding finding = *batch.finding;

@@ -202,12 +202,12 @@ std::vector<Input> trace_seeds() {
 }  // namespace
 
 std::vector<Driver> message_drivers() {
-  return {{"message", run_message, message_seeds, {"RSP1"}, 10000},
+  return {{"message", run_message, message_seeds, {"RSP1"}, 20000},
           {"frame_spec", run_frame_spec, frame_spec_seeds, {}, 1000},
           {"payload", run_payload, payload_seeds, {}, 1500},
-          {"opaque_news", run_opaque_news, opaque_news_seeds, {}, 1000},
-          {"link_counts", run_link_counts, link_counts_seeds, {}, 5000},
-          {"trace", run_trace, trace_seeds, {}, 3000}};
+          {"opaque_news", run_opaque_news, opaque_news_seeds, {}, 700},
+          {"link_counts", run_link_counts, link_counts_seeds, {}, 10000},
+          {"trace", run_trace, trace_seeds, {}, 6000}};
 }
 
 }  // namespace ringsplat::fuzz

@@ -303,8 +303,8 @@ std::vector<Input> exchange_seeds() {
 }  // namespace
 
 std::vector<Driver> rank_drivers() {
-  return {{"rank", run_rank, rank_seeds, {"RSP1"}, 1000},
-          {"exchange", run_exchange, exchange_seeds, {}, 2000}};
+  return {{"rank", run_rank, rank_seeds, {"RSP1"}, 3000},
+          {"exchange", run_exchange, exchange_seeds, {}, 5000}};
 }
 
 }  // namespace ringsplat::fuzz

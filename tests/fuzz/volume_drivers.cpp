@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 
 #include "app/option_values.hpp"
@@ -65,6 +66,15 @@ void open_and_use(const std::string& name, std::span<const std::byte> input,
       input.size() + bytes_beside, ratio);
 }
 
+/// `seeds` and the files of tests/data/bad whose names begin so.
+std::vector<Input> with_kept(const std::string& prefix, std::vector<Input> seeds) {
+  std::set<fs::path> paths;  // sorted: what is made of seeds depends on their order
+  for (const auto& entry : fs::directory_iterator(RINGSPLAT_BAD_FILES))
+    if (entry.path().filename().string().rfind(prefix, 0) == 0) paths.insert(entry.path());
+  for (const auto& path : paths) seeds.push_back(slurp(path));
+  return seeds;
+}
+
 std::string text_of_samples() {
   std::string text;
   for (int z = 0; z < nz; ++z)
@@ -113,22 +123,24 @@ void run_nrrd(std::span<const std::byte> input) {
 
 std::vector<Input> meta_seeds() {
   const auto little = samples<short>(), packed = zlib_stream(little);
-  return with_header(
-      "ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_SHORT\n",
-      {{"BinaryData = True\nBinaryDataByteOrderMSB = False\nElementDataFile = LOCAL\n", little},
-       {fmt::format("BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n"
-                    "CompressedDataSize = {}\nElementDataFile = LOCAL\n",
-                    packed.size()),
-        packed},
-       {"BinaryData = False\nElementDataFile = LOCAL\n", text_of_samples()},
-       {"TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\nCenterOfRotation = 0 0 0\n"
-        "AnatomicalOrientation = RAI\nElementSpacing = 1 2 3\nElementNumberOfChannels = 1\n"
-        "BinaryData = True\nBinaryDataByteOrderMSB = True\nHeaderSize = 3\nElementDataFile = data.raw\n",
-        ""},
-       {"BinaryData = True\nHeaderSize = -1\nElementDataFile = data.raw\n", ""},
-       {"BinaryData = True\nCompressedData = True\nElementDataFile = data.zraw\n", ""},
-       {"BinaryData = True\nElementDataFile = s%d.bin 0 2 1\n", ""},
-       {"BinaryData = True\nElementDataFile = LIST\ns0.bin\ns1.bin\ns2.bin\n", ""}});
+  return with_kept(
+      "meta",
+      with_header(
+          "ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_SHORT\n",
+          {{"BinaryData = True\nBinaryDataByteOrderMSB = False\nElementDataFile = LOCAL\n", little},
+           {fmt::format("BinaryData = True\nBinaryDataByteOrderMSB = False\nCompressedData = True\n"
+                        "CompressedDataSize = {}\nElementDataFile = LOCAL\n",
+                        packed.size()),
+            packed},
+           {"BinaryData = False\nElementDataFile = LOCAL\n", text_of_samples()},
+           {"TransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\nCenterOfRotation = 0 0 0\n"
+            "AnatomicalOrientation = RAI\nElementSpacing = 1 2 3\nElementNumberOfChannels = 1\n"
+            "BinaryData = True\nBinaryDataByteOrderMSB = True\nHeaderSize = 3\nElementDataFile = data.raw\n",
+            ""},
+           {"BinaryData = True\nHeaderSize = -1\nElementDataFile = data.raw\n", ""},
+           {"BinaryData = True\nCompressedData = True\nElementDataFile = data.zraw\n", ""},
+           {"BinaryData = True\nElementDataFile = s%d.bin 0 2 1\n", ""},
+           {"BinaryData = True\nElementDataFile = LIST\ns0.bin\ns1.bin\ns2.bin\n", ""}}));
 }
 
 void run_meta(std::span<const std::byte> input) {
@@ -189,7 +201,7 @@ std::vector<Input> dicom_seeds() {
   packed += std::string("OB\0\0\xff\xff\xff\xff", 8) + std::string("\xfe\xff\0\xe0\0\0\0\0", 8) +
             std::string("\xfe\xff\0\xe0\x44\0\0\0", 8) + std::string("\x02\0\0\0\x40\0\0\0", 8) +
             std::string(60, '\0') + std::string("\xfe\xff\xdd\xe0\0\0\0\0", 8);
-  return {plain.bytes(), scaled.bytes(), colour.bytes(), frames, packed};
+  return with_kept("dcm", {plain.bytes(), scaled.bytes(), colour.bytes(), frames, packed});
 }
 
 void run_dicom(std::span<const std::byte> input) {
@@ -232,6 +244,8 @@ RawDescription description_of(const std::string& line) {
 void run_raw(std::span<const std::byte> input) {
   auto text = text_of(input);
   std::string name = take_line(text);
+  constexpr std::size_t longest_name = 255;  // bytes, of most file systems
+  name.resize(std::min(name.size(), longest_name));
   static_cast<void>(detail::parse_raw_name(name));
   const RawDescription raw = description_of(take_line(text));
   // A name of one folder, and one that the file system takes.
@@ -309,7 +323,7 @@ std::vector<Driver> volume_drivers() {
             "/dev/null",
             "left-posterior-superior-time",
             "scanner-xyz"},
-           1500},
+           6000},
           {"meta",
            run_meta,
            meta_seeds,
@@ -352,8 +366,8 @@ std::vector<Driver> volume_drivers() {
             "a.mhd",
             "data.zraw",
             "."},
-           1500},
-          {"nifti", run_nifti, nifti_seeds, {"n+1", "ni1", "\x1f\x8b", "\x5c\x01", "\x01\x5c"}, 1500},
+           6000},
+          {"nifti", run_nifti, nifti_seeds, {"n+1", "ni1", "\x1f\x8b", "\x5c\x01", "\x01\x5c"}, 6000},
           {"dicom",
            run_dicom,
            dicom_seeds,
@@ -406,7 +420,7 @@ std::vector<Driver> volume_drivers() {
             "FIELD FieldData 1",
             "STRUCTURED_GRID",
             "# vtk DataFile Version 5.1"},
-           1500},
+           6000},
           {"raw",
            run_raw,
            raw_seeds,

@@ -80,14 +80,14 @@ std::string without_numbers(const std::string& text) {
   return kept;
 }
 
-/// Also without what it quotes of the input. A heading that a library made up would never end.
+/// Also without what it quotes of the input, which may have quotation marks too.
 std::uint64_t hash_of_answer(const std::string& text) {
-  std::string kept;
-  bool quoted = false;
-  for (const char c : without_numbers(text).substr(0, 300)) {
-    quoted = (c == '\'' || c == '"') ? !quoted : quoted;
-    if (!quoted && std::isprint(static_cast<unsigned char>(c)) != 0) kept += c;
-  }
+  std::string kept = without_numbers(text);
+  const auto first = kept.find_first_of("'\""), last = kept.find_last_of("'\"");
+  if (first != std::string::npos) kept.erase(first, last + 1 - first);
+  kept.erase(std::remove_if(kept.begin(), kept.end(),
+                            [](unsigned char c) { return std::isalpha(c) == 0 && c != ' '; }),
+             kept.end());
   return std::hash<std::string>{}(kept);
 }
 
