@@ -103,6 +103,18 @@ void check_kind(const DicomFile& file) {
          "only scalar volumes can be rendered: take a series of grey images");
 }
 
+/// Values stay the same, but for those that GDCM takes from the highest one.
+void count_all_bits(const DicomFile& file, DicomShape& shape) {
+  const auto* const colours = file.elements.find(dicom::photometric);
+  if (colours != nullptr && *colours == "MONOCHROME1" && shape.bits_stored != shape.bits_allocated)
+    fail(file,
+         fmt::format("MONOCHROME1 of {} bits stored in {} cannot be read", shape.bits_stored,
+                     shape.bits_allocated),
+         convert_hint);
+  shape.bits_stored = shape.bits_allocated;
+  shape.high_bit = shape.bits_allocated - 1;
+}
+
 DicomShape read_shape(const DicomFile& file) {
   constexpr int most = std::numeric_limits<std::uint16_t>::max();
   DicomShape shape;
@@ -127,6 +139,8 @@ DicomShape read_shape(const DicomFile& file) {
   shape.high_bit =
       whole(file, dicom::high_bit, shape.bits_stored - 1, shape.bits_stored - 1, shape.bits_allocated - 1);
   shape.is_signed = whole(file, dicom::is_signed, 0, 0, 1) == 1;
+  // GDCM ends the process for bytes of which fewer bits count.
+  if (shape.bits_allocated == 8) count_all_bits(file, shape);
   return shape;
 }
 
@@ -188,10 +202,8 @@ void check_rescale(const DicomFile& file, DicomShape& shape, const DicomItem& it
   const bool whole_numbers = slope == std::trunc(slope) && intercept == std::trunc(intercept);
   if (slope == 1 && intercept == 0) return;
   if (whole_numbers && rank_of_fit(rescaled_range(shape, slope, intercept)) < rank_of_stored(shape) &&
-      (shape.codec == DicomCodec::none || shape.codec == DicomCodec::rle)) {
-    shape.bits_stored = shape.bits_allocated;
-    shape.high_bit = shape.bits_allocated - 1;
-  }
+      (shape.codec == DicomCodec::none || shape.codec == DicomCodec::rle))
+    count_all_bits(file, shape);
   constexpr double largest = 1e9;
   const bool sane = slope != 0 && std::abs(slope) <= largest && std::abs(intercept) <= largest;
   const auto range = rescaled_range(shape, slope, intercept);

@@ -171,6 +171,26 @@ TEST_CASE("lossless JPEG of any depth is read, whatever else is in it", "[dicom]
   }
 }
 
+TEST_CASE("DICOM bytes of which few bits count are read", "[dicom]") {
+  for (const bool compressed : {false, true}) {
+    CAPTURE(compressed);
+    Dicom image;
+    image.bits = 8;
+    image.stored = 7;
+    image.is_signed = false;
+    std::vector<std::uint16_t> values;
+    for (int i = 0; i < nx * ny; ++i) values.push_back(std::uint16_t(6 * i));
+    for (const auto value : values) image.pixels += char(value);
+    if (compressed) image.syntax = lossless;
+    if (compressed) image.fragments = {"", lossless_jpeg_frame(values, nx, ny, 8)};
+    const Folder folder;
+    CHECK((read_all(*open_volume(write(folder / "a.dcm", image.bytes()))) == image.pixels));
+    image.photometric = "MONOCHROME1";
+    const auto inverted = write(folder / "a.dcm", image.bytes());
+    CHECK(says(complaint_of([&] { open_volume(inverted); }), "MONOCHROME1 of 7 bits stored in 8"));
+  }
+}
+
 TEST_CASE("DICOM pixels of few bits are rescaled to what holds them", "[dicom]") {
   for (const char* rescale : {"1\\0", "2\\0", "1\\-1000", "1\\3000", "0.5\\1"})
     for (const int stored : {7, 8, 12, 16})
