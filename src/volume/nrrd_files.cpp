@@ -43,6 +43,14 @@ void require_quotable(const std::filesystem::path& header, const std::string& li
                      "shorten it, and the names of data files by links to them");
 }
 
+/// NrrdIO loses the last name of a list that ends without a line break, and reads past its memory.
+void require_line_break_at_end(const std::filesystem::path& header) {
+  std::ifstream stream(header, std::ios::binary);
+  if (stream.seekg(-1, std::ios::end) && stream.get() == '\n') return;
+  throw InputError(fmt::format("{}: its list of data files does not end with a line break", header.string()),
+                   "add one after the last name");
+}
+
 }  // namespace
 
 void require_nrrdio_can_read(const std::filesystem::path& header) {
@@ -64,6 +72,7 @@ void require_nrrdio_can_read(const std::filesystem::path& header) {
       return;  // no line of a header, NrrdIO goes no further
     }
   }
+  if (lists_files) require_line_break_at_end(header);
 }
 
 void for_data_files(const std::filesystem::path& header, const NrrdIoState& io,

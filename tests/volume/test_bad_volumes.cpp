@@ -43,6 +43,8 @@ std::vector<Bad> bad_nrrds() {
       file("only the magic", "NRRD", "a.nrrd", "NRRD0004\n"),
       file("truncated raw", "promises 60 bytes", "a.nrrd",
            nrrd(scalar_field("uint8") + "sizes: 5 4 3\n", "short")),
+      file("a list that ends in its last name", "does not end with a line break", "a.nrrd",
+           "NRRD0004\n" + scalar_field("uint8") + "sizes: 5 4 2\ndata file: LIST\ns0.raw\ns1.raw"),
       file("2 GB in 1 KB", "promises 2147483648 bytes", "a.nrrd",
            nrrd(scalar_field("uint8") + "sizes: 2048 1024 1024\n", std::string(1000, 'v'))),
       file("2 GB in 1 KB of gzip", "cannot hold", "a.nrrd",
