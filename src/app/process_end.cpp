@@ -14,18 +14,13 @@
 namespace ringsplat::app {
 namespace {
 
-struct Handled {
-  int signal;
-  struct sigaction before;
-};
-std::array<Handled, 6> handled{
-    {{SIGHUP, {}}, {SIGINT, {}}, {SIGQUIT, {}}, {SIGTERM, {}}, {SIGXCPU, {}}, {SIGPIPE, {}}}};
+constexpr std::array handled{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGPIPE};
 
 extern "C" void remove_files_and_end(int number) {
   remove_unfinished_files();
-  // What would have been done without this handler, so that the exit status is the signal's.
-  for (const Handled& h : handled)
-    if (h.signal == number) sigaction(number, &h.before, nullptr);
+  // The exit status is the signal's. A handler that a library has set before, as MPICH's network drivers do, may
+  // return instead of ending the process.
+  signal(number, SIG_DFL);
   raise(number);
 }
 
@@ -36,9 +31,10 @@ void prepare_for_signals() {
   struct sigaction action {};
   action.sa_handler = remove_files_and_end;
   sigfillset(&action.sa_mask);
-  for (Handled& h : handled) {
-    sigaction(h.signal, nullptr, &h.before);
-    if (h.before.sa_handler != SIG_IGN) sigaction(h.signal, &action, nullptr);
+  for (const int number : handled) {
+    struct sigaction before {};
+    sigaction(number, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
   }
 }
 
