@@ -3,8 +3,11 @@
 #include <mpi.h>
 
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <thread>
 
 #include "mpi/checked.hpp"
 #include "ringsplat/base/clock.hpp"
@@ -57,6 +60,9 @@ std::vector<std::string> MpiSession::introductions(const std::string& mine) cons
 }
 
 void MpiSession::abort(int exit_code) {
+  // Launchers may forget, as MPICH's does, what a rank wrote just before it ended the job.
+  std::fflush(nullptr);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
   MPI_Abort(MPI_COMM_WORLD, exit_code);
   std::abort();
 }
