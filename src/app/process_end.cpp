@@ -18,8 +18,7 @@ constexpr std::array handled{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGPIPE}
 
 extern "C" void remove_files_and_end(int number) {
   remove_unfinished_files();
-  // The exit status is the signal's. A handler that a library has set before, as MPICH's network drivers do, may
-  // return instead of ending the process.
+  // The exit status is the signal's. A handler that a library has set before may return instead, as UCX's does.
   signal(number, SIG_DFL);
   raise(number);
 }

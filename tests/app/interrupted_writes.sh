@@ -32,6 +32,8 @@ begin_volume() {
   until_hidden $writer $writer
 }
 
+# UCX, which some MPIs bring, handles SIGHUP from before main() on, also where it is to be ignored.
+export UCX_DEBUG_SIGNO=0
 declare -A status=([HUP]=129 [INT]=130 [QUIT]=131 [PIPE]=141 [TERM]=143 [XCPU]=152)
 for signal in HUP INT QUIT PIPE TERM XCPU; do
   # A shell's background jobs ignore INT and QUIT, and so would the program.
