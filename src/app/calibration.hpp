@@ -4,7 +4,7 @@
 #include "app/error_budget.hpp"
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
-#include "ringsplat/node/frame_buffer.hpp"
+#include "ringsplat/node/director.hpp"
 
 namespace ringsplat::app {
 

@@ -53,7 +53,7 @@ json layout_json(const RunOptions& run, const Layout& layout) {
           {"link_slots", run.protocol.link_slots},
           {"look_ahead", run.protocol.look_ahead},
           {"send_ahead", run.protocol.send_ahead},
-          {"threads_per_rank", run.protocol.threads_per_rank}};
+          {"threads_per_rank", run.engine.threads_per_rank}};
 }
 
 json to_json(const MeasuredShortcuts& m) {

@@ -139,7 +139,7 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
 
 /// A run that only counts has no picture, and one that is only timed needs none.
 void require_output(const RenderOptions& render) {
-  const SimulationOptions& simulation = render.run.protocol.simulation;
+  const SimulationOptions& simulation = render.run.engine.simulation;
   if (render.output.empty() && render.stats.empty() && !simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", render.volume.path));

@@ -107,7 +107,7 @@ void FrameOutput::measure_kept() {
 
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
   const auto& [result, file] = frame;
-  const bool drawn = !options_.run.protocol.simulation.count_only, written = !options_.output.empty();
+  const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
   const std::string label = written ? file.string() : fmt::format("frame {}", result.spec.frame);
   if (written)
     write_image(result.image, file, options_.background,
@@ -126,12 +126,12 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
   if (!options_.stats.empty())
-    records_.push_back({result.spec, result.stats, written ? file.string() : std::string(),
+    records_.push_back({result.spec, result.stats, result.axis, written ? file.string() : std::string(),
                         error == nullptr ? std::nullopt : std::optional(*error)});
 }
 
 std::string FrameOutput::json_text(const FrameRecord& record) const {
-  json j = json::parse(to_json_text(record.stats, record.spec, layout_));
+  json j = json::parse(to_json_text(record.stats, layout_, to_json_text(record.spec), name(record.axis)));
   if (!record.picture.empty()) j["file"] = record.picture;
   j["volume"] = options_.volume.path;
   j["memory"] = to_json(memory_);

@@ -10,7 +10,7 @@
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
 #include "app/progress.hpp"
-#include "ringsplat/node/frame_buffer.hpp"
+#include "ringsplat/node/director.hpp"
 #include "ringsplat/volume/statistics.hpp"
 
 namespace ringsplat::app {
@@ -51,6 +51,7 @@ class FrameOutput {
   struct FrameRecord {
     FrameSpec spec;
     FrameStats stats;
+    Axis axis;
     std::string picture;  ///< its file; empty when none was written
     std::optional<MeasuredError> error;
   };

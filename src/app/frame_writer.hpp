@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "ringsplat/node/frame_buffer.hpp"
+#include "ringsplat/node/director.hpp"
 
 namespace ringsplat::app {
 

@@ -50,7 +50,7 @@ void render_calibration(const RenderOptions& o, const Layout& layout, Scene scen
   protocol.frames_in_flight = 1;
   try {
     render_frames(std::move(scene), layout, protocol, calibration ? calibration->director() : Director{},
-                  launch.wiring(o.run.loopback));
+                  launch.wiring(o.run.loopback), o.run.engine);
   } catch (const InputError& e) {
     throw RunError(e.what());
   }

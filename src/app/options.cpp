@@ -108,7 +108,7 @@ void add_run_options(CLI::App& app, RunOptions& o) {
                   "In a mesh, messages go along a column and then a row, from neighbour to neighbour, or "
                   "straight to "
                   "their rank"),
-       app.add_option("--threads-per-rank", o.protocol.threads_per_rank,
+       app.add_option("--threads-per-rank", o.engine.threads_per_rank,
                       "Threads that share the work of a rank's GP and Renderer; they send no messages")
            ->type_name("T")
            ->capture_default_str(),
@@ -146,7 +146,7 @@ void add_run_options(CLI::App& app, RunOptions& o) {
          app.add_option("--seed", o.loopback.seed, "Seed of what is random")
              ->check(CLI::NonNegativeNumber)
              ->capture_default_str()});
-  SimulationOptions& simulation = o.protocol.simulation;
+  SimulationOptions& simulation = o.engine.simulation;
   group("Simulated machines (docs/simulation.md)",
         {app.add_option("--machine", o.machine, "Charge what this described machine's nodes would spend")
              ->type_name("FILE"),

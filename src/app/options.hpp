@@ -11,7 +11,7 @@
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/net/loopback.hpp"
 #include "ringsplat/node/frame_spec.hpp"
-#include "ringsplat/node/node.hpp"
+#include "ringsplat/node/render.hpp"
 #include "ringsplat/volume/source.hpp"
 
 /// The one table of options: names, values, help and defaults. A subcommand is made of the groups it needs.
@@ -35,8 +35,9 @@ struct RunOptions {
   std::optional<Size> mesh;              ///< columns and rows of GPs
   Routing routing = Routing::manhattan;  ///< in a mesh
   ProtocolOptions protocol;
+  EngineOptions engine;
   LoopbackOptions loopback;
-  std::string machine;  ///< a file; empty: none. Read into protocol.simulation.
+  std::string machine;  ///< a file; empty: none. Read into engine.simulation.
 };
 
 struct RenderOptions {

@@ -174,8 +174,9 @@ std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpe
       }};
   ProtocolOptions protocol;
   protocol.frames_in_flight = 1;
-  protocol.simulation.count_only = machine != nullptr;
-  render_frames(std::move(scene), layout, protocol, director, wiring);
+  EngineOptions engine;
+  engine.simulation.count_only = machine != nullptr;
+  render_frames(std::move(scene), layout, protocol, director, wiring, engine);
   return costs;
 }
 

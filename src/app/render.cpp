@@ -26,7 +26,7 @@
 #include "ringsplat/base/output_file.hpp"
 #include "ringsplat/model/charge.hpp"
 #include "ringsplat/net/blocks.hpp"
-#include "ringsplat/node/trace_json.hpp"
+#include "ringsplat/record/trace_json.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -171,10 +171,10 @@ TransferFunction make_transfer_function(const RenderOptions& o, const Plan& plan
 
 /// Renders all frames. Every input was checked before on all ranks alike, so what is wrong here ends the job.
 void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
-                const Wiring& wiring) {
+                const Wiring& wiring, const EngineOptions& engine) {
   try {
     if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
-    render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+    render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
   } catch (const InputError& e) {
     throw RunError(e.what());
   }
@@ -218,7 +218,8 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   prepare_simulation(o.run, launch);
   Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(o.run.protocol);
-  warn_of_shared_cores(o.run.protocol.threads_per_rank, launch);
+  check(o.run.engine);
+  warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
   Plan plan;
   launch.check_on_rank_0([&] { plan = make_plan(o); });
   const auto open = [&] {
@@ -264,7 +265,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
   render_all(std::move(scene), layout, protocol,
-             launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring);
+             launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring, o.run.engine);
   progress.end();
   if (launch.rank() == 0) output.finish();
   launch.take_leave(protocol.stall_timeout);

@@ -9,13 +9,13 @@ namespace ringsplat::app {
 
 void prepare_simulation(RunOptions& options, Launch& launch) {
   ProtocolOptions& protocol = options.protocol;
-  SimulationOptions& simulation = protocol.simulation;
+  SimulationOptions& simulation = options.engine.simulation;
   launch.check_on_all_ranks([&] {
     if (!options.machine.empty()) simulation.machine = read_machine(options.machine);
     if (simulation.step_seconds > 0 && !simulated())
       throw InputError("--step-seconds needs the clock that simulated ranks have in common",
                        "start it with scripts/simulate.sh, or use --in-step in one process");
-    if (simulated() && protocol.threads_per_rank > 1)
+    if (simulated() && options.engine.threads_per_rank > 1)
       throw InputError(
           "--threads-per-rank has no meaning for simulated ranks, whose machine says what their work costs",
           "leave it out, and divide the costs in the machine's description by what threads would gain");

@@ -29,6 +29,7 @@ namespace fs = std::filesystem;
 struct Timed {
   Image image;
   FrameStats stats;
+  Axis axis = Axis::z;
   std::vector<double> seconds;
 };
 
@@ -78,6 +79,7 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
                       Timed& t = timed[done++ % list.views.size()];
                       t.seconds.push_back(result.stats.seconds);
                       t.stats = std::move(result.stats);
+                      t.axis = result.axis;
                       t.image = std::move(result.image);
                     }};
   ProtocolOptions protocol;
@@ -109,7 +111,7 @@ nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Settin
           {"elevation", camera.elevation},
           {"roll", camera.roll},
           {"zoom", camera.zoom},
-          {"axis", std::string(1, name(timed.stats.axis))},
+          {"axis", std::string(1, name(timed.axis))},
           {"seconds", median(timed.seconds)},
           {"frames", timed.seconds.size()},
           {"splats", sum.splats_sent},

@@ -99,11 +99,12 @@ void check(const Header& header, const Layout& layout) {
   if (!exists(header.from()) || !exists(header.to()))
     throw RunError(fmt::format("a {} from {} to {} names a node this run does not have", name(header.kind),
                                to_string(header.from()), to_string(header.to())));
-  const bool about_renderer =
-      header.kind == Kind::token || header.kind == Kind::payload || header.kind == Kind::accept;
-  if (header.frame < 0 || (about_renderer && (header.step < 0 || !exists({Role::renderer, header.renderer}))))
-    throw RunError(fmt::format("a {} from {} has frame {}, step {}, Renderer {}", name(header.kind),
-                               to_string(header.from()), header.frame, header.step, header.renderer));
+  const auto place = token_place(header);
+  if (header.frame < 0 || (place && (place->step < 0 || !exists({Role::renderer, place->renderer}))))
+    throw RunError(fmt::format("a {} from {} has frame {}{}", name(header.kind), to_string(header.from()),
+                               header.frame,
+                               place ? fmt::format(", step {}, Renderer {}", place->step, place->renderer)
+                                     : std::string()));
 }
 
 std::vector<int> announcement_children(int rank, int ranks) {

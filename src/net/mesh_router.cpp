@@ -17,8 +17,9 @@ std::uint32_t channel(Direction direction, int buffer_class) {
 }
 
 std::string describe(const Header& h) {
-  return fmt::format("a {} from {} to {} (frame {}, step {})", name(h.kind), to_string(h.from()),
-                     to_string(h.to()), h.frame, h.step);
+  const auto place = token_place(h);
+  return fmt::format("a {} from {} to {} (frame {}{})", name(h.kind), to_string(h.from()), to_string(h.to()),
+                     h.frame, place ? fmt::format(", step {}", place->step) : std::string());
 }
 
 }  // namespace
@@ -139,23 +140,20 @@ void MeshRouter::free_slot(const Hop& came_by) {
 
 void MeshRouter::return_credits() {
   for (const auto& [to, slots] : std::exchange(owed_credits_, {}))
-    transport_.send(to.first, Message({.kind = Kind::credit,
-                                       .source = transport_.rank(),
-                                       .destination = to.first,
-                                       .sequence = slots,
-                                       .region = to.second}));
+    transport_.send(to.first, Message(make_header({Role::host, transport_.rank()}, {Role::host, to.first}, 0,
+                                                  CreditFields{.channel = to.second, .slots = slots})));
 }
 
 void MeshRouter::take_credit(const Header& h) {
+  const auto [channel, slots] = fields_of<CreditFields>(h);
+  const auto direction = channel / buffer_classes, buffer_class = channel % buffer_classes;
   const auto found = std::find_if(out_.begin(), out_.end(), [&](const OutLink& out) {
-    return out.to == h.source && static_cast<std::uint32_t>(out.link.direction) == h.region / buffer_classes;
+    return out.to == h.source && static_cast<std::uint32_t>(out.link.direction) == direction;
   });
-  const auto buffer_class = h.region % buffer_classes;
-  if (found == out_.end() || h.sequence == 0 ||
-      h.sequence > std::uint32_t(slots_ - found->free_slots[buffer_class]))
+  if (found == out_.end() || slots == 0 || slots > std::uint32_t(slots_ - found->free_slots[buffer_class]))
     throw RunError(fmt::format("rank {} gave rank {} {} slot(s) back that it had not taken", h.source,
-                               transport_.rank(), h.sequence));
-  found->free_slots[buffer_class] += static_cast<int>(h.sequence);
+                               transport_.rank(), slots));
+  found->free_slots[buffer_class] += static_cast<int>(slots);
   auto& waiting = found->waiting[buffer_class];
   while (!waiting.empty() && found->free_slots[buffer_class] > 0) {
     Waiting first = std::move(waiting.front());

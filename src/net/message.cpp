@@ -30,6 +30,28 @@ const char* name(Kind kind) {
   return index < kinds ? names[index] : "unknown";
 }
 
+Header make_header(Kind kind, NodeId from, NodeId to, std::int64_t frame) {
+  return {.kind = kind,
+          .source_role = from.role,
+          .destination_role = to.role,
+          .source = from.index,
+          .destination = to.index,
+          .frame = frame};
+}
+
+std::optional<TokenPlace> token_place(const Header& header) {
+  switch (header.kind) {
+    case Kind::token:
+      return fields_of<TokenFields>(header).place;
+    case Kind::payload:
+      return fields_of<PayloadFields>(header).place;
+    case Kind::accept:
+      return fields_of<AcceptFields>(header).place;
+    default:
+      return std::nullopt;
+  }
+}
+
 Message::Message(const Header& h, Bytes wire) : header(h), wire_(std::move(wire)) {
   header.bytes = body_size(wire_);
 }

@@ -107,6 +107,11 @@ LatticeFrame lattice_frame(const Grid& grid) {
   return {grid.dims, grid.spacing, grid.origin, grid.direction};
 }
 
+Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height) {
+  const LatticeFrame lattice = lattice_frame(grid);
+  return choose_traversal(make_view(camera, lattice, width, height), lattice).axis;
+}
+
 namespace {
 
 /// The view of a reduced volume's lattice that shows it where the volume is.

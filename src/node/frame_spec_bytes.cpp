@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "node/counted_values.hpp"
+#include "base/counted_values.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/node/frame_spec.hpp"

@@ -4,11 +4,19 @@
 
 #include <algorithm>
 
-#include "node/charged_transport.hpp"
+#include "node/directed_frames.hpp"
+#include "node/splat_engine.hpp"
+#include "protocol/host.hpp"
+#include "protocol/loopback_run.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/process.hpp"
+#include "ringsplat/base/thread_team.hpp"
+#include "ringsplat/model/charge.hpp"
 #include "ringsplat/net/same_facts.hpp"
 #include "ringsplat/node/wire_format.hpp"
+#include "simulate/charged_engine.hpp"
+#include "simulate/charged_transport.hpp"
+#include "simulate/counting_engine.hpp"
 
 namespace ringsplat {
 namespace {
@@ -69,9 +77,7 @@ void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, c
 
 std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height) {
   std::array<bool, 3> needed{};
-  const LatticeFrame lattice = lattice_frame(grid);
-  for (const Camera& camera : cameras)
-    needed[std::size_t(choose_traversal(make_view(camera, lattice, width, height), lattice).axis)] = true;
+  for (const Camera& camera : cameras) needed[std::size_t(traversed_axis(camera, grid, width, height))] = true;
   return needed;
 }
 
@@ -105,29 +111,67 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
   return scene;
 }
 
+void check(const EngineOptions& options) {
+  if (options.threads_per_rank < 1)
+    throw InputError(fmt::format("--threads-per-rank is {}", options.threads_per_rank), "it must be at least 1");
+  if (options.threads_per_rank > ThreadTeam::most_threads)
+    throw InputError(
+        fmt::format("--threads-per-rank is {}, more than a rank can use", options.threads_per_rank),
+        fmt::format("use one for each core of a rank, at most {}", ThreadTeam::most_threads));
+}
+
+namespace {
+
+/// The engine of a rank that holds these slices.
+std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, SliceStore slices, bool timed,
+                                    const EngineOptions& options, TakePicture take) {
+  const auto& [machine, count_only, voxel_weight, step_seconds] = options.simulation;
+  // A mesh goes through all slices: that tokens visit GPs in their order is what keeps its payloads from meeting
+  // (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
+  const bool skip_empty = !layout.routed() && !machine && !count_only;
+  auto engine = make_splat_engine(grid, layout, std::move(slices), options.threads_per_rank, {skip_empty, timed},
+                                  std::move(take));
+  if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
+  if (machine) engine = make_charged_engine(std::move(engine), *machine);
+  return engine;
+}
+
+void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout, const ProtocolOptions& protocol,
+                      Transport& plain, const SimulationOptions& simulation) {
+  std::optional<ChargedTransport> charged;
+  if (simulation.machine) charged.emplace(plain, *simulation.machine);
+  Transport& transport = charged ? static_cast<Transport&>(*charged) : plain;
+  std::optional<LockStep> lock_step;
+  if (simulation.step_seconds > 0) lock_step.emplace(simulation.step_seconds, charge);
+  Host(layout, protocol, transport, engine, &frames, lock_step ? &*lock_step : nullptr).run();
+}
+
+}  // namespace
+
 void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
-                   const Wiring& wiring) {
+                   const Wiring& wiring, const EngineOptions& options) {
   check_wiring(layout, wiring);
   check(protocol);
+  check(options);
   flush_denormals();
-  if (wiring.transport == nullptr) {
-    run_loopback(layout, protocol, scene.grid, std::move(scene.stores), std::move(director), wiring.loopback);
-    return;
-  }
-  SliceStore slices = scene.stores.empty() ? SliceStore() : std::move(scene.stores.begin()->second);
-  const SimulationOptions& simulation = protocol.simulation;
-  std::optional<ChargedTransport> charged;
-  if (simulation.machine) charged.emplace(*wiring.transport, *simulation.machine);
-  Transport& transport = charged ? *charged : *wiring.transport;
-  std::optional<LockStep> lock_step;
-  if (simulation.step_seconds > 0) lock_step.emplace(simulation.step_seconds);
-  Host(layout, protocol, scene.grid, transport, std::move(slices), std::move(director),
-       lock_step ? &*lock_step : nullptr)
-      .run();
+  DirectedFrames frames(std::move(director), scene.grid, layout.renderers);
+  const auto engine_of = [&](int rank) {
+    const auto store = scene.stores.find(rank);
+    return make_engine(
+        scene.grid, layout, store == scene.stores.end() ? SliceStore() : std::move(store->second),
+        protocol.trace != nullptr, options,
+        [&frames](std::int64_t frame, Image&& picture) { frames.take_picture(frame, std::move(picture)); });
+  };
+  if (wiring.transport == nullptr)
+    run_loopback(layout, protocol, engine_of, frames, wiring.loopback);
+  else
+    run_on_transport(*engine_of(wiring.transport->rank()), frames, layout, protocol, *wiring.transport,
+                     options.simulation);
 }
 
 Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
-                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol) {
+                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol,
+                   const EngineOptions& engine) {
   // Not open_everywhere: only process 0 has the voxels, so it deals them as if it decoded a file.
   OpenedVolume volume{grid, false, nullptr};
   std::string error;
@@ -146,7 +190,7 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
                       return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
                     },
                     [&](FrameResult&& result) { image = std::move(result.image); }};
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
   return image;
 }
 

@@ -12,7 +12,7 @@
 #include "node/row_classifier.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/clock.hpp"
-#include "ringsplat/node/trace.hpp"
+#include "ringsplat/record/trace.hpp"
 #include "ringsplat/splat/encode.hpp"
 #include "ringsplat/view/slice_dda.hpp"
 

@@ -9,11 +9,11 @@
 
 #include "node/opaque_news.hpp"
 #include "node/payload_reader.hpp"
+#include "node/splat_engine.hpp"
 #include "node/wall_share.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/node/engine.hpp"
 #include "ringsplat/splat/region_painter.hpp"
 
 namespace ringsplat {
@@ -21,12 +21,15 @@ namespace {
 
 /// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice
 /// behind the image.
-class SplatPainter final : public Painter {
+class SplatPainter final : public FramePainter {
  public:
   SplatPainter(int renderer, int renderers, ThreadTeam& threads)
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
-  void begin_frame(const FrameSpec& spec, const FrameGeometry& geometry) override {
+  void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
+    frame_ = std::move(frame);
+    const FrameSpec& spec = frame_->spec;
+    const FrameGeometry& geometry = frame_->geometry;
     const bool as_before = geometry_.regions == geometry.regions && geometry_.reached == geometry.reached &&
                            geometry_.dealt_to == geometry.dealt_to;
     geometry_ = geometry;
@@ -43,7 +46,8 @@ class SplatPainter final : public Painter {
     composite_seconds_ = 0;
   }
 
-  void begin(int step, std::span<const std::byte> body) override {
+  void begin(const PayloadToDraw& payload) override {
+    const auto& [step, passes, body] = payload;
     if (step < 0 || step >= geometry_.slices)
       throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
                                  step, geometry_.slices),
@@ -82,7 +86,7 @@ class SplatPainter final : public Painter {
     for (int k = 0; k < lanes_in_use_; ++k) {
       Lane& lane = lanes_[std::size_t(k)];
       complete = complete && lane.drawing == nullptr;
-      const PaintCounts counts = std::exchange(lane.counts, {});
+      const ItemCounts counts = std::exchange(lane.counts, {});
       counts_.drawn += counts.drawn;
       counts_.clipped += counts.clipped;
       counts_.hidden += counts.hidden;
@@ -93,7 +97,7 @@ class SplatPainter final : public Painter {
     return complete;
   }
 
-  void opaque_news(int gp, Bytes& news) override {
+  void news(int gp, Bytes& news) override {
     if (painters_.empty()) return;
     auto& told = told_[gp];
     told.resize(painters_.size(), 0);
@@ -105,7 +109,7 @@ class SplatPainter final : public Painter {
     }
   }
 
-  PaintCounts counts() const override { return counts_; }
+  ItemCounts counts() const override { return counts_; }
   double composite_seconds() const override { return composite_seconds_; }
 
   void finish(const std::function<void(int, Bytes)>& deliver) override {
@@ -128,7 +132,7 @@ class SplatPainter final : public Painter {
     std::unique_ptr<PayloadReader> reader;
     std::shared_ptr<SliceMemory> memory;
     RegionPainter* drawing = nullptr;  ///< of the part that is not complete yet
-    PaintCounts counts;                ///< and seconds, since the last piece of work
+    ItemCounts counts;                ///< and seconds, since the last piece of work
     double busy = 0, compositing = 0;
   };
 
@@ -190,6 +194,7 @@ class SplatPainter final : public Painter {
   }
 
   int renderer_, renderers_;
+  std::shared_ptr<const SplatFrame> frame_;
   FrameGeometry geometry_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
   std::vector<int> owned_;                   ///< regions, ascending
@@ -203,13 +208,13 @@ class SplatPainter final : public Painter {
   int slice_ = 0;
   glm::dvec2 voxel_{0.0};                 ///< of the slice
   std::map<int, std::vector<int>> told_;  ///< by GP: how many opaque tiles of each owned region it knows
-  PaintCounts counts_;
+  ItemCounts counts_;
   double composite_seconds_ = 0;
 };
 
 }  // namespace
 
-std::unique_ptr<Painter> make_painter(int renderer, int renderers, ThreadTeam& threads) {
+std::unique_ptr<FramePainter> make_splat_painter(int renderer, int renderers, ThreadTeam& threads) {
   return std::make_unique<SplatPainter>(renderer, renderers, threads);
 }
 

@@ -10,8 +10,8 @@
 #include "ringsplat/net/link_counts.hpp"
 #include "ringsplat/net/message.hpp"
 #include "ringsplat/node/frame_spec.hpp"
-#include "ringsplat/node/stats.hpp"
-#include "ringsplat/node/trace.hpp"
+#include "ringsplat/record/stats.hpp"
+#include "ringsplat/record/trace.hpp"
 #include "ringsplat/splat/splat.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
 
@@ -21,8 +21,15 @@ namespace {
 void add_messages(WireHash& hash) {
   hash.text(std::endian::native == std::endian::big ? "big" : "little");
   hash.layout(&Header::magic, &Header::kind, &Header::source_role, &Header::destination_role,
-              &Header::counted, &Header::source, &Header::destination, &Header::frame, &Header::step,
-              &Header::renderer, &Header::sequence, &Header::region, &Header::bytes);
+              &Header::counted, &Header::source, &Header::destination, &Header::frame,
+              &Header::fields, &Header::bytes);
+  hash.layout(&TokenPlace::step, &TokenPlace::renderer, &TokenPlace::sequence);
+  hash.layout(&TokenFields::place, &TokenFields::credits);
+  hash.layout(&PayloadFields::place, &PayloadFields::passes);
+  hash.layout(&AcceptFields::place, &AcceptFields::free_slots);
+  hash.layout(&FrameEndFields::payloads);
+  hash.layout(&TileFields::tile);
+  hash.layout(&CreditFields::channel, &CreditFields::slots);
   hash.number(Header{}.magic);
   hash.number(counted_bytes);
   for (std::uint8_t kind = 0; kind < kinds; ++kind) hash.text(name(Kind(kind)));

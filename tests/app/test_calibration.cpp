@@ -186,7 +186,7 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
       {"slots", [](Asked& a) { ++a.options.run.protocol.slots; }},
       {"look-ahead", [](Asked& a) { ++a.options.run.protocol.look_ahead; }},
       {"send-ahead", [](Asked& a) { ++a.options.run.protocol.send_ahead; }},
-      {"threads", [](Asked& a) { ++a.options.run.protocol.threads_per_rank; }},
+      {"threads", [](Asked& a) { ++a.options.run.engine.threads_per_rank; }},
       {"pixels", [](Asked& a) { ++a.options.error.pixels; }},
       {"seed", [](Asked& a) { ++a.options.error.seed; }}};
   for (const auto& [what, change] : changes) {

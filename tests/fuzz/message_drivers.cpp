@@ -8,8 +8,8 @@
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/net/link_counts.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/node/trace.hpp"
-#include "ringsplat/node/trace_json.hpp"
+#include "ringsplat/record/trace.hpp"
+#include "ringsplat/record/trace_json.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {
@@ -31,13 +31,8 @@ void run_message(std::span<const std::byte> input) {
 std::vector<Input> message_seeds() {
   Bytes body = Message::body_buffer();
   append(body, std::uint64_t{7});
-  Message payload({.kind = Kind::payload,
-                   .source_role = Role::gp,
-                   .destination_role = Role::renderer,
-                   .frame = 1,
-                   .step = 3},
-                  body);
-  Message token({.source_role = Role::gp, .destination_role = Role::gp, .destination = 1});
+  Message payload(make_header({Role::gp, 0}, {Role::renderer, 0}, 1, PayloadFields{.place = {.step = 3}}), body);
+  Message token(make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{}));
   return {input_of(payload.seal()), input_of(token.seal())};
 }
 
@@ -52,8 +47,7 @@ void run_frame_spec(std::span<const std::byte> input) {
   if (std::int64_t{geometry.width} * geometry.height > most_pixels) return;
   SmallRun run(spec, small_grid());
   for (int step = 0; step < run.geometry().slices; ++step)
-    if (const EncodedSlice slice = run.encode(step); !slice.payloads[0].empty())
-      run.draw(step, body_of(slice.payloads[0]));
+    if (const Bytes payload = run.encode(step); !payload.empty()) run.draw(step, body_of(payload));
   run.finish();
 }
 
@@ -78,7 +72,7 @@ void run_payload(std::span<const std::byte> input) {
       const Bytes payload = copy_of(part);
       run.draw(step, payload);
       Bytes news;
-      run.painter().opaque_news(0, news);
+      run.painter().news(0, news);
     }
   } catch (const InputError&) {
     throw std::logic_error("a payload from another rank is no bad input");
@@ -92,10 +86,10 @@ std::vector<Input> payload_seeds() {
     SmallRun run(small_frame(choice), small_grid());
     Input seed(1, char(choice));
     for (int step = 0; step < run.geometry().slices; step += 2) {
-      const EncodedSlice slice = run.encode(step);
-      if (slice.payloads[0].empty()) continue;
+      const Bytes payload = run.encode(step);
+      if (payload.empty()) continue;
       Bytes part{std::byte(step)};
-      const auto body = body_of(slice.payloads[0]);
+      const auto body = body_of(payload);
       part.insert(part.end(), body.begin(), body.end());
       append_part(seed, part);
     }
@@ -110,14 +104,14 @@ void run_opaque_news(std::span<const std::byte> input) {
   int step = 0;
   for (std::span<const std::byte> part; take_part(input, part) && step < run.geometry().slices; ++step) {
     try {
-      run.encoder().take_opaque_news(copy_of(part));
+      run.encoder().take_news(copy_of(part));
     } catch (const InputError&) {
       throw std::logic_error("news from another rank are no bad input");
     }
-    const EncodedSlice slice = run.encode(step);
-    if (slice.payloads[0].empty()) continue;
+    const Bytes payload = run.encode(step);
+    if (payload.empty()) continue;
     try {
-      run.draw(step, body_of(slice.payloads[0]));
+      run.draw(step, body_of(payload));
     } catch (const RunError& e) {
       throw std::logic_error(std::string("a GP's own payload is refused: ") + e.what());
     }
@@ -133,10 +127,9 @@ std::vector<Input> opaque_news_seeds() {
     SmallRun run(spec, small_grid());
     Input seed(1, char(choice));
     for (int step = 0; step < run.geometry().slices; ++step) {
-      const EncodedSlice slice = run.encode(step);
-      if (!slice.payloads[0].empty()) run.draw(step, body_of(slice.payloads[0]));
+      if (const Bytes payload = run.encode(step); !payload.empty()) run.draw(step, body_of(payload));
       Bytes news;
-      run.painter().opaque_news(0, news);
+      run.painter().news(0, news);
       append_part(seed, body_of(news));
     }
     seeds.push_back(seed);

@@ -8,10 +8,13 @@
 
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
+#include "node/directed_frames.hpp"
 #include "node/empty_space.hpp"
+#include "node/splat_engine.hpp"
+#include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/node/host.hpp"
 #include "ringsplat/node/load.hpp"
+#include "simulate/counting_engine.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {
@@ -23,6 +26,7 @@ struct Job {
   Layout layout;
   ProtocolOptions protocol;
   FrameSpec spec;
+  bool count_only = false;
 };
 
 FrameSpec frame_of_ranks() {
@@ -43,14 +47,13 @@ const std::vector<Job>& jobs() {
     words.payload = PayloadForm::words;
     shaded.shading = Shading::phong;
     shaded.image_plane = ImagePlane::slices;
-    ProtocolOptions ahead, counting;
+    ProtocolOptions ahead;
     ahead.send_ahead = ahead.look_ahead = 3;
-    counting.simulation.count_only = true;
     return std::vector<Job>{{Layout{2, 2}, {}, spec},
                             {Layout{3, 2, Placement::colocated}, ahead, shaded},
                             {mesh_layout(2, 2, 3), {}, words},
                             {mesh_layout(2, 2, 2, Routing::direct), {}, spec},
-                            {Layout{2, 2}, counting, spec}};
+                            {Layout{2, 2}, {}, spec, true}};
   }();
   return all;
 }
@@ -79,9 +82,29 @@ Director one_frame(const FrameSpec& spec, bool& asked) {
           [](FrameResult&&) {}};
 }
 
-SliceStore slices_of(std::size_t job, int rank) {
-  return rank < jobs()[job].layout.gps ? scene_of(job).stores.at(rank) : SliceStore();
-}
+/// One rank of a job's frame.
+class Rank {
+ public:
+  Rank(std::size_t job, int rank, Transport& transport)
+      : frames_(rank == 0 ? one_frame(jobs()[job].spec, asked_) : Director{}, scene_of(job).grid,
+                jobs()[job].layout.renderers),
+        engine_(engine_of(job, rank)),
+        host_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
+  Host& host() { return host_; }
+
+ private:
+  std::unique_ptr<Engine> engine_of(std::size_t job, int rank) {
+    const Layout& layout = jobs()[job].layout;
+    auto engine = make_splat_engine(
+        scene_of(job).grid, layout, rank < layout.gps ? scene_of(job).stores.at(rank) : SliceStore(), 1, {},
+        [this](std::int64_t frame, Image&& picture) { frames_.take_picture(frame, std::move(picture)); });
+    return jobs()[job].count_only ? make_counting_engine(std::move(engine), 1) : std::move(engine);
+  }
+  bool asked_ = false;
+  DirectedFrames frames_;
+  std::unique_ptr<Engine> engine_;
+  Host host_;
+};
 
 /// Delivers an input's parts, one whenever the rank has nothing left to do: nothing comes before what it
 /// answers. Takes what the rank sends and forgets it.
@@ -122,14 +145,12 @@ void run_rank(std::span<const std::byte> input) {
   const Job& job = jobs()[k];
   const int rank = int(take_choice(input)) % job.layout.ranks();
   SentByOthers transport(rank, job.layout.ranks(), input);
-  bool asked = false;
-  Host host(job.layout, job.protocol, scene_of(k).grid, transport, slices_of(k, rank),
-            rank == 0 ? one_frame(job.spec, asked) : Director{});
+  Rank tested(k, rank, transport);
   do {
-    while (host.step()) {
+    while (tested.host().step()) {
     }
-    static_cast<void>(host.waiting_for());
-  } while (!host.finished() && transport.deliver());
+    static_cast<void>(tested.host().waiting_for());
+  } while (!tested.host().finished() && transport.deliver());
 }
 
 /// Notes what comes.
@@ -159,17 +180,14 @@ std::vector<Input> record_frame(std::size_t k) {
   for (std::size_t rank = 0; rank < ranks; ++rank) records.push_back({char(k), char(rank)});
   LoopbackNetwork network(int(ranks), {});
   std::vector<std::unique_ptr<Recorder>> transports;
-  std::vector<std::unique_ptr<Host>> hosts;
-  bool asked = false;
+  std::vector<std::unique_ptr<Rank>> all;
   for (int rank = 0; rank < int(ranks); ++rank) {
     transports.push_back(std::make_unique<Recorder>(network.transport(rank), records[std::size_t(rank)]));
-    hosts.push_back(std::make_unique<Host>(job.layout, job.protocol, scene_of(k).grid, *transports.back(),
-                                           slices_of(k, rank),
-                                           rank == 0 ? one_frame(job.spec, asked) : Director{}));
+    all.push_back(std::make_unique<Rank>(k, rank, *transports.back()));
   }
-  const auto finished = [](const std::unique_ptr<Host>& host) { return host->finished(); };
-  while (!std::all_of(hosts.begin(), hosts.end(), finished)) {
-    for (const auto& host : hosts) host->step();
+  const auto finished = [](const std::unique_ptr<Rank>& one) { return one->host().finished(); };
+  while (!std::all_of(all.begin(), all.end(), finished)) {
+    for (const auto& one : all) one->host().step();
     network.turn();
   }
   return records;

@@ -54,25 +54,33 @@ SliceStore patterned_slices(const Grid& grid) {
   return store;
 }
 
-SmallRun::SmallRun(const FrameSpec& spec, const Grid& grid)
-    : spec_(spec),
-      geometry_(make_geometry(spec_, grid)),
-      slices_(patterned_slices(geometry_.grid)),
-      encoder_(make_encoder(spec_, geometry_, small_renderers, empty_space_, alone_)),
-      painter_(make_painter(0, small_renderers, alone_)) {
-  painter_->begin_frame(spec_, geometry_);
+namespace {
+
+SliceStore slices_with_level(const Grid& grid, const Reduction& reduction) {
+  SliceStore store = patterned_slices(grid);
+  if (reduction.factor > 1) store.add_level(reduction.factor, patterned_slices(reduced_grid(grid, reduction)));
+  return store;
 }
 
-EncodedSlice SmallRun::encode(int step) {
-  const Traversal& traversal = geometry_.traversal;
-  encoder_->begin(slices_.slice(traversal.axis, traversal.slice_at(step, geometry_.slices)));
+}  // namespace
+
+SmallRun::SmallRun(const FrameSpec& spec, const Grid& grid)
+    : frame_(make_splat_frame(spec, grid, 1, small_renderers)),
+      slices_(slices_with_level(grid, spec.reduction)),
+      encoder_(make_splat_encoder(frame_, small_renderers, slices_, empty_space_, alone_)),
+      painter_(make_splat_painter(0, small_renderers, alone_)) {
+  painter_->begin_frame(frame_);
+}
+
+Bytes SmallRun::encode(int step) {
+  encoder_->begin(step);
   while (!encoder_->work()) {
   }
-  return encoder_->finish();
+  return encoder_->finish().parts[0].payload;
 }
 
 void SmallRun::draw(int step, std::span<const std::byte> payload) {
-  painter_->begin(step, payload);
+  painter_->begin({.step = step, .body = payload});
   while (!painter_->work()) {
   }
 }

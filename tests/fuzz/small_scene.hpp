@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "node/empty_space.hpp"
+#include "node/splat_engine.hpp"
 #include "ringsplat/base/thread_team.hpp"
-#include "ringsplat/node/engine.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 
 namespace ringsplat::fuzz {
@@ -21,22 +21,22 @@ SliceStore patterned_slices(const Grid& grid);
 class SmallRun {
  public:
   SmallRun(const FrameSpec& spec, const Grid& grid);
-  const FrameGeometry& geometry() const { return geometry_; }
+  const FrameGeometry& geometry() const { return frame_->geometry; }
   Encoder& encoder() { return *encoder_; }
   Painter& painter() { return *painter_; }
-  EncodedSlice encode(int step);
+  /// The part of a step that the Renderer gets.
+  Bytes encode(int step);
   void draw(int step, std::span<const std::byte> payload);
   /// Throws std::logic_error when a tile has a number that no picture has.
   void finish();
 
  private:
-  FrameSpec spec_;
-  FrameGeometry geometry_;
+  std::shared_ptr<const SplatFrame> frame_;
   SliceStore slices_;
   EmptySpace empty_space_;
   ThreadTeam alone_;
   std::unique_ptr<Encoder> encoder_;
-  std::unique_ptr<Painter> painter_;
+  std::unique_ptr<FramePainter> painter_;
 };
 inline constexpr int small_renderers = 2;
 

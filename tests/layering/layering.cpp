@@ -115,12 +115,13 @@ class Checker {
       return;
     }
     if (!include.quoted) return;
+    const std::string room = include.name.substr(0, include.name.find('/'));
     if (file.is_public)
       report(file.path, include.line, "a public header includes the private " + include.name);
-    else if (include.name.rfind(file.room + "/", 0) != 0)
-      report(file.path, include.line,
-             "\"" + include.name + "\" is neither \"ringsplat/<room>/...\" nor a private header of " +
-                 file.room);
+    else if (rules_.count(room) == 0)
+      report(file.path, include.line, "\"" + include.name + "\" is no header of a room");
+    else if (!may_use(file.room, room))
+      report(file.path, include.line, file.room + " may not use " + room + " (" + include.name + ")");
   }
 
   /// A room that is linked with another can use it without an include line, so the build's lists are checked
@@ -158,13 +159,18 @@ const Rules& house_rules() {
       {"splat", {"base", "view"}},
       {"screen", {"base"}},
       {"net", {"base"}},
-      {"node", {"base", "volume", "classify", "view", "splat", "screen", "net", "model"}},
+      {"record", {"base", "net"}},
+      {"protocol", {"base", "net", "record"}},
+      {"simulate", {"base", "net", "model", "record", "protocol"}},
+      {"node",
+       {"base", "volume", "classify", "view", "splat", "screen", "net", "model", "record", "protocol",
+        "simulate"}},
       {"truth", {"base", "volume", "classify", "view", "splat", "screen"}},
       {"model", {"base"}},
       {"mpi", {"base", "net", "model"}},
       {"app",
-       {"base", "images", "volume", "classify", "view", "splat", "screen", "net", "node", "truth", "model",
-        "mpi"}},
+       {"base", "images", "volume", "classify", "view", "splat", "screen", "net", "record", "protocol",
+        "simulate", "node", "truth", "model", "mpi"}},
   };
   return rules;
 }

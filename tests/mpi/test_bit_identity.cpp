@@ -22,7 +22,7 @@ FrameSpec oblique_view(double azimuth) {
 
 /// Renders on the first layout.ranks() ranks of the job; the image is on rank 0.
 Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource& source,
-                      const ProtocolOptions& protocol = {}) {
+                      const EngineOptions& engine = {}) {
   int rank = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm part = MPI_COMM_NULL;
@@ -35,7 +35,7 @@ Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource&
     const Grid grid = source.grid();
     std::vector<std::byte> voxels(rank == 0 ? grid.bytes() : 0);
     if (rank == 0) source.read_slices(0, grid.dims.z, voxels);
-    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()}, protocol);
+    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()}, {}, engine);
   }
   MPI_Comm_free(&part);
   return image;

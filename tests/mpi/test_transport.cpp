@@ -21,12 +21,15 @@ int world_rank() {
 Message numbered(std::uint32_t sequence, std::size_t bytes) {
   Bytes body = Message::body_buffer();
   for (std::size_t k = 0; k < bytes; ++k) body.push_back(static_cast<std::byte>((k * 31 + sequence) & 255));
-  return Message(Header{.kind = Kind::payload, .sequence = sequence}, std::move(body));
+  return Message(make_header({Role::gp, 0}, {Role::renderer, 0}, 0, PayloadFields{.place = {.sequence = sequence}}),
+                 std::move(body));
 }
+
+std::uint32_t number_of(const Message& m) { return token_place(m.header)->sequence; }
 
 bool intact(const Message& m) {
   for (std::size_t k = 0; k < m.body().size(); ++k)
-    if (m.body()[k] != static_cast<std::byte>((k * 31 + m.header.sequence) & 255)) return false;
+    if (m.body()[k] != static_cast<std::byte>((k * 31 + number_of(m)) & 255)) return false;
   return true;
 }
 
@@ -47,10 +50,10 @@ TEST_CASE("messages of all sizes arrive whole, also those sent in parts") {
       transport->wait_next();
       continue;
     }
-    REQUIRE(message->header.sequence < sizes.size());
-    REQUIRE(message->body().size() == sizes[message->header.sequence]);
+    REQUIRE(number_of(*message) < sizes.size());
+    REQUIRE(message->body().size() == sizes[number_of(*message)]);
     REQUIRE(intact(*message));
-    ++seen[message->header.sequence];
+    ++seen[number_of(*message)];
     ++received;
   }
   CHECK(std::all_of(seen.begin(), seen.end(), [](int n) { return n == 1; }));

@@ -13,10 +13,10 @@ namespace {
 std::vector<std::uint32_t> arrivals(const LoopbackOptions& options) {
   LoopbackNetwork network(2, options);
   for (std::uint32_t k = 0; k < 50; ++k)
-    network.transport(0).send(1, Message(Header{.kind = Kind::token, .sequence = k}));
+    network.transport(0).send(1, Message(make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{.place = {.sequence = k}})));
   std::vector<std::uint32_t> order;
   while (network.in_flight()) {
-    while (auto message = network.transport(1).receive()) order.push_back(message->header.sequence);
+    while (auto message = network.transport(1).receive()) order.push_back(token_place(message->header)->sequence);
     network.turn();
   }
   return order;

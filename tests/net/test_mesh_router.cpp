@@ -42,12 +42,7 @@ struct Mesh {
   void post(NodeId from, NodeId to, std::uint32_t sequence, std::size_t bytes) {
     Bytes body = Message::body_buffer();
     body.resize(body.size() + bytes, std::byte(sequence));
-    Message message({.kind = Kind::payload,
-                     .source_role = from.role,
-                     .destination_role = to.role,
-                     .source = from.index,
-                     .destination = to.index,
-                     .sequence = sequence},
+    Message message(make_header(from, to, 0, PayloadFields{.place = {.sequence = sequence}}),
                     std::move(body));
     routers[std::size_t(layout.rank_of(from))]->post(std::move(message));
   }
@@ -65,6 +60,10 @@ struct Mesh {
 NodeId random_node(const Layout& mesh, std::mt19937& random) {
   const int rank = int(random() % unsigned(mesh.ranks()));
   return mesh.nodes_on(rank).front();
+}
+
+Message credit(int from, int to, const CreditFields& fields) {
+  return Message(make_header({Role::host, from}, {Role::host, to}, 0, fields));
 }
 
 }  // namespace
@@ -94,7 +93,7 @@ TEST_CASE("with one slot a link, a flood between random nodes drains, nothing is
       REQUIRE(net.idle());
       std::set<std::uint32_t> arrived;
       for (const Message& message : net.delivered) {
-        const auto sequence = message.header.sequence;
+        const auto sequence = token_place(message.header)->sequence;
         REQUIRE(arrived.insert(sequence).second);
         REQUIRE(message.header.to() == sent[sequence].first);
         REQUIRE(message.body().size() == sent[sequence].second);
@@ -129,11 +128,11 @@ TEST_CASE("a link carries no more messages at once than it has slots, and the ot
     CHECK(counts[0].messages == 7);
     CHECK(counts[0].shared == 6);
     CHECK(counts[0].waited == std::uint64_t(7 - slots));
-    sender.take(Message({.kind = Kind::credit, .source = 1, .destination = 2, .sequence = 1, .region = 0}));
+    sender.take(credit(1, 2, {.channel = 0, .slots = 1}));
     CHECK(started == slots + 1);
     if (slots == 1) continue;
     // Several slots may come back at once, for as many messages.
-    sender.take(Message({.kind = Kind::credit, .source = 1, .destination = 2, .sequence = 2, .region = 0}));
+    sender.take(credit(1, 2, {.channel = 0, .slots = 2}));
     CHECK(started == std::min(slots + 3, 7));
   }
 }
@@ -166,12 +165,11 @@ TEST_CASE("messages that cannot be are refused: off their route, credits that ar
                                        .source = 0,
                                        .destination = 1})),
                   RunError);
-  CHECK_THROWS_AS(router.take(Message({.kind = Kind::credit, .source = 1, .destination = 4, .sequence = 1})),
+  CHECK_THROWS_AS(router.take(credit(1, 4, {.channel = 0, .slots = 1})),
                   RunError);
-  CHECK_THROWS_AS(router.take(Message({.kind = Kind::credit, .source = 3, .destination = 4, .sequence = 1})),
+  CHECK_THROWS_AS(router.take(credit(3, 4, {.channel = 0, .slots = 1})),
                   RunError);
-  CHECK_THROWS_AS(router.take(Message(
-                      {.kind = Kind::credit, .source = 3, .destination = 4, .sequence = 0, .region = 999})),
+  CHECK_THROWS_AS(router.take(credit(3, 4, {.channel = 999, .slots = 0})),
                   RunError);
   CHECK(router.idle());
 }

@@ -17,7 +17,8 @@ Bytes wire_of(Message message) {
 Message with_body(std::size_t bytes) {
   Bytes body = Message::body_buffer();
   body.resize(body.size() + bytes, std::byte{7});
-  return Message({.kind = Kind::payload, .source = 3, .destination = 1, .frame = 5, .sequence = 9},
+  return Message(make_header({Role::gp, 3}, {Role::renderer, 1}, 5,
+                             PayloadFields{.place = {.step = 7, .renderer = 1, .sequence = 9}, .passes = 4}),
                  std::move(body));
 }
 
@@ -26,8 +27,13 @@ Message with_body(std::size_t bytes) {
 TEST_CASE("a message survives the wire") {
   const Message back = Message::from_wire(wire_of(with_body(100)), 0);
   CHECK(back.header.kind == Kind::payload);
-  CHECK(back.header.source == 3);
-  CHECK(back.header.sequence == 9);
+  CHECK(back.header.from() == NodeId{Role::gp, 3});
+  CHECK(back.header.frame == 5);
+  const auto [place, passes] = fields_of<PayloadFields>(back.header);
+  CHECK(place.step == 7);
+  CHECK(place.renderer == 1);
+  CHECK(place.sequence == 9);
+  CHECK(passes == 4);
   REQUIRE(back.body().size() == 100);
   CHECK(back.body()[99] == std::byte{7});
   CHECK(Message::from_wire(wire_of(Message(Header{.kind = Kind::token})), 0).body().empty());
@@ -64,18 +70,15 @@ TEST_CASE("bytes that are no message are refused and the sender is named") {
 
 TEST_CASE("headers that name nodes the run does not have are refused") {
   const Layout layout{.gps = 2, .renderers = 1};
-  const Header good{.kind = Kind::token,
-                    .source_role = Role::gp,
-                    .destination_role = Role::gp,
-                    .source = 0,
-                    .destination = 1};
+  const Header good = make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{});
   CHECK_NOTHROW(check(good, layout));
-  for (auto change :
-       std::vector<void (*)(Header&)>{[](Header& h) { h.destination = 2; }, [](Header& h) { h.source = -1; },
-                                      [](Header& h) { h.renderer = 1; }, [](Header& h) { h.step = -1; },
-                                      [](Header& h) { h.frame = -1; }}) {
+  for (auto change : std::vector<void (*)(Header&)>{[](Header& h) { h.destination = 2; },
+                                                    [](Header& h) { h.source = -1; },
+                                                    [](Header& h) { h.frame = -1; }}) {
     Header bad = good;
     change(bad);
     CHECK_THROWS_AS(check(bad, layout), RunError);
   }
+  for (const TokenPlace place : {TokenPlace{.renderer = 1}, TokenPlace{.renderer = -1}, TokenPlace{.step = -1}})
+    CHECK_THROWS_AS(check(make_header(good.from(), good.to(), 0, TokenFields{.place = place}), layout), RunError);
 }

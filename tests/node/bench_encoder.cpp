@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "node/empty_space.hpp"
+#include "node/splat_engine.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/node/engine.hpp"
 #include "ringsplat/node/render.hpp"
 
 using namespace ringsplat;
@@ -30,8 +30,7 @@ double thread_milliseconds() {
 }
 
 struct View {
-  FrameSpec spec;
-  FrameGeometry geometry;
+  std::shared_ptr<const SplatFrame> frame;
   std::vector<Bytes> news;  ///< after each step
   std::uint64_t visible = 0, sent = 0;
   double make = 1e300, encode = 1e300, draw = 1e300;  ///< milliseconds, the best so far
@@ -39,9 +38,9 @@ struct View {
 
 View make_view_of(const FrameSpec& orbit, const Grid& grid, int view) {
   View v;
-  v.spec = orbit;
-  v.spec.camera.azimuth = 360.0 * view / views;
-  v.geometry = make_geometry(v.spec, grid);
+  FrameSpec spec = orbit;
+  spec.camera.azimuth = 360.0 * view / views;
+  v.frame = make_splat_frame(spec, grid, 1, 1);
   return v;
 }
 
@@ -49,15 +48,15 @@ std::span<const std::byte> body_of(const Bytes& wire) {
   return wire.empty() ? std::span(wire) : std::span(wire).subspan(sizeof(Header));
 }
 
-EncodedSlice encode_slice(Encoder& encoder, const SliceView& slice) {
-  encoder.begin(slice);
+EncodedStep encode_slice(Encoder& encoder, int step) {
+  encoder.begin(step);
   while (!encoder.work()) {
   }
   return encoder.finish();
 }
 
 void draw_slice(Painter& painter, int step, const Bytes& payload) {
-  painter.begin(step, body_of(payload));
+  painter.begin({step, 0, body_of(payload)});
   while (!painter.work()) {
   }
 }
@@ -65,20 +64,18 @@ void draw_slice(Painter& painter, int step, const Bytes& payload) {
 /// Draws the frame once, to know what a Renderer says of opaque tiles.
 void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
   ThreadTeam alone;
-  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space, alone);
-  const auto painter = make_painter(0, 1, alone);
-  painter->begin_frame(v.spec, v.geometry);
-  for (int step = 0; step < v.geometry.slices; ++step) {
-    const auto& traversal = v.geometry.traversal;
-    const EncodedSlice slice =
-        encode_slice(*encoder, store.slice(traversal.axis, traversal.slice_at(step, v.geometry.slices)));
-    v.visible += slice.visible_voxels;
-    v.sent += slice.splats[0];
+  const auto encoder = make_splat_encoder(v.frame, 1, store, empty_space, alone);
+  const auto painter = make_splat_painter(0, 1, alone);
+  painter->begin_frame(v.frame);
+  for (int step = 0; step < v.frame->geometry.slices; ++step) {
+    const EncodedStep slice = encode_slice(*encoder, step);
+    v.visible += slice.counts.visible;
+    v.sent += slice.parts[0].items;
     Bytes news;
-    if (!slice.payloads[0].empty()) {
-      draw_slice(*painter, step, slice.payloads[0]);
-      painter->opaque_news(0, news);
-      encoder->take_opaque_news(body_of(news));
+    if (!slice.parts[0].payload.empty()) {
+      draw_slice(*painter, step, slice.parts[0].payload);
+      painter->news(0, news);
+      encoder->take_news(body_of(news));
     }
     v.news.push_back(std::move(news));
   }
@@ -87,19 +84,17 @@ void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
 void measure(View& v, const SliceStore& store, EmptySpace& empty_space) {
   ThreadTeam alone;
   const double start = thread_milliseconds();
-  const auto encoder = make_encoder(v.spec, v.geometry, 1, empty_space, alone);
+  const auto encoder = make_splat_encoder(v.frame, 1, store, empty_space, alone);
   const double made = thread_milliseconds();
-  const auto painter = make_painter(0, 1, alone);
-  painter->begin_frame(v.spec, v.geometry);
+  const auto painter = make_splat_painter(0, 1, alone);
+  painter->begin_frame(v.frame);
   double encode = 0, draw = 0;
-  for (int step = 0; step < v.geometry.slices; ++step) {
-    const auto& traversal = v.geometry.traversal;
+  for (int step = 0; step < v.frame->geometry.slices; ++step) {
     const double begin = thread_milliseconds();
-    const EncodedSlice slice =
-        encode_slice(*encoder, store.slice(traversal.axis, traversal.slice_at(step, v.geometry.slices)));
-    encoder->take_opaque_news(body_of(v.news[std::size_t(step)]));
+    const EncodedStep slice = encode_slice(*encoder, step);
+    encoder->take_news(body_of(v.news[std::size_t(step)]));
     const double encoded = thread_milliseconds();
-    if (!slice.payloads[0].empty()) draw_slice(*painter, step, slice.payloads[0]);
+    if (!slice.parts[0].payload.empty()) draw_slice(*painter, step, slice.parts[0].payload);
     encode += encoded - begin;
     draw += thread_milliseconds() - encoded;
   }

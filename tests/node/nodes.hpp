@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "ringsplat/node/load.hpp"
-#include "ringsplat/node/node.hpp"
+#include "ringsplat/volume/synth.hpp"
 
 namespace ringsplat::test {
 

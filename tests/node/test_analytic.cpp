@@ -22,7 +22,7 @@ TEST_CASE("a constant slab's opacity is 1 - (1 - a)^d, at any angle") {
     spec.camera.azimuth = 45;  // so that at 54.7 degrees all three axes tie and z is taken
     spec.camera.elevation = 90 - angle;
     const FrameResult result = render_loopback(*source, spec, 2, 2);
-    REQUIRE(result.stats.axis == Axis::z);
+    REQUIRE(result.axis == Axis::z);
     const double distance = 9 / std::cos(angle * M_PI / 180);
     const double truth = 1 - std::pow(1 - alpha, distance);
     double mean = 0;

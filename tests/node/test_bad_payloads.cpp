@@ -10,7 +10,7 @@
 #include "node/views.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/node/engine.hpp"
+#include "node/splat_engine.hpp"
 #include "ringsplat/splat/splat.hpp"
 #include "ringsplat/splat/voxel_run.hpp"
 #include "support/catch.hpp"
@@ -38,24 +38,24 @@ class Sent {
     spec_.dealt_to = 2;
     spec_.payload = form;
     spec_.transfer_function = constant_opacity(0.4);
-    geometry_ = make_geometry(spec_, grid);
-    REQUIRE(geometry_.traversal.axis == Axis::z);
+    frame_ = make_splat_frame(spec_, grid, 1, 2);
+    REQUIRE(geometry().traversal.axis == Axis::z);
     const auto source = synth_source("constant", grid);
     const auto stores = dealt(*source, 1);
     EmptySpace empty_space;
-    const auto encoder = make_encoder(spec_, geometry_, 2, empty_space, threads_);
-    encoder->begin(stores.at(0).slice(Axis::z, 2));
+    const auto encoder = make_splat_encoder(frame_, 2, stores.at(0), empty_space, threads_);
+    encoder->begin(2);
     while (!encoder->work()) {
     }
-    body = encoder->finish().payloads.at(0);
+    body = encoder->finish().parts.at(0).payload;
     body.erase(body.begin(), body.begin() + sizeof(Header));
-    painter_ = make_painter(0, 2, threads_);
-    painter_->begin_frame(spec_, geometry_);
+    painter_ = make_splat_painter(0, 2, threads_);
+    painter_->begin_frame(frame_);
   }
 
   bool accepts(const Bytes& changed) {
     try {
-      painter_->begin(2, changed);
+      painter_->begin({.step = 2, .body = changed});
     } catch (const RunError&) {
       return false;
     }
@@ -69,20 +69,22 @@ class Sent {
   }
   /// Of the other Renderer.
   std::int32_t foreign_region() const {
-    const auto owners = geometry_.owners(2);
-    for (int region = 0; region < geometry_.regions.count(); ++region)
+    const auto owners = geometry().owners(2);
+    for (int region = 0; region < geometry().regions.count(); ++region)
       if (owners.of(region) == 1) return region;
     return -1;
   }
-  int regions() const { return geometry_.regions.count(); }
+  int regions() const { return geometry().regions.count(); }
 
   Bytes body;
 
  private:
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+
   FrameSpec spec_;
-  FrameGeometry geometry_;
+  std::shared_ptr<const SplatFrame> frame_;
   ThreadTeam threads_;
-  std::unique_ptr<Painter> painter_;
+  std::unique_ptr<FramePainter> painter_;
 };
 
 /// Where groups of runs begin, and the end.
@@ -218,29 +220,28 @@ TEST_CASE("every frame tells anew which tiles are opaque, and a GP each of them 
   FrameSpec spec = oblique_view(96, 96, 48);
   spec.transfer_function = constant_opacity(1.0);
   spec.dealt_to = 1;
-  const FrameGeometry geometry = make_geometry(spec, grid);
+  const auto frame = make_splat_frame(spec, grid, 1, 1);
   ThreadTeam threads(1);
   EmptySpace empty_space;
-  const auto encoder = make_encoder(spec, geometry, 1, empty_space, threads);
-  const auto painter = make_painter(0, 1, threads);
+  const auto encoder = make_splat_encoder(frame, 1, stores.at(0), empty_space, threads);
+  const auto painter = make_splat_painter(0, 1, threads);
   const auto news_of_frame = [&] {
-    painter->begin_frame(spec, geometry);
+    painter->begin_frame(frame);
     Bytes all;
-    for (int step = 0; step < geometry.slices; ++step) {
-      const int slice = geometry.traversal.slice_at(step, geometry.slices);
-      encoder->begin(stores.at(0).slice(geometry.traversal.axis, slice));
+    for (int step = 0; step < frame->geometry.slices; ++step) {
+      encoder->begin(step);
       while (!encoder->work()) {
       }
-      const Bytes payload = encoder->finish().payloads.at(0);
-      painter->begin(step, std::span<const std::byte>(payload).subspan(sizeof(Header)));
+      const Bytes payload = encoder->finish().parts.at(0).payload;
+      painter->begin({.step = step, .body = std::span<const std::byte>(payload).subspan(sizeof(Header))});
       while (!painter->work()) {
       }
       Bytes news;
-      painter->opaque_news(0, news);
+      painter->news(0, news);
       all.insert(all.end(), news.begin() + std::min<std::ptrdiff_t>(sizeof(Header), std::ssize(news)),
                  news.end());
       Bytes again;
-      painter->opaque_news(0, again);
+      painter->news(0, again);
       CHECK(again.empty());
     }
     return all;

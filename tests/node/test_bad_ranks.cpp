@@ -1,14 +1,13 @@
 // What a rank makes of messages and blocks that no rank of this build sends. tests/fuzz makes many more.
 #include <cmath>
 
+#include "node/empty_space.hpp"
+#include "node/splat_engine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/base/thread_team.hpp"
 #include "ringsplat/net/blocks.hpp"
-#include "ringsplat/node/engine.hpp"
-#include "ringsplat/node/frame_buffer.hpp"
-#include "ringsplat/node/gp.hpp"
 #include "ringsplat/node/load.hpp"
-#include "ringsplat/node/trace.hpp"
+#include "ringsplat/record/trace.hpp"
 #include "ringsplat/volume/slice_ranges.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
@@ -67,43 +66,38 @@ std::string run_error_of(F&& f) {
 }  // namespace
 
 TEST_CASE("a Renderer refuses the payload of a step that its traversal does not have") {
-  const FrameSpec spec = small_frame();
-  const FrameGeometry geometry = make_geometry(spec, grid);
+  const auto frame = make_splat_frame(small_frame(), grid, 1, 1);
   ThreadTeam alone;
-  const auto painter = make_painter(0, 1, alone);
-  painter->begin_frame(spec, geometry);
-  for (const int step : {-1, geometry.slices, 1 << 30})
-    CHECK_THAT(run_error_of([&] { painter->begin(step, {}); }), Catch::Matchers::Contains("step"));
+  const auto painter = make_splat_painter(0, 1, alone);
+  painter->begin_frame(frame);
+  for (const int step : {-1, frame->geometry.slices, 1 << 30})
+    CHECK_THAT(run_error_of([&] { painter->begin({step, 0, {}}); }), Catch::Matchers::Contains("step"));
 }
 
-TEST_CASE("a GP refuses a shaded frame when it has no normals") {
-  Gp gp(0, Layout{1, 1}, {}, std::move(one_store().at(0)), [](const Message&) {});
-  FrameSpec shaded = small_frame();
-  CHECK_THAT(run_error_of([&] { gp.begin_frame(shaded); }), Catch::Matchers::Contains("normals"));
+TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
+  const auto engine = make_splat_engine(grid, Layout{1, 1}, std::move(one_store().at(0)), 1, {}, {});
+  EmptySpace empty_space;
+  ThreadTeam alone;
+  const SliceStore only_x(grid, 0, 1, {true, false, false}, true);
+  const auto encode = [&](const FrameSpec& spec, const SliceStore& store) {
+    return run_error_of(
+        [&] { make_splat_encoder(make_splat_frame(spec, grid, 1, 1), 1, store, empty_space, alone); });
+  };
+  CHECK_THAT(encode(small_frame(), one_store().at(0)), Catch::Matchers::Contains("normals"));
+  CHECK_THAT(encode(small_frame(), only_x), Catch::Matchers::Contains("axis, whose slices were not loaded"));
 }
 
-TEST_CASE("the frame buffer takes reports from GPs and Renderers only, and tiles from Renderers") {
-  const Layout layout{2, 1};
-  bool asked = false;
-  FrameBuffer frame_buffer(layout, {}, grid,
-                           {[&]() -> std::optional<FrameSpec> {
-                              return std::exchange(asked, true) ? std::nullopt : std::optional(small_frame());
-                            },
-                            [](FrameResult&&) {}},
-                           [](const Message&) {});
-  REQUIRE(frame_buffer.advance());
-  for (const auto& [kind, complaint] :
-       {std::pair(Kind::report, "has no part"), {Kind::tile, "not its own"}}) {
-    Bytes body = Message::body_buffer();
-    append(body, NodeStats{});
-    const Header h{.kind = kind,
-                   .source_role = Role::host,
-                   .destination_role = Role::frame_buffer,
-                   .source = layout.ranks() - 1,
-                   .frame = 0};
-    CHECK_THAT(run_error_of([&] { frame_buffer.receive(Message(h, body)); }),
-               Catch::Matchers::Contains("rank 2") && Catch::Matchers::Contains(complaint));
-  }
+TEST_CASE("an engine refuses a frame of another number than its message has, or that cannot be") {
+  const auto engine = make_splat_engine(grid, Layout{1, 1}, std::move(one_store().at(0)), 1, {}, {});
+  FrameSpec spec = small_frame();
+  const auto plan = [&](std::int64_t frame) {
+    return run_error_of([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });
+  };
+  CHECK(plan(0) == "none");
+  CHECK_THAT(plan(3), Catch::Matchers::Contains("frame 0 in a message about frame 3"));
+  spec.frame = 1;
+  spec.width = -5;
+  CHECK_THAT(plan(1), Catch::Matchers::Contains("that cannot be"));
 }
 
 TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt") {

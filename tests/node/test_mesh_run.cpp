@@ -4,6 +4,9 @@
 #include <random>
 #include <set>
 
+#include "node/directed_frames.hpp"
+#include "node/splat_engine.hpp"
+#include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
@@ -176,7 +179,7 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
         ++payload_hops;
         ++uses[{step, link}];
         senders[step].insert(header.source);
-        rows[{step, header.source % mesh.mesh_columns}][header.renderer >= mesh.mesh_rows] =
+        rows[{step, header.source % mesh.mesh_columns}][token_place(header)->renderer >= mesh.mesh_rows] =
             header.source / mesh.mesh_columns;
       };
       const FrameResult result = render_loopback(*source, spec, mesh, loopback);
@@ -253,14 +256,16 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   SoloCollectives solo;
   Scene scene = load_scene(volume, {}, mesh, {solo});
   LoopbackNetwork network(mesh.ranks());
+  DirectedFrames frames({.next_frame = [] { return std::optional(small_view(48)); }, .frame_done = {}}, scene.grid,
+                        mesh.renderers);
+  std::vector<std::unique_ptr<Engine>> engines;
   std::vector<std::unique_ptr<Host>> hosts;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
-    Director director;
-    if (rank == 0) director.next_frame = [] { return std::optional(small_view(48)); };
+    engines.push_back(make_splat_engine(
+        scene.grid, mesh, rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore(), 1, {}, {}));
     hosts.push_back(std::make_unique<Host>(
-        mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05}, scene.grid,
-        network.transport(rank), rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore(),
-        std::move(director)));
+        mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05}, network.transport(rank),
+        *engines.back(), &frames));
   }
   constexpr int stopped = 5;  // Renderer 1
   for (bool moved = true; moved; network.turn()) {

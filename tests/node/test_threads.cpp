@@ -5,7 +5,7 @@
 #include "node/views.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/node/engine.hpp"
+#include "node/splat_engine.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -24,20 +24,19 @@ bool has_something(const Image& image) {
 }
 
 /// Everything an encoder makes of a volume, slice by slice.
-std::vector<EncodedSlice> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers,
+std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers,
                                      int threads) {
   SoloCollectives solo;
   const Grid grid = source.grid();
   OpenedVolume volume{grid, true, synth_source("ball", grid)};
   auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
-  const FrameGeometry geometry = make_geometry(spec, grid);
+  const auto frame = make_splat_frame(spec, grid, 1, renderers);
   ThreadTeam team(threads);
   EmptySpace empty_space;
-  const auto encoder = make_encoder(spec, geometry, renderers, empty_space, team);
-  std::vector<EncodedSlice> slices;
-  for (int step = 0; step < geometry.slices; ++step) {
-    const int slice = geometry.traversal.slice_at(step, geometry.slices);
-    encoder->begin(stores.at(0).slice(geometry.traversal.axis, slice));
+  const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), empty_space, team);
+  std::vector<EncodedStep> slices;
+  for (int step = 0; step < frame->geometry.slices; ++step) {
+    encoder->begin(step);
     while (!encoder->work()) {
     }
     slices.push_back(encoder->finish());
@@ -45,11 +44,10 @@ std::vector<EncodedSlice> encode_all(VolumeSource& source, const FrameSpec& spec
   return slices;
 }
 
-/// Payloads without the room for a message's header, which holds anything.
-std::vector<Bytes> bodies(EncodedSlice slice) {
-  for (Bytes& payload : slice.payloads)
-    if (!payload.empty()) payload.erase(payload.begin(), payload.begin() + sizeof(Header));
-  return std::move(slice.payloads);
+/// A payload without the room for a message's header, which holds anything.
+Bytes body_of(Bytes payload) {
+  if (!payload.empty()) payload.erase(payload.begin(), payload.begin() + sizeof(Header));
+  return payload;
 }
 
 }  // namespace
@@ -112,12 +110,16 @@ TEST_CASE("payloads are the same bytes whatever the number of threads", "[thread
             REQUIRE(shared.size() == alone.size());
             std::uint64_t visible = 0;
             for (std::size_t k = 0; k < alone.size(); ++k) {
-              REQUIRE(bodies(shared[k]) == bodies(alone[k]));
-              REQUIRE(shared[k].splats == alone[k].splats);
-              REQUIRE(shared[k].passes == alone[k].passes);
-              REQUIRE(shared[k].visible_voxels == alone[k].visible_voxels);
-              REQUIRE(shared[k].voxels == alone[k].voxels);
-              visible += alone[k].visible_voxels;
+              for (std::size_t r = 0; r < alone[k].parts.size(); ++r) {
+                const EncodedPart &one = alone[k].parts[r], &other = shared[k].parts[r];
+                REQUIRE(body_of(other.payload) == body_of(one.payload));
+                REQUIRE(other.items == one.items);
+                REQUIRE(other.passes == one.passes);
+                REQUIRE(other.tiles == one.tiles);
+              }
+              REQUIRE(shared[k].counts.visible == alone[k].counts.visible);
+              REQUIRE(shared[k].counts.voxels == alone[k].counts.voxels);
+              visible += alone[k].counts.visible;
             }
             REQUIRE(visible > 1000);
           }
@@ -141,7 +143,8 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
           INFO(fmt::format("plane {}, form {}, regions of {}, {} threads", int(plane), int(form), region,
                            threads));
           const auto one =
-              render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {.threads_per_rank = threads});
+              render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {},
+                                           {.threads_per_rank = threads});
           REQUIRE(one.image == alone.image);
           const NodeStats total = one.stats.total();
           CHECK(total.splats_drawn == counted.splats_drawn);
@@ -168,7 +171,7 @@ TEST_CASE("threads keep the bits on any layout, with messages in any order", "[t
             INFO(fmt::format("plane {}, precision {}, {} threads, {} GPs, {} Renderers, {}", int(plane),
                              int(precision), threads, gps, renderers,
                              placement == Placement::dedicated ? "dedicated" : "colocated"));
-            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement,
+            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement, {},
                                                 {.threads_per_rank = threads});
             REQUIRE(shared.image == alone.image);
             // Seconds are those of the clock on the wall: no thread's are counted beside another's.
@@ -194,7 +197,7 @@ TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels", "[
       const auto alone = render_loopback(*source, spec, 1, 1);
       if (plane == ImagePlane::screen) CHECK(alone.stats.total().splats_hidden > 0);
       for (const int threads : team_sizes)
-        REQUIRE(render_loopback(*source, spec, 2, 2, shuffled(threads), Placement::colocated,
+        REQUIRE(render_loopback(*source, spec, 2, 2, shuffled(threads), Placement::colocated, {},
                                 {.threads_per_rank = threads})
                     .image == alone.image);
     }
@@ -230,17 +233,17 @@ TEST_CASE("frames that are dropped while threads draw them leave nothing behind"
     const Layout layout{1 + int(seed % 3), 1 + int(seed % 2)};
     Scene scene = load_scene(volume, {}, layout, wiring);
     render_frames(std::move(scene), layout,
-                  {.frames_in_flight = 1 + int(seed % 3), .threads_per_rank = threads}, std::move(director),
-                  wiring);
+                  {.frames_in_flight = 1 + int(seed % 3)}, std::move(director), wiring,
+                  {.threads_per_rank = threads});
     CHECK(kept == 6);
   }
 }
 
 TEST_CASE("a number of threads that no rank can use is refused with a hint") {
   for (const int threads : {-1, 0, 1025, 2'000'000'000}) {
-    CHECK_THROWS_AS(check(ProtocolOptions{.threads_per_rank = threads}), InputError);
-    CHECK_THROWS_WITH(check(ProtocolOptions{.threads_per_rank = threads}),
+    CHECK_THROWS_AS(check(EngineOptions{.threads_per_rank = threads}), InputError);
+    CHECK_THROWS_WITH(check(EngineOptions{.threads_per_rank = threads}),
                       Catch::Matchers::Contains("--threads-per-rank"));
   }
-  CHECK_NOTHROW(check(ProtocolOptions{.threads_per_rank = 1024}));
+  CHECK_NOTHROW(check(EngineOptions{.threads_per_rank = 1024}));
 }

@@ -40,7 +40,7 @@ inline TransferFunction ramp(double low, double high, double opacity) {
 /// Renders one frame with all ranks in this process.
 inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, const Layout& layout,
                                    const LoopbackOptions& loopback = {},
-                                   const ProtocolOptions& protocol = {}) {
+                                   const ProtocolOptions& protocol = {}, const EngineOptions& engine = {}) {
   SoloCollectives solo;
   const Wiring wiring{solo, nullptr, loopback};
   // Refers to the caller's source without owning it.
@@ -64,15 +64,15 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
                       return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
                     },
                     [&](FrameResult&& r) { result = std::move(r); }};
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
   return result;
 }
 
 inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, int gps, int renderers,
                                    const LoopbackOptions& loopback = {},
                                    Placement placement = Placement::dedicated,
-                                   const ProtocolOptions& protocol = {}) {
-  return render_loopback(source, spec, Layout{gps, renderers, placement}, loopback, protocol);
+                                   const ProtocolOptions& protocol = {}, const EngineOptions& engine = {}) {
+  return render_loopback(source, spec, Layout{gps, renderers, placement}, loopback, protocol, engine);
 }
 
 inline double largest_difference(const Image& a, const Image& b) {

@@ -19,7 +19,9 @@ class LockStep {
   explicit LockStep(Observer observer = {}) : observer_(std::move(observer)) {}
   /// A rank's own lock step whose clock is now_seconds(), common to all ranks as under simulation: one step
   /// in `step_seconds`, longer than a payload and its accept take and a slice's encoding.
-  explicit LockStep(double step_seconds) : step_seconds_(step_seconds) {}
+  /// `nap(seconds)` lets time pass on a rank that has nothing else to do.
+  LockStep(double step_seconds, std::function<void(double)> nap)
+      : step_seconds_(step_seconds), nap_(std::move(nap)) {}
 
   /// True when a message may leave its node now.
   bool may_leave(const Header& header);
@@ -28,12 +30,15 @@ class LockStep {
   void advance() { ++now_; }
   /// Messages that are kept at their nodes until their step.
   int kept = 0;
-  /// How long a rank that keeps messages may sleep before it looks at the clock again.
-  double nap_seconds() const { return step_seconds_ / 64; }
+  /// For a rank that keeps messages: sleeps a little before it looks at the clock again.
+  void wait() const {
+    if (nap_) nap_(step_seconds_ / 64);
+  }
 
  private:
   Observer observer_;
   double step_seconds_ = 0;
+  std::function<void(double)> nap_;
   std::int64_t now_ = 0;
   std::int64_t frame_ = -1, frame_start_ = 0;  ///< of the frame under way; there is only one at a time
   std::map<int, std::int64_t> start_;          ///< by Renderer: when its token is at step 0

@@ -1,7 +1,12 @@
 #pragma once
+#include <array>
+#include <cassert>
 #include <cstdint>
+#include <cstring>
+#include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "ringsplat/base/bytes.hpp"
 
@@ -19,45 +24,101 @@ inline constexpr NodeId frame_buffer_id{Role::frame_buffer, 0};
 std::string to_string(NodeId id);  ///< "GP 3", "Renderer 0", "frame buffer", "rank 2"
 
 enum class Kind : std::uint8_t {
-  frame_spec,  ///< rank 0 → every rank, along a binomial tree: a frame begins
-  token,    ///< GP → GP: permission to send `step`'s payload to Renderer `index` (the header's `renderer`)
-  payload,  ///< GP → Renderer: one slice's bytes for one Renderer
-  accept,   ///< Renderer → GP: the payload has a slot
-  frame_end,  ///< last GP → Renderer: the frame has `sequence` payloads
-  tile,       ///< Renderer → frame buffer: one finished region
-  report,     ///< GP or Renderer → frame buffer: this node's part of the frame is over, with its counts
-  shutdown,   ///< rank 0 → every rank, along the tree: no more frames
-  stall,      ///< any rank → every rank: nothing moves; say what you wait for
-  credit,  ///< rank → neighbour in a mesh: `sequence` slots of channel `region` (of its links to me) are free
-           ///< again
-  link_query,   ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry for
-                ///< it?
+  frame_spec,   ///< rank 0 → every rank, along a binomial tree: a frame begins
+  token,        ///< GP → GP: permission to send a step's payload to one Renderer
+  payload,      ///< GP → Renderer: one slice's bytes for one Renderer
+  accept,       ///< Renderer → GP: the payload has a slot
+  frame_end,    ///< last GP → Renderer: all payloads of the frame were sent
+  tile,         ///< Renderer → frame buffer: one finished tile
+  report,       ///< GP or Renderer → frame buffer: this node's part of the frame is over, with its counts
+  shutdown,     ///< rank 0 → every rank, along the tree: no more frames
+  stall,        ///< any rank → every rank: nothing moves; say what you wait for
+  credit,       ///< rank → neighbour in a mesh: slots of one of its links to me are free again
+  link_query,   ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry?
   link_report,  ///< rank → frame buffer: the answer
   drop  ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
 };
 inline constexpr std::uint8_t kinds = 13;
 const char* name(Kind kind);
 
-/// The fields every message carries. Sent as it is: ranks of one run share their byte order.
+/// Which token, payload or accept a message is about.
+struct TokenPlace {
+  std::int32_t step = 0;       ///< of the traversal
+  std::int32_t renderer = 0;   ///< whose token or payload it is
+  std::uint32_t sequence = 0;  ///< of a token the next payload's, of payloads and accepts their own
+};
+
+// What a message's header says besides its way, by kind. Kinds without such a struct have no fields.
+
+struct TokenFields {
+  static constexpr Kind kind = Kind::token;
+  TokenPlace place;
+  std::uint32_t credits = 0;  ///< payloads that may be sent before one must be accepted
+};
+struct PayloadFields {
+  static constexpr Kind kind = Kind::payload;
+  TokenPlace place;
+  std::uint32_t passes = 0;  ///< non-empty (region, pass) pairs in it (Neumann 1992, Fig. 3)
+};
+struct AcceptFields {
+  static constexpr Kind kind = Kind::accept;
+  TokenPlace place;
+  std::uint32_t free_slots = 0;  ///< left behind this payload
+};
+struct FrameEndFields {
+  static constexpr Kind kind = Kind::frame_end;
+  std::uint32_t payloads = 0;  ///< that the Renderer gets for this frame
+};
+struct TileFields {
+  static constexpr Kind kind = Kind::tile;
+  std::int32_t tile = 0;
+};
+struct CreditFields {
+  static constexpr Kind kind = Kind::credit;
+  std::uint32_t channel = 0;  ///< which of the receiver's links to the sender, and which buffer class
+  std::uint32_t slots = 0;    ///< of it that are free again
+};
+
+/// What every message carries. Sent as it is: ranks of one run share their byte order.
 struct Header {
-  std::uint32_t magic = 0x31505352;  // "RSP1"
-  Kind kind = Kind::token;
+  std::uint32_t magic = 0x32505352;  // "RSP2"
+  Kind kind = Kind::stall;
   Role source_role = Role::host, destination_role = Role::host;
   std::uint8_t counted = 0;  ///< 1: a payload of which only the first counted_bytes say anything (simulation)
   std::int32_t source = 0, destination = 0;  ///< index within the role
   std::int64_t frame = 0;
-  std::int32_t step = 0;       ///< traversal step of tokens, payloads and accepts
-  std::int32_t renderer = 0;   ///< whose token, payload or accept this is
-  std::uint32_t sequence = 0;  ///< tokens: the next one; payloads, accepts: this one; frame_end: how many
-  /// Of a tile; the channel of a credit; the number of a payload's passes; of a token, the payloads that may
-  /// be sent before one must be accepted; of an accept, the slots that are left for those behind it.
-  std::uint32_t region = 0;
-  std::uint64_t bytes = 0;  ///< of the body
+  std::array<std::byte, 16> fields{};  ///< the kind's own: see fields_of()
+  std::uint64_t bytes = 0;             ///< of the body
 
   NodeId from() const { return {source_role, source}; }
   NodeId to() const { return {destination_role, destination}; }
 };
 static_assert(sizeof(Header) == 48);
+
+/// The header of a message that has no fields of its own.
+Header make_header(Kind kind, NodeId from, NodeId to, std::int64_t frame);
+
+/// The header of a message of kind `Fields::kind`.
+template <class Fields>
+Header make_header(NodeId from, NodeId to, std::int64_t frame, const Fields& fields) {
+  static_assert(std::is_trivially_copyable_v<Fields> && sizeof(Fields) <= sizeof(Header::fields));
+  Header h = make_header(Fields::kind, from, to, frame);
+  std::memcpy(h.fields.data(), &fields, sizeof fields);
+  return h;
+}
+
+/// What the header of a message of kind `Fields::kind` says; of another kind's it says nothing.
+template <class Fields>
+Fields fields_of(const Header& header) {
+  assert(header.kind == Fields::kind);
+  Fields fields;
+  std::memcpy(&fields, header.fields.data(), sizeof fields);
+  return fields;
+}
+
+/// Of a token, a payload or an accept; nothing of other kinds.
+std::optional<TokenPlace> token_place(const Header& header);
+
 inline constexpr std::size_t counted_bytes = 64;  ///< of the message, header included
 
 /// A header and its body. `wire` holds room for the header and then the body, so that a

@@ -88,6 +88,8 @@ struct FrameGeometry {
   std::vector<bool> drawing(int renderers) const;
 };
 LatticeFrame lattice_frame(const Grid& grid);
+/// Of the slice set that a view traverses.
+Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height);
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
 
 }  // namespace ringsplat

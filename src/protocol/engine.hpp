@@ -1,0 +1,132 @@
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/record/stats.hpp"
+#include "ringsplat/record/trace.hpp"
+
+/// The seam between the protocol and what it carries. An engine makes payloads of slices (Encoder, on a GP), tiles
+/// of payloads (Painter, on a Renderer) and a picture of tiles (Canvas, at the frame buffer). The protocol knows
+/// only who may send what when: no voxel, no colour, no grid.
+namespace ringsplat {
+
+/// A frame as rank 0 announces it. Only engines read the body.
+struct Announcement {
+  std::int64_t frame = 0;
+  Bytes body;
+};
+
+/// What the protocol has to know of a frame; the same on every rank.
+struct FramePlan {
+  static constexpr int nobody = -1;
+  struct Tile {
+    int renderer = nobody;  ///< who delivers it
+    std::size_t bytes = 0;
+  };
+  bool ascending = true;    ///< of the slices' numbers from step to step
+  std::vector<int> owners;  ///< by traversal step: the GP that has its slice
+  std::vector<Tile> tiles;
+
+  /// For each of `renderers` Renderers, whether it has a tile; those that have none get no token.
+  std::vector<bool> drawing(int renderers) const;
+};
+
+/// One step's part for one Renderer.
+struct EncodedPart {
+  Bytes payload;             ///< made in Message::body_buffer(); empty: nothing to draw
+  std::uint32_t items = 0;   ///< in the payload: what a Painter draws, clips or hides
+  std::uint32_t passes = 0;  ///< non-empty (tile, pass) pairs (Neumann 1992, Fig. 3)
+  std::vector<int> tiles;    ///< that it has items for, ascending
+  bool counted = false;      ///< only the message's first counted_bytes say anything (simulations)
+};
+
+struct EncodeCounts {
+  std::uint64_t voxels = 0;   ///< of the slice, transparent ones too
+  std::uint64_t visible = 0;  ///< of these
+  std::uint64_t outside = 0;  ///< not looked at, because they lie outside the image
+};
+
+struct EncodedStep {
+  std::vector<EncodedPart> parts;  ///< by Renderer
+  EncodeCounts counts;
+};
+
+/// Makes a GP's payloads of one frame. Used by one thread.
+class Encoder {
+ public:
+  virtual ~Encoder() = default;
+  /// The steps that tokens go through, ascending; the others show nothing. The same on every GP.
+  virtual std::vector<int> shown() = 0;
+  /// Counts of `steps` of this GP's slices that are not encoded, because no Renderer has a tile.
+  virtual EncodeCounts left_out(std::size_t steps) const = 0;
+  /// A bounded piece of work that belongs to no step; false when there is none.
+  virtual bool prepare() { return false; }
+  /// `step` is one whose slice this GP owns.
+  virtual void begin(int step) = 0;
+  /// A bounded piece of the step (well under a millisecond of each thread); true once it is complete.
+  virtual bool work() = 0;
+  virtual EncodedStep finish() = 0;
+  /// Takes what a Painter's news() wrote. Throws RunError when the bytes are no such news.
+  virtual void take_news(std::span<const std::byte> news) = 0;
+  /// Seconds of this frame's work by stage, so far; zero unless the engine measures them.
+  virtual StageSeconds stages() const { return {}; }
+  /// Bytes of slices that the GP holds.
+  virtual std::uint64_t slice_memory() const = 0;
+};
+
+struct ItemCounts {
+  std::uint64_t drawn = 0, clipped = 0, hidden = 0;
+};
+
+/// A payload that a Renderer is to draw; `body` stays valid until it is drawn.
+struct PayloadToDraw {
+  int step = 0;
+  std::uint32_t passes = 0;
+  std::span<const std::byte> body = {};
+};
+
+/// Draws one frame's payloads on a Renderer, in the order of their steps. Used by one thread.
+class Painter {
+ public:
+  virtual ~Painter() = default;
+  /// A bounded piece of work that belongs to no payload; false when there is none.
+  virtual bool prepare() { return false; }
+  /// Throws RunError when the bytes are no payload for this Renderer.
+  virtual void begin(const PayloadToDraw& payload) = 0;
+  /// A bounded piece of the payload for each thread; true once it is drawn and composited.
+  virtual bool work() = 0;
+  /// Appends what GP `gp` should know of this Renderer's tiles and was not yet told in this frame.
+  virtual void news(int gp, Bytes& news) = 0;
+  virtual ItemCounts counts() const = 0;  ///< of this frame so far
+  /// Of this frame so far, by the clock on the wall.
+  virtual double composite_seconds() const { return 0; }
+  /// Calls `deliver(tile, bytes)` for each tile that is not empty, the bytes in a Message::body_buffer().
+  virtual void finish(const std::function<void(int tile, Bytes bytes)>& deliver) = 0;
+};
+
+/// Puts one frame's tiles together at the frame buffer.
+class Canvas {
+ public:
+  virtual ~Canvas() = default;
+  /// Each tile comes at most once, in any order; the others are empty.
+  virtual void take(int tile, std::span<const std::byte> bytes) = 0;
+  /// No more tiles come: the picture can be made.
+  virtual void finish() = 0;
+};
+
+/// One rank's engine. Frames are asked for in ascending order.
+class Engine {
+ public:
+  virtual ~Engine() = default;
+  virtual FramePlan plan(const Announcement& announcement) = 0;
+  virtual std::unique_ptr<Encoder> encoder(int gp, const Announcement& announcement) = 0;
+  /// Valid until the Renderer's next frame is asked for.
+  virtual Painter& painter(int renderer, const Announcement& announcement) = 0;
+  virtual std::unique_ptr<Canvas> canvas(const Announcement& announcement) = 0;
+};
+
+}  // namespace ringsplat

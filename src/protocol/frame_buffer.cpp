@@ -1,0 +1,210 @@
+#include "protocol/frame_buffer.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+FrameBuffer::FrameBuffer(const Layout& layout, const ProtocolOptions& options, Engine& engine,
+                         FrameSource& source, Post announce)
+    : layout_(layout),
+      options_(options),
+      engine_(engine),
+      source_(source),
+      announce_(std::move(announce)) {}
+
+bool FrameBuffer::advance() {
+  if (drop_unwanted()) return true;
+  if (!frames_.empty() && frames_.front().complete()) {
+    Frame frame = std::move(frames_.front());
+    frames_.pop_front();
+    complete(std::move(frame));
+    return true;
+  }
+  if (!settling_.empty() && settling_.front().reports_missing == 0) {
+    Settling settled = std::move(settling_.front());
+    settling_.pop_front();
+    hand_over(std::move(settled));
+    return true;
+  }
+  const auto most = std::size_t(options_.frames_in_flight);
+  // One frame more may wait for its link counts, so that asking for them does not hold up the next.
+  if (!no_more_ && frames_.size() < most && frames_.size() + settling_.size() <= most) return announce_next();
+  if (no_more_ && frames_.empty() && settling_.empty() && !shut_down_) {
+    shut_down_ = true;
+    announce(Kind::shutdown, 0);
+    return true;
+  }
+  return false;
+}
+
+void FrameBuffer::announce(Kind kind, std::int64_t frame, Bytes body) {
+  announce_(Message(make_header(kind, id(), {Role::host, 0}, frame), std::move(body)));
+}
+
+bool FrameBuffer::drop_unwanted() {
+  for (Frame& frame : frames_) {
+    if (frame.stats.dropped || !source_.unwanted(frame.stats.frame)) continue;
+    frame.stats.dropped = true;
+    announce(Kind::drop, frame.stats.frame);
+    return true;
+  }
+  return false;
+}
+
+bool FrameBuffer::announce_next() {
+  auto body = source_.next(next_frame_);
+  if (!body) {
+    if (source_.may_come()) return false;
+    no_more_ = true;
+    return true;
+  }
+  const Announcement announcement{next_frame_++, std::move(*body)};
+  frames_.push_back(make_frame(announcement));
+  Bytes wire = Message::body_buffer();
+  wire.insert(wire.end(), announcement.body.begin(), announcement.body.end());
+  announce(Kind::frame_spec, announcement.frame, std::move(wire));
+  return true;
+}
+
+FrameBuffer::Frame FrameBuffer::make_frame(const Announcement& announcement) {
+  FramePlan plan = engine_.plan(announcement);
+  Frame frame;
+  frame.canvas = engine_.canvas(announcement);
+  frame.tile_here.resize(plan.tiles.size());
+  frame.tiles = std::move(plan.tiles);
+  frame.gp_reported.resize(std::size_t(layout_.gps));
+  frame.renderer_reported.resize(std::size_t(layout_.renderers));
+  frame.reports_missing = layout_.gps + layout_.renderers;
+  frame.announced = now_seconds();
+  frame.stats.frame = announcement.frame;
+  frame.stats.ascending = plan.ascending;
+  frame.stats.slices = int(plan.owners.size());
+  frame.stats.gps.resize(std::size_t(layout_.gps));
+  frame.stats.renderers.resize(std::size_t(layout_.renderers));
+  return frame;
+}
+
+FrameBuffer::Frame& FrameBuffer::frame_of(const Header& h) {
+  for (auto& frame : frames_)
+    if (frame.stats.frame == h.frame) return frame;
+  throw RunError(fmt::format("the frame buffer got a {} of frame {} from {}, which is not being rendered",
+                             name(h.kind), h.frame, to_string(h.from())));
+}
+
+void FrameBuffer::receive(Message message) {
+  const Header& h = message.header;
+  switch (h.kind) {
+    case Kind::tile:
+      take_tile(frame_of(h), message);
+      return;
+    case Kind::report:
+      take_report(frame_of(h), message);
+      return;
+    case Kind::link_report:
+      take_link_report(message);
+      return;
+    default:
+      throw RunError(
+          fmt::format("the frame buffer cannot use a {} (from {})", name(h.kind), to_string(h.from())));
+  }
+}
+
+void FrameBuffer::take_tile(Frame& frame, const Message& message) {
+  const Header& h = message.header;
+  const auto tile = std::size_t(fields_of<TileFields>(h).tile);  // one below zero becomes far too large
+  if (tile >= frame.tiles.size() || h.from() != NodeId{Role::renderer, frame.tiles[tile].renderer} ||
+      frame.tile_here[tile])
+    throw RunError(fmt::format("{} delivered tile {} of frame {}, which is not its own or came before",
+                               to_string(h.from()), fields_of<TileFields>(h).tile, h.frame));
+  if (message.body().size() != frame.tiles[tile].bytes)
+    throw RunError(fmt::format("{} delivered {} bytes for tile {} of frame {}, which has {}",
+                               to_string(h.from()), h.bytes, tile, h.frame, frame.tiles[tile].bytes));
+  frame.canvas->take(int(tile), message.body());
+  frame.tile_here[tile] = true;
+  ++frame.tiles_here;
+}
+
+void FrameBuffer::take_report(Frame& frame, const Message& message) {
+  const Header& h = message.header;
+  NodeStats stats;
+  std::size_t at = 0;
+  if (!take(message.body(), at, stats) || at != message.body().size())
+    throw RunError(fmt::format("{} sent a report of {} bytes", to_string(h.from()), h.bytes),
+                   "all ranks must run the same build");
+  const bool from_gp = h.source_role == Role::gp;
+  if (!from_gp && h.source_role != Role::renderer)
+    throw RunError(fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
+  const auto index = std::size_t(h.source);
+  std::vector<bool>& reported = from_gp ? frame.gp_reported : frame.renderer_reported;
+  if (reported[index])
+    throw RunError(fmt::format("{} reported frame {} twice", to_string(h.from()), h.frame));
+  reported[index] = true;
+  (from_gp ? frame.stats.gps : frame.stats.renderers)[index] = stats;
+  frame.tiles_reported += stats.tiles;
+  --frame.reports_missing;
+}
+
+void FrameBuffer::complete(Frame&& frame) {
+  FrameStats& stats = frame.stats;
+  if (!stats.dropped) frame.canvas->finish();
+  const double now = now_seconds();
+  stats.seconds = now - frame.announced;
+  stats.period = now - std::max(frame.announced, last_completed_);
+  last_completed_ = now;
+  if (options_.trace)
+    options_.trace->of(id())->add(Activity::frame, stats.frame, -1, frame.announced, now);
+  check_conservation(stats);
+  if (!layout_.routed()) {
+    source_.done(std::move(stats));
+    return;
+  }
+  const std::int64_t number = stats.frame;
+  const auto ranks = std::size_t(layout_.ranks());
+  settling_.push_back({std::move(stats), std::vector<std::vector<LinkCounts>>(ranks),
+                       std::vector<bool>(ranks), layout_.ranks()});
+  announce(Kind::link_query, number);
+}
+
+void FrameBuffer::take_link_report(const Message& message) {
+  const Header& h = message.header;
+  const auto frame = std::find_if(settling_.begin(), settling_.end(),
+                                  [&](const Settling& s) { return s.stats.frame == h.frame; });
+  const auto rank = std::size_t(h.source);
+  if (frame == settling_.end() || h.source_role != Role::host || frame->reported[rank])
+    throw RunError(
+        fmt::format("{} reported its links for frame {} without being asked", to_string(h.from()), h.frame));
+  frame->links[rank] = decode_link_counts(message.body(), layout_, h.source);
+  frame->reported[rank] = true;
+  --frame->reports_missing;
+}
+
+void FrameBuffer::hand_over(Settling&& settled) {
+  for (const auto& counts : settled.links)
+    settled.stats.links.insert(settled.stats.links.end(), counts.begin(), counts.end());
+  source_.done(std::move(settled.stats));
+}
+
+std::string FrameBuffer::waiting_for() const {
+  if (frames_.empty() && !settling_.empty())
+    return fmt::format("the frame buffer waits for {} rank(s) to report their links for frame {}",
+                       settling_.front().reports_missing, settling_.front().stats.frame);
+  if (frames_.empty()) return {};
+  const Frame& f = frames_.front();
+  std::string who;
+  for (int g = 0; g < layout_.gps; ++g)
+    if (!f.gp_reported[std::size_t(g)]) who += fmt::format("{}GP {}", who.empty() ? "" : ", ", g);
+  for (int r = 0; r < layout_.renderers; ++r)
+    if (!f.renderer_reported[std::size_t(r)]) who += fmt::format("{}Renderer {}", who.empty() ? "" : ", ", r);
+  if (who.empty())
+    return fmt::format("the frame buffer waits for {} tile(s) of frame {}", f.tiles_reported - f.tiles_here,
+                       f.stats.frame);
+  return fmt::format("the frame buffer waits for reports on frame {} from {}", f.stats.frame, who);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,74 @@
+#pragma once
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "protocol/frame_source.hpp"
+#include "protocol/node.hpp"
+#include "ringsplat/protocol/protocol_options.hpp"
+
+namespace ringsplat {
+
+/// Frame buffer: announces frames, takes tiles, and knows by counting when a frame is complete: every
+/// node has reported and every tile the Renderers report is here. Checks the conservation sums at each
+/// frame's end. In a mesh with manhattan routing it then asks every rank what its links carried for the
+/// frame: only now has all of it arrived.
+class FrameBuffer final : public Node {
+ public:
+  /// `engine` and `source` must outlive it. `announce` carries an announcement, a drop, a link query or a shutdown
+  /// to every rank, this one included.
+  FrameBuffer(const Layout& layout, const ProtocolOptions& options, Engine& engine, FrameSource& source,
+              Post announce);
+
+  NodeId id() const override { return frame_buffer_id; }
+  void begin_frame(const Announcement&) override {}
+  void drop_frame(std::int64_t) override {}
+  void receive(Message message) override;
+  bool advance() override;
+  std::string waiting_for() const override;
+
+ private:
+  struct Frame {
+    std::vector<FramePlan::Tile> tiles;
+    std::unique_ptr<Canvas> canvas;
+    std::vector<bool> tile_here;
+    std::vector<bool> gp_reported, renderer_reported;
+    int reports_missing = 0;
+    std::uint64_t tiles_here = 0, tiles_reported = 0;
+    double announced = 0;
+    FrameStats stats;
+    bool complete() const { return reports_missing == 0 && tiles_here == tiles_reported; }
+  };
+  /// A complete frame whose link counts are on their way.
+  struct Settling {
+    FrameStats stats;
+    std::vector<std::vector<LinkCounts>> links;  ///< by rank
+    std::vector<bool> reported;
+    int reports_missing = 0;
+  };
+
+  bool drop_unwanted();
+  bool announce_next();
+  Frame make_frame(const Announcement& announcement);
+  Frame& frame_of(const Header& header);
+  void take_tile(Frame& frame, const Message& message);
+  void take_report(Frame& frame, const Message& message);
+  void take_link_report(const Message& message);
+  void complete(Frame&& frame);
+  void hand_over(Settling&& settled);
+  void announce(Kind kind, std::int64_t frame, Bytes body = {});
+
+  Layout layout_;
+  ProtocolOptions options_;
+  Engine& engine_;
+  FrameSource& source_;
+  Post announce_;
+  std::deque<Frame> frames_;
+  std::deque<Settling> settling_;
+  std::int64_t next_frame_ = 0;
+  bool no_more_ = false, shut_down_ = false;
+  double last_completed_ = 0;
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,24 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/record/stats.hpp"
+
+namespace ringsplat {
+
+/// Where the frame buffer gets frames from; lives on rank 0.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// The body of frame `frame`'s announcement, or nothing when there is none now.
+  virtual std::optional<Bytes> next(std::int64_t frame) = 0;
+  /// True while next() has nothing now and may have something later.
+  virtual bool may_come() = 0;
+  /// True when an announced frame is not wanted any more: it is dropped.
+  virtual bool unwanted(std::int64_t frame) = 0;
+  /// The frame is over: its canvas was finished, unless the frame was dropped.
+  virtual void done(FrameStats&& stats) = 0;
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,253 @@
+#include "protocol/host.hpp"
+
+#include <fmt/format.h>
+
+#include "protocol/frame_buffer.hpp"
+#include "protocol/gp.hpp"
+#include "protocol/renderer.hpp"
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/log.hpp"
+
+namespace ringsplat {
+
+Host::Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
+           FrameSource* source, LockStep* lock_step)
+    : layout_(layout), options_(options), transport_(transport), lock_step_(lock_step) {
+  if (layout.routed()) {
+    MeshRouter::Observer observer;
+    if (lock_step != nullptr)
+      observer = [lock_step](const Link& link, const Header& header) { lock_step->record(link, header); };
+    router_.emplace(layout, options.link_slots, transport, std::move(observer));
+  }
+  if (layout.idle > 0) transport.only_first_work(layout.working_ranks());
+  const Post send = [this](Message m) { post(std::move(m)); };
+  for (const NodeId node : layout.nodes_on(transport.rank())) {
+    switch (node.role) {
+      case Role::gp:
+        nodes_.push_back(std::make_unique<Gp>(node.index, layout, options, engine, send));
+        break;
+      case Role::renderer:
+        nodes_.push_back(std::make_unique<Renderer>(node.index, layout, options, engine, send));
+        break;
+      case Role::frame_buffer:
+        nodes_.push_back(std::make_unique<FrameBuffer>(layout, options, engine, *source,
+                                                       [this](Message m) { announce(std::move(m)); }));
+        break;
+      case Role::host:
+        break;
+    }
+  }
+}
+
+void Host::post(Message message) {
+  if (lock_step_ == nullptr || lock_step_->may_leave(message.header)) {
+    start(std::move(message));
+    return;
+  }
+  ++lock_step_->kept;
+  kept_.push_back(std::move(message));
+}
+
+void Host::start(Message message) {
+  const int to = layout_.rank_of(message.header.to());
+  if (to == rank())
+    local_.push_back(std::move(message));
+  else if (router_)
+    router_->post(std::move(message));
+  else
+    transport_.send(to, std::move(message));
+}
+
+bool Host::release_kept() {
+  bool released = false;
+  for (auto message = kept_.begin(); message != kept_.end();) {
+    if (!lock_step_->may_leave(message->header)) {
+      ++message;
+      continue;
+    }
+    --lock_step_->kept;
+    start(std::move(*message));
+    message = kept_.erase(message);
+    released = true;
+  }
+  return released;
+}
+
+void Host::announce(Message message) {
+  // Idle ranks only hear of the end.
+  const int ranks = message.header.kind == Kind::shutdown ? layout_.ranks() : layout_.working_ranks();
+  for (const int child : announcement_children(rank(), ranks)) {
+    Message copy = message;
+    copy.header.destination_role = Role::host;
+    copy.header.destination = child;
+    transport_.send(child, std::move(copy));
+  }
+  take_announcement(message);
+}
+
+void Host::take_announcement(const Message& message) {
+  if (message.header.kind == Kind::shutdown) {
+    shutting_down_ = true;
+    return;
+  }
+  if (message.header.kind == Kind::link_query) {
+    answer_link_query(message.header.frame);
+    return;
+  }
+  if (message.header.kind == Kind::drop) {
+    early_drops_.insert(message.header.frame);
+    drop_announced();
+    return;
+  }
+  const std::int64_t frame = message.header.frame;
+  early_frames_.emplace(frame, Announcement{frame, Bytes(message.body().begin(), message.body().end())});
+  // Announcements may overtake each other; nodes get frames in order.
+  for (auto next = early_frames_.begin(); next != early_frames_.end() && next->first == next_frame_;
+       next = early_frames_.erase(next), ++next_frame_)
+    for (const auto& node : nodes_) node->begin_frame(next->second);
+  drop_announced();
+}
+
+void Host::drop_announced() {
+  while (!early_drops_.empty() && *early_drops_.begin() < next_frame_) {
+    for (const auto& node : nodes_) node->drop_frame(*early_drops_.begin());
+    early_drops_.erase(early_drops_.begin());
+  }
+}
+
+/// Straight to the frame buffer, not over the mesh: answers would count themselves.
+void Host::answer_link_query(std::int64_t frame) {
+  Message answer(
+      {.kind = Kind::link_report, .destination_role = Role::frame_buffer, .source = rank(), .frame = frame},
+      encode(router_ ? router_->take_counts(frame) : std::vector<LinkCounts>()));
+  const int to = layout_.rank_of(frame_buffer_id);
+  if (to == rank())
+    local_.push_back(std::move(answer));
+  else
+    transport_.send(to, std::move(answer));
+}
+
+Node* Host::local_node(NodeId id) {
+  for (const auto& node : nodes_)
+    if (node->id() == id) return node.get();
+  return nullptr;
+}
+
+void Host::take(Message message) {
+  const Header& h = message.header;
+  switch (h.kind) {
+    case Kind::frame_spec:
+    case Kind::link_query:
+    case Kind::drop:
+    case Kind::shutdown:
+      announce(std::move(message));
+      return;
+    case Kind::stall:
+      report_stall();
+      return;
+    default:
+      break;
+  }
+  Node* node = local_node(h.to());
+  if (node == nullptr)
+    throw RunError(fmt::format("rank {} got a {} for {}, which it does not host", rank(), name(h.kind),
+                               to_string(h.to())));
+  node->receive(std::move(message));
+}
+
+bool Host::take_all() {
+  bool moved = false;
+  while (true) {
+    if (!local_.empty()) {
+      Message message = std::move(local_.front());
+      local_.pop_front();
+      check(message.header, layout_);
+      take(std::move(message));
+    } else if (auto message = transport_.receive()) {
+      check(message->header, layout_);
+      if (router_) message = router_->take(std::move(*message));
+      if (message) take(std::move(*message));
+    } else {
+      break;
+    }
+    moved = true;
+  }
+  if (router_) router_->return_credits();
+  return moved;
+}
+
+bool Host::step() {
+  bool moved = lock_step_ != nullptr && release_kept();
+  // Tokens, accepts and messages in transit unblock other ranks, so all that has arrived goes first.
+  moved = take_all() || moved;
+  for (const auto& node : nodes_) {
+    moved = node->advance() || moved;
+    // What it works on is in the cache now.
+    while (node->amid_slice() && node->advance()) take_all();
+  }
+  return moved;
+}
+
+bool Host::finished() {
+  // A neighbour may still owe credits: they are received here, not left behind in the network.
+  return shutting_down_ && local_.empty() && (!router_ || router_->idle()) && transport_.sends_done();
+}
+
+void Host::run() {
+  double last_progress = now_seconds();
+  while (!finished()) {
+    if (step()) {
+      transport_.note_progress();
+      last_progress = now_seconds();
+    } else {
+      const bool overdue = now_seconds() - last_progress > options_.stall_timeout;
+      // Between frames there may be nothing to do for as long as nobody asks for a view.
+      if (overdue && waiting_for().empty()) {
+        last_progress = now_seconds();
+      } else if (overdue) {
+        report_stall();
+        throw RunError(
+            fmt::format("rank {}: nothing moved for {} s: {}", rank(), options_.stall_timeout, waiting_for()),
+            "a rank may have died or be very slow; --stall-timeout sets the limit");
+      }
+      wait();
+    }
+  }
+}
+
+void Host::wait() {
+  if (kept_.empty())
+    transport_.wait_next();
+  else
+    lock_step_->wait();
+}
+
+/// Says what this rank waits for, once, and asks all others to do the same.
+void Host::report_stall() {
+  if (told_stall_) return;
+  told_stall_ = true;
+  const std::string what = waiting_for();
+  log_error("rank {} is stalled: {}", rank(), what.empty() ? "it waits for the next frame" : what);
+  for (int r = 0; r < layout_.ranks(); ++r)
+    if (r != rank()) transport_.send(r, Message({.kind = Kind::stall, .source = rank(), .destination = r}));
+  // Gives the question time to arrive and the answers time to be written before the run is ended.
+  const double until = now_seconds() + 0.5;
+  while (now_seconds() < until) {
+    static_cast<void>(transport_.sends_done());
+    transport_.wait_next();
+  }
+}
+
+std::string Host::waiting_for() const {
+  std::string all;
+  for (const auto& node : nodes_) {
+    const std::string one = node->waiting_for();
+    if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
+  }
+  const std::string links = router_ ? router_->waiting_for() : std::string();
+  if (!links.empty()) all += (all.empty() ? "" : "; ") + links;
+  return all;
+}
+
+}  // namespace ringsplat

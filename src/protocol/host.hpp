@@ -1,0 +1,67 @@
+#pragma once
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "protocol/frame_source.hpp"
+#include "protocol/node.hpp"
+#include "ringsplat/net/mesh_lock_step.hpp"
+#include "ringsplat/net/mesh_router.hpp"
+#include "ringsplat/net/transport.hpp"
+#include "ringsplat/protocol/protocol_options.hpp"
+
+namespace ringsplat {
+
+/// One rank: its nodes, its place in the mesh, and the one progress loop that gives them messages and time.
+/// Messages in transit are handed on between the nodes' bounded pieces of work.
+class Host {
+ public:
+  /// All that is passed by reference or pointer must outlive it. `source` is needed on rank 0 only. With
+  /// `lock_step` payloads and tokens leave their nodes at its pace.
+  Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
+       FrameSource* source, LockStep* lock_step = nullptr);
+
+  /// Takes the messages that are here and lets every node work a little; false when nothing could be done.
+  bool step();
+  /// True once the run was shut down and all is sent.
+  bool finished();
+  /// Steps until finished; throws RunError when nothing moved for the stall timeout.
+  void run();
+  /// What this rank's nodes wait for; empty when for nothing: they are done or wait for the next frame.
+  std::string waiting_for() const;
+  int rank() const { return transport_.rank(); }
+
+ private:
+  void post(Message message);
+  void start(Message message);
+  bool release_kept();
+  void wait();
+  bool take_all();
+  void announce(Message message);
+  void take(Message message);
+  void take_announcement(const Message& message);
+  void drop_announced();
+  void answer_link_query(std::int64_t frame);
+  void report_stall();
+  Node* local_node(NodeId id);
+
+  Layout layout_;
+  ProtocolOptions options_;
+  Transport& transport_;
+  LockStep* lock_step_;
+  std::optional<MeshRouter> router_;  ///< in a mesh with manhattan routing
+  std::deque<Message> kept_;          ///< for a later step of the lock-step clock
+  std::vector<std::unique_ptr<Node>> nodes_;
+  std::deque<Message> local_;  ///< from one node of this rank to another
+  std::map<std::int64_t, Announcement> early_frames_;
+  std::set<std::int64_t> early_drops_;  ///< of frames not yet announced here
+  std::int64_t next_frame_ = 0;
+  bool shutting_down_ = false;
+  bool told_stall_ = false;
+};
+
+}  // namespace ringsplat

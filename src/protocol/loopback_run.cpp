@@ -1,0 +1,70 @@
+#include "protocol/loopback_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <numeric>
+#include <thread>
+
+#include "protocol/host.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+namespace {
+
+std::string who_waits(const std::vector<std::unique_ptr<Host>>& hosts, int stopped_rank) {
+  std::string who;
+  for (const auto& host : hosts) {
+    const std::string what = host->waiting_for();
+    who += fmt::format("\n  rank {}{}: {}", host->rank(), host->rank() == stopped_rank ? " (stopped)" : "",
+                       what.empty() ? "the next frame" : what);
+  }
+  return who;
+}
+
+}  // namespace
+
+void run_loopback(const Layout& layout, const ProtocolOptions& options,
+                  const std::function<std::unique_ptr<Engine>(int rank)>& make_engine, FrameSource& source,
+                  const LoopbackOptions& loopback) {
+  ProtocolOptions protocol = options;
+  if (loopback.in_step) protocol.frames_in_flight = 1;
+  LockStep clock(loopback.on_link_use);
+  LoopbackNetwork network(layout.ranks(), loopback);
+  std::vector<std::unique_ptr<Engine>> engines;
+  std::vector<std::unique_ptr<Host>> hosts;
+  for (int rank = 0; rank < layout.ranks(); ++rank) {
+    engines.push_back(make_engine(rank));
+    hosts.push_back(std::make_unique<Host>(layout, protocol, network.transport(rank), *engines.back(),
+                                           rank == 0 ? &source : nullptr,
+                                           loopback.in_step ? &clock : nullptr));
+  }
+  std::vector<std::size_t> order(hosts.size());
+  std::iota(order.begin(), order.end(), 0);
+  int quiet_turns = 0;
+  for (std::int64_t turn = 0;
+       !std::all_of(hosts.begin(), hosts.end(), [](const auto& h) { return h->finished(); }); ++turn) {
+    if (loopback.reorder)
+      for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[network.random_below(k)]);
+    const int stopped_rank = turn >= loopback.stops_at_turn ? loopback.stopping_rank : -1;
+    bool moved = false;
+    for (const auto rank : order)
+      if (int(rank) != stopped_rank) moved = hosts[rank]->step() || moved;
+    network.turn();
+    quiet_turns = moved ? 0 : quiet_turns + 1;
+    // A message that is late arrives within so many turns.
+    if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
+    if (clock.kept == 0 && source.may_come()) {
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+      continue;
+    }
+    if (clock.kept == 0)
+      throw RunError("no rank can move and no message on its way can change that:" +
+                     who_waits(hosts, stopped_rank));
+    clock.advance();
+    quiet_turns = 0;
+  }
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,184 @@
+#include "protocol/renderer.hpp"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat {
+
+Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine, Post post)
+    : index_(index),
+      layout_(layout),
+      options_(options),
+      engine_(engine),
+      post_(std::move(post)),
+      book_(id(), options.trace) {}
+
+void Renderer::begin_frame(const Announcement& announcement) {
+  frames_.emplace_back().announcement = announcement;
+  next_frame_ = announcement.frame + 1;
+  for (auto& message : std::exchange(early_, {})) receive(std::move(message));
+}
+
+void Renderer::drop_frame(std::int64_t number) {
+  for (auto& frame : frames_)
+    if (frame.announcement.frame == number) frame.dropped = true;
+}
+
+Renderer::Frame& Renderer::frame_of(const Header& h) {
+  for (auto& frame : frames_)
+    if (frame.announcement.frame == h.frame) return frame;
+  throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered",
+                             to_string(id()), name(h.kind), h.frame, to_string(h.from())));
+}
+
+void Renderer::receive(Message message) {
+  const Header& h = message.header;
+  if (h.frame >= next_frame_) {
+    early_.push_back(std::move(message));
+    return;
+  }
+  Frame& frame = frame_of(h);
+  switch (h.kind) {
+    case Kind::payload:
+      take_payload(frame, std::move(message));
+      return;
+    case Kind::frame_end:
+      take_end(frame, h);
+      return;
+    default:
+      throw RunError(
+          fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
+  }
+}
+
+void Renderer::take_end(Frame& frame, const Header& h) {
+  if (frame.payloads_expected)
+    throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
+  frame.payloads_expected = fields_of<FrameEndFields>(h).payloads;
+}
+
+void Renderer::take_payload(Frame& frame, Message message) {
+  const Header h = message.header;
+  const TokenPlace place = fields_of<PayloadFields>(h).place;
+  frame.stats.payload_bytes_received += h.bytes;
+  book_.mark(Moment::take_payload, h.frame, place.step, place.renderer);
+  if (place.sequence < frame.next || !frame.payloads.emplace(place.sequence, std::move(message)).second)
+    throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}",
+                               to_string(id()), place.sequence, h.frame, to_string(h.from())));
+  if (place.sequence > slots_end(frame))
+    throw RunError(fmt::format("{} got payload {} of frame {} from {} while it had slots for those before {}",
+                               to_string(id()), place.sequence, h.frame, to_string(h.from()),
+                               slots_end(frame)));
+  if (place.sequence < slots_end(frame)) accept(frame, h);
+}
+
+/// Payloads have slots in the order of their numbers, not of their arrival: those before one that is here
+/// were all sent, and need theirs. So only the payload of this number can be here and wait for one.
+std::uint32_t Renderer::slots_end(const Frame& frame) const {
+  return frame.next + std::uint32_t(options_.slots);
+}
+
+void Renderer::accept(const Frame& frame, const Header& payload) {
+  const TokenPlace place = fields_of<PayloadFields>(payload).place;
+  Bytes news;
+  if (frame.painter != nullptr) frame.painter->news(payload.source, news);
+  post_(Message(
+      make_header(id(), payload.from(), payload.frame,
+                  AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
+      std::move(news)));
+}
+
+bool Renderer::advance() {
+  book({});
+  if (frames_.empty()) return false;
+  Frame& frame = frames_.front();
+  if (frame.painter == nullptr) begin_drawing(frame);
+  if (!frame.painting && frame.painter->prepare()) {
+    book({Activity::draw, frame.announcement.frame, -1});
+    return true;
+  }
+  if (frame.drawn()) {
+    deliver(frame);
+    return true;
+  }
+  return draw_some(frame);
+}
+
+void Renderer::begin_drawing(Frame& frame) {
+  frame.painter = &engine_.painter(index_, frame.announcement);
+  // No token goes round for a Renderer without a tile.
+  if (!engine_.plan(frame.announcement).drawing(layout_.renderers)[std::size_t(index_)])
+    frame.payloads_expected = 0;
+}
+
+bool Renderer::draw_some(Frame& frame) {
+  const auto found = frame.payloads.find(frame.next);
+  if (found == frame.payloads.end()) return false;
+  if (frame.dropped) {
+    finish_payload(frame);
+    return true;
+  }
+  const auto [place, passes] = fields_of<PayloadFields>(found->second.header);
+  if (!std::exchange(frame.painting, true))
+    frame.painter->begin({place.step, passes, found->second.body()});
+  const double composited = frame.painter->composite_seconds();
+  const bool complete = frame.painter->work();
+  book({.activity = Activity::draw,
+        .frame = frame.announcement.frame,
+        .step = place.step,
+        .compositing = frame.painter->composite_seconds() - composited});
+  if (complete) finish_payload(frame);
+  return true;
+}
+
+void Renderer::finish_payload(Frame& frame) {
+  frame.painting = false;
+  frame.payloads.erase(frame.next);
+  ++frame.next;
+  ++frame.stats.payloads_drawn;
+  const auto waiting = frame.payloads.find(slots_end(frame) - 1);
+  if (waiting != frame.payloads.end()) accept(frame, waiting->second.header);
+}
+
+void Renderer::deliver(Frame& frame) {
+  NodeStats& stats = frame.stats;
+  const std::int64_t number = frame.announcement.frame;
+  if (!frame.dropped)
+    frame.painter->finish([&](int tile, Bytes bytes) {
+      ++stats.tiles;
+      stats.tile_bytes += Message::body_size(bytes);
+      post_(Message(make_header(id(), frame_buffer_id, number, TileFields{.tile = tile}), std::move(bytes)));
+    });
+  book({Activity::deliver, number});
+  const ItemCounts counts = frame.painter->counts();
+  stats.splats_drawn = counts.drawn;
+  stats.splats_clipped = counts.clipped;
+  stats.splats_hidden = counts.hidden;
+  stats.peak_memory = peak_memory_bytes();
+  Bytes body = Message::body_buffer();
+  append(body, stats);
+  post_(Message(make_header(Kind::report, id(), frame_buffer_id, number), std::move(body)));
+  frames_.pop_front();
+}
+
+/// On the frame being drawn.
+void Renderer::book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats); }
+
+std::string Renderer::waiting_for() const {
+  if (frames_.empty()) return {};
+  const Frame& frame = frames_.front();
+  const std::int64_t number = frame.announcement.frame;
+  if (frame.payloads.contains(frame.next))
+    return fmt::format("{} has payload {} of frame {} to draw", to_string(id()), frame.next, number);
+  if (!frame.payloads_expected)
+    return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next,
+                       number);
+  return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next,
+                     *frame.payloads_expected, number);
+}
+
+}  // namespace ringsplat

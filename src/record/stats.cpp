@@ -1,0 +1,137 @@
+#include "ringsplat/record/stats.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+namespace {
+
+using nlohmann::json;
+
+constexpr double NodeStats::*second_parts[] = {
+    &NodeStats::computing,   &NodeStats::waiting_for_token, &NodeStats::sending, &NodeStats::drawing,
+    &NodeStats::compositing, &NodeStats::delivering,        &NodeStats::idle};
+constexpr const char* second_names[] = {"computing",   "waiting_for_token", "sending", "drawing",
+                                        "compositing", "delivering",        "idle"};
+
+struct Count {
+  const char* name;
+  std::uint64_t NodeStats::*part;
+};
+constexpr Count counts[] = {{"splats_sent", &NodeStats::splats_sent},
+                            {"splats_drawn", &NodeStats::splats_drawn},
+                            {"splats_clipped", &NodeStats::splats_clipped},
+                            {"splats_hidden", &NodeStats::splats_hidden},
+                            {"payloads_sent", &NodeStats::payloads_sent},
+                            {"payloads_drawn", &NodeStats::payloads_drawn},
+                            {"payload_bytes_sent", &NodeStats::payload_bytes_sent},
+                            {"payload_bytes_received", &NodeStats::payload_bytes_received},
+                            {"tokens_issued", &NodeStats::tokens_issued},
+                            {"tokens_retired", &NodeStats::tokens_retired},
+                            {"tokens_passed", &NodeStats::tokens_passed},
+                            {"tiles", &NodeStats::tiles},
+                            {"tile_bytes", &NodeStats::tile_bytes},
+                            {"slices", &NodeStats::slices},
+                            {"passes", &NodeStats::passes},
+                            {"visible_voxels", &NodeStats::visible_voxels},
+                            {"voxels_outside", &NodeStats::voxels_outside},
+                            {"slice_memory", &NodeStats::slice_memory}};
+
+json to_json(const NodeStats& stats) {
+  json j;
+  for (std::size_t k = 0; k < std::size(second_parts); ++k)
+    j["seconds"][second_names[k]] = stats.*second_parts[k];
+  for (const auto& count : counts) j[count.name] = stats.*count.part;
+  j["peak_memory"] = stats.peak_memory;
+  return j;
+}
+
+json node_json(NodeId node, const Layout& layout, const NodeStats& stats) {
+  json j = to_json(stats);
+  j["node"] = to_string(node);
+  j["rank"] = layout.rank_of(node);
+  return j;
+}
+
+json to_json(const LinkCounts& link) {
+  return {{"messages", link.messages},           {"bytes", link.bytes},   {"payloads", link.payloads},
+          {"payload_bytes", link.payload_bytes}, {"shared", link.shared}, {"waited", link.waited},
+          {"wait_seconds", link.wait_seconds}};
+}
+
+json links_json(const FrameStats& stats, const Layout& layout) {
+  json all = json::array();
+  for (const LinkCounts& link : stats.links) {
+    json j = to_json(link);
+    j["link"] = name(layout, link.link);
+    j["from"] = link.link.from;
+    j["to"] = neighbour(layout, link.link.from, link.link.direction).value();
+    all.push_back(std::move(j));
+  }
+  return all;
+}
+
+}  // namespace
+
+NodeStats FrameStats::total() const {
+  NodeStats sum;
+  for (const auto* group : {&gps, &renderers}) {
+    for (const auto& stats : *group) {
+      for (const auto part : second_parts) sum.*part += stats.*part;
+      for (const auto& count : counts) sum.*count.part += stats.*count.part;
+      sum.peak_memory = std::max(sum.peak_memory, stats.peak_memory);
+    }
+  }
+  return sum;
+}
+
+void check_conservation(const FrameStats& stats) {
+  const NodeStats sum = stats.total();
+  if (!stats.dropped && sum.splats_sent != sum.splats_drawn + sum.splats_clipped + sum.splats_hidden)
+    throw RunError(fmt::format("frame {}: {} splats sent, but {} drawn, {} clipped and {} hidden",
+                               stats.frame, sum.splats_sent, sum.splats_drawn, sum.splats_clipped,
+                               sum.splats_hidden));
+  if (sum.tokens_issued != sum.tokens_retired)
+    throw RunError(fmt::format("frame {}: {} tokens issued, but {} retired", stats.frame, sum.tokens_issued,
+                               sum.tokens_retired));
+  if (sum.payload_bytes_sent != sum.payload_bytes_received)
+    throw RunError(fmt::format("frame {}: {} bytes sent, but {} received", stats.frame,
+                               sum.payload_bytes_sent, sum.payload_bytes_received));
+}
+
+std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings, char axis) {
+  json j;
+  j["frame"] = stats.frame;
+  j["seconds"] = stats.seconds;
+  j["period"] = stats.period;
+  j["settings"] = json::parse(settings);
+  j["layout"] = {{"gps", layout.gps},
+                 {"renderers", layout.renderers},
+                 {"ranks", layout.ranks()},
+                 {"idle", layout.idle},
+                 {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
+                 {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"}};
+  if (layout.topology == Topology::mesh) {
+    j["layout"]["mesh"] = {layout.mesh_columns, layout.mesh_rows};
+    j["layout"]["routing"] = layout.routing == Routing::manhattan ? "manhattan" : "direct";
+  }
+  j["traversal"] = {
+      {"axis", std::string(1, axis)}, {"ascending", stats.ascending}, {"slices", stats.slices}};
+  j["total"] = to_json(stats.total());
+  if (layout.routed()) {
+    j["links"] = links_json(stats, layout);
+    j["links_total"] = to_json(total(stats.links));
+  }
+  j["nodes"] = json::array();
+  for (std::size_t g = 0; g < stats.gps.size(); ++g)
+    j["nodes"].push_back(node_json({Role::gp, int(g)}, layout, stats.gps[g]));
+  for (std::size_t r = 0; r < stats.renderers.size(); ++r)
+    j["nodes"].push_back(node_json({Role::renderer, int(r)}, layout, stats.renderers[r]));
+  return j.dump();
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,174 @@
+#include "ringsplat/record/trace.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/counted_values.hpp"
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+
+namespace ringsplat {
+namespace {
+
+bool is_waiting(Activity a) { return a == Activity::wait_for_token || a == Activity::send; }
+
+bool continues(const Span& last, Activity activity, std::int64_t frame, std::int32_t step, double begin) {
+  return last.activity == activity && last.frame == frame && last.step == step &&
+         begin - last.end <= NodeTrace::longest_gap;
+}
+
+void append_offset(Bytes& out, const ClockOffset& clock) {
+  append(out, clock.at);
+  append(out, clock.offset);
+  append(out, clock.uncertainty);
+  append(out, clock.common);
+}
+
+bool take_bool(std::span<const std::byte> in, std::size_t& at, bool& value) {
+  std::uint8_t byte = 0;
+  if (!take(in, at, byte) || byte > 1) return false;
+  value = byte == 1;
+  return true;
+}
+
+bool take_offset(std::span<const std::byte> in, std::size_t& at, ClockOffset& clock) {
+  return take(in, at, clock.at) && take(in, at, clock.offset) && take(in, at, clock.uncertainty) &&
+         take_bool(in, at, clock.common);
+}
+
+Block to_block(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
+
+/// No sum or table that is made of it later leaves its bounds.
+bool is_sound(const NodeRecord& record) {
+  constexpr double longest = 4e9;  // seconds; more nanoseconds than fit into 64 bits would be twice as long
+  constexpr std::int32_t most_nodes = 1 << 24;
+  const auto is_time = [](double seconds) { return std::abs(seconds) <= longest; };
+  const auto is_span = [&](const Span& s) {
+    return is_time(s.begin) && is_time(s.end) && is_time(s.busy) && is_time(s.stages.classify) &&
+           is_time(s.stages.shade) && s.activity <= Activity::frame;
+  };
+  const auto is_mark = [&](const Mark& m) { return is_time(m.time) && m.moment <= Moment::take_payload; };
+  return record.node.role < Role::host && record.node.index >= 0 && record.node.index < most_nodes &&
+         std::all_of(record.spans.begin(), record.spans.end(), is_span) &&
+         std::all_of(record.marks.begin(), record.marks.end(), is_mark);
+}
+
+bool take_records(const Block& block, Trace::Gathered& all) {
+  std::size_t at = 0;
+  if (!take_offset(block, at, all.offsets.emplace_back())) return false;
+  while (at < block.size()) {
+    NodeRecord& record = all.nodes.emplace_back();
+    if (!take(block, at, record.node) || !take_bool(block, at, record.full) ||
+        !take_all(block, at, record.spans) || !take_all(block, at, record.marks) || !is_sound(record))
+      return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+void NodeTrace::add(Activity activity, std::int64_t frame, std::int32_t step, double begin, double end,
+                    StageSeconds stages) {
+  auto& spans = record_.spans;
+  if (!spans.empty() && is_waiting(spans.back().activity) &&
+      spans.back().end - spans.back().begin < longest_gap &&
+      !continues(spans.back(), activity, frame, step, begin))
+    spans.pop_back();
+  if (!spans.empty() && activity != Activity::frame &&
+      continues(spans.back(), activity, frame, step, begin)) {
+    Span& last = spans.back();
+    last.end = end;
+    last.busy += end - begin;
+    last.stages.classify += stages.classify;
+    last.stages.shade += stages.shade;
+  } else if (spans.size() < capacity_) {
+    spans.push_back({begin, end, end - begin, stages, frame, step, activity});
+  } else {
+    record_.full = true;
+  }
+}
+
+void NodeTrace::mark(Moment moment, std::int64_t frame, std::int32_t step, std::int32_t renderer,
+                     double time) {
+  if (record_.marks.size() < capacity_)
+    record_.marks.push_back({time, frame, step, renderer, moment});
+  else
+    record_.full = true;
+}
+
+ClockOffset estimate_offset(const std::vector<GatherTimes>& mine,
+                            const std::vector<GatherTimes>& of_process_0) {
+  double low = -1e300, high = 1e300;
+  for (std::size_t k = 0; k < mine.size(); ++k) {
+    // I entered before process 0 left, and process 0 entered before I left.
+    low = std::max(low, mine[k].entered - of_process_0[k].left);
+    high = std::min(high, mine[k].left - of_process_0[k].entered);
+  }
+  return {mine.back().left, (low + high) / 2, (high - low) / 2, false};
+}
+
+void Trace::compare_clocks(Collectives& collectives) {
+  constexpr int rounds = 16;
+  std::vector<GatherTimes> mine(rounds);
+  for (auto& round : mine) {
+    round.entered = now_seconds();
+    collectives.all_gather(Block(1));
+    round.left = now_seconds();
+  }
+  const std::string clock = clock_identity();
+  Bytes block;
+  append_all(block, mine);
+  append_all(block, std::vector<char>(clock.begin(), clock.end()));
+  const Block sent = to_block(block);
+  const Block of_0 = collectives.broadcast(sent, 0);
+  std::vector<GatherTimes> times_of_0;
+  std::vector<char> clock_of_0;
+  std::size_t at = 0;
+  if (!take_all(of_0, at, times_of_0) || times_of_0.size() != mine.size() || !take_all(of_0, at, clock_of_0))
+    throw RunError("process 0 sent something else than its clock's times",
+                   "all ranks must run the same build");
+  const bool common = collectives.process() == 0 ||
+                      (!clock.empty() && clock == std::string(clock_of_0.begin(), clock_of_0.end()));
+  compared_.push_back(common ? ClockOffset{.at = mine.back().left} : estimate_offset(mine, times_of_0));
+}
+
+/// Clocks of different machines also run at different speeds, which shows between two comparisons.
+double Trace::in_clock_of_0(double time) const {
+  if (compared_.empty()) return time;
+  const ClockOffset &first = compared_.front(), &last = compared_.back();
+  if (last.at <= first.at) return time - last.offset;
+  return time - first.offset - (last.offset - first.offset) * (time - first.at) / (last.at - first.at);
+}
+
+Trace::Gathered Trace::gather(Collectives& collectives) const {
+  Bytes mine;
+  append_offset(mine, compared_.empty() ? ClockOffset{} : compared_.back());
+  for (const auto& [key, node] : nodes_) {
+    NodeRecord record = node.record();
+    for (Span& span : record.spans) {
+      span.begin = in_clock_of_0(span.begin);
+      span.end = in_clock_of_0(span.end);
+    }
+    for (Mark& mark : record.marks) mark.time = in_clock_of_0(mark.time);
+    append(mine, record.node);
+    append(mine, record.full);
+    append_all(mine, record.spans);
+    append_all(mine, record.marks);
+  }
+  std::vector<Block> out(std::size_t(collectives.processes()));
+  out.front() = to_block(mine);
+  const std::vector<Block> in = collectives.all_to_all(std::move(out));
+  Gathered all;
+  if (collectives.process() != 0) return all;
+  for (std::size_t p = 0; p < in.size(); ++p)
+    if (!take_records(in[p], all))
+      throw RunError(fmt::format("rank {} sent a broken record of what it did", p),
+                     "all ranks must run the same build");
+  return all;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,222 @@
+#include "ringsplat/record/trace_json.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+namespace ringsplat {
+namespace {
+
+using nlohmann::json;
+using Nanoseconds = std::int64_t;
+
+constexpr Nanoseconds mark_length = 1000;
+
+const char* span_name(Activity activity) {
+  constexpr const char* names[] = {"slice",     "wait for token", "send", "draw",
+                                   "composite", "deliver",        "frame"};
+  return names[std::size_t(activity)];
+}
+
+const char* mark_name(Moment moment) {
+  constexpr const char* names[] = {"pass token", "take token", "send payload", "take payload"};
+  return names[std::size_t(moment)];
+}
+
+bool leaves(Moment m) { return m == Moment::pass_token || m == Moment::send_payload; }
+bool of_token(Moment m) { return m == Moment::pass_token || m == Moment::take_token; }
+
+/// Both ends of a flow have the same key.
+auto flow_key(const Mark& m) { return std::tuple(of_token(m.moment), m.frame, m.step, m.renderer); }
+using FlowKey = decltype(flow_key(Mark{}));
+
+/// The number of each flow whose two ends are there.
+std::map<FlowKey, std::int64_t> number_flows(const std::vector<NodeRecord>& nodes) {
+  std::map<FlowKey, std::array<bool, 2>> ends;
+  for (const auto& node : nodes)
+    for (const auto& mark : node.marks) ends[flow_key(mark)][leaves(mark.moment)] = true;
+  std::map<FlowKey, std::int64_t> numbers;
+  for (const auto& [key, here] : ends)
+    if (here[0] && here[1]) numbers.emplace(key, std::int64_t(numbers.size()) + 1);
+  return numbers;
+}
+
+double first_time(const std::vector<NodeRecord>& nodes) {
+  double first = 1e300;
+  for (const auto& node : nodes) {
+    for (const auto& span : node.spans) first = std::min(first, span.begin);
+    for (const auto& mark : node.marks) first = std::min(first, mark.time);
+  }
+  return first;
+}
+
+double microseconds(Nanoseconds t) { return double(t) / 1000; }
+double microseconds(double seconds) { return std::round(seconds * 1e9) / 1000; }
+
+/// A node's row. All ends are rounded to nanoseconds once, so that what nests in seconds nests in the file
+/// too.
+class Row {
+ public:
+  Row(int process, int thread, double start) : process_(process), thread_(thread), start_(start) {}
+
+  void write(const NodeRecord& record, const std::map<FlowKey, std::int64_t>& flows) {
+    for (const auto& span : record.spans) write(span);
+    write_marks(record.marks, flows);
+  }
+
+  /// A parent stands before its children and before the flows that bind to it.
+  void append_to(std::string& text) {
+    std::stable_sort(lines_.begin(), lines_.end(), [](const Line& a, const Line& b) {
+      return std::pair(a.time, -a.duration) < std::pair(b.time, -b.duration);
+    });
+    for (const auto& line : lines_) text.append(",\n").append(line.event);
+  }
+
+  json event(const char* phase, const std::string& name, const char* category) const {
+    return {{"ph", phase}, {"name", name}, {"cat", category}, {"pid", process_}, {"tid", thread_}};
+  }
+
+ private:
+  /// Text, as it takes a fraction of a JSON object's memory.
+  struct Line {
+    double time, duration;
+    std::string event;
+  };
+
+  void add(const json& e) { lines_.push_back({e["ts"], e.value("dur", 0.0), e.dump()}); }
+  Nanoseconds at(double time) const { return std::llround((time - start_) * 1e9); }
+
+  void write_complete(const char* what, const char* category, Nanoseconds begin, Nanoseconds end, json args) {
+    json e = event("X", what, category);
+    e["ts"] = microseconds(begin);
+    e["dur"] = microseconds(end - begin);
+    e["args"] = std::move(args);
+    add(e);
+    edges_.push_back(begin);
+    edges_.push_back(end);
+  }
+
+  void write(const Span& span) {
+    if (span.activity == Activity::frame) {
+      write_frame(span);
+      return;
+    }
+    const Nanoseconds begin = at(span.begin), end = at(span.end);
+    json args{{"frame", span.frame}, {"busy_us", microseconds(span.busy)}};
+    if (span.step >= 0) args["step"] = span.step;
+    write_complete(span_name(span.activity), "node", begin, end, args);
+    if (span.activity == Activity::slice) write_stages(span, begin, end);
+  }
+
+  void write_stages(const Span& span, Nanoseconds begin, Nanoseconds end) {
+    const double encode = std::max(0.0, span.busy - span.stages.classify - span.stages.shade);
+    const std::pair<const char*, double> stages[] = {
+        {"classify", span.stages.classify}, {"shade", span.stages.shade}, {"encode", encode}};
+    for (const auto& [what, seconds] : stages) {
+      const Nanoseconds stage_end = std::min(end, begin + Nanoseconds(std::llround(seconds * 1e9)));
+      if (stage_end > begin)
+        write_complete(what, "stage", begin, stage_end, {{"frame", span.frame}, {"step", span.step}});
+      begin = stage_end;
+    }
+  }
+
+  /// Frames in flight overlap, so they are asynchronous events beside the rows.
+  void write_frame(const Span& span) {
+    for (const bool ends : {false, true}) {
+      json e = event(ends ? "e" : "b", "frame", "frame");
+      e["id"] = span.frame;
+      e["ts"] = microseconds(at(ends ? span.end : span.begin));
+      e["args"] = {{"frame", span.frame}};
+      add(e);
+    }
+  }
+
+  /// A viewer binds a flow's end to the span at its time, so each mark gets a short one that reaches no
+  /// further than whatever begins or ends next.
+  void write_marks(std::vector<Mark> marks, const std::map<FlowKey, std::int64_t>& flows) {
+    for (const auto& mark : marks) edges_.push_back(at(mark.time));
+    std::sort(edges_.begin(), edges_.end());
+    const std::vector<Nanoseconds> edges = edges_;
+    for (auto mark = marks.begin(); mark != marks.end(); ++mark) {
+      const Nanoseconds begin = at(mark->time);
+      Nanoseconds end = begin + mark_length;
+      const auto next = std::upper_bound(edges.begin(), edges.end(), begin);
+      if (next != edges.end()) end = std::min(end, *next);
+      if (mark + 1 != marks.end()) end = std::max(begin, std::min(end, at((mark + 1)->time)));
+      const char* category = of_token(mark->moment) ? "token" : "payload";
+      const json args{{"frame", mark->frame}, {"step", mark->step}, {"renderer", mark->renderer}};
+      write_complete(mark_name(mark->moment), category, begin, end, args);
+      write_flow_end(*mark, begin, category, args, flows);
+    }
+  }
+
+  void write_flow_end(const Mark& mark, Nanoseconds time, const char* category, const json& args,
+                      const std::map<FlowKey, std::int64_t>& flows) {
+    const auto number = flows.find(flow_key(mark));
+    if (number == flows.end()) return;
+    json e = event(leaves(mark.moment) ? "s" : "f", category, category);
+    e["id"] = number->second;
+    e["ts"] = microseconds(time);
+    e["args"] = args;
+    if (!leaves(mark.moment)) e["bp"] = "e";
+    add(e);
+  }
+
+  int process_, thread_;
+  double start_;
+  std::vector<Line> lines_;
+  std::vector<Nanoseconds> edges_;  ///< where something begins or ends
+};
+
+json metadata(const char* what, int process, int thread, const char* key, json value) {
+  return {
+      {"ph", "M"}, {"name", what}, {"pid", process}, {"tid", thread}, {"args", {{key, std::move(value)}}}};
+}
+
+/// What a reader must know that no event says.
+json explanation(const Trace::Gathered& trace, const Layout& layout) {
+  json j{{"gps", layout.gps}, {"renderers", layout.renderers}, {"ranks", layout.ranks()}};
+  j["longest_gap_us"] = microseconds(NodeTrace::longest_gap);
+  j["stages"] = "classify, shade and encode take turns row by row; each stands for its seconds in sum";
+  j["full"] = json::array();
+  for (const auto& node : trace.nodes)
+    if (node.full) j["full"].push_back(to_string(node.node));
+  for (const auto& o : trace.offsets)
+    j["clocks"].push_back({{"common", o.common},
+                           {"offset_us", microseconds(o.offset)},
+                           {"uncertainty_us", microseconds(o.uncertainty)}});
+  return j;
+}
+
+}  // namespace
+
+std::string to_chrome_trace(const Trace::Gathered& trace, const Layout& layout) {
+  const auto flows = number_flows(trace.nodes);
+  const double start = first_time(trace.nodes);
+  std::string text =
+      R"({"displayTimeUnit":"ms","otherData":)" + explanation(trace, layout).dump() + ",\"traceEvents\":[";
+  const auto add = [&](const json& event) {
+    text.append(text.back() == '[' ? "\n" : ",\n").append(event.dump());
+  };
+  // Process and thread 0 have a meaning of their own to viewers.
+  for (int rank = 0; rank < layout.ranks(); ++rank) {
+    add(metadata("process_name", rank + 1, 0, "name", "rank " + std::to_string(rank)));
+    add(metadata("process_sort_index", rank + 1, 0, "sort_index", rank));
+  }
+  int thread = 0;
+  for (const auto& record : trace.nodes) {
+    const int process = layout.rank_of(record.node) + 1;
+    ++thread;
+    add(metadata("thread_name", process, thread, "name", to_string(record.node)));
+    add(metadata("thread_sort_index", process, thread, "sort_index", thread));
+    Row row(process, thread, start);
+    row.write(record, flows);
+    row.append_to(text);
+  }
+  return text + "\n]}\n";
+}
+
+}  // namespace ringsplat

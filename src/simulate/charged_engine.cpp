@@ -1,0 +1,126 @@
+#include "simulate/charged_engine.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "ringsplat/model/charge.hpp"
+#include "ringsplat/net/message.hpp"
+#include "simulate/engine_decorator.hpp"
+
+namespace ringsplat {
+namespace {
+
+class ChargedEncoder final : public EncoderDecorator {
+ public:
+  /// `debt` is the GP's: a frame's setup is paid before any of its slices, also while an earlier one's are encoded.
+  ChargedEncoder(std::unique_ptr<Encoder> inner, const Machine& machine, Debt& debt, bool has_work)
+      : EncoderDecorator(std::move(inner)), machine_(machine), debt_(debt) {
+    if (has_work) debt_.owe(machine.gp.frame);
+  }
+
+  bool prepare() override { return !encoded_ && debt_.pay(); }
+  bool work() override {
+    if (!encoded_) {
+      if (!inner_->work()) return false;
+      encoded_ = inner_->finish();
+      debt_.owe(
+          encoding_seconds(machine_, double(encoded_->counts.voxels), double(encoded_->counts.visible)));
+    }
+    return !debt_.pay();
+  }
+  EncodedStep finish() override {
+    EncodedStep step = std::move(*encoded_);
+    encoded_.reset();
+    return step;
+  }
+
+ private:
+  const Machine& machine_;
+  Debt& debt_;
+  std::optional<EncodedStep> encoded_;  ///< complete, while the time for it passes
+};
+
+class ChargedPainter final : public Painter {
+ public:
+  ChargedPainter(Painter& inner, const Machine& machine) : inner_(inner), machine_(machine) {
+    debt_.owe(machine.renderer.frame);
+  }
+
+  bool prepare() override { return debt_.pay(); }
+  void begin(const PayloadToDraw& payload) override {
+    inner_.begin(payload);
+    passes_ = payload.passes;
+    drawn_before_ = drawn();
+    painted_ = false;
+  }
+  bool work() override {
+    if (!painted_) {
+      if (!inner_.work()) return false;
+      painted_ = true;
+      debt_.owe(drawing_seconds(machine_, double(drawn() - drawn_before_), double(passes_)));
+    }
+    return !debt_.pay();
+  }
+  void news(int gp, Bytes& news) override { inner_.news(gp, news); }
+  ItemCounts counts() const override { return inner_.counts(); }
+  double composite_seconds() const override { return inner_.composite_seconds(); }
+  void finish(const std::function<void(int, Bytes)>& deliver) override {
+    inner_.finish([&](int tile, Bytes bytes) {
+      constexpr double bytes_of_pixel = 4 * sizeof(float);
+      charge(machine_.renderer.pixel * double(Message::body_size(bytes)) / bytes_of_pixel);
+      deliver(tile, std::move(bytes));
+    });
+  }
+
+ private:
+  std::uint64_t drawn() const {
+    const ItemCounts counts = inner_.counts();
+    return counts.drawn + counts.clipped;
+  }
+
+  Painter& inner_;
+  const Machine& machine_;
+  Debt debt_{machine_.poll_interval};
+  std::uint32_t passes_ = 0;
+  std::uint64_t drawn_before_ = 0;
+  bool painted_ = false;  ///< the payload is drawn, while the time for it passes
+};
+
+class ChargedEngine final : public Engine {
+ public:
+  ChargedEngine(std::unique_ptr<Engine> inner, const Machine& machine)
+      : inner_(std::move(inner)), machine_(machine) {}
+
+  FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
+  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
+    Debt& debt = debts_.try_emplace(gp, machine_.poll_interval).first->second;
+    return std::make_unique<ChargedEncoder>(inner_->encoder(gp, a), machine_, debt, has_work(gp, plan(a)));
+  }
+  Painter& painter(int renderer, const Announcement& a) override {
+    return *(painters_[renderer] = std::make_unique<ChargedPainter>(inner_->painter(renderer, a), machine_));
+  }
+  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
+
+ private:
+  static bool has_work(int gp, const FramePlan& plan) {
+    for (const FramePlan::Tile& tile : plan.tiles)
+      if (tile.renderer != FramePlan::nobody)
+        return std::find(plan.owners.begin(), plan.owners.end(), gp) != plan.owners.end();
+    return false;
+  }
+
+  std::unique_ptr<Engine> inner_;
+  Machine machine_;
+  std::map<int, Debt> debts_;  ///< by GP
+  std::map<int, std::unique_ptr<ChargedPainter>> painters_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_charged_engine(std::unique_ptr<Engine> inner, const Machine& machine) {
+  return std::make_unique<ChargedEngine>(std::move(inner), machine);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,38 @@
+#pragma once
+#include "ringsplat/model/charge.hpp"
+#include "ringsplat/model/machine.hpp"
+#include "ringsplat/net/transport.hpp"
+
+namespace ringsplat {
+
+/// Charges what a machine's software spends on messages between ranks; the network's own time is the
+/// simulator's.
+class ChargedTransport final : public Transport {
+ public:
+  /// Both outlive it.
+  ChargedTransport(Transport& transport, const Machine& machine) : transport_(transport), machine_(machine) {}
+  int rank() const override { return transport_.rank(); }
+  int ranks() const override { return transport_.ranks(); }
+
+  void send(int destination, Message message) override {
+    const Header& h = message.header;
+    charge(sending_seconds(machine_, static_cast<double>(sizeof(Header) + h.bytes)));
+    if (h.kind == Kind::token) charge(machine_.gp.token);
+    transport_.send(destination, std::move(message));
+  }
+  std::optional<Message> receive() override {
+    auto message = transport_.receive();
+    if (message) charge(machine_.message.receive);
+    return message;
+  }
+  bool sends_done() override { return transport_.sends_done(); }
+  void wait_next() override { transport_.wait_next(); }
+  void note_progress() override { transport_.note_progress(); }
+  void only_first_work(int ranks) override { transport_.only_first_work(ranks); }
+
+ private:
+  Transport& transport_;
+  const Machine& machine_;
+};
+
+}  // namespace ringsplat

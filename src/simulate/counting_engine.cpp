@@ -1,0 +1,138 @@
+#include "simulate/counting_engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
+#include "simulate/engine_decorator.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// All that a payload says: of more, counted_bytes has no room.
+struct Said {
+  std::uint64_t items = 0;
+  std::uint64_t tiles = 0;  ///< of its Renderer's that it has items for, as bits
+};
+static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
+
+/// By tile: its place among its Renderer's tiles, as a bit; the 64th and all further ones share one.
+std::vector<std::uint64_t> tile_bits(const FramePlan& plan) {
+  constexpr std::size_t last = 63;
+  std::vector<std::uint64_t> bits(plan.tiles.size());
+  std::map<int, std::size_t> owned;
+  for (std::size_t tile = 0; tile < bits.size(); ++tile)
+    if (const int renderer = plan.tiles[tile].renderer; renderer != FramePlan::nobody)
+      bits[tile] = std::uint64_t{1} << std::min(owned[renderer]++, last);
+  return bits;
+}
+
+class CountingEncoder final : public EncoderDecorator {
+ public:
+  CountingEncoder(std::unique_ptr<Encoder> inner, const FramePlan& plan, double voxel_weight)
+      : EncoderDecorator(std::move(inner)), bits_(tile_bits(plan)), weight_(voxel_weight) {}
+
+  void take_news(std::span<const std::byte>) override {}
+
+  EncodedStep finish() override {
+    EncodedStep step = inner_->finish();
+    step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible), weighted(step.counts.outside)};
+    for (EncodedPart& part : step.parts) {
+      if (part.payload.empty()) continue;
+      Said said{weighted(part.items), 0};
+      for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
+      part.payload =
+          counted(std::max(sizeof said, std::size_t(weighted(Message::body_size(part.payload)))), said);
+      part.items = static_cast<std::uint32_t>(said.items);
+      part.counted = true;
+    }
+    return step;
+  }
+
+ private:
+  std::uint64_t weighted(std::uint64_t count) const {
+    return static_cast<std::uint64_t>(std::llround(weight_ * double(count)));
+  }
+
+  /// The rest is never written nor read, so that it takes no memory before it travels.
+  static Bytes counted(std::size_t size, const Said& said) {
+    Bytes body = Message::body_buffer();
+    body.reserve(body.size() + size);
+    append(body, said);
+    body.resize(body.size() + size - sizeof said);
+    return body;
+  }
+
+  std::vector<std::uint64_t> bits_;  ///< by tile
+  double weight_;
+};
+
+class CountingPainter final : public Painter {
+ public:
+  CountingPainter(int renderer, FramePlan plan)
+      : renderer_(renderer), plan_(std::move(plan)), bits_(tile_bits(plan_)) {}
+
+  void begin(const PayloadToDraw& payload) override {
+    std::size_t at = 0;
+    if (!take(payload.body, at, here_) || here_.items > payload.body.size())
+      throw RunError(fmt::format("Renderer {} got a payload of {} bytes that is no count", renderer_,
+                                 payload.body.size()),
+                     "all ranks must run the same build with the same options");
+    reached_ |= here_.tiles;
+  }
+  bool work() override {
+    counts_.drawn += here_.items;
+    return true;
+  }
+  void news(int, Bytes&) override {}
+  ItemCounts counts() const override { return counts_; }
+
+  void finish(const std::function<void(int, Bytes)>& deliver) override {
+    for (std::size_t tile = 0; tile < bits_.size(); ++tile) {
+      if (plan_.tiles[tile].renderer != renderer_ || (reached_ & bits_[tile]) == 0) continue;
+      Bytes body = Message::body_buffer();
+      body.insert(body.end(), plan_.tiles[tile].bytes, std::byte{0});
+      deliver(int(tile), std::move(body));
+    }
+  }
+
+ private:
+  int renderer_;
+  FramePlan plan_;
+  std::vector<std::uint64_t> bits_;  ///< by tile
+  Said here_;                        ///< by the payload
+  std::uint64_t reached_ = 0;
+  ItemCounts counts_;
+};
+
+class CountingEngine final : public Engine {
+ public:
+  CountingEngine(std::unique_ptr<Engine> inner, double voxel_weight)
+      : inner_(std::move(inner)), voxel_weight_(voxel_weight) {}
+
+  FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
+  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
+    return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a), voxel_weight_);
+  }
+  Painter& painter(int renderer, const Announcement& a) override {
+    return *(painters_[renderer] = std::make_unique<CountingPainter>(renderer, inner_->plan(a)));
+  }
+  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
+
+ private:
+  std::unique_ptr<Engine> inner_;
+  double voxel_weight_;
+  std::map<int, std::unique_ptr<CountingPainter>> painters_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_counting_engine(std::unique_ptr<Engine> inner, double voxel_weight) {
+  return std::make_unique<CountingEngine>(std::move(inner), voxel_weight);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,127 @@
+// One rank among others that the test plays, and the end of a run.
+#include "protocol/host.hpp"
+
+#include <algorithm>
+#include <deque>
+
+#include "ringsplat/net/loopback.hpp"
+#include "ringsplat/net/mesh.hpp"
+#include "support/catch.hpp"
+#include "toy_engine.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Rank 1 of three, on which GP 1 lives; its first step is step 1.
+class SecondRank {
+ public:
+  void announce(std::int64_t frame) {
+    Bytes body = Message::body_buffer();
+    append(body, ToyFrame{});
+    give(make_header(Kind::frame_spec, frame_buffer_id, {Role::host, 1}, frame), std::move(body));
+  }
+  void drop(std::int64_t frame) { give(make_header(Kind::drop, frame_buffer_id, {Role::host, 1}, frame)); }
+  void token(int step, int renderer = 0, std::int64_t frame = 0) {
+    give(make_header({Role::gp, 0}, {Role::gp, 1}, frame,
+                     TokenFields{.place = {.step = step, .renderer = renderer}}));
+  }
+  /// Gives it a message from rank 0 and lets it work.
+  void give(const Header& header, Bytes body = {}) {
+    network_.transport(0).send(1, Message(header, std::move(body)));
+    while (host_.step()) {
+    }
+  }
+  /// What has been sent to the ranks of GP 0 and of the Renderer.
+  std::vector<Message> sent() {
+    std::vector<Message> all;
+    for (const int rank : {0, 2})
+      while (auto message = network_.transport(rank).receive()) all.push_back(std::move(*message));
+    return all;
+  }
+  bool finished() { return host_.finished(); }
+
+ private:
+  Layout layout_{2, 1};
+  LoopbackNetwork network_{layout_.ranks()};
+  ToyEngine engine_;
+  Host host_{layout_, {}, network_.transport(1), engine_, nullptr};
+};
+
+}  // namespace
+
+TEST_CASE("a drop that overtakes its frame's announcement still drops it") {
+  for (const bool early : {true, false}) {
+    INFO((early ? "before" : "after") << " the announcement");
+    SecondRank rank;
+    if (early) rank.drop(0);
+    rank.announce(0);
+    if (!early) rank.drop(0);
+    rank.token(1);
+    const auto sent = rank.sent();
+    REQUIRE(sent.size() == 1);  // the payload stays, the token goes on
+    CHECK(sent.front().header.kind == Kind::token);
+  }
+  SecondRank rank;
+  rank.announce(0);
+  rank.token(1);
+  const auto sent = rank.sent();
+  REQUIRE(sent.size() == 1);
+  CHECK(sent.front().header.kind == Kind::payload);
+}
+
+TEST_CASE("announcements that overtake each other reach the nodes in their order") {
+  SecondRank rank;
+  rank.announce(1);
+  rank.token(1);
+  CHECK(rank.sent().empty());
+  rank.announce(0);
+  const auto sent = rank.sent();
+  REQUIRE(sent.size() == 1);
+  CHECK(sent.front().header.frame == 0);
+}
+
+TEST_CASE("a rank refuses messages about nodes that the run does not have or that live elsewhere") {
+  SecondRank rank;
+  rank.announce(0);
+  CHECK_THROWS_WITH(rank.token(1, 7), Contains("Renderer 7"));
+  CHECK_THROWS_WITH(rank.give(make_header({Role::gp, 1}, {Role::renderer, 0}, 0, PayloadFields{})),
+                    Contains("rank 1 got a payload for Renderer 0, which it does not host"));
+}
+
+TEST_CASE("a rank has finished once it was told of the end, which is not handed on to it twice") {
+  SecondRank rank;
+  CHECK_FALSE(rank.finished());
+  rank.give(make_header(Kind::shutdown, frame_buffer_id, {Role::host, 1}, 0));
+  CHECK(rank.finished());
+  CHECK(rank.sent().empty());
+}
+
+TEST_CASE("when all ranks of a mesh have finished nothing is left in the network") {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
+    const Layout mesh = mesh_layout(3, 2, 4);
+    LoopbackNetwork network(mesh.ranks(), {.seed = seed, .reorder = true, .max_delay = int(seed % 9)});
+    const ToyFrame frame{.steps = 9, .gps = mesh.gps, .renderers = mesh.renderers, .tiles = mesh.renderers};
+    ToyFrames frames({frame, frame});
+    std::deque<ToyEngine> engines;
+    std::vector<std::unique_ptr<Host>> hosts;
+    for (int rank = 0; rank < mesh.ranks(); ++rank)
+      hosts.push_back(std::make_unique<Host>(mesh, ProtocolOptions{.link_slots = 2}, network.transport(rank),
+                                             engines.emplace_back(), &frames));
+    const auto all_finished = [&] {
+      return std::all_of(hosts.begin(), hosts.end(), [](const auto& host) { return host->finished(); });
+    };
+    for (int turn = 0; !all_finished(); ++turn) {
+      REQUIRE(turn < 100000);
+      // As a rank's own loop does: one that has finished takes nothing any more.
+      for (const auto& host : hosts)
+        if (!host->finished()) host->step();
+      network.turn();
+    }
+    INFO("seed " << seed);
+    CHECK(frames.over.size() == 2);
+    CHECK_FALSE(network.in_flight());
+  }
+}

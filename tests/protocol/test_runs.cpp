@@ -1,0 +1,133 @@
+#include <fmt/format.h>
+
+#include "protocol/loopback_run.hpp"
+#include "support/catch.hpp"
+#include "toy_engine.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+struct ToyRun {
+  std::vector<FrameStats> over;
+  std::map<std::int64_t, ToyPicture> pictures;
+};
+
+ToyRun run_all(const Layout& layout, const ProtocolOptions& options, const std::vector<ToyFrame>& frames,
+               const LoopbackOptions& loopback, const std::vector<std::int64_t>& to_drop = {}) {
+  ToyFrames source(frames);
+  source.to_drop = to_drop;
+  ToyEngine* at_frame_buffer = nullptr;
+  ToyRun done;
+  const auto make_engine = [&](int rank) {
+    auto engine = std::make_unique<ToyEngine>();
+    if (rank == 0) at_frame_buffer = engine.get();
+    return engine;
+  };
+  // The engines end with the run.
+  class Keeping final : public FrameSource {
+   public:
+    Keeping(ToyFrames& frames, ToyEngine*& engine, ToyRun& run) : frames_(frames), engine_(engine), run_(run) {}
+    std::optional<Bytes> next(std::int64_t frame) override { return frames_.next(frame); }
+    bool may_come() override { return false; }
+    bool unwanted(std::int64_t frame) override { return frames_.unwanted(frame); }
+    void done(FrameStats&& stats) override {
+      run_.pictures[stats.frame] = engine_->pictures[stats.frame];
+      run_.over.push_back(std::move(stats));
+    }
+
+   private:
+    ToyFrames& frames_;
+    ToyEngine*& engine_;
+    ToyRun& run_;
+  } keeping(source, at_frame_buffer, done);
+  run_loopback(layout, options, make_engine, keeping, loopback);
+  return done;
+}
+
+/// The steps whose payloads a Renderer has to draw, filled up with −1 as tiles are.
+std::vector<int> expected_tile(const ToyFrame& frame) {
+  std::vector<int> steps;
+  for (int step = 0; step < frame.steps; ++step)
+    if (frame.has_payload(step)) steps.push_back(step);
+  steps.resize(std::size_t(frame.steps), -1);
+  return steps;
+}
+
+std::vector<Layout> layouts() {
+  return {{1, 1},
+          {2, 1},
+          {3, 2},
+          {2, 5},
+          {4, 4, Placement::colocated},
+          {1, 3, Placement::colocated},
+          mesh_layout(2, 2, 2),
+          mesh_layout(3, 3, 6),
+          mesh_layout(2, 3, 3, Routing::direct)};
+}
+
+}  // namespace
+
+TEST_CASE("every Renderer draws every payload once and in order, on any layout, whatever order messages come in") {
+  for (const Layout& layout : layouts())
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+      std::vector<ToyFrame> frames;
+      for (int k = 0; k < 5; ++k)
+        frames.push_back({.steps = 1 + int((seed + 3 * std::uint64_t(k)) % 11),
+                          .gps = layout.gps,
+                          .renderers = layout.renderers,
+                          .tiles = int((seed + std::uint64_t(k)) % 4) * layout.renderers / 2,
+                          .ascending = (seed + std::uint64_t(k)) % 2 == 0,
+                          .hidden_steps = layout.routed() ? 0 : seed * 0x9e3779b97f4a7c15 >> (50 - k),
+                          .empty_payloads = seed * 0xbf58476d1ce4e5b9 >> (48 + k)});
+      const ProtocolOptions options{.frames_in_flight = 1 + int(seed % 3),
+                                    .slots = 1 + int(seed % 4),
+                                    .link_slots = 1 + int(seed % 2),
+                                    .look_ahead = 1 + int(seed % 3),
+                                    .send_ahead = int(seed % 5)};
+      INFO(fmt::format("{} GPs, {} Renderers, seed {}", layout.gps, layout.renderers, seed));
+      const ToyRun done =
+          run_all(layout, options, frames, {.seed = seed, .reorder = true, .max_delay = int(seed % 7)});
+      REQUIRE(done.over.size() == frames.size());
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        REQUIRE(done.over[k].frame == std::int64_t(k));
+        const ToyPicture& picture = done.pictures.at(std::int64_t(k));
+        REQUIRE(picture.size() == std::size_t(frames[k].tiles));
+        for (const auto& [tile, steps] : picture) REQUIRE(steps == expected_tile(frames[k]));
+        const NodeStats sum = done.over[k].total();
+        const auto drawing = std::uint64_t(std::min(frames[k].tiles, layout.renderers));
+        REQUIRE(sum.tokens_issued == drawing);
+        REQUIRE(sum.tokens_retired == drawing);
+        REQUIRE(sum.payloads_drawn == sum.payloads_sent);
+      }
+    }
+}
+
+TEST_CASE("dropped frames end wherever they are, and the frames between them are whole") {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
+    const Layout layout = seed % 3 == 0 ? mesh_layout(2, 2, 2) : Layout{3, 2};
+    const std::vector<ToyFrame> frames(
+        6, ToyFrame{.steps = 7, .gps = layout.gps, .renderers = layout.renderers, .tiles = 4});
+    const ToyRun done = run_all(layout, {.frames_in_flight = 2, .slots = 1, .send_ahead = int(seed % 3)}, frames,
+                                {.seed = seed, .reorder = true, .max_delay = int(seed % 9)}, {1, 4});
+    REQUIRE(done.over.size() == 6);
+    for (const FrameStats& stats : done.over) {
+      REQUIRE(stats.dropped == (stats.frame == 1 || stats.frame == 4));
+      if (stats.dropped) continue;
+      REQUIRE(done.pictures.at(stats.frame).size() == 4);
+      for (const auto& [tile, steps] : done.pictures.at(stats.frame)) REQUIRE(steps == expected_tile(frames[0]));
+    }
+  }
+}
+
+TEST_CASE("an encoder that loses items is found out at the frame's end") {
+  const ToyFrame lossy{.steps = 4, .gps = 2, .renderers = 1, .lost_items = 1};
+  CHECK_THROWS_WITH(run_all({2, 1}, {}, {lossy}, {}), Catch::Matchers::Contains("8 splats sent, but 4 drawn"));
+}
+
+TEST_CASE("a rank that stops ends the run with a report of who waits for whom") {
+  const ToyFrame frame{.steps = 6, .gps = 2, .renderers = 1};
+  CHECK_THROWS_WITH(run_all({2, 1}, {.slots = 1}, {frame}, {.stopping_rank = 1, .stops_at_turn = 3}),
+                    Catch::Matchers::Contains("rank 1 (stopped)"));
+}
