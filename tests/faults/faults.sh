@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Does one thing to a running job that must not happen:  faults.sh CASE MPIEXEC PROGRAM READ_FAULTS_LIBRARY SCRATCH
-# The job must end soon, with the exit code and the words that docs/design.md ("What happens when") promises. What it
+# The job must end soon, with the exit code and the words that docs/faults.md ("What happens when") promises. What it
 # leaves are whole pictures and no processes.
 set -u
 fault=$1 mpiexec=$2 program=$3 library=$4 scratch=$5

@@ -43,7 +43,7 @@ struct FrameStats {
 /// bytes sent = received.
 void check_conservation(const FrameStats& stats);
 
-/// One JSON object (docs/design.md, "Statistics"). `settings` is the frame's, itself JSON; `axis` names the slice set
+/// One JSON object (docs/formats.md, "Statistics"). `settings` is the frame's, itself JSON; `axis` names the slice set
 /// that was traversed.
 std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings, char axis);
 
