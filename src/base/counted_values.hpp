@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// Appends how many values a vector or string has, and their object representations.
+/// Appends the number of a vector's or string's values, then their object representations.
 template <class Values>
 void append_all(Bytes& out, const Values& values) {
   append(out, std::uint64_t(values.size()));

@@ -24,7 +24,7 @@ void prefer_huge_pages(void* memory, std::size_t bytes) {
 void prefer_huge_pages_in_heap() {
 #ifdef __GLIBC__
   constexpr int megabyte = 1 << 20, ahead = 256 * megabyte, largest_in_heap = 32 * megabyte;
-  // What the process takes from the system at once it may be told about at once, and what is freed stays.
+  // The heap grows in large steps, so that one hint covers each, and never shrinks.
   if (mallopt(M_TOP_PAD, ahead) == 0 || mallopt(M_MMAP_THRESHOLD, largest_in_heap) == 0 ||
       mallopt(M_TRIM_THRESHOLD, 2 * ahead) == 0)
     return;

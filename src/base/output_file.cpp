@@ -33,7 +33,7 @@ const char* hint_for(int reason) {
 
 std::string reason_text(int reason) { return std::generic_category().message(reason); }
 
-/// A name that cannot be a file's, as a reason; 0: it can.
+/// Why the name cannot be a file's, as an errno value; 0: it can.
 int unusable(const fs::path& path) {
   std::error_code error;
   const fs::file_status status = fs::status(path, error);
@@ -85,7 +85,7 @@ void OutputFile::put(std::uint64_t offset, std::span<const std::byte> bytes) {
 void OutputFile::secure() {
   if (secured_) return;
   flush_buffer();
-  // Disks that find no room, or fail, only when they write say so here. Some know nothing to flush.
+  // Some disks report a lack of room, or a failure, only here. Others cannot flush at all.
   while (::fsync(file_->descriptor()) != 0)
     if (errno == EINVAL || errno == ENOTSUP)
       break;

@@ -14,7 +14,7 @@ struct Character {
 
 std::uint32_t byte_at(std::string_view text, std::size_t at) { return static_cast<unsigned char>(text[at]); }
 
-/// The character that `text`, which is not empty, begins with; a byte that begins none stands for itself.
+/// The first character of `text`, which is not empty. A byte that begins no character stands for itself.
 /// UTF-8 by RFC 3629: no overlong forms, no surrogates, nothing above 10FFFF.
 Character first_character(std::string_view text) {
   const std::uint32_t lead = byte_at(text, 0);

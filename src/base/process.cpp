@@ -29,7 +29,7 @@ std::string clock_identity() {
 }
 
 void keep_standard_descriptors() {
-  // The lowest free number is taken, so a descriptor above stderr's says that all three are there.
+  // open() takes the lowest free number, so a descriptor above stderr's shows that all three are open.
   int descriptor = 0;
   do {
     descriptor = open("/dev/null", O_RDWR);
@@ -38,7 +38,7 @@ void keep_standard_descriptors() {
 }
 
 int allowed_cores() {
-  // The kernel refuses a set smaller than its own, whose size it does not tell.
+  // The kernel refuses a set smaller than its own and does not say how large its own is.
   for (int cores = 1024; cores <= 1 << 20; cores *= 2) {
     const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(cores),
                                                                [](cpu_set_t* s) { CPU_FREE(s); });

@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What all names on this machine begin with: no two hosts have the same, and none the beginning of
+/// The beginning of all hidden names of this machine. No host's is the same as another's, or begins
 /// another's.
 std::string host_prefix() {
   std::array<char, HOST_NAME_MAX + 1> host{};
@@ -49,7 +49,7 @@ fs::path hidden_name(const fs::path& path) {
   return folder_of(path) / (prefix + name);
 }
 
-/// The process that a hidden file of this host names; 0: it is none.
+/// The process number in the name of a hidden file of this host; 0: it is no such file.
 pid_t maker_of(const std::string& name, const std::string& prefix) {
   if (name.compare(0, prefix.size(), prefix) != 0) return 0;
   const char* const end = name.data() + name.size();
@@ -62,7 +62,8 @@ pid_t maker_of(const std::string& name, const std::string& prefix) {
   return whole ? pid : 0;
 }
 
-/// A process number is used again, in containers by the very next run: this process's own may be another's.
+/// Process numbers are reused, in containers by the very next run. So a file with this process's number may
+/// be an earlier process's.
 bool is_alive(pid_t pid, const fs::path& path) {
   if (pid == getpid()) return is_unfinished_here(path);
   return kill(pid, 0) == 0 || errno != ESRCH;
@@ -73,8 +74,8 @@ void remove_if_abandoned(const fs::path& path) {
   if (descriptor < 0) return;
   struct stat status {};
   const bool own = fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) && status.st_uid == geteuid();
-  // Who writes it holds its lock, also where containers of one host's name have process numbers of their own.
-  // Where a disk knows no locks the process number decides alone.
+  // A file's writer holds its lock. That also protects it from containers that share the host's name and have
+  // process numbers of their own. On a disk without locks the process number decides alone.
   if (own && (flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK)) unlink(path.c_str());
   ::close(descriptor);
 }

@@ -10,8 +10,8 @@ namespace ringsplat::detail {
 std::filesystem::path folder_of(const std::filesystem::path& path);
 
 /// A hidden file beside `path`, `.ringsplat_HOST_PID-N_NAME`: HOST with every byte but letters, digits, dots
-/// and dashes as %XX, N counted by the process, NAME that of `path`, cut from the front where names have not
-/// that much room. Locked while it is open.
+/// and dashes as %XX, N counted by the process, NAME that of `path`, cut from the front when it is too long.
+/// Locked while it is open.
 class TemporaryFile {
  public:
   /// Says in `error` why it could not be made; nothing else may be called then. The first one in a folder
@@ -34,8 +34,7 @@ class TemporaryFile {
   int descriptor_ = -1;
 };
 
-/// Removes from a folder what processes of this user and host left unfinished there that are no more.
-/// Whatever cannot be told for certain stays.
+/// Removes from a folder the unfinished files of dead processes of this user and host. In doubt a file stays.
 void remove_stale_files(const std::filesystem::path& folder);
 
 }  // namespace ringsplat::detail

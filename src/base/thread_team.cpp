@@ -14,12 +14,12 @@
 namespace ringsplat {
 namespace {
 
-/// TBB orders lanes and their caller by itself, but by fences that ThreadSanitizer does not see; these it does.
-/// They order no lane with another, which would hide what two lanes both write. They are the same for all teams, as
-/// a lane could find its team's own only by what is to be ordered.
+/// TBB orders lanes and their caller by fences that ThreadSanitizer does not see; it sees these. They do not
+/// order lanes with each other: that would hide races between lanes. All teams share them, because a lane
+/// could find its own team's only through memory that is still to be ordered.
 std::atomic<unsigned> begun = 0, ended = 0;
 
-/// What the caller did before comes before the lanes, and what they did before what it does next.
+/// The caller's earlier work happens before the lanes', and theirs before its later work.
 struct CallerOrder {
   CallerOrder() { begun.fetch_add(1, std::memory_order_release); }
   ~CallerOrder() { static_cast<void>(ended.load(std::memory_order_acquire)); }
@@ -70,7 +70,7 @@ void ThreadTeam::run(int lanes, const std::function<void(int lane)>& work) {
     work(lane);
   };
   const CallerOrder order;
-  // Statically: a lane tends to meet the same thread again, whose cache has its buffers.
+  // Static: a lane tends to meet the same thread again, whose cache has its buffers.
   state_->arena.execute([&] { tbb::parallel_for(0, lanes, one, tbb::static_partitioner()); });
 }
 

@@ -22,8 +22,7 @@ struct Place {
   std::atomic<bool> taken, filled;
   char path[PATH_MAX];
 };
-// A handler may use neither memory that it would have to allocate nor locks: the lock keeps threads apart
-// only.
+// A signal handler may neither allocate memory nor lock. The lock is between threads only.
 std::array<Place, 64> places;
 std::mutex places_lock;
 std::atomic<int> overflowed{0};
@@ -31,7 +30,8 @@ std::atomic<int> beginning{0};  ///< threads between asking for a place and havi
 std::atomic<bool> ending{false};
 static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
 
-/// While it lives no handler runs on this thread: one that waits for `beginning` would wait for itself.
+/// Blocks signals on this thread while it lives: a handler here that waits for `beginning` would wait for
+/// itself.
 class SignalsHeld {
  public:
   SignalsHeld() {
@@ -103,8 +103,8 @@ bool is_unfinished_here(const std::filesystem::path& path) {
 void remove_unfinished_files() noexcept {
   const int error = errno;
   ending = true;
-  // From here on nobody takes a place, so none is filled anew while it is read. Opening a file may hang on a
-  // network's disk; that must not keep the process from ending.
+  // From here on nobody takes a place, so none changes while it is read. The wait is bounded: opening a file
+  // may hang on a network disk, and that must not keep the process from ending.
   constexpr timespec nap{0, 1'000'000};
   for (int naps = 0; beginning > 0 && naps < 500; ++naps) nanosleep(&nap, nullptr);
   for (const Place& place : places)

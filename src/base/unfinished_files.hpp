@@ -7,8 +7,8 @@ namespace ringsplat::detail {
 /// further ones are not registered.
 class UnfinishedFile {
  public:
-  /// Creates the file, which must not exist yet, for reading and writing. No signal comes between that and
-  /// its being registered. Leaves errno as open(2) does when descriptor() is below 0.
+  /// Creates the file, which must not exist yet, for reading and writing. No signal arrives between creating
+  /// and registering it. Leaves errno as open(2) does when descriptor() is below 0.
   explicit UnfinishedFile(const std::filesystem::path& path);
   ~UnfinishedFile();
   UnfinishedFile(const UnfinishedFile&) = delete;
@@ -22,7 +22,8 @@ class UnfinishedFile {
   int descriptor_ = -1;
 };
 
-/// Whether the path is registered. True also when too many files are for that to be known.
+/// Whether the path is registered. Also true when more files are open than there are places, since then it is
+/// not known.
 bool is_unfinished_here(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

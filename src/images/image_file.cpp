@@ -14,7 +14,7 @@
 namespace ringsplat {
 namespace {
 
-/// The folders in which the libraries of this very program, or library, are looked for.
+/// The folders where the loader looks for this program's, or library's, own libraries.
 std::vector<std::string> own_search_path() {
   std::vector<std::string> folders;
 #ifdef __GLIBC__
@@ -40,13 +40,13 @@ struct OpenedLibrary {
   std::string problem;  ///< why there is none
 };
 
-/// As if it had been linked.
+/// Finds the library as if it had been linked.
 OpenedLibrary open_shared_library(const char* name) {
   OpenedLibrary opened{dlopen(name, RTLD_LAZY | RTLD_LOCAL), {}};
   if (opened.handle != nullptr) return opened;
   opened.problem = dlerror();
-  // dlopen looks where its caller's libraries are, which is somewhere else when a sanitizer or a profiler has
-  // put itself in between.
+  // dlopen searches its caller's folders. With a sanitizer or a profiler in between the caller is not this
+  // program.
   for (const std::string& folder : own_search_path()) {
     const std::filesystem::path file = std::filesystem::path(folder) / name;
     std::error_code ignored;
@@ -67,7 +67,7 @@ const ImageLibrary& image_library_of(const char* shared_library) {
                                 "folder in LD_LIBRARY_PATH",
                                 shared_library));
   };
-  // It stays: what it made may live as long as the process.
+  // Never closed: objects that it made may live as long as the process.
   const OpenedLibrary opened = open_shared_library(shared_library);
   if (opened.handle == nullptr) throw failed(opened.problem);
   void* const found = dlsym(opened.handle, "ringsplat_image_library");

@@ -12,26 +12,26 @@ class ImageSink {
   /// False: they could not be written, and the file is lost.
   virtual bool write_at(std::uint64_t offset, const void* bytes, std::size_t count) = 0;
   virtual std::uint64_t size() const = 0;
-  /// For formats that can only be written by name: one to write by instead, once. Empty: there is none.
+  /// For formats that can only be written by name: a name to use instead, once. Empty: there is none.
   virtual std::string name_to_write_by() = 0;
 
  protected:
   ~ImageSink() = default;
 };
 
-/// What is behind the functions of image_file.hpp, in a shared library of its own. No exception leaves it.
+/// Implements image_file.hpp's functions in a shared library of its own. No exception leaves it.
 class ImageLibrary {
  public:
   virtual OpenedImageFile open(const std::string& path) const = 0;
-  /// The format follows from `path`, where nothing is written. Says what went wrong, or nothing: writers that
-  /// take no notice of what the sink says.
+  /// `path` only names the format; the bytes go to the sink. Returns what went wrong, or an empty text. Check
+  /// the sink, too: some writers ignore its failures.
   virtual std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const = 0;
 
  protected:
   ~ImageLibrary() = default;
 };
 
-/// Loads the shared library that has it. Throws RunError when that fails.
+/// Loads that shared library. Throws RunError when that fails.
 const ImageLibrary& image_library_of(const char* shared_library);
 /// This build's own.
 const ImageLibrary& image_library();

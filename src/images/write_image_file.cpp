@@ -26,7 +26,7 @@ RunError failed(const std::filesystem::path& path, std::string why, const std::s
   return {fmt::format("{} cannot be written: {}", path.string(), why), hint};
 }
 
-/// A file that is nowhere but in memory and yet has a name.
+/// A file that exists in memory only but has a name.
 class MemoryFile {
  public:
   ~MemoryFile() {
@@ -60,7 +60,7 @@ class MemoryFile {
   int descriptor_ = -1;
 };
 
-/// Keeps what writing threw until the library is done: nothing may be thrown through it.
+/// Keeps the exception of a failed write until the library returns: none may pass through the library.
 class FileSink final : public ImageSink {
  public:
   explicit FileSink(const std::filesystem::path& path) : file(path) {}
@@ -82,8 +82,8 @@ class FileSink final : public ImageSink {
   std::exception_ptr failure;
 };
 
-/// Memory has room where disks have none, but the limit of files' sizes holds there too, and writers by name
-/// overlook what it cuts off. None writes more at once than the image and its header.
+/// Memory does not run out like a disk, but the file size limit applies to it, too, and writers by name do
+/// not notice what it cuts off. No writer adds more at once than the image and its header.
 bool may_be_cut(std::uint64_t written, const ImageData& image) {
   constexpr std::uint64_t largest_sample = 8, header = 1 << 16;
   const std::uint64_t at_once = largest_sample * std::uint64_t(image.width) * std::uint64_t(image.height) *

@@ -4,7 +4,7 @@
 
 namespace ringsplat {
 
-/// Calls use(first, count) for each run of bits that are set, from the lowest on.
+/// Calls use(first, count) for each run of set bits, lowest first.
 template <class Use>
 void for_each_bit_run(std::uint64_t bits, const Use& use) {
   for (int first = 0; bits != 0;) {
@@ -12,7 +12,7 @@ void for_each_bit_run(std::uint64_t bits, const Use& use) {
     first += skipped;
     use(first, count);
     first += count;
-    // In two steps, since a shift by all 64 bits is none.
+    // Shifts in two steps: shifting a 64-bit word by 64 is undefined.
     bits = bits >> skipped >> (count - 1) >> 1;
   }
 }

@@ -2,14 +2,14 @@
 
 namespace ringsplat {
 
-/// Seconds on a clock that never goes back: the machine's, or the one that replaces it.
+/// Seconds on a monotonic clock: the machine's, or the one that replaces it.
 double now_seconds();
 
 /// Replaces the clock of this process by a simulated one. Called before anything is timed; `clock` stays
 /// valid.
 void set_clock(double (*clock)());
 
-/// Adds the seconds it lives to a counter.
+/// Adds the seconds of its lifetime to a counter.
 class ScopedSeconds {
  public:
   explicit ScopedSeconds(double& counter) : counter_(counter), start_(now_seconds()) {}
@@ -22,7 +22,7 @@ class ScopedSeconds {
   double start_;
 };
 
-/// The same when there is a counter; without one it does not even read the clock.
+/// The same for a counter that may be null; then it does not even read the clock.
 class OptionalSeconds {
  public:
   explicit OptionalSeconds(double* counter) : counter_(counter), start_(counter ? now_seconds() : 0) {}

@@ -17,7 +17,7 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Wrong usage or bad input, exit code 2: found before any frame, but for views that come on stdin.
+/// Wrong usage or bad input, exit code 2. Found before the first frame, except in views from stdin.
 struct InputError : Error {
   InputError(const std::string& problem, const std::string& hint = {})
       : Error(ExitCode::bad_input, problem, hint) {}

@@ -4,8 +4,8 @@
 
 namespace ringsplat {
 
-/// Something that several processes must see, or have been told, alike: in words for people, so that a
-/// difference can be shown as it is.
+/// Something that must be the same on several processes, in words for people, so that a difference can be
+/// shown as it is.
 struct Fact {
   std::string field, value;
   bool operator==(const Fact&) const = default;

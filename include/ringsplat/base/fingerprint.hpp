@@ -6,8 +6,8 @@
 
 namespace ringsplat {
 
-/// A hash that tells bytes from others (FNV-1a of 64 bits; Fowler, Noll and Vo 1991). The same in every build
-/// and on every machine; no protection against those who want two to be alike.
+/// A 64-bit hash of bytes (FNV-1a; Fowler, Noll and Vo 1991). The same in every build and on every machine;
+/// not cryptographic.
 class Fingerprint {
  public:
   void add(std::span<const std::byte> bytes) {

@@ -8,7 +8,7 @@ namespace ringsplat {
 
 /// Premultiplied linear RGBA, float32, rows from the top, four floats a pixel.
 struct Image {
-  /// Growing leaves new ones uninitialised.
+  /// Growing leaves new elements uninitialised.
   using Floats = std::vector<float, UninitialisedAllocator<float>>;
 
   int width = 0, height = 0;
@@ -17,7 +17,7 @@ struct Image {
   Image() = default;
   /// A fully transparent image.
   Image(int w, int h) : width(w), height(h), rgba(std::size_t(4) * std::size_t(w) * std::size_t(h), 0.0F) {}
-  /// To be written whole.
+  /// Uninitialised pixels: write all of them.
   static Image uninitialised(int w, int h) {
     Image image;
     image.width = w;

@@ -12,7 +12,7 @@ enum class LogLevel { debug, info, warning, error };
 /// Names this process in every line; a rank other than 0 says only warnings and errors unless `verbose`.
 void set_log_rank(int rank, bool verbose);
 void log_line(LogLevel level, const std::string& text);
-/// Nothing when this process has said the same before: for what is found again each time a file is opened.
+/// Logs a text once a process and drops it when it comes again. For what is found each time a file is opened.
 void log_line_once(LogLevel level, const std::string& text);
 
 template <class... Args>

@@ -41,8 +41,8 @@ class OutputFile {
   /// Proves that all bytes are on the disk: flushed, of the right size, closed. Nothing can be written after
   /// it.
   void secure();
-  /// secure(), then gives the file its name. Of files that belong together secure all before the first
-  /// commit.
+  /// secure(), then gives the file its name. Secure all files that belong together before you commit the
+  /// first.
   void commit();
 
  private:
@@ -63,13 +63,13 @@ void write_text(const std::filesystem::path& path, const std::string& text);
 /// Text files that belong together: all get their names, or, when one cannot be written, none.
 void write_texts(const std::vector<std::pair<std::filesystem::path, std::string>>& files);
 
-/// Throws InputError naming `option` unless a file can be made where `path` says: its folder exists and can
-/// be written, and `path` is neither a folder nor a device. RunError when it is the disk that fails. Leaves
+/// Checks that a file can be made at `path`: its folder exists and can be written, and `path` is neither a
+/// folder nor a device. Else throws InputError naming `option`, or RunError when the disk fails. Leaves
 /// nothing behind.
 void check_can_write(const std::filesystem::path& path, const std::string& option);
 
-/// Removes the hidden files of all OutputFiles of this process. For the handlers of signals that end it, as
-/// it is async-signal-safe; nothing can be written after it: a thread that begins a file waits for the
+/// Removes the hidden files of all OutputFiles of this process. Async-signal-safe, for handlers of signals
+/// that end the process. Nothing can be written afterwards: a thread that begins a file waits for the
 /// process's end.
 void remove_unfinished_files() noexcept;
 

@@ -10,8 +10,8 @@ namespace ringsplat {
 /// Control characters, but for line feeds, and bytes that are not UTF-8 become \xNN.
 std::string printable(std::string_view text);
 
-/// The first `most` characters as printable() shows them, line feeds too as \x0a, and "..." when there are
-/// more.
+/// The first `most` characters as printable() shows them, but line feeds as \x0a, too; then "..." if there
+/// are more.
 std::string excerpt(std::string_view text, std::size_t most = 40);
 
 /// Minus zero, which reads as a mistake, becomes zero.

@@ -7,19 +7,19 @@ namespace ringsplat {
 /// Peak resident memory of this process so far, in bytes (Linux: VmHWM).
 std::uint64_t peak_memory_bytes();
 
-/// Names the clock behind now_seconds(): processes for which it is equal read the same one (Linux: the
-/// machine's boot). Empty when that cannot be said.
+/// Names the clock behind now_seconds() (Linux: the machine's boot). Processes with the same name read the
+/// same clock. Empty when it is not known.
 std::string clock_identity();
 
 /// Cores that this process may run on (Linux: its affinity mask, which launchers narrow), at least 1.
 int allowed_cores();
 
-/// Opens /dev/null in place of stdin, stdout and stderr where they are closed: else the next file that is
-/// opened would take their place, and be written what is printed.
+/// Opens /dev/null in place of stdin, stdout and stderr where they are closed. Otherwise the next file opened
+/// would take their descriptor, and printed text would go into it.
 void keep_standard_descriptors();
 
-/// Makes this thread treat denormal floats as zero, as operands and as results, where the
-/// processor can: their cost is hundreds of cycles and their weight is nothing.
+/// Makes this thread treat denormal floats as zero, as operands and as results, where the processor can. They
+/// cost hundreds of cycles and weigh nothing in a picture.
 void flush_denormals();
 
 }  // namespace ringsplat

@@ -18,10 +18,10 @@ class ThreadTeam {
 
   int size() const { return threads_; }
 
-  /// Calls work(lane) once for every lane 0 … lanes − 1 and returns when all have returned; how many of them
-  /// go on at once is up to the machine, at most size(). A single lane runs on the calling thread. Denormals
-  /// are flushed in lanes that share. When a lane throws, lanes that have not begun may be left out, and what
-  /// it threw goes on to the caller, of several exceptions one.
+  /// Calls work(lane) once for every lane 0 … lanes − 1 and returns when all have returned. At most size()
+  /// lanes run at once; how many is up to the machine. A single lane runs on the calling thread. With several
+  /// lanes, each flushes denormals. When a lane throws, its exception goes on to the caller (one of them, if
+  /// several throw), and lanes that have not begun may be left out.
   void run(int lanes, const std::function<void(int lane)>& work);
 
  private:

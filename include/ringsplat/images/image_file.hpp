@@ -6,12 +6,11 @@
 #include <variant>
 #include <vector>
 
-/// Files of images, by OpenImageIO. With the libraries it is made of it takes a process longer to load than a
-/// picture to render, so that happens when the first file is opened or written: functions here throw RunError
-/// when it cannot be loaded.
+/// Image files, by OpenImageIO. Loading it with its libraries takes longer than rendering a picture, so it is
+/// loaded when the first file is opened or written. Functions here throw RunError when it cannot be loaded.
 namespace ringsplat {
 
-/// `other`: those that cannot be read as one of these.
+/// `other`: samples that cannot be read as one of these.
 enum class SampleType { int8, uint8, int16, uint16, int32, uint32, float16, float32, float64, other };
 
 /// One of a file's images.
@@ -23,25 +22,25 @@ struct ImageShape {
   std::uint64_t bytes;    ///< of all samples, uncompressed
 };
 
-/// A file that was opened for reading. Not for several threads at once.
+/// A file open for reading. Not for several threads at once.
 class ImageFile {
  public:
   virtual ~ImageFile() = default;
   /// Goes to the image with that number, from 0; false: there is none.
   virtual bool seek(int image) = 0;
-  /// The image it is at, at first number 0.
+  /// The current image, at first number 0.
   virtual ImageShape shape() const = 0;
-  /// What the image says under a name; empty or 0 when it says nothing there.
+  /// The image's attribute of that name; empty or 0 when it has none.
   virtual std::string text(const std::string& name) const = 0;
   virtual int number(const std::string& name) const = 0;
-  /// Reads the first `channels` of an image's pixels, rows from the top, as samples of that type; alpha that
-  /// is straight in the file stays so. Says what went wrong, or nothing.
+  /// Reads the first `channels` of an image's pixels, rows from the top, as samples of that type. Straight
+  /// alpha stays straight. Returns what went wrong, or an empty text.
   virtual std::string read(int image, int channels, SampleType type, void* samples) = 0;
 };
 
 struct OpenedImageFile {
   std::unique_ptr<ImageFile> file;  ///< null: it is no image file
-  std::string problem;              ///< then: why
+  std::string problem;              ///< why not, if it is none
 };
 OpenedImageFile open_image_file(const std::filesystem::path& path);
 
@@ -57,8 +56,8 @@ struct ImageData {
   std::vector<Attribute> attributes;  ///< with OpenImageIO's names
 };
 
-/// The format follows from the path's ending. The file appears when all of it is on the disk (OutputFile);
-/// until then, and when that fails, what was there stays. Throws RunError naming the file and the reason.
+/// The path's ending names the format. The file appears when all of it is on the disk (OutputFile); until
+/// then, and on failure, the old one stays. Throws RunError naming the file and the reason.
 void write_image_file(const std::filesystem::path& path, const ImageData& image);
 
 }  // namespace ringsplat

@@ -2,8 +2,8 @@
 
 namespace ringsplat {
 
-/// A display value from 0 to 1 as linear light, and back, in single precision as OpenImageIO has them (IEC
-/// 61966-2-1:1999).
+/// Display values (0 to 1) to linear light and back (IEC 61966-2-1:1999), in single precision with
+/// OpenImageIO's results.
 float linear_of_srgb(float value);
 float srgb_of_linear(float value);
 

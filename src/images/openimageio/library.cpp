@@ -75,7 +75,7 @@ OIIO::ImageSpec spec_of(const ImageData& image) {
   return spec;
 }
 
-/// OpenImageIO's writers of PNG, TGA and JPEG take no notice of writes that fail; the sink does.
+/// OpenImageIO's PNG, TGA and JPEG writers ignore failed writes; the sink remembers them.
 class SinkProxy final : public OIIO::Filesystem::IOProxy {
  public:
   SinkProxy(const std::string& path, ImageSink& sink) : IOProxy(path, Write), sink_(sink) {}
@@ -94,13 +94,13 @@ class SinkProxy final : public OIIO::Filesystem::IOProxy {
   ImageSink& sink_;
 };
 
-/// OpenImageIO 2.4's TIFF says that it does, but of a file with two directories it then loses the first: it
-/// cannot read it again.
+/// OpenImageIO 2.4's TIFF writer claims to, but it loses the first of two directories, since it cannot read
+/// back through a proxy.
 bool writes_to_proxies(const OIIO::ImageOutput& output) {
   return output.supports("ioproxy") != 0 && std::string_view(output.format_name()) != "tiff";
 }
 
-/// Why a file of that format does not hold a whole image of that shape; empty when it does.
+/// Why the file does not hold a whole image of that format and shape; empty when it does.
 std::string damage_of(const std::string& format, const std::string& name, const OIIO::ImageSpec& spec) {
   const auto input = OIIO::ImageInput::create(format);
   if (!input) return OIIO::geterror();
