@@ -1,6 +1,6 @@
 #include "ringsplat/model/charge.hpp"
 
-// SimGrid's own function. Weak, so that it is null wherever the program is linked with another MPI.
+// A function of SimGrid's. Weak: null when the program is linked with another MPI.
 extern "C" void smpi_execute_benched(double seconds) __attribute__((weak));
 
 namespace ringsplat {
@@ -13,7 +13,7 @@ void charge(double seconds) {
 
 bool Debt::pay() {
   if (!(owed_ > 0)) return false;
-  // The last piece takes what rounding would leave.
+  // The last piece includes the remainder, so that rounding leaves no sliver.
   const double now = owed_ < 1.5 * piece_ ? owed_ : piece_;
   charge(now);
   owed_ -= now;

@@ -18,12 +18,12 @@ namespace ringsplat {
 namespace {
 
 constexpr int message_tag = 1;
-/// Receives that are always posted, so that as many messages can be on their way to a rank at once. A message
-/// beyond them starts when one of these is over. More would be slow to simulate: each wait is registered with
-/// all.
+/// Number of receives that are always posted: as many messages can be on their way to a rank at once. A
+/// further one starts when one of these is over. More would be slow to simulate, since each wait is
+/// registered with all of them.
 constexpr std::size_t receives = 12;
 
-/// Address space for messages of any size; only what a message touches takes memory.
+/// Reserves address space for messages of any size; only touched pages take memory.
 class ReceiveBuffers {
  public:
   explicit ReceiveBuffers(std::size_t largest) : largest_(largest) {
@@ -37,10 +37,10 @@ class ReceiveBuffers {
   ReceiveBuffers& operator=(const ReceiveBuffers&) = delete;
 
   std::byte* at(std::size_t index) const { return memory_ + index * largest_; }
-  /// Whether a message has come since `clear`. The simulator copies one when its transfer ends, in this very
-  /// process, so that looking costs nothing. MPI_Testany would be a call of the simulator for each look, and
-  /// SimGrid 3.32 keeps what a test finds in a list of the rank that every later event walks; what is waited
-  /// for it takes out.
+  /// Whether a message has come since `clear`. The simulator copies it within this process when its transfer
+  /// ends, so looking costs nothing. MPI_Testany would call the simulator for each look; and SimGrid 3.32
+  /// leaves requests completed by a test in a list that every later event walks, while it removes those that
+  /// were waited for.
   bool written(std::size_t index) const { return magic(index) != 0; }
   void clear(std::size_t index) const {
     const auto nothing = decltype(Header::magic){};
@@ -63,8 +63,8 @@ class ReceiveBuffers {
   std::byte* memory_;
 };
 
-/// Blocks in MPI until a message is here or one has left. For simulated MPI, where every look at an empty
-/// queue costs simulated time, and where the ranks are no threads that could take each other's cores.
+/// Blocks in MPI until a message is here or one has left. For simulated MPI, where polling an empty queue
+/// costs simulated time, and where a blocked rank holds no core.
 class BlockingTransport final : public Transport {
  public:
   BlockingTransport(MPI_Comm comm, std::size_t largest_message)
@@ -158,7 +158,7 @@ class BlockingTransport final : public Transport {
     const std::byte* first = buffers_.at(index);
     Header header;
     std::memcpy(&header, first, std::min(size, sizeof(Header)));
-    // The rest of a payload that only counts was never written; leaving it alone saves its memory.
+    // A counting payload's rest was never written; not reading it saves its memory.
     const std::size_t said = header.counted != 0 ? std::min(size, counted_bytes) : size;
     Bytes block(size);
     std::memcpy(block.data(), first, said);

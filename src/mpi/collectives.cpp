@@ -89,7 +89,8 @@ class MpiCollectives final : public Collectives {
     std::iota(missing.begin(), missing.end(), 1);
     const double until = now_seconds() + seconds;
     while (true) {
-      // Asked before looking, so that what came while this process had no core still counts.
+      // Reads the clock before it looks, so that answers that came while this process had no core still
+      // count.
       const bool late = now_seconds() > until;
       std::erase_if(missing, [this](int p) { return take_presence(p); });
       if (missing.empty() || late) return missing;
@@ -98,8 +99,8 @@ class MpiCollectives final : public Collectives {
   }
 
  private:
-  /// Whether this process has said that it is here. Each is asked for by itself: who is fast may have said so
-  /// for the next call already.
+  /// Takes the presence message of process `from`, if it has come. One receive for each process: a fast one
+  /// may already have sent its message for the next call.
   bool take_presence(int from) const {
     int arrived = 0;
     MPI_Message matched = MPI_MESSAGE_NULL;
@@ -109,8 +110,8 @@ class MpiCollectives final : public Collectives {
     return true;
   }
 
-  /// `sum` fits into a message. A broadcast from each process would be as many messages as there are pairs of
-  /// them.
+  /// For blocks whose `sum` fits into one message. Broadcasts from every process would need a message for
+  /// each pair of processes.
   std::vector<Block> all_gather_at_once(const Block& mine, const std::vector<std::uint64_t>& sizes,
                                         std::uint64_t sum) const {
     std::vector<int> counts(sizes.begin(), sizes.end()), offsets(sizes.size());

@@ -24,8 +24,8 @@ struct MpiSession::State {
 MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>()) {
   int provided = 0;
   checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
-  // SimGrid promises nothing, but its ranks are contexts of one process: a thread that does not call MPI does
-  // not concern it.
+  // SimGrid promises no thread level. Its ranks are contexts of one process, and threads that do not call MPI
+  // do not disturb it.
   if (provided < MPI_THREAD_FUNNELED && !simulated()) {
     MPI_Finalize();
     throw RunError("this MPI allows no thread beside the one that calls it, but pictures are written by one",

@@ -20,25 +20,25 @@ constexpr int message_tag = 1, part_tag = 2;
 
 /// Whole messages over MPI_Isend and matched probes.
 ///
-/// Waiting is ours, not MPI's: Open MPI yields only when it knows of oversubscription, which launchers and
+/// It does its own waiting. Open MPI yields only when it knows of oversubscription, which launchers and
 /// containers hide from it, and a blocking receive on shared cores costs hundreds of microseconds a hop.
 class MpiTransport final : public Transport {
  public:
   MpiTransport(MPI_Comm comm, std::size_t largest_part) : comm_(comm), largest_part_(largest_part) {
-    // How many ranks share this machine is asked of MPI, not of the launcher: what a launcher knows of
-    // oversubscription is lost in containers and under srun.
+    // MPI says how many ranks share this machine. The launcher's word on oversubscription is lost in
+    // containers and under srun.
     MPI_Comm here = MPI_COMM_NULL;
     checked(MPI_Comm_split_type(comm_.get(), MPI_COMM_TYPE_SHARED, 0, MPI_INFO_NULL, &here),
             "MPI_Comm_split_type");
     MPI_Comm_size(here, &ranks_here_);
     MPI_Comm_free(&here);
     yields_ = yields_among(ranks_here_);
-    // Without this a sleep of 20 microseconds takes 70.
+    // With the default timer slack a sleep of 20 microseconds takes 70.
     prctl(PR_SET_TIMERSLACK, 1000UL);
   }
 
   ~MpiTransport() override {
-    // Requests still open after a failure: cancelling is all that can be done before the job ends.
+    // Requests are still open only after a failure; all that is left is to give them up.
     for (auto& sending : sending_)
       for (auto& request : sending.requests)
         if (request != MPI_REQUEST_NULL) MPI_Request_free(&request);
@@ -106,7 +106,7 @@ class MpiTransport final : public Transport {
       sched_yield();
       return;
     }
-    // Someone else needs this core more than a rank that has waited this long.
+    // A rank that has waited this long should leave its core to others.
     constexpr long shortest = 20'000, longest = 200'000;  // nanoseconds
     sleep(std::min(longest, shortest * (1 + (waits_ - spins - yields_) / 16)));
   }
@@ -122,8 +122,8 @@ class MpiTransport final : public Transport {
     nanosleep(&pause, nullptr);
   }
 
-  /// Before the first sleep: a few where ranks share cores; some ten milliseconds' worth where each has its
-  /// own, since nobody else wants it.
+  /// Yields before the first sleep: a few where ranks share cores, some ten milliseconds' worth where each
+  /// rank has its own.
   static long yields_among(int ranks) {
     constexpr long on_shared_cores = 64, with_own_core = 20'000;
     return ranks <= sysconf(_SC_NPROCESSORS_ONLN) ? with_own_core : on_shared_cores;

@@ -58,7 +58,7 @@ double bounding_radius(const LatticeFrame& lattice) {
   return radius;
 }
 
-/// The world axes the picture is spanned by: sets right, up and to_viewer.
+/// Sets the picture's world axes: right, up and to_viewer.
 void turn(ViewTransform& view, const Camera& camera) {
   const auto azimuth = sin_cos_degrees(camera.azimuth);
   const auto elevation = sin_cos_degrees(camera.elevation);
@@ -79,14 +79,14 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
     view.linear[k] =
         view.pixels_per_unit * glm::dvec3(glm::dot(view.right, axes[k]), -glm::dot(view.up, axes[k]),
                                           -glm::dot(view.to_viewer, axes[k]));
-  // The centre is subtracted in lattice coordinates: the world origin, however large, never takes part.
+  // The centre is subtracted in lattice coordinates, so a large world origin costs no precision.
   const glm::dvec3 centre = 0.5 * glm::dvec3(lattice.dims - 1);
   view.offset = glm::dvec3(0.5 * width, 0.5 * height, 0.0) - view.linear * centre;
   return view;
 }
 
 /// a · b + t as if computed with twice the precision (Ogita, Rump and Oishi 2005, Dot2): a translation
-/// usually takes back what a large origin brings in.
+/// usually cancels a large origin.
 double accurate_dot(const glm::dvec3& a, const glm::dvec3& b, double t) {
   double sum = t, rest = 0;
   for (int k = 0; k < 3; ++k) {
@@ -117,7 +117,7 @@ ViewTransform view_from_matrix(const std::array<double, 12>& m, const LatticeFra
     for (int k = 0; k < 3; ++k) view.linear[k][r] = glm::dot(rows[r], axes[k]);
     view.offset[r] = accurate_dot(rows[r], lattice.origin, translation[r]);
   }
-  // Each column of the inverse leaves two of the rows unchanged: it is parallel to their cross product.
+  // Each column of the inverse is orthogonal to two of the rows, so it is parallel to their cross product.
   const glm::dvec3 unit_rows[3] = {unit(rows[0]), unit(rows[1]), unit(rows[2])};
   const double sign = glm::determinant(glm::dmat3(unit_rows[0], unit_rows[1], unit_rows[2])) < 0 ? -1.0 : 1.0;
   view.right = unit(sign * glm::cross(unit_rows[1], unit_rows[2]));

@@ -18,7 +18,7 @@ constexpr double largest_side = 1 << 20;
 
 double to_multiple(double value, double unit) { return std::nearbyint(value / unit) * unit; }
 
-/// Pixels a voxel along one axis whose voxels are `screen_pixels` apart on the screen.
+/// Pixels a voxel along an axis whose voxels are `screen_pixels` apart on the screen.
 double sampling(double screen_pixels, int samples) {
   while (samples > 1 && samples > screen_pixels) samples /= 2;
   if (samples <= screen_pixels) return samples;
@@ -35,8 +35,8 @@ struct Box {
   }
 };
 
-/// What slices first … last of `extent` voxels cover, with the kernels' reach, when each is `shear` pixels
-/// from the one before.
+/// The box that `slices` slices of `extent` voxels cover, kernels included. Each is `shear` pixels from the
+/// one before.
 Box slices_box(const glm::dvec2& extent, int slices, const glm::dvec2& pixels_a_voxel,
                const glm::dvec2& shear, const glm::dvec2& reach) {
   Box box;

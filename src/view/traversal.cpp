@@ -8,7 +8,7 @@
 namespace ringsplat {
 namespace {
 
-/// What the inverse of the view says of the three slice sets.
+/// How the view's rays meet the three slice sets.
 struct SliceGeometry {
   glm::dvec3 ray;         ///< lattice steps for one pixel of depth: which slices a ray crosses, and how fast
   glm::dvec3 cos_angles;  ///< between the ray and each axis' slice normal, both on the screen; signed

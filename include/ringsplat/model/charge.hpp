@@ -5,10 +5,11 @@ namespace ringsplat {
 /// True when this program runs under SimGrid's simulated MPI, whose clock charge() moves.
 bool simulated();
 
-/// Lets this rank compute for so many simulated seconds; does nothing outside of a simulation.
+/// Advances this rank's simulated clock by so many seconds of computing; does nothing outside of a
+/// simulation.
 void charge(double seconds);
 
-/// Work that was done at once but takes simulated time, which passes in pieces, so that a rank can look after
+/// Simulated time owed for work that was done at once. It is paid in pieces, so that the rank can handle
 /// messages in between.
 class Debt {
  public:

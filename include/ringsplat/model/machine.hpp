@@ -4,7 +4,7 @@
 
 namespace ringsplat {
 
-/// What links a described machine's hosts.
+/// The network of a described machine.
 enum class PlatformKind {
   backbone,  ///< a link for each host, and one that all traffic shares: a ring, a bus, a switch with a limit
   mesh,      ///< the GPs' mesh with Renderers at its rows' ends; messages go along a column, then along a row
@@ -51,8 +51,8 @@ struct Machine {
   } platform;
 };
 
-/// Throws InputError naming `where` (a file) and the field: no TOML, unknown fields, missing ones, values
-/// that make no sense.
+/// Throws InputError naming `where` (a file) and the field: not TOML, unknown or missing fields, values that
+/// make no sense.
 Machine parse_machine(const std::string& toml, const std::string& where);
 /// The same from a file; throws InputError when it cannot be read.
 Machine read_machine(const std::string& path);

@@ -17,7 +17,7 @@ std::unique_ptr<Transport> make_mpi_transport(MPI_Comm comm, std::size_t largest
 std::unique_ptr<Collectives> make_mpi_collectives(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
 
 /// A transport that waits in MPI itself, for simulated ranks. Throws RunError for a message of more than
-/// `largest_message` bytes, which takes address space but no memory.
+/// `largest_message` bytes; that much address space, but no memory, is reserved for each receive.
 std::unique_ptr<Transport> make_blocking_transport(MPI_Comm comm,
                                                    std::size_t largest_message = std::size_t{64} << 20);
 

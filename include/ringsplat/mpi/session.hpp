@@ -8,8 +8,8 @@
 
 namespace ringsplat {
 
-/// MPI from start to end, without showing mpi.h to its users. The constructor initialises MPI (one thread
-/// calls it), the destructor finalises it.
+/// Owns MPI's lifetime and hides mpi.h from its users. The constructor initialises MPI (one thread calls it),
+/// the destructor finalises it.
 class MpiSession {
  public:
   MpiSession(int& argc, char**& argv);
@@ -22,9 +22,9 @@ class MpiSession {
   /// All ranks call both, in the same order.
   std::unique_ptr<Transport> make_transport();
   std::unique_ptr<Collectives> make_collectives();
-  /// What every rank says, by rank; up to 127 letters, what is longer is cut. All ranks call it, before
-  /// anything else: its message is the same in every build, so that ranks of different builds can tell each
-  /// other which.
+  /// Exchanges one text a rank, cut at 127 bytes; returns them by rank. All ranks call it before anything
+  /// else. Its message has the same form in every build, so that ranks of different builds can detect each
+  /// other.
   std::vector<std::string> introductions(const std::string& mine) const;
   /// Ends the job on all ranks.
   [[noreturn]] void abort(int exit_code);

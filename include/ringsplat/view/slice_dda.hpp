@@ -8,12 +8,12 @@
 
 namespace ringsplat {
 
-/// Screen positions of a slice set's voxels by digital differential analysis: three additions a
-/// voxel after set-up (Neumann 1992, section 3).
+/// Screen positions of a slice set's voxels by digital differential analysis: three additions a voxel after
+/// set-up (Neumann 1992, section 3).
 ///
-/// The steps along a row are the same for all rows, so they are summed once a frame, each as a
-/// product rounded once. Unlike a running sum a position does not drift with the row's length and may
-/// be asked for in any order: it is within 2⁻⁵³ · (|n · step| + |position|) of row start + n · step.
+/// The steps along a row are the same for all rows, so they are summed once a frame, each as a product
+/// rounded once. Unlike a running sum, a position does not drift with the row's length, and positions can be
+/// read in any order. Each is within 2⁻⁵³ · (|n · step| + |position|) of row start + n · step.
 class SliceDda {
  public:
   /// `width`: voxels in a row of the set's slices.
@@ -24,8 +24,7 @@ class SliceDda {
     return row_start_ + glm::dvec3(steps_[0][column], steps_[1][column], steps_[2][column]);
   }
 
-  // For vector code: x and y positions are row start + step, with room to read `padding` steps behind the
-  // last column.
+  // For vector code: x and y are row start + step; `padding` steps behind the last column can be read.
   static constexpr int padding = 8;
   const glm::dvec3& row_start() const { return row_start_; }
   const double* steps_x() const { return steps_[0].data(); }

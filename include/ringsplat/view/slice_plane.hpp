@@ -6,8 +6,7 @@
 
 namespace ringsplat {
 
-/// From the centres of screen pixels to a place in the intermediate image, both in pixels: linear · (x, y) +
-/// offset.
+/// Maps screen pixels' centres to places in the intermediate image, both in pixels: linear · (x, y) + offset.
 struct PlaneWarp {
   glm::dmat2 linear{1.0};
   glm::dvec2 offset{0.0};
@@ -16,25 +15,24 @@ struct PlaneWarp {
 
 /// An image in the plane of the slices, onto which all of them are sheared along the rays (Lacroute and Levoy
 /// 1994). Within a slice every voxel has the same place among the pixels, so the image costs a few pixels a
-/// voxel whatever the picture's size; one warp makes a picture of it in the end.
+/// voxel whatever the picture's size. One warp then turns it into the picture.
 struct SlicePlane {
   ViewTransform view;  ///< lattice to the image's pixels; depth and world directions are the screen's
   PlaneWarp warp;
   int width = 1,
       height = 1;  ///< what the screen shows of the slices, with `border` pixels round it that stay empty
   glm::dvec2 pixels_a_voxel{1.0};
-  /// Of the four pixels along either axis that the warp reads, the others are in the image where one of them
-  /// is a slice's.
+  /// The warp reads four pixels along each axis. If a slice reaches one of them, all four are in the image.
   static constexpr int border = 3;
 };
 
 /// `view`: of the lattice to a screen of width × height pixels. `samples`: pixels a voxel along either axis
-/// of the slices, a power of two; halved, or made what it is on the screen if that is below 1, where the
-/// screen has fewer, so that the warp never has to leave pixels out. `radius`: of the kernels, in voxels.
+/// of the slices, a power of two. Where the screen has fewer it is halved, or, below 1, made the screen's, so
+/// that the warp never skips pixels. `radius`: of the kernels, in voxels.
 ///
-/// The shear is rounded to 2⁻³⁰ pixels a slice. Positions are then exact in double precision, and those of a
-/// slice's voxels differ by whole pixels exactly where pixels_a_voxel are whole numbers; the last of a
-/// thousand slices is shifted by less than 10⁻⁶ pixels. Throws InputError when the image would be larger than
+/// The shear is rounded to 2⁻³⁰ pixels a slice. Positions are then exact in double precision; where
+/// pixels_a_voxel are whole numbers, a slice's voxels are exactly whole pixels apart. The rounding moves the
+/// last of a thousand slices by less than 10⁻⁶ pixels. Throws InputError when the image would be larger than
 /// 2^20 pixels a side.
 SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, int samples,
                             double radius, int width, int height);

@@ -8,24 +8,24 @@
 
 namespace ringsplat {
 
-/// What the camera must know of the volume: its lattice in the world (volume/grid.hpp says how).
+/// The volume's lattice in the world, all that the camera needs of it (conventions: volume/grid.hpp).
 struct LatticeFrame {
   glm::ivec3 dims{1};
   glm::dvec3 spacing{1.0}, origin{0.0};
   glm::dmat3 direction{1.0};
 };
 
-/// Orthographic camera. Angles in degrees. At azimuth = elevation = roll = 0 the viewer looks
-/// along world +y, world x to the right and world z up: in patient coordinates (LPS) at the face from in
-/// front, with the patient's left at the right of the picture. Azimuth turns the viewer about world z (at 90
-/// it stands at +x and looks along -x, world y to the right), elevation lifts it (at 90 it looks straight
-/// down, world y up in the picture), roll turns the picture clockwise. Multiples of 90 degrees are exact.
-/// Zoom 1 fits the bounding sphere of the volume's box (half a voxel beyond the outer voxel centres) to the
-/// shorter side of the image; the box's centre is at the image's centre, at depth 0.
+/// Orthographic camera. Angles in degrees. At azimuth = elevation = roll = 0 the viewer looks along world +y,
+/// world x to the right and world z up: in patient coordinates (LPS) at the face, with the patient's left at
+/// the right of the picture. Azimuth turns the viewer about world z (at 90 it stands at +x and looks along
+/// -x, world y to the right), elevation lifts it (at 90 it looks straight down, world y up in the picture),
+/// roll turns the picture clockwise. Multiples of 90 degrees are exact. Zoom 1 fits the bounding sphere of
+/// the volume's box (half a voxel beyond the outer voxel centres) to the shorter side of the image; the box's
+/// centre is at the image's centre, at depth 0.
 struct Camera {
   double azimuth = 0, elevation = 0, roll = 0, zoom = 1;
-  /// World to screen instead of the angles and the zoom, row by row: pixels right, pixels down, pixels of
-  /// depth away from the viewer. A mirroring one is allowed.
+  /// World to screen, instead of angles and zoom. Its rows give pixels right, pixels down, and pixels of
+  /// depth away from the viewer. It may mirror.
   std::optional<std::array<double, 12>> matrix = std::nullopt;
   bool operator==(const Camera&) const = default;
 };
@@ -42,7 +42,7 @@ struct ViewTransform {
 };
 
 /// Image of width × height pixels. Throws InputError: zoom not positive and finite, an angle not finite, a
-/// singular matrix, an image without pixels, a lattice that is not one.
+/// singular matrix, an image without pixels, an invalid lattice.
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height);
 
 /// The slice set most parallel to the view plane and the order of its slices, front to back.
@@ -54,8 +54,8 @@ struct Traversal {
   int slice_at(int step, int slices) const { return ascending ? step : slices - 1 - step; }
 };
 
-/// A pure function of the view. Ties (|cos| equal to 1e-9, relative) go to z before y before x. A
-/// view along the slices' plane cannot happen: the largest |cos| is at least 1/√3 when the lattice's axes are
+/// A pure function of the view. Ties (|cos| equal to 1e-9, relative) go to z before y before x. The view is
+/// never parallel to the chosen slices: the largest |cos| is at least 1/√3 when the lattice's axes are
 /// orthogonal, and above zero when they are oblique.
 Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice);
 
