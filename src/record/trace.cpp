@@ -42,9 +42,9 @@ bool take_offset(std::span<const std::byte> in, std::size_t& at, ClockOffset& cl
 
 Block to_block(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
-/// No sum or table that is made of it later leaves its bounds.
+/// Checks that a received record keeps all later sums and tables within their bounds.
 bool is_sound(const NodeRecord& record) {
-  constexpr double longest = 4e9;  // seconds; more nanoseconds than fit into 64 bits would be twice as long
+  constexpr double longest = 4e9;  // seconds; twice as many would not fit into 64 bits as nanoseconds
   constexpr std::int32_t most_nodes = 1 << 24;
   const auto is_time = [](double seconds) { return std::abs(seconds) <= longest; };
   const auto is_span = [&](const Span& s) {
@@ -136,7 +136,7 @@ void Trace::compare_clocks(Collectives& collectives) {
   compared_.push_back(common ? ClockOffset{.at = mine.back().left} : estimate_offset(mine, times_of_0));
 }
 
-/// Clocks of different machines also run at different speeds, which shows between two comparisons.
+/// Interpolates between two comparisons, since clocks of different machines also run at different speeds.
 double Trace::in_clock_of_0(double time) const {
   if (compared_.empty()) return time;
   const ClockOffset &first = compared_.front(), &last = compared_.back();

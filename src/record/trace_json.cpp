@@ -33,7 +33,7 @@ bool of_token(Moment m) { return m == Moment::pass_token || m == Moment::take_to
 auto flow_key(const Mark& m) { return std::tuple(of_token(m.moment), m.frame, m.step, m.renderer); }
 using FlowKey = decltype(flow_key(Mark{}));
 
-/// The number of each flow whose two ends are there.
+/// Numbers the flows of which both ends were recorded.
 std::map<FlowKey, std::int64_t> number_flows(const std::vector<NodeRecord>& nodes) {
   std::map<FlowKey, std::array<bool, 2>> ends;
   for (const auto& node : nodes)
@@ -56,8 +56,7 @@ double first_time(const std::vector<NodeRecord>& nodes) {
 double microseconds(Nanoseconds t) { return double(t) / 1000; }
 double microseconds(double seconds) { return std::round(seconds * 1e9) / 1000; }
 
-/// A node's row. All ends are rounded to nanoseconds once, so that what nests in seconds nests in the file
-/// too.
+/// A node's row. Begins and ends are each rounded to nanoseconds once, so that nesting survives rounding.
 class Row {
  public:
   Row(int process, int thread, double start) : process_(process), thread_(thread), start_(start) {}
@@ -80,7 +79,7 @@ class Row {
   }
 
  private:
-  /// Text, as it takes a fraction of a JSON object's memory.
+  /// Kept as text, which takes a fraction of a JSON object's memory.
   struct Line {
     double time, duration;
     std::string event;
@@ -134,8 +133,8 @@ class Row {
     }
   }
 
-  /// A viewer binds a flow's end to the span at its time, so each mark gets a short one that reaches no
-  /// further than whatever begins or ends next.
+  /// A viewer binds a flow's end to the span at its time. So each mark gets a short span of its own, which
+  /// ends before anything else begins or ends.
   void write_marks(std::vector<Mark> marks, const std::map<FlowKey, std::int64_t>& flows) {
     for (const auto& mark : marks) edges_.push_back(at(mark.time));
     std::sort(edges_.begin(), edges_.end());
@@ -176,7 +175,7 @@ json metadata(const char* what, int process, int thread, const char* key, json v
       {"ph", "M"}, {"name", what}, {"pid", process}, {"tid", thread}, {"args", {{key, std::move(value)}}}};
 }
 
-/// What a reader must know that no event says.
+/// What a reader must know beside the events.
 json explanation(const Trace::Gathered& trace, const Layout& layout) {
   json j{{"gps", layout.gps}, {"renderers", layout.renderers}, {"ranks", layout.ranks()}};
   j["longest_gap_us"] = microseconds(NodeTrace::longest_gap);
@@ -201,7 +200,7 @@ std::string to_chrome_trace(const Trace::Gathered& trace, const Layout& layout) 
   const auto add = [&](const json& event) {
     text.append(text.back() == '[' ? "\n" : ",\n").append(event.dump());
   };
-  // Process and thread 0 have a meaning of their own to viewers.
+  // Numbers begin at 1: viewers treat process and thread 0 specially.
   for (int rank = 0; rank < layout.ranks(); ++rank) {
     add(metadata("process_name", rank + 1, 0, "name", "rank " + std::to_string(rank)));
     add(metadata("process_sort_index", rank + 1, 0, "sort_index", rank));

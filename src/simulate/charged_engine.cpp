@@ -14,7 +14,8 @@ namespace {
 
 class ChargedEncoder final : public EncoderDecorator {
  public:
-  /// `debt` is the GP's: a frame's setup is paid before any of its slices, also while an earlier one's are encoded.
+  /// `debt` belongs to the GP. A frame's setup is paid before any of its slices, even while an earlier frame
+  /// is being encoded.
   ChargedEncoder(std::unique_ptr<Encoder> inner, const Machine& machine, Debt& debt, bool has_work)
       : EncoderDecorator(std::move(inner)), machine_(machine), debt_(debt) {
     if (has_work) debt_.owe(machine.gp.frame);
@@ -39,7 +40,7 @@ class ChargedEncoder final : public EncoderDecorator {
  private:
   const Machine& machine_;
   Debt& debt_;
-  std::optional<EncodedStep> encoded_;  ///< complete, while the time for it passes
+  std::optional<EncodedStep> encoded_;  ///< complete; its time is still passing
 };
 
 class ChargedPainter final : public Painter {
@@ -85,7 +86,7 @@ class ChargedPainter final : public Painter {
   Debt debt_{machine_.poll_interval};
   std::uint32_t passes_ = 0;
   std::uint64_t drawn_before_ = 0;
-  bool painted_ = false;  ///< the payload is drawn, while the time for it passes
+  bool painted_ = false;  ///< the payload is drawn; its time is still passing
 };
 
 class ChargedEngine final : public Engine {

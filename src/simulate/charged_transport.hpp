@@ -5,11 +5,10 @@
 
 namespace ringsplat {
 
-/// Charges what a machine's software spends on messages between ranks; the network's own time is the
-/// simulator's.
+/// Charges the software costs of messages between ranks. The simulator adds the network's time itself.
 class ChargedTransport final : public Transport {
  public:
-  /// Both outlive it.
+  /// Both must outlive it.
   ChargedTransport(Transport& transport, const Machine& machine) : transport_(transport), machine_(machine) {}
   int rank() const override { return transport_.rank(); }
   int ranks() const override { return transport_.ranks(); }

@@ -13,14 +13,14 @@
 namespace ringsplat {
 namespace {
 
-/// All that a payload says: of more, counted_bytes has no room.
+/// All that a payload says; must fit into counted_bytes.
 struct Said {
   std::uint64_t items = 0;
-  std::uint64_t tiles = 0;  ///< of its Renderer's that it has items for, as bits
+  std::uint64_t tiles = 0;  ///< bit mask: which of its Renderer's tiles it has items for
 };
 static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
 
-/// By tile: its place among its Renderer's tiles, as a bit; the 64th and all further ones share one.
+/// Each tile's bit: its place among its Renderer's tiles. From the 64th on they share the last bit.
 std::vector<std::uint64_t> tile_bits(const FramePlan& plan) {
   constexpr std::size_t last = 63;
   std::vector<std::uint64_t> bits(plan.tiles.size());
@@ -58,7 +58,7 @@ class CountingEncoder final : public EncoderDecorator {
     return static_cast<std::uint64_t>(std::llround(weight_ * double(count)));
   }
 
-  /// The rest is never written nor read, so that it takes no memory before it travels.
+  /// The rest is never written or read, so it takes no memory before it travels.
   static Bytes counted(std::size_t size, const Said& said) {
     Bytes body = Message::body_buffer();
     body.reserve(body.size() + size);
@@ -104,7 +104,7 @@ class CountingPainter final : public Painter {
   int renderer_;
   FramePlan plan_;
   std::vector<std::uint64_t> bits_;  ///< by tile
-  Said here_;                        ///< by the payload
+  Said here_;                        ///< what the current payload says
   std::uint64_t reached_ = 0;
   ItemCounts counts_;
 };

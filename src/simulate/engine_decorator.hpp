@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// An encoder that does what another does, but for what derived classes change.
+/// Forwards everything to another encoder; derived classes override what they change.
 class EncoderDecorator : public Encoder {
  public:
   explicit EncoderDecorator(std::unique_ptr<Encoder> inner) : inner_(std::move(inner)) {}

@@ -33,7 +33,7 @@ struct FrameStats {
   double period = 0;   ///< since the frame before was complete (the first: since it was announced)
   bool ascending = true;  ///< the order in which the slices were traversed
   int slices = 0;
-  bool dropped = false;  ///< unwanted before it was complete: payloads were left out and not drawn
+  bool dropped = false;  ///< nobody wanted it: payloads were left out or not drawn
   std::vector<NodeStats> gps, renderers;
   std::vector<LinkCounts> links;  ///< of a mesh with manhattan routing, by rank
   NodeStats total() const;

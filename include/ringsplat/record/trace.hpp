@@ -8,12 +8,12 @@
 
 namespace ringsplat {
 
-/// What a node does for a while. `frame` is the frame buffer's: from the announcement to the last tile.
+/// What a node does during a span. `frame` is the frame buffer's: from the announcement to the last tile.
 enum class Activity : std::uint8_t { slice, wait_for_token, send, draw, composite, deliver, frame };
-/// What happens at a node at one moment. Each kind of departure has its arrival at another node.
+/// An instant at a node. Each departure (pass, send) has its arrival (take) at another node.
 enum class Moment : std::uint8_t { pass_token, take_token, send_payload, take_payload };
 
-/// Seconds of a slice's piece by what an encoder did; what is left of the piece is encoding.
+/// An encoder's seconds by stage. The rest of its time is encoding.
 struct StageSeconds {
   double classify = 0, shade = 0;
 };
@@ -21,7 +21,7 @@ struct StageSeconds {
 /// One activity over a while, in seconds of its process's clock.
 struct Span {
   double begin = 0, end = 0;
-  double busy = 0;  ///< of these seconds, those really spent on it: pieces of work are joined over short gaps
+  double busy = 0;  ///< seconds of it really spent; pieces of work are joined over short gaps
   StageSeconds stages;  ///< of a slice's busy seconds
   std::int64_t frame = 0;
   std::int32_t step = 0;  ///< of the traversal; -1: not of one slice
@@ -41,12 +41,12 @@ struct NodeRecord {
   NodeId node;
   std::vector<Span> spans;
   std::vector<Mark> marks;
-  bool full = false;  ///< there was more
+  bool full = false;  ///< some were left out
 };
 
-/// Records one node. Pieces of the same activity for the same slice are joined when less than `longest_gap`
-/// lies between them, and waiting for less than that is left out, so that a slice takes a few spans however
-/// often the node was called. Holds at most `most` spans and as many marks (88 bytes for one of each).
+/// Records one node. Pieces of one activity for one slice are joined over gaps shorter than `longest_gap`,
+/// and shorter waits are left out, so that a slice takes a few spans however often the node was called. Holds
+/// at most `most` spans and as many marks (88 bytes for one of each).
 class NodeTrace {
  public:
   static constexpr double longest_gap = 20e-6;
@@ -72,8 +72,8 @@ struct ClockOffset {
   bool common = true;      ///< both read the same clock, so there is nothing to estimate
 };
 
-/// From rounds of a collective that no process leaves before all have entered it: by when this process and
-/// process 0 entered and left, each in its own clock, the offset is bounded from both sides.
+/// When a process entered and left one round of a collective, by its own clock. No process leaves before all
+/// have entered, so the times of this process and of process 0 bound the offset from both sides.
 struct GatherTimes {
   double entered = 0, left = 0;
 };
@@ -92,8 +92,8 @@ class Trace {
     std::vector<NodeRecord> nodes;     ///< by role and index, in process 0's clock
     std::vector<ClockOffset> offsets;  ///< by process, as last compared
   };
-  /// Everything on process 0; elsewhere nothing. All processes call it. Throws RunError when a record is
-  /// broken.
+  /// Gathers everything on process 0 and returns nothing elsewhere. All processes call it. Throws RunError
+  /// when a record is broken.
   Gathered gather(Collectives& collectives) const;
 
  private:

@@ -10,8 +10,8 @@ namespace ringsplat {
 /// rank, a thread for each node, spans as complete events that nest, tokens and payloads as flow arrows.
 ///
 /// Times are microseconds since the first event, exact to the nanosecond. A slice has the children classify,
-/// shade and encode: an encoder does them row by row in turn, so they stand one after another with the
-/// seconds that each took in sum. A flow is written only when both of its ends were recorded.
+/// shade and encode: an encoder alternates between them row by row, so each is shown once, with its seconds
+/// in sum, one after another. A flow is written only when both of its ends were recorded.
 std::string to_chrome_trace(const Trace::Gathered& trace, const Layout& layout);
 
 }  // namespace ringsplat
