@@ -9,7 +9,7 @@ namespace {
 
 constexpr double haze = 0.05;
 
-/// The histogram seen from its background: bins in order away from it.
+/// The histogram's bins in order away from its background.
 struct Foreground {
   bool upward;             ///< values grow away from the background
   std::size_t first, end;  ///< the foreground's bins, first < end, counted from the low end
@@ -21,7 +21,7 @@ std::uint64_t voxels_between(const Histogram& h, std::size_t first, std::size_t 
                          std::uint64_t(0));
 }
 
-/// Down the peak's slope while counts fall and are still a good part of it: where the background ends.
+/// Where the background ends: down the peak's slope while counts fall and are still a good part of the peak.
 std::size_t foot_of(const Histogram& h, std::size_t peak, bool upward) {
   const auto floor = h.counts[peak] / 20;
   std::size_t bin = peak;
@@ -46,7 +46,7 @@ Foreground find_foreground(const Histogram& h, std::uint64_t total) {
   return {false, 0, below, voxels_below};
 }
 
-/// The value at the far edge of the bin up to which `share` of the foreground lies, seen from the background.
+/// The value up to which `share` of the foreground lies, counted from the background: a bin's far edge.
 double quantile_edge(const Histogram& h, const DataRange& range, const Foreground& f, double share) {
   const double wanted = share * double(f.voxels), bins = double(h.counts.size());
   double seen = 0;

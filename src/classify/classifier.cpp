@@ -17,7 +17,7 @@
 namespace ringsplat {
 namespace {
 
-/// 1 − (1 − α)^length. By way of logarithms, so that an opacity of 1e-7 keeps all its digits.
+/// 1 − (1 − α)^length, by logarithms, so that an opacity of 1e-7 keeps all its digits.
 double corrected(double opacity, double length) {
   if (opacity >= 1.0 || opacity <= 0.0 || length == 1.0) return opacity;
   return -std::expm1(length * std::log1p(-opacity));
@@ -39,7 +39,7 @@ Support support_of(const std::vector<TransferFunction::OpacityPoint>& points) {
   return support;
 }
 
-/// A whole number, or the nearer end of an integer type, `beyond` further out, when it lies behind that.
+/// Clamps a whole number to the range of an integer type, widened by `beyond` at either end.
 template <class T>
 int bounded(double whole, int beyond = 0) {
   using Limits = std::numeric_limits<T>;
@@ -78,7 +78,7 @@ Classifier::Classifier(const TransferFunction& tf, ScalarType type, double lengt
 
 template <class T>
 void Classifier::make_table() {
-  // Values before the first points are alike, and so are those from the last points on.
+  // All values before the first points have one sample, and so do all from the last points on.
   const double first = std::min(tf_.colours.front().value, tf_.opacities.front().value);
   const double last = std::max(tf_.colours.back().value, tf_.opacities.back().value);
   table_low_ = bounded<T>(std::floor(first) - 1);

@@ -87,7 +87,7 @@ glm::dvec3 msh_to_lab(const Msh& c) {
   return {c.m * std::cos(c.s), c.m * std::sin(c.s) * std::cos(c.h), c.m * std::sin(c.s) * std::sin(c.h)};
 }
 
-/// The hue an unsaturated end takes so that the way to the saturated colour looks straight.
+/// The hue to give an unsaturated end so that the way to the saturated colour looks straight.
 double adjusted_hue(const Msh& saturated, double unsaturated_m) {
   if (saturated.m >= unsaturated_m) return saturated.h;
   const double spin = saturated.s * std::sqrt(unsaturated_m * unsaturated_m - saturated.m * saturated.m) /

@@ -17,8 +17,8 @@ T load(const std::byte* row, int i) {
 
 inline constexpr int mask_bits = 64;
 
-/// Bit i: flags[i], each 0 or 1. Eight bytes at a time go to eight bits by one product, none of whose terms
-/// meet.
+/// Bit i is flags[i], each 0 or 1. One multiplication turns eight bytes into eight bits; its partial products
+/// do not overlap.
 inline std::uint64_t to_mask(const std::array<std::uint8_t, mask_bits>& flags) {
   constexpr std::uint64_t gather =
       std::endian::native == std::endian::little ? 0x0102040810204080 : 0x8040201008040201;
@@ -31,8 +31,8 @@ inline std::uint64_t to_mask(const std::array<std::uint8_t, mask_bits>& flags) {
   return mask;
 }
 
-/// Which of the up to 64 scalars from the `first` on satisfy `wanted`, which gives 0 or 1 and is asked for
-/// all without a branch; so it may also be asked for zeros.
+/// Mask of the up to 64 scalars from `first` on that satisfy `wanted`, which returns 0 or 1. Without a
+/// branch: `wanted` is called for all places, also for zeros beyond the last scalar.
 template <class T, class Wanted>
 std::uint64_t mask_where(const std::byte* row, int first, int count, const Wanted& wanted) {
   std::array<T, mask_bits> values;
@@ -49,9 +49,9 @@ std::uint64_t mask_where(const std::byte* row, int first, int count, const Wante
   return count == mask_bits ? mask : mask & ((std::uint64_t{1} << count) - 1);
 }
 
-/// Calls take(block, mask) for the blocks of mask_bits columns, which begin at multiples of that, with
-/// columns among first … end − 1 that are wanted, ascending. Bit i of the mask, which is not 0, is column
-/// block + i. mask_of(first, count): of the up to 64 columns from the `first` on, which lie in one block.
+/// Calls take(block, mask), ascending, for each aligned block of mask_bits columns that has a wanted column
+/// among first … end − 1. Bit i of the mask is column block + i. mask_of(first, count) must return the mask
+/// of up to 64 columns from `first` on, all in one block.
 template <class MaskOf, class Take>
 void for_each_mask(int first, int end, const MaskOf& mask_of, const Take& take) {
   while (first < end) {

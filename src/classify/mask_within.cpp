@@ -35,7 +35,7 @@ std::uint64_t within(const std::byte* values, Bits low, Bits span) {
   return one_by_one(values, 0, mask_bits, low, span);
 #else
   const hn::CappedTag<Bits, mask_bits> d;
-  constexpr std::size_t spare = 8;  // which storing a mask may overwrite
+  constexpr std::size_t spare = 8;  // bytes that storing a mask may overwrite
   std::uint8_t bytes[mask_bits / 8 + spare];
   for (std::size_t at = 0; at < mask_bits; at += hn::Lanes(d)) {
     const auto bits = hn::LoadU(d, reinterpret_cast<const Bits*>(values) + at);

@@ -28,7 +28,7 @@ namespace ringsplat {
 inline constexpr int lattice_n = 126;
 inline constexpr double lattice_warp = 2.5;
 inline constexpr int lattice_points = 4 * lattice_n * lattice_n + 2;
-inline constexpr int points_between = lattice_n / 2;  ///< on a plane's part in an octant
+inline constexpr int points_between = lattice_n / 2;  ///< on one plane, in one octant
 inline constexpr int all_between = 3 * 8 * points_between;
 inline constexpr int lattice_codes = lattice_points + all_between;
 static_assert(lattice_codes < int(normal_codes) && lattice_codes % 2 == 0);
@@ -47,8 +47,7 @@ inline constexpr int first_above = all_between / 2 + 1, points_on_equator = 4 * 
                      first_on_equator = first_above + points_above,
                      first_below = first_on_equator + points_on_equator;
 
-/// The points above the equator (|i| + |j| < n) count row by row: rows[i + n] + j is how many are before
-/// (i, j).
+/// The points above the equator (|i| + |j| < n) are numbered row by row: (i, j) is number rows[i + n] + j.
 using LatticeRows = std::array<int, 2 * lattice_n + 1>;
 constexpr LatticeRows make_lattice_rows() {
   LatticeRows rows{};
@@ -71,8 +70,8 @@ inline NormalCode code_of(const LatticePoint& p) {
   return NormalCode(first_on_equator + before);
 }
 
-/// The point between two: (k + ½, k + ½) along the axes `first` and its successor (x, y, z, x …), in the
-/// octant whose bits say which of x, y, z are below zero.
+/// A point half-way between two: (k + ½, k + ½) along the axes `first` and its successor (x, y, z, x …). The
+/// octant's bits say which of x, y, z are below zero.
 struct PointBetween {
   int first, octant, k;
 };
@@ -85,7 +84,7 @@ inline NormalCode code_of(const PointBetween& p) {
 /// The code of a direction that is zero or whose length is between 1e-90 and 1e90.
 inline NormalCode encode_moderate(double x, double y, double z) {
   const double ax = std::abs(x), ay = std::abs(y), az = std::abs(z);
-  // Sums in the order of size, so that they have the same bits whichever way the direction is turned.
+  // Sums in the order of size, so that a turned direction gives the same bits.
   const double most = std::max(std::max(ax, ay), az), least = std::min(std::min(ax, ay), az),
                middle = std::max(std::min(ax, ay), std::min(std::max(ax, ay), az));
   const double length = std::sqrt((least * least + middle * middle) + most * most);
@@ -95,8 +94,8 @@ inline NormalCode encode_moderate(double x, double y, double z) {
   const double a = ax * (warp + ax) * scale, b = ay * (warp + ay) * scale, c = az * (warp + az) * scale;
   int i = int(a + 0.5), j = int(b + 0.5), l = int(c + 0.5);
   if (const int excess = i + j + l - lattice_n; excess != 0) {
-    // Three roundings missed the face's plane: the one that erred most goes back (nearest point of A2); of
-    // two that erred alike the larger; of two that are alike, each by half.
+    // The rounded point is off the face's plane. Moves back the coordinate that was rounded furthest (nearest
+    // point of A2); of two rounded as far, the larger; of two equal ones, each by half.
     const double sign = excess, ea = sign * (i - a), eb = sign * (j - b), ec = sign * (l - c);
     const auto before = [](double e, double size, double other_e, double other_size) {
       return e > other_e || (e == other_e && size > other_size);

@@ -11,15 +11,14 @@
 namespace ringsplat {
 namespace {
 
-/// Length along one axis of the direction whose lattice coordinate there is `a` (0..1), for the common factor
-/// λ.
+/// The direction's component along an axis with lattice coordinate `a` (0..1), for the common factor λ.
 double unwarped(double a, double lambda) {
   return 0.5 * (std::sqrt(lattice_warp * lattice_warp + 4.0 * lambda * a) - lattice_warp);
 }
 
 /// The unit direction of face coordinates (a, b, c) that sum to one: the warp's inverse.
 glm::dvec3 direction_of(const glm::dvec3& face) {
-  // λ is the one factor that makes the direction a unit vector; its length grows with λ.
+  // Bisects for the λ that makes the direction a unit vector; its length grows with λ.
   double low = lattice_warp + 1.0, high = lattice_warp * std::sqrt(3.0) + 1.0;
   glm::dvec3 n{};
   for (int round = 0; round < 60; ++round) {

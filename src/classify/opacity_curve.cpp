@@ -18,13 +18,13 @@ CurveShape limited(CurveShape shape) {
 
 double shaped_opacity(double y0, double y1, const CurveShape& given, double t) {
   const CurveShape shape = limited(given);
-  // The midpoint bends the way so that 0.5 falls on it.
+  // Moves t so that the midpoint becomes 0.5.
   double s = t < shape.midpoint ? 0.5 * t / shape.midpoint
                                 : 0.5 + 0.5 * (t - shape.midpoint) / (1.0 - shape.midpoint);
   if (shape.sharpness > nearly_step) return s < 0.5 ? y0 : y1;
   if (shape.sharpness < nearly_linear) return (1.0 - s) * y0 + s * y1;
-  // VTK's curve (class vtkPiecewiseFunction): the way is pressed together about its middle by a power, then
-  // runs along a cubic Hermite curve with the same slope at both ends.
+  // VTK's curve (class vtkPiecewiseFunction): a power presses t together about its middle; a cubic Hermite
+  // curve with the same slope at both ends follows.
   const double power = 1.0 + 10.0 * shape.sharpness;
   s = s < 0.5 ? 0.5 * std::pow(2.0 * s, power) : 1.0 - 0.5 * std::pow(2.0 * (1.0 - s), power);
   const double slope = (1.0 - shape.sharpness) * (y1 - y0);

@@ -16,7 +16,7 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr const char* format_hint = "give a colour map as ParaView exports it (.json)";
-constexpr std::size_t most_bytes = std::size_t(64) << 20;  // beyond any colour map
+constexpr std::size_t most_bytes = std::size_t(64) << 20;  // larger than any colour map
 constexpr int samples_each_colour_span = 32;
 
 /// The one colour map of the document.
@@ -25,7 +25,7 @@ Json parse_map(const std::string& text, const std::string& where) {
   try {
     document = Json::parse(text);
   } catch (const Json::exception& error) {
-    const char* message = std::strstr(error.what(), "] ");  // behind the library's own error name
+    const char* message = std::strstr(error.what(), "] ");  // after the library's own error name
     throw InputError(fmt::format("{} is not JSON: {}", where, message ? message + 2 : error.what()),
                      format_hint);
   }
@@ -114,7 +114,7 @@ ColourSpace read_colour_space(const Json& map, const std::string& where) {
                    "use RGB, HSV, Lab or Diverging, or export the map from ParaView as RGB");
 }
 
-/// Display colours along the way in another space, close enough to be joined in RGB.
+/// Samples display colours along a way in another space, close enough together to be interpolated in RGB.
 std::vector<TransferFunction::ColourPoint> sample_space(
     const std::vector<TransferFunction::ColourPoint>& points, ColourSpace space) {
   std::vector<TransferFunction::ColourPoint> out;

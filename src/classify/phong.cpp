@@ -20,10 +20,10 @@
 namespace ringsplat {
 namespace {
 
-/// Normals that are lit together.
+/// Number of normals lit together.
 constexpr std::size_t block = 64;
 
-/// Beyond the largest float there is no colour either: 0 times it must stay 0.
+/// Clamps to the largest float, so that 0 times a scale stays 0.
 constexpr float most = std::numeric_limits<float>::max();
 
 struct NormalBlock {
@@ -34,7 +34,7 @@ struct Lighting {
   glm::vec3 light, viewer;  ///< unit directions
   float light_viewer;       ///< cosine between them
   float ambient, diffuse;
-  float faint;  ///< where the cosine is no more, the highlight is less than half a step of a 16-bit colour
+  float faint;  ///< up to this cosine the highlight is less than half a step of a 16-bit colour
 };
 
 /// Cosines between the mirrored light and the viewer; 0 where no highlight is seen.
@@ -48,7 +48,7 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// The scales; true when some highlights are not faint.
+/// Computes a block's scales; true when some highlights are not faint.
 bool LightBlock(const NormalBlock& n, const Lighting& lighting, float* scales, Mirrored& mirrored) {
   const hn::CappedTag<float, block> d;
   const auto cosine = [&](std::size_t k, const glm::vec3& direction) {
@@ -102,12 +102,12 @@ void check(const PhongMaterial& m) {
 
 float to_float(double v) { return static_cast<float>(std::min(v, double(most))); }
 
-/// Half of the codes, one of each two opposite directions, and no_normal.
+/// One code of each two opposite directions, and no_normal.
 constexpr std::size_t half_codes = opposite_codes / 2 + 1;
-/// In whole blocks.
+/// Rounded up to whole blocks.
 constexpr std::size_t table_size = (half_codes + block - 1) / block * block;
 
-/// Their normals, decoded once: tables are made anew for every view.
+/// Decoded normals of these codes, made once: tables are made anew for every view.
 struct Normals {
   std::vector<float> x, y, z;
 };
@@ -145,7 +145,7 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
   for (std::size_t first = 0; first < table_size; first += block) {
     Mirrored mirrored;
     float* scales = &scales_[first];
-    // Most powers need not be taken.
+    // Blocks without a highlight, which are most, need no powers.
     if (!HWY_DYNAMIC_DISPATCH(LightBlock)({&n.x[first], &n.y[first], &n.z[first]}, lighting, scales,
                                           mirrored))
       continue;

@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// Where a value lies among ascending points: on the way from points[index] to the next one.
+/// A value's place among ascending points: between points[index] and the next one.
 struct Place {
   std::size_t index;
   double t;  ///< 0 at points[index], below 1; 0 also before the first and behind the last point
@@ -31,7 +31,7 @@ Place locate(const std::vector<Point>& points, double value) {
   return {index, fraction(value, points[index].value, above->value)};
 }
 
-/// From `a` to `b`, staying at `a` bit for bit when the two are equal.
+/// Linear interpolation from `a` to `b`; exactly `a` when the two are equal.
 template <class T>
 T blend(const T& a, const T& b, double t) {
   return a + t * (b - a);

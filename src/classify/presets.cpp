@@ -45,7 +45,8 @@ const std::vector<PresetTable>& tables() {
         {0.15, {0.84, 0.62, 0.50}},
         {0.40, {0.95, 0.78, 0.66}},
         {1.0, {1.0, 0.92, 0.84}}},
-       // Gentle slopes: voxels are classified before interpolation, and steep ones show the lattice as rings.
+       // Gentle slopes: voxels are classified before interpolation, and steep slopes show the lattice as
+       // rings.
        {{0.0, 0.0}, {0.04, 0.0}, {0.24, 0.25}, {0.48, 0.35}, {1.0, 0.4}}},
       {{"ct-bone", "CT in Hounsfield units: bone alone"},
        Scale::hounsfield,

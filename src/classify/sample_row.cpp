@@ -44,10 +44,10 @@ HWY_INLINE Colour light(Colour colour, const PhongTable::Entries& lights, std::s
 
 #endif
 
-/// The columns of a block: all but in a row's last one, which has fewer.
+/// The number of columns of every block but a row's last.
 using WholeBlock = std::integral_constant<int, mask_bits>;
 
-/// Their places in a table, made together.
+/// The columns' places in a table, made together.
 template <class Place>
 using Places = Place[mask_bits];
 
@@ -65,7 +65,7 @@ HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, int co
 
 #if !RINGSPLAT_ONE_BY_ONE
 
-/// Of a whole block: differences stay within the type, which a compiler does not see.
+/// For a whole block. Differences fit the type, but the compiler cannot know that.
 template <class T>
 HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, WholeBlock,
                                  Places<std::make_unsigned_t<T>>& places) {
@@ -89,7 +89,7 @@ HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, WholeB
 
 #endif
 
-/// Calls use(count) with how many of the row's columns the block has.
+/// Calls use(count) with the number of the row's columns in the block.
 template <class Use>
 HWY_INLINE void with_columns(const VisibleBlock& block, int columns, const Use& use) {
   const int left = columns - int(block.first);
@@ -99,7 +99,7 @@ HWY_INLINE void with_columns(const VisibleBlock& block, int columns, const Use& 
     use(left);
 }
 
-/// colour(i, k): of column i of the block, the row's k-th voxel.
+/// colour(i, k) is the colour of the block's column i, the row's k-th voxel.
 template <class ColourOf>
 HWY_INLINE void fill_block(const VisibleBlock& block, ClassifiedSample* samples, const ColourOf& colour) {
   samples += block.sample;

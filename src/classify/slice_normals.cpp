@@ -14,8 +14,8 @@ namespace {
 template <class T>
 inline constexpr bool is_exact_in_int = std::is_integral_v<T> && sizeof(T) <= 2;
 
-/// Takes differences along the lattice axes to a world direction against the gradient: −D⁻ᵀ S⁻¹, scaled so
-/// that its largest number is one. Only the direction counts.
+/// Maps differences along the lattice axes to a world direction against the gradient: −D⁻ᵀ S⁻¹, scaled so
+/// that its largest element is one. Only the direction counts.
 glm::dmat3 against_gradient(const Grid& grid) {
   const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
   glm::dmat3 m = glm::transpose(glm::inverse(grid.direction));
@@ -51,15 +51,14 @@ struct Neighbourhood {
   int count;
 };
 
-/// Any voxel of a row, by the rules in full: borders, missing neighbours, values near the end of double's
-/// range.
+/// Handles any voxel: borders, missing neighbours, values near the end of double's range.
 template <class T>
 NormalCode careful_normal(const Neighbourhood<T>& rows, int x, const glm::dmat3& m) {
   const T centre = rows.here[x];
   if (!is_value(centre)) return no_normal;
   const auto along = [&](const T* before, const T* after) -> double {
     const bool has_before = before && is_value(*before), has_after = after && is_value(*after);
-    if constexpr (std::is_same_v<T, double>)  // an eighth of the values, so that no difference overflows
+    if constexpr (std::is_same_v<T, double>)  // an eighth of each value, so that no difference overflows
       return doubled_difference(has_before ? *before / 8 : 0, centre / 8, has_after ? *after / 8 : 0,
                                 has_before, has_after);
     else
@@ -71,15 +70,15 @@ NormalCode careful_normal(const Neighbourhood<T>& rows, int x, const glm::dmat3&
                along(at(rows.before_y), at(rows.after_y)), along(at(rows.before_z), at(rows.after_z))};
   const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
   if (!(largest > 0)) return no_normal;
-  if constexpr (std::is_same_v<T, double>) {  // and no product vanishes
+  if constexpr (std::is_same_v<T, double>) {  // and no product underflows
     const int exponent = std::ilogb(largest);
     for (int k = 0; k < 3; ++k) d[k] = std::scalbn(d[k], -exponent);
   }
   return encode_normal(m * d);
 }
 
-/// Inner voxels of a row whose neighbours all exist. Equal neighbours, the usual case outside the object,
-/// cost three subtractions.
+/// Inner voxels of a row, whose neighbours all exist. Equal neighbours, usual outside the object, cost three
+/// subtractions.
 template <class T>
 void inner_integer_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
   using Wide = std::conditional_t<is_exact_in_int<T>, int, std::int64_t>;
@@ -96,8 +95,8 @@ void inner_integer_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, No
   }
 }
 
-/// The same for floats: sums of squares of differences say at once whether anything is missing, infinite or
-/// too small for the short way.
+/// The same for floats: the sum of the differences' squares shows whether anything is not finite, or too
+/// small for the short way.
 template <class T>
 void inner_float_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
   for (int x = 1; x + 1 < rows.count; ++x) {

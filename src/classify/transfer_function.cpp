@@ -14,7 +14,7 @@ namespace {
 bool is_share(double v) { return v >= 0.0 && v <= 1.0; }
 bool is_colour(const glm::dvec3& c) { return is_share(c.x) && is_share(c.y) && is_share(c.z); }
 
-/// What holds for the values of both kinds of points.
+/// Checks the values of either kind of points.
 template <class Point>
 void check_values(const std::vector<Point>& points, const std::string& field) {
   if (points.size() < 2)
@@ -52,7 +52,7 @@ bool TransferFunction::visible_within(double low, double high) const {
     return opacities[o.index].opacity > 0 || (o.t > 0 && opacities[o.index + 1].opacity > 0);
   };
   if (visible_at(low) || visible_at(high)) return true;
-  // Neither end is visible: something is only where a piece between two points rises inside (low, high).
+  // Neither end is visible, so something is only if a piece between points is above zero in (low, high).
   for (std::size_t i = 0; i + 1 < opacities.size(); ++i) {
     const auto &a = opacities[i], &b = opacities[i + 1];
     if (a.value < b.value && a.value < high && b.value > low && (a.opacity > 0 || b.opacity > 0)) return true;

@@ -84,7 +84,7 @@ std::optional<Hop> Route::next() {
   if (!direction) return std::nullopt;
   Hop hop{{at_, *direction}, neighbour(mesh_, at_, *direction).value(), 0};
   const int row = place_of(mesh_, hop.to).y;
-  // A message on its way down stands above its first row only after it has passed the seam.
+  // A message going down is above its first row only after it has passed the seam.
   if (*direction == Direction::south) hop.buffer_class = row < first_row_ ? 1 : 0;
   if (*direction == Direction::north) hop.buffer_class = row > first_row_ ? 1 : 0;
   at_ = hop.to;

@@ -18,7 +18,7 @@ bool LockStep::may_leave(const Header& h) {
   }
   const auto [start, is_new] = start_.try_emplace(place.renderer);
   if (is_new) {
-    // The front slice's owner makes the train; to the others a token comes in its step.
+    // The front slice's owner forms the train; the others get each token in its step.
     const int held = h.kind == Kind::token ? place.step - 1 : place.step;
     start->second = held == 0 ? frame_start_ + std::int64_t(start_.size()) - 1 : now_ - held;
   }

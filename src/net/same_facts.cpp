@@ -54,7 +54,7 @@ Block hash_of(const Block& facts) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// Fills in the first field that differs, of those that process 0 has or else of the other's.
+/// Fills in the first field that differs: first among process 0's fields, then among the other's.
 void find_field(const Facts& on_0, const Facts& there, Disagreement& found) {
   const auto by_field = [](const Facts& facts) {
     std::map<std::string, std::string> values;

@@ -14,39 +14,40 @@ namespace ringsplat {
 /// 64 neighbouring columns of a row, some of whose voxels are visible.
 struct VisibleBlock {
   std::uint32_t first;   ///< column, a multiple of 64
-  std::uint32_t sample;  ///< which of the row's samples is its first visible voxel's
+  std::uint32_t sample;  ///< index, in the row's samples, of its first visible voxel
   std::uint64_t mask;    ///< bit i: column first + i is visible; never 0
 };
 
-/// The visible voxels (opacity above zero) of a row. Buffers that only grow, for row after row.
+/// The visible voxels (opacity above zero) of a row. Reuse it for row after row: its buffers only grow.
 struct VisibleRow {
   std::vector<VisibleBlock> blocks;       ///< by ascending columns
-  std::vector<ClassifiedSample> samples;  ///< the voxels', once they are made: the first `visible` ones
+  std::vector<ClassifiedSample> samples;  ///< of the visible voxels, once made: the first `visible` elements
   std::uint32_t visible = 0;
-  /// The voxels of columns first … end − 1 that a row's `masks`, a bit a column, have; without samples.
+  /// Takes the voxels among columns first … end − 1 that are set in `masks`, a bit a column; makes no
+  /// samples.
   void take(std::span<const std::uint64_t> masks, std::uint32_t first, std::uint32_t end);
-  /// Forgets the voxels that `kept`, a mask for each block, does not have. Before samples are made.
+  /// Keeps only the voxels set in `kept`, a mask for each block. Call it before samples are made.
   void keep(const std::vector<std::uint64_t>& kept);
 };
-/// Of a row's masks, 64 columns each.
+/// Number of masks of a row, 64 columns each.
 constexpr std::size_t masks_of(int columns) { return (std::size_t(columns) + 63) / 64; }
 
 /// Turns rows of voxels into colour and opacity, for one transfer function and one view.
 ///
-/// The opacity handed out is corrected for the distance the ray runs from slice to slice: 1 − (1 − α)^length,
-/// `length` in unit lengths (1 switches the correction off). 8- and 16-bit integers go through a table of
-/// the values that the function spans; wider types are evaluated exactly. Not-a-number is transparent; an
-/// infinity lies beyond the last point of its side and takes that point's colour and opacity.
+/// Opacity is corrected for the ray's distance from slice to slice: 1 − (1 − α)^length, `length` in unit
+/// lengths (1 switches the correction off). 8- and 16-bit integers go through a table of the values that the
+/// function spans; wider types are evaluated exactly. Not-a-number is transparent; an infinity takes the
+/// colour and opacity of the last point on its side.
 class Classifier {
  public:
-  /// Throws InputError for a transfer function that check() refuses and a length that is not positive.
+  /// Throws InputError for a transfer function that check() refuses or a length that is not positive.
   Classifier(const TransferFunction& tf, ScalarType type, double length);
 
-  /// Sets the bits of the visible voxels among columns first … end − 1 of a row of scalars in native byte
-  /// order, at any address, in the row's `masks`, a bit a column. Safe to call from several threads.
+  /// Sets the visible voxels' bits in the row's `masks`, a bit a column, for columns first … end − 1. `row`
+  /// has scalars in native byte order, at any address. Several threads may call it.
   void find_row(const std::byte* row, int first, int end, std::uint64_t* masks) const;
 
-  /// The sample of each value; those beyond low … high are as these.
+  /// The samples of the values low … high. Values beyond have the sample of the nearer end.
   struct Table {
     const ClassifiedSample* samples;
     int low, high;
@@ -76,14 +77,14 @@ class Classifier {
   TransferFunction tf_;
   ScalarType type_;
   double length_;
-  std::vector<glm::dvec3> linear_;     ///< the colour points in linear light
-  double support_low_, support_high_;  ///< transparent outside; low > high when everything is
+  std::vector<glm::dvec3> linear_;     ///< the colour points, in linear light
+  double support_low_, support_high_;  ///< transparent outside; low > high: everywhere
 
-  // Of 8- and 16-bit types only:
-  std::vector<ClassifiedSample> table_;  ///< of values table_low_ … table_high_; those beyond are as the ends
+  // For 8- and 16-bit types only:
+  std::vector<ClassifiedSample> table_;  ///< of values table_low_ … table_high_; beyond, the ends hold
   std::vector<std::uint8_t> visible_;    ///< 1 where the table's opacity is above zero
   int table_low_ = 0, table_high_ = 0;
-  int first_visible_ = 0, last_visible_ = 0;  ///< all between are visible, unless there are gaps
+  int first_visible_ = 0, last_visible_ = 0;  ///< all values between are visible unless there are gaps
   bool gaps_ = true;
 };
 

@@ -18,9 +18,9 @@ struct PhongMaterial {
   bool operator==(const PhongMaterial&) const = default;
 };
 
-/// Shading by lookup: one entry for each quantised normal and its opposite, which are lit alike, rebuilt when
-/// the light or the view changes (Neumann 1992, section 3). Directions are in world space, towards the light
-/// and towards the viewer.
+/// Shading by lookup (Neumann 1992, section 3): one entry for each quantised normal and its opposite, which
+/// are lit alike. Rebuilt when the light or the view changes. Directions are in world space, towards the
+/// light and towards the viewer.
 class PhongTable {
  public:
   PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
@@ -30,12 +30,13 @@ class PhongTable {
     return entries().light(s, place_of(normal));
   }
 
-  /// A colour is multiplied by |scale|, and the highlight is added. Most normals have none, and the table is
-  /// larger than a cache's share: so scales below zero, or −0, tell which have one, and others' are not read.
+  /// A colour is multiplied by |scale|, then the highlight is added. Most normals have no highlight, and the
+  /// table is larger than a thread's share of the cache. So a scale's sign bit says whether there is a
+  /// highlight, and the others are not read.
   struct Entries {
     const float *scales, *highlights;
-    /// Where the highlight of a place is: there or, of those without one, at 0. A load of the sign's own does
-    /// not wait for the scale to come out of a vector.
+    /// Index of a place's highlight: the place itself, or 0 when it has none. Loads the sign by itself, which
+    /// is faster than taking the scale out of a vector.
     std::size_t highlight_of(std::size_t place) const {
       std::int32_t sign;
       std::memcpy(&sign, scales + place, sizeof sign);
@@ -48,13 +49,13 @@ class PhongTable {
     }
   };
   Entries entries() const { return {scales_.data(), highlights_.data()}; }
-  /// Among the entries; numbers that are no code have no_normal's.
+  /// A normal's place among the entries; numbers that are no code have that of no_normal.
   static std::uint16_t place_of(NormalCode normal) {
     return std::uint16_t(std::max(std::min(int(normal), opposite_codes - int(normal)), 0));
   }
 
  private:
-  std::vector<float> scales_, highlights_;  ///< by place; of place 0, no_normal's, 1 and 0
+  std::vector<float> scales_, highlights_;  ///< by place; place 0, of no_normal, has 1 and 0
 };
 
 }  // namespace ringsplat

@@ -15,9 +15,9 @@ struct ClassifiedSample {
 
 /// Piecewise-linear colour and opacity over data values; constant beyond the first and last point.
 ///
-/// Colours are given as display (sRGB) values, as ParaView's are, and turned into linear light at the
-/// points; between points linear light is interpolated. Opacity is per voxel length.
-/// Not-a-number is transparent (its colour is kept for writing back only).
+/// Colours are display (sRGB) values at the points, as in ParaView; between points linear light is
+/// interpolated. Opacity is per voxel length. Not-a-number is transparent (its colour is kept for writing
+/// back only).
 struct TransferFunction {
   struct ColourPoint {
     double value;
@@ -46,9 +46,9 @@ struct TransferFunction {
 /// Throws InputError naming the field: fewer than two points, not ascending, not finite, outside 0..1.
 void check(const TransferFunction& tf, const std::string& where);
 
-/// ParaView's JSON colour map (a list of one object, or one object): RGBPoints, Points (with ParaView's
-/// midpoint and sharpness kept only when they are the neutral 0.5 and 0; others are sampled), NanColor,
-/// Name. Throws InputError naming file and field.
+/// Reads ParaView's JSON colour map (an object, or a list of one): RGBPoints, Points, NanColor, Name. Opacity
+/// pieces whose midpoint and sharpness are not 0.5 and 0 are sampled. Throws InputError naming file and
+/// field.
 TransferFunction read_transfer_function(const std::filesystem::path& file);
 TransferFunction parse_transfer_function(const std::string& json, const std::string& where);
 std::string to_paraview_json(const TransferFunction& tf);
@@ -60,7 +60,7 @@ struct PresetName {
   std::string name, description;
 };
 const std::vector<PresetName>& preset_names();
-/// `histogram` spans the volume's range. Throws InputError that lists the names.
+/// `histogram` spans the volume's range. Throws InputError listing the names for an unknown one.
 TransferFunction preset(const std::string& name, const Histogram& histogram);
 
 }  // namespace ringsplat

@@ -17,7 +17,7 @@ Block block_of_value(const T& value) {
   return block_of(std::as_bytes(std::span(&value, 1)));
 }
 
-/// The value back. Throws RunError, naming `what` it is, when the block has another size.
+/// Reads the value back. Throws RunError naming `what` when the block has another size.
 template <class T>
 T value_of(const Block& block, const char* what) {
   T value;

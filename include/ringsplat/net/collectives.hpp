@@ -18,8 +18,8 @@ class Collectives {
   virtual std::vector<Block> all_to_all(std::vector<Block> out) = 0;
   virtual std::vector<Block> all_gather(const Block& mine) = 0;
   virtual Block broadcast(Block block, int root) = 0;
-  /// Unlike the others this waits no longer than `seconds`: process 0 gets those that have not made the call
-  /// by then, ascending. Elsewhere it returns nothing, at once.
+  /// On process 0: waits up to `seconds` and returns the processes that have not made the call by then,
+  /// ascending. Elsewhere: returns nothing, at once.
   virtual std::vector<int> absent(double seconds) = 0;
 };
 
@@ -34,8 +34,8 @@ class SoloCollectives final : public Collectives {
   std::vector<int> absent(double) override { return {}; }
 };
 
-/// Every process hands in its error's text, or an empty one; when any is not empty, all throw the
-/// same InputError: the text of the lowest process, with how many others failed.
+/// Every process hands in its error's text, or an empty one. If any is not empty, all throw the same
+/// InputError: the text of the lowest process and the number of other failures.
 void agree(Collectives& collectives, const std::string& my_error);
 
 }  // namespace ringsplat

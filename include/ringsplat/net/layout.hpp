@@ -39,8 +39,8 @@ struct Layout {
 /// A mesh of columns × rows GPs; its Renderers are on ranks of their own.
 Layout mesh_layout(int columns, int rows, int renderers, Routing routing = Routing::manhattan);
 
-/// Throws InputError, naming the option, when a count is below 1, or a mesh has no shape, a shape that its
-/// GPs do not fill, more Renderers than the ends of its rows, or Renderers on the GPs' ranks.
+/// Throws InputError naming the option: a count below 1; a mesh without a shape, with a shape that its GPs do
+/// not fill, with more Renderers than row ends, or with Renderers on the GPs' ranks.
 void check(const Layout& layout);
 /// Throws RunError, naming the sender, when a header names nodes that the layout does not have.
 void check(const Header& header, const Layout& layout);

@@ -15,12 +15,12 @@ struct LoopbackOptions {
                          ///< (mesh_lock_step.hpp)
   /// In step: called with every mesh link in use.
   LockStep::Observer on_link_use = {};
-  int stopping_rank = -1;  ///< fault injection: this rank takes no turn any more …
+  int stopping_rank = -1;  ///< fault injection: this rank takes no more turns …
   int stops_at_turn = 0;   ///< … from this one on
 };
 
-/// All ranks in one process: a network that can delay and reorder messages, repeatably by its
-/// seed, which is how the protocol is tested and how the program runs without mpirun.
+/// A network of ranks in one process. Tests of the protocol and runs without mpirun use it. It can delay and
+/// reorder messages, repeatably by its seed.
 class LoopbackNetwork {
  public:
   explicit LoopbackNetwork(int ranks, const LoopbackOptions& options = {});
@@ -29,10 +29,10 @@ class LoopbackNetwork {
   LoopbackNetwork& operator=(const LoopbackNetwork&) = delete;
 
   Transport& transport(int rank);
-  /// One turn of the clock by which delays are counted.
+  /// Advances the clock that counts delays by one turn.
   void turn();
   bool in_flight() const;  ///< messages sent and not yet received
-  /// A repeatable number below `bound`, for schedulers that shuffle.
+  /// A repeatable random number below `bound`, for schedulers that shuffle.
   std::uint64_t random_below(std::uint64_t bound);
 
  private:

@@ -33,7 +33,7 @@ inline constexpr std::array all_directions{Direction::west, Direction::east, Dir
                                            Direction::south};
 char letter(Direction direction);
 
-/// Where a rank stands. GPs: 0 ≤ x < columns; Renderers: x = −1 or x = columns.
+/// A rank's place. GPs: 0 ≤ x < columns; Renderers: x = −1 or x = columns.
 struct MeshPlace {
   int x = 0, y = 0;
   bool operator==(const MeshPlace&) const = default;
@@ -60,7 +60,7 @@ std::vector<Link> links(const Layout& mesh);
 /// Those that leave one rank.
 std::vector<Link> links_from(const Layout& mesh, int rank);
 
-/// The direction in which a message for `destination` leaves `rank`, nothing when it is there.
+/// The direction in which a message for `destination` leaves `rank`; nothing at the destination.
 std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination);
 
 /// Number of buffer classes of a link; see `Hop::buffer_class`.
@@ -70,9 +70,9 @@ inline constexpr int buffer_classes = 2;
 struct Hop {
   Link link;
   int to = 0;  ///< rank
-  /// 0, and 1 from the hop on by which a message passes the seam between the bottom and the top row: the
-  /// "dateline" (Dally and Seitz 1987) without which messages that follow each other round a wrapped column
-  /// could all wait for the next.
+  /// 0 before, and 1 from, the hop over the seam between the bottom and the top row. This "dateline" (Dally
+  /// and Seitz 1987) keeps messages that follow each other round a wrapped column from all waiting for the
+  /// next.
   int buffer_class = 0;
   bool operator==(const Hop&) const = default;
 };

@@ -7,18 +7,18 @@
 
 namespace ringsplat {
 
-/// Moves all tokens one GP per step, whatever the delays between them: the clock that the proof in mesh.hpp
-/// assumes, for runs in one process and for simulated ones. A Renderer's k-th place in the train is that in
-/// which the front slice's owner first uses its token. Its payload of traversal step s leaves in step k + s
-/// after the frame's start, its token in the step after.
+/// Moves all tokens one GP per step, whatever the delays: the clock that the proof in mesh.hpp assumes, for
+/// runs in one process and for simulated ones. The tokens form a train, in the order in which the front
+/// slice's owner first uses them. The k-th one's payload of traversal step s leaves in step k + s after the
+/// frame's start, and the token itself in the step after.
 class LockStep {
  public:
   /// Called with every link in use and the step of the clock.
   using Observer = std::function<void(std::int64_t step, const Link& link, const Header& header)>;
 
   explicit LockStep(Observer observer = {}) : observer_(std::move(observer)) {}
-  /// A rank's own lock step whose clock is now_seconds(), common to all ranks as under simulation: one step
-  /// in `step_seconds`, longer than a payload and its accept take and a slice's encoding.
+  /// One rank's lock step by now_seconds(), which must be common to all ranks, as it is under simulation. A
+  /// step lasts `step_seconds`: longer than encoding a slice, and than a payload and its accept take.
   /// `nap(seconds)` lets time pass on a rank that has nothing else to do.
   LockStep(double step_seconds, std::function<void(double)> nap)
       : step_seconds_(step_seconds), nap_(std::move(nap)) {}
@@ -26,9 +26,9 @@ class LockStep {
   /// True when a message may leave its node now.
   bool may_leave(const Header& header);
   void record(const Link& link, const Header& header) const;
-  /// One step of the clock; for when everything that may leave has arrived.
+  /// Advances the clock by one step; call it when everything that may leave has arrived.
   void advance() { ++now_; }
-  /// Messages that are kept at their nodes until their step.
+  /// Number of messages kept at their nodes until their step.
   int kept = 0;
   /// For a rank that keeps messages: sleeps a little before it looks at the clock again.
   void wait() const {

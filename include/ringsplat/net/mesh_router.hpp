@@ -13,8 +13,8 @@
 
 namespace ringsplat {
 
-/// True for what is sent from node to node: token, payload, accept, frame end, tile, report. Announcements
-/// and shutdown go along their tree, and credits, stall reports and link counts straight to their rank.
+/// True for messages from node to node: token, payload, accept, frame end, tile, report. Announcements and
+/// shutdown go along their tree; credits, stall reports and link counts go straight to their rank.
 bool travels_by_mesh(Kind kind);
 
 /// One rank's part of the mesh: takes what its nodes send and what its neighbours hand on, and sends it
@@ -57,15 +57,15 @@ class MeshRouter {
 
   /// True when nothing waits here and every slot this rank filled has been given back.
   bool idle() const;
-  /// Who waits for whom at this rank's links; empty when nobody does.
+  /// Who waits for whom at this rank's links, in words; empty when nobody does.
   std::string waiting_for() const;
-  /// What this rank's links carried for a frame, by link; forgets it.
+  /// Returns what this rank's links carried for a frame, by link, and forgets it.
   std::vector<LinkCounts> take_counts(std::int64_t frame);
 
  private:
   struct Waiting {
     Message message;
-    std::optional<Hop> came_by;  ///< nothing: one of this rank's own
+    std::optional<Hop> came_by;  ///< none: a message of this rank's own
     double since = 0;            ///< seconds; 0 when it did not wait
   };
   struct OutLink {

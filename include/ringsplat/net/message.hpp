@@ -12,7 +12,7 @@
 
 namespace ringsplat {
 
-/// What a rank hosts. `host` stands for the rank itself (announcements go to ranks, not to nodes).
+/// Kinds of nodes on a rank. `host` stands for the rank itself: announcements go to ranks, not to nodes.
 enum class Role : std::uint8_t { gp, renderer, frame_buffer, host };
 
 struct NodeId {
@@ -45,10 +45,11 @@ const char* name(Kind kind);
 struct TokenPlace {
   std::int32_t step = 0;       ///< of the traversal
   std::int32_t renderer = 0;   ///< whose token or payload it is
-  std::uint32_t sequence = 0;  ///< of a token the next payload's, of payloads and accepts their own
+  std::uint32_t sequence = 0;  ///< a payload's own (an accept's: of its payload); of a token the next
+                               ///< payload's
 };
 
-// What a message's header says besides its way, by kind. Kinds without such a struct have no fields.
+// The header's fields of each kind. A kind without such a struct has none.
 
 struct TokenFields {
   static constexpr Kind kind = Kind::token;
@@ -75,16 +76,16 @@ struct TileFields {
 };
 struct CreditFields {
   static constexpr Kind kind = Kind::credit;
-  std::uint32_t channel = 0;  ///< which of the receiver's links to the sender, and which buffer class
-  std::uint32_t slots = 0;    ///< of it that are free again
+  std::uint32_t channel = 0;  ///< one of the receiver's links to the sender, with its buffer class
+  std::uint32_t slots = 0;    ///< freed slots of the channel
 };
 
-/// What every message carries. Sent as it is: ranks of one run share their byte order.
+/// The header of every message. Sent as it is: ranks of one run share their byte order.
 struct Header {
   std::uint32_t magic = 0x32505352;  // "RSP2"
   Kind kind = Kind::stall;
   Role source_role = Role::host, destination_role = Role::host;
-  std::uint8_t counted = 0;  ///< 1: a payload of which only the first counted_bytes say anything (simulation)
+  std::uint8_t counted = 0;  ///< 1: only the payload's first counted_bytes mean anything (simulation)
   std::int32_t source = 0, destination = 0;  ///< index within the role
   std::int64_t frame = 0;
   std::array<std::byte, 16> fields{};  ///< the kind's own: see fields_of()
@@ -95,7 +96,7 @@ struct Header {
 };
 static_assert(sizeof(Header) == 48);
 
-/// The header of a message that has no fields of its own.
+/// The header of a message of a kind without fields.
 Header make_header(Kind kind, NodeId from, NodeId to, std::int64_t frame);
 
 /// The header of a message of kind `Fields::kind`.
@@ -107,7 +108,7 @@ Header make_header(NodeId from, NodeId to, std::int64_t frame, const Fields& fie
   return h;
 }
 
-/// What the header of a message of kind `Fields::kind` says; of another kind's it says nothing.
+/// The fields of a header of kind `Fields::kind`; meaningless for another kind.
 template <class Fields>
 Fields fields_of(const Header& header) {
   assert(header.kind == Fields::kind);
@@ -116,7 +117,7 @@ Fields fields_of(const Header& header) {
   return fields;
 }
 
-/// Of a token, a payload or an accept; nothing of other kinds.
+/// The place that a token, a payload or an accept is about; nothing for other kinds.
 std::optional<TokenPlace> token_place(const Header& header);
 
 inline constexpr std::size_t counted_bytes = 64;  ///< of the message, header included
@@ -129,9 +130,9 @@ class Message {
   explicit Message(const Header& h) : header(h) { header.bytes = 0; }
   /// `wire` must come from body_buffer(): room for the header, then the body.
   Message(const Header& h, Bytes wire);
-  /// Takes a received block apart. Throws RunError when it is no message or its length is not what it says.
+  /// Parses a received block. Throws RunError when it is no message or has another length than it says.
   static Message from_wire(Bytes block, int from_rank);
-  /// The header of a received block, of which the end may still be missing. Throws RunError when it is none.
+  /// The header of a received block, whose end may still be missing. Throws RunError when it is no header.
   static Header header_of(std::span<const std::byte> block, int from_rank);
 
   /// An empty body to append to.

@@ -5,8 +5,8 @@
 
 namespace ringsplat {
 
-/// Moves messages between ranks. Delivers each message once and whole, in any order. One
-/// thread uses it. Only a transport waits: nodes never block.
+/// Moves messages between ranks. Delivers each message once and whole, in any order. Used by one thread. Only
+/// a transport waits; nodes never block.
 class Transport {
  public:
   virtual ~Transport() = default;
@@ -18,13 +18,11 @@ class Transport {
   virtual std::optional<Message> receive() = 0;
   /// True when every message sent has left this rank's memory.
   virtual bool sends_done() = 0;
-  /// Gives time away until something may have happened; returns after about a millisecond at the latest, on a
-  /// rank that has nothing to do after ten.
+  /// Waits until something may have happened: a millisecond at most, or ten on a rank that has no work.
   virtual void wait_next() = 0;
-  /// Says that work was done since the last wait, so the next wait starts eager again.
+  /// Tells that work was done since the last wait, so that the next wait begins by polling again.
   virtual void note_progress() {}
-  /// Says that only the first `ranks` ranks have anything to do from now on, so that the others keep off the
-  /// cores.
+  /// Tells that from now on only the first `ranks` ranks have work, so that the others keep off the cores.
   virtual void only_first_work(int ranks) { static_cast<void>(ranks); }
 };
 
