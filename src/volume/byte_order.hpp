@@ -7,7 +7,7 @@
 
 namespace ringsplat::detail {
 
-/// Turns scalars of that many bytes, stored in one order, into the machine's.
+/// Converts scalars of `scalar_bytes` bytes from the given byte order to the machine's.
 inline void to_native_order(std::span<std::byte> values, std::size_t scalar_bytes, bool big_endian) {
   if (scalar_bytes < 2 || big_endian == (std::endian::native == std::endian::big)) return;
   const auto swap = [values](auto size) {

@@ -34,7 +34,7 @@ std::optional<DicomSlice> try_describe(const std::filesystem::path& file) {
   return DicomSlice{file, image->grid(), image->series(), image->number()};
 }
 
-/// Of a file that was described before. Throws InputError when it is another now.
+/// Reads a file that was described before. Throws InputError when it is another one now.
 void read_image(const DicomSlice& slice, std::span<std::byte> out) {
   auto image = DicomImage::open(slice.file);
   if (!image || image->grid().dims != slice.grid.dims || image->grid().type != slice.grid.type)
@@ -82,7 +82,7 @@ class DicomSource final : public VolumeSource {
     read_image(slice, same ? out : raw);
     files_.require_unchanged(slice.file);
     if (same) return;
-    // Where slices differ in their rescaling, types differ too and the volume's is float32.
+    // Slices with different rescaling may have different types; the volume is then float32.
     visit_type(slice.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
   }
 
@@ -91,7 +91,7 @@ class DicomSource final : public VolumeSource {
   VolumeFiles files_;
 };
 
-/// The frames of one file, which GDCM decodes all at once: the first read holds the volume.
+/// The frames of one file. GDCM decodes all at once, so the first read keeps the whole volume.
 class MultiFrameSource final : public VolumeSource {
  public:
   explicit MultiFrameSource(DicomSlice frames) : frames_(std::move(frames)) {}
@@ -171,8 +171,7 @@ void tell(const std::vector<InputError>& problems, const std::filesystem::path& 
     log_warning_once("left out: {} more files of {} that cannot be read", problems.size() - most, folder.string());
 }
 
-/// What can be read of a folder; the files that cannot are named in warnings. Throws the first one's
-/// complaint when nothing can.
+/// The readable files of a folder; warns of the others. Throws the first complaint when none can be read.
 Series series_in(const std::filesystem::path& folder) {
   Series series;
   std::vector<InputError> problems;
@@ -191,7 +190,7 @@ Series series_in(const std::filesystem::path& folder) {
   return series;
 }
 
-/// In space along the slices' normal; by number where they have no positions.
+/// Sorts along the slices' normal, or by number when they have no positions.
 void sort_slices(std::vector<DicomSlice>& slices) {
   const auto normal = glm::cross(slices.front().grid.direction[0], slices.front().grid.direction[1]);
   const auto key = [&](const DicomSlice& s) {
@@ -200,7 +199,7 @@ void sort_slices(std::vector<DicomSlice>& slices) {
   std::sort(slices.begin(), slices.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
 }
 
-/// Of a folder's several series the longest, of a file its own.
+/// The longest series of a folder, or the series of a file.
 std::vector<DicomSlice> choose_series(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) {
     const auto slice = try_describe(path);

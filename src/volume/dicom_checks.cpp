@@ -63,7 +63,8 @@ DicomCodec codec_of(const DicomFile& file) {
   fail(file, fmt::format("its pixels are encoded as '{}' (transfer syntax)", excerpt(uid)), convert_hint);
 }
 
-/// What one byte can hold of these pixels; frames of a single value excepted, which are small.
+/// The most bytes of pixels that one compressed byte can hold, except in frames of a single value, which are
+/// small.
 std::uint64_t best_ratio(DicomCodec codec) {
   switch (codec) {
     case DicomCodec::none:
@@ -103,7 +104,8 @@ void check_kind(const DicomFile& file) {
          "only scalar volumes can be rendered: take a series of grey images");
 }
 
-/// Values stay the same, but for those that GDCM takes from the highest one.
+/// Makes all allocated bits count. Values stay the same, except those of MONOCHROME1, which GDCM subtracts
+/// from the highest value: refused.
 void count_all_bits(const DicomFile& file, DicomShape& shape) {
   const auto* const colours = file.elements.find(dicom::photometric);
   if (colours != nullptr && *colours == "MONOCHROME1" && shape.bits_stored != shape.bits_allocated)
@@ -150,12 +152,12 @@ void check_spacing(const DicomFile& file, const DicomItem& item, DicomTag tag, D
       fail(file, fmt::format("{} has the value {:g}", described(tag, parent), value), "it must be positive");
 }
 
-/// GDCM takes another orientation than the file's when it does not like it.
+/// GDCM silently replaces an orientation that it does not accept.
 void check_orientation(const DicomFile& file, const DicomItem& item, DicomTag parent = {}) {
   const auto n = dicom_numbers(file, item, dicom::orientation, parent);
   if (n.empty()) return;
   const glm::dvec3 row(n[0], n[1], n[2]), column(n[3], n[4], n[5]);
-  constexpr double tolerated = 1e-3;  // GDCM's
+  constexpr double tolerated = 1e-3;  // GDCM's own
   const double lengths = glm::length(row) * glm::length(column);
   if (!(std::abs(glm::dot(row, column)) < tolerated * lengths))
     fail(file,
@@ -175,7 +177,8 @@ DicomRange rescaled_range(const DicomShape& shape, double slope, double intercep
 
 constexpr int no_fit = 6;
 
-/// The narrowest type GDCM finds for whole numbers: 8, 16 or 32 bits, unsigned before signed; none is last.
+/// Rank of the narrowest type that GDCM finds for whole numbers: 8, 16 or 32 bits, unsigned before signed,
+/// none last.
 int rank_of_fit(const DicomRange& range) {
   const bool negative = range.low < 0;
   int rank = negative ? 1 : 0;
@@ -191,8 +194,8 @@ int rank_of_stored(const DicomShape& shape) {
   return (shape.bits_allocated == 8 ? 0 : shape.bits_allocated == 16 ? 2 : 4) + (shape.is_signed ? 1 : 0);
 }
 
-/// GDCM chooses a type for whole numbers by the bits stored; it ends the process when it finds none, and ITK
-/// does when it is narrower than the pixels. Where those are not compressed all allocated bits may count.
+/// GDCM chooses a type for whole numbers by the bits stored. It ends the process when it finds none, and ITK
+/// does when the type is narrower than the pixels. In uncompressed pixels all allocated bits may count.
 void check_rescale(const DicomFile& file, DicomShape& shape, const DicomItem& item, DicomTag slope_tag,
                    DicomTag parent = {}) {
   const auto slopes = dicom_numbers(file, item, slope_tag, parent);
@@ -215,7 +218,7 @@ void check_rescale(const DicomFile& file, DicomShape& shape, const DicomItem& it
          convert_hint);
 }
 
-/// What the first item of the groups says, of all frames or of the first.
+/// The first item of a functional group: that of all frames, or that of the first frame.
 const DicomItem* group(const DicomFile& file, DicomTag sequence) {
   for (const auto groups : {dicom::shared_groups, dicom::frame_groups})
     if (const auto* const first = file.elements.first_item(groups))

@@ -8,7 +8,7 @@ namespace ringsplat::detail {
 
 enum class DicomCodec { none, rle, jpeg, lossless_jpeg, jpeg_ls, jpeg_2000 };
 
-/// What a file says of its pixels, each number in the range that it may have.
+/// A file's description of its pixels; each number is within its allowed range.
 struct DicomShape {
   int rows = 0, columns = 0, frames = 1;
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
@@ -21,12 +21,12 @@ struct DicomShape {
   std::uint64_t bytes() const { return frame_bytes() * std::uint64_t(frames); }
 };
 
-/// Checks everything GDCM would take on trust: the numbers by themselves, with each other, and the pixels'
-/// amount. Throws InputError that names the element.
+/// Checks everything GDCM would take on trust: each number, numbers against each other, and the amount of
+/// pixels. Throws InputError naming the element.
 DicomShape check_dicom(const DicomFile& file);
 
-/// The numbers of a text value (VR DS or IS), or of one in binary. Throws InputError for what is no number or
-/// not as many as the element has. Empty when the item does not have the element.
+/// The numbers of a text value (VR DS or IS), or of one in binary. Throws InputError for text that is no
+/// number, or for a wrong count of numbers. Empty when the item lacks the element.
 std::vector<double> dicom_numbers(const DicomFile& file, const DicomItem& item, DicomTag tag,
                                   DicomTag parent = {});
 

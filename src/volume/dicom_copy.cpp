@@ -42,7 +42,7 @@ std::string short_element(DicomTag tag, int value) {
   return element(tag, "US", little(std::uint64_t(value), 2));
 }
 
-/// A text value of nothing but its numbers, digits as in the file.
+/// A text value reduced to its numbers, with the digits of the file.
 std::string plain_numbers(const std::string& value) {
   std::string plain;
   for (std::size_t at = 0; at <= value.size();) {
@@ -140,7 +140,7 @@ class Copy {
     return element(tag, vr, value);
   }
 
-  /// Nothing for a sequence without a whole item, of which GDCM would take the first all the same.
+  /// Leaves out a sequence without a whole item: GDCM would use its first item all the same.
   std::string encoded(DicomTag tag, const std::vector<DicomItem>& items) const {
     std::string body;
     for (const auto& item : items) {
@@ -191,7 +191,7 @@ class Copy {
     const auto begin = file_.pixels->fragments[0].begin;
     const std::uint64_t bytes = shape_.bytes();
     const std::uint64_t stored = file_.pixels->fragments[0].length;
-    // Bytes of 16-bit words, single ones too, are in the file's order.
+    // 16-bit words are in the file's byte order, also when they hold single bytes.
     const std::size_t swapped = !file_.big_endian     ? 1
                                 : file_.pixels->words ? 2
                                                       : std::size_t(shape_.bytes_per_voxel());

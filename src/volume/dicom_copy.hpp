@@ -5,9 +5,9 @@
 
 namespace ringsplat::detail {
 
-/// Writes a DICOM file anew for GDCM, which never sees the original: explicit little endian, of the elements
-/// only those whose values were checked, run lengths decoded, one fragment for each other compressed frame.
-/// Throws InputError for frames that are not what the header says.
+/// Writes a DICOM file anew for GDCM, which never sees the original. The copy is explicit little endian and
+/// has only elements whose values were checked; run lengths are decoded, other compressed frames have one
+/// fragment each. Throws InputError for frames that are not what the header says.
 MemoryFile copy_dicom(const DicomFile& file, const DicomShape& shape);
 
 }  // namespace ringsplat::detail

@@ -18,12 +18,12 @@ namespace {
 
 constexpr std::uint64_t preamble = 128;
 constexpr std::uint32_t undefined_length = 0xFFFFFFFF;
-constexpr int deepest = 32;  // sequences in each other
+constexpr int deepest = 32;  // nested sequences
 constexpr std::uint64_t longest_value = 1 << 20;
 
 constexpr DicomTag transfer_syntax{0x0002, 0x0010}, meta_storage_class{0x0002, 0x0002};
 constexpr DicomTag item_begin{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
-constexpr DicomTag no_sequence{0xFFFF, 0xFFFF};  ///< parent of what nothing is kept of
+constexpr DicomTag no_sequence{0xFFFF, 0xFFFF};  ///< parent of elements that are not kept
 constexpr std::uint16_t meta_group = 0x0002, delimiter_group = 0xFFFE;
 
 struct Element {
@@ -101,7 +101,7 @@ class Parser {
     return e;
   }
 
-  /// Meta elements are always explicit and little-endian; their end is where another group begins.
+  /// Meta elements are always explicit and little-endian; they end where another group begins.
   std::uint64_t parse_meta() {
     std::uint64_t at = preamble + 4;
     while (at < size()) {
@@ -135,8 +135,8 @@ class Parser {
     return text;
   }
 
-  /// Elements up to `end` or, in an item of no length of its own, to its delimiter. `into` is null where
-  /// nothing is kept. Returns where they end.
+  /// Parses elements up to `end`, or to the delimiter of an item of undefined length. `into` is null when
+  /// nothing is to be kept. Returns where they end.
   std::uint64_t parse_elements(std::uint64_t at, std::uint64_t end, const Encoding& encoding, DicomTag parent,
                                DicomItem* into, int depth) {
     if (depth > deepest) fail(at);
@@ -162,7 +162,7 @@ class Parser {
       return e.end();
     }
     std::vector<DicomItem> items;
-    // Of an unknown kind and without a length: its content is implicit whatever the file is (PS3.5, 6.2.2).
+    // UN of undefined length: its content is implicit whatever the file is (PS3.5, 6.2.2).
     const Encoding inner = e.vr == "UN" ? Encoding{.explicit_vr = false} : encoding;
     const auto after =
         parse_items(e, e.open_ended() ? end : e.end(), inner, sequence ? &items : nullptr, depth + 1);
@@ -177,7 +177,7 @@ class Parser {
       if (e.tag == sequence_end && sequence.open_ended()) return e.begin;
       if (e.tag != item_begin) fail(at);
       if (items != nullptr) items->emplace_back();
-      // Items that nothing is kept of may be an icon's compressed pixels and have no elements.
+      // Items that are not kept may be an icon's compressed pixels, without elements.
       if (items == nullptr && !e.open_ended())
         at = e.end();
       else

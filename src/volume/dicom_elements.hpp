@@ -19,8 +19,8 @@ struct DicomTag {
 };
 std::string to_string(DicomTag tag);  ///< "(0028,0010)"
 
-/// What is kept of a data set: values of a few elements in little endian, without padding, and the items of a
-/// few sequences.
+/// The kept part of a data set: values of a few elements, little endian and without padding, and the items of
+/// a few sequences.
 struct DicomItem {
   std::map<DicomTag, std::string> values;
   std::map<DicomTag, std::vector<DicomItem>> sequences;
@@ -35,14 +35,14 @@ struct DicomFragment {
 
 /// Where the pixels are in DicomFile::data.
 struct DicomPixels {
-  bool encapsulated = false;             ///< compressed, in fragments of which the first is an offset table
+  bool encapsulated = false;             ///< compressed, in fragments; the first is an offset table
   bool words = false;                    ///< VR OW: 16-bit words
   std::vector<DicomFragment> fragments;  ///< one when not encapsulated
 };
 
 struct DicomFile {
   std::filesystem::path path;
-  std::optional<MemoryFile> inflated;  ///< a deflated data set, which `data` then reads
+  std::optional<MemoryFile> inflated;  ///< of a deflated data set; `data` then reads it
   std::unique_ptr<InputFile> data;
   std::string transfer_syntax, storage_class;  ///< UIDs of the file's own meta information
   bool big_endian = false;
@@ -56,7 +56,7 @@ struct DicomFile {
 /// one that is cut short or damaged.
 std::optional<DicomFile> read_dicom_file(const std::filesystem::path& path);
 
-/// True where the four letters are that every DICOM file has behind its preamble.
+/// True when the file has DICOM's four letters behind its preamble.
 bool is_dicom(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

@@ -23,7 +23,7 @@ std::uint32_t little32(std::span<const std::byte> bytes) {
   return value;
 }
 
-/// Undoes run lengths until `count` bytes are there, which it hands on one by one.
+/// Decodes run lengths and hands on `count` bytes one by one.
 template <class Put>
 bool unpack(std::span<const std::byte> in, std::size_t count, Put&& put) {
   std::size_t done = 0;

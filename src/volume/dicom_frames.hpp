@@ -15,14 +15,14 @@ std::vector<std::vector<DicomFragment>> dicom_frames(const DicomFile& file, cons
 std::vector<std::byte> join_fragments(const DicomFile& file, const std::vector<DicomFragment>& fragments);
 
 /// Decodes a frame of run lengths (PS3.5, annex G) to little-endian pixels. Throws InputError for a frame
-/// that does not hold all its pixels.
+/// that lacks pixels.
 std::vector<std::byte> decode_rle(const DicomFile& file, const DicomShape& shape,
                                   const std::vector<std::byte>& frame);
 
-/// Checks that a frame's JPEG, JPEG-LS or JPEG 2000 header says what the DICOM header says, and that its
-/// segments lie within it up to its end: GDCM ends the process, or writes beyond its memory, when they
-/// differ. Returns the frame without what decides no pixel, comments for instance, where GDCM stumbles too,
-/// and without what follows its end. Throws InputError.
+/// Checks that a frame's JPEG, JPEG-LS or JPEG 2000 header agrees with the DICOM header, and that all its
+/// segments lie within the frame. Otherwise GDCM would end the process or write beyond its memory. Returns
+/// the frame without segments that decide no pixel, such as comments, on which GDCM stumbles too, and without
+/// bytes behind its end. Throws InputError.
 std::vector<std::byte> sound_jpeg_frame(const DicomFile& file, const DicomShape& shape,
                                         const std::vector<std::byte>& frame);
 

@@ -16,7 +16,7 @@
 namespace ringsplat::detail {
 namespace {
 
-/// Where frames are not one even stack GDCM takes a spacing of 1.
+/// GDCM assumes a spacing of 1 when frames are not one even stack.
 void require_frame_spacing(const DicomFile& file, const Grid& grid) {
   for (const auto groups : {dicom::shared_groups, dicom::frame_groups}) {
     const auto* const frame = file.elements.first_item(groups);
@@ -80,7 +80,7 @@ std::optional<DicomImage> DicomImage::open(const std::filesystem::path& path) {
 void DicomImage::read(std::span<std::byte> out) {
   with_itk(parts_->path, [&] {
     if (parts_->stored_bytes <= parts_->grid.bytes()) return parts_->io->Read(out.data());
-    // GDCM decodes into the memory given before it rescales to a narrower type.
+    // GDCM decodes into the given memory before it rescales to a narrower type.
     std::vector<std::byte> wide(parts_->stored_bytes);
     parts_->io->Read(wide.data());
     std::copy_n(wide.begin(), parts_->grid.bytes(), out.begin());

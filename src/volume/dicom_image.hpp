@@ -14,13 +14,13 @@ namespace ringsplat::detail {
 /// memory. Not for several threads at once.
 class DicomImage {
  public:
-  /// Throws InputError for a damaged file or one that cannot be read. Nothing for a file that is no DICOM
-  /// image: notes, a DICOMDIR, a report.
+  /// Throws InputError for a damaged or unreadable file. Returns nothing for a file that is no DICOM image:
+  /// notes, a DICOMDIR, a report.
   static std::optional<DicomImage> open(const std::filesystem::path& path);
   ~DicomImage();
   DicomImage(DicomImage&&) noexcept;
 
-  const Grid& grid() const;  ///< of all its frames, its type after rescaling
+  const Grid& grid() const;  ///< of all frames; its type is that after rescaling
   const std::string& series() const;
   int number() const;  ///< Instance Number
   /// All frames, grid().bytes() bytes.

@@ -62,7 +62,7 @@ class FrameWalk {
         has_frame = true;
         check_frame(found);
       }
-      // A pixel has one sample, and codes that need several scans are not among the transfer syntaxes.
+      // Only one scan: a pixel has one sample, and no transfer syntax here needs several scans.
       if (found == scan && (has_scan || !has_frame)) fail("has its parts in a wrong order");
       at_ += length;
       if (found == scan) {
@@ -108,7 +108,7 @@ class FrameWalk {
     return value;
   }
 
-  /// Segments up to a marker. GDCM follows them too, but beyond the end.
+  /// Walks segments up to a marker. GDCM does so too, but beyond the end.
   void walk_segments(unsigned last) {
     for (auto found = marker(); found != last; found = marker()) {
       const auto length = number(at_, 2);
@@ -121,7 +121,7 @@ class FrameWalk {
     }
   }
 
-  /// From behind the first one's marker to the end of the image.
+  /// Walks the tile parts, from behind the first one's marker to the end of the image.
   void walk_tile_parts() {
     if (!has_style_) fail("does not say how it is coded");
     for (unsigned found = tile_part; found != image_end; found = marker()) {
@@ -134,7 +134,7 @@ class FrameWalk {
       walk_segments(tile_data);
       if (length != 0 && begin + length < at_) fail("is cut short or damaged");
       at_ = begin + length;
-      if (length == 0) {  // the last one, up to the end
+      if (length == 0) {  // the last tile part: up to the end
         at_ = bytes_.size();
         return;
       }
@@ -185,7 +185,7 @@ class FrameWalk {
                        shape_.bits_stored, shape_.bits_allocated));
   }
 
-  /// To the next marker that is not part of the scan.
+  /// Moves to the next marker that is not part of the scan.
   void skip_scan() {
     for (;; ++at_) {
       const auto rest = bytes_.subspan(std::min(at_, bytes_.size()));

@@ -29,12 +29,12 @@ inline constexpr DicomTag float_pixels{0x7FE0, 0x0008}, double_pixels{0x7FE0, 0x
 struct DicomRule {
   DicomTag tag;
   std::string_view vr, name;
-  int count = 1;          ///< numbers in it; 0: any
+  int count = 1;          ///< of numbers in it; 0: any
   DicomTag parent = {};   ///< the sequence whose items have it; {0, 0}: the data set itself
-  bool required = false;  ///< the item means nothing without it
+  bool required = false;  ///< the item is useless without it
 };
 
-/// Null for an element that nothing here depends on, which then neither is kept nor reaches GDCM.
+/// Null for an element that nothing here depends on. It is not kept and does not reach GDCM.
 const DicomRule* find_dicom_rule(DicomTag tag, DicomTag parent);
 
 }  // namespace ringsplat::detail

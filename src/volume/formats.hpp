@@ -12,9 +12,10 @@ std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path);
 std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path);
 std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path);
 std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path);  ///< one file or a folder
-/// For who uses the spacing of 1 that every TIFF gets: warns when the first file says another.
+/// Every TIFF gets a spacing of 1; warns when the first file says another one. Call it when that spacing is
+/// used.
 void warn_of_tiff_spacing(const std::filesystem::path& path);
-/// A folder with one series, or one file of a series: then that series.
+/// Opens a folder's series, or the series of one file.
 std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
 

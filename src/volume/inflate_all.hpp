@@ -6,8 +6,8 @@
 
 namespace ringsplat::detail {
 
-/// Decodes a deflate stream without a header of its own (RFC 1951) from a byte of the file on. Throws
-/// InputError when it is damaged or ends before.
+/// Decodes a raw deflate stream (RFC 1951) that begins at byte `offset` of the file. Throws InputError when
+/// it is damaged or ends too early.
 void inflate_all(const InputFile& file, std::uint64_t offset, MemoryFile& out);
 
 }  // namespace ringsplat::detail

@@ -67,7 +67,7 @@ void InflateStream::skip(std::uint64_t bytes) {
 }
 
 void InflateStream::verify_end() {
-  // More data than voxels is no error, but damage that makes data of nothing mostly ends soon.
+  // More data than voxels is no error. Decodes one more window all the same: damage mostly shows within it.
   std::vector<std::byte> rest(window_bytes);
   std::size_t made = 0;
   while (!member_ended_ && made < rest.size()) made += decode(std::span(rest).subspan(made));

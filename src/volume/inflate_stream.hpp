@@ -20,10 +20,10 @@ class InflateStream {
   InflateStream& operator=(const InflateStream&) = delete;
 
   std::uint64_t position() const { return position_; }  ///< bytes decoded so far
-  /// Fills `out` with the next bytes; throws InputError when the stream is damaged or ends before.
+  /// Fills `out` with the next bytes. Throws InputError when the stream is damaged or ends too early.
   void read(std::span<std::byte> out);
   void skip(std::uint64_t bytes);
-  /// Called behind the last byte wanted: where the stream ends there, its checksum must be right.
+  /// Call it after the last byte wanted. If the stream ends there, its checksum must be right.
   void verify_end();
 
  private:

@@ -28,7 +28,7 @@ void require_same_stamp(const std::filesystem::path& file, const FileStamp& befo
 }
 
 InputFile::InputFile(std::filesystem::path path) : path_(std::move(path)) {
-  // Without O_NONBLOCK a named pipe would wait for ever for somebody who writes.
+  // Without O_NONBLOCK, opening a named pipe would wait for a writer for ever.
   descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor_ < 0)
     throw InputError(fmt::format("cannot open {}: {}", path_.string(), std::strerror(errno)),

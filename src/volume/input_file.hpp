@@ -8,14 +8,14 @@ struct stat;
 
 namespace ringsplat::detail {
 
-/// By what a file is told from what it was before: its size and the time of its last change.
+/// A file's size and the time of its last change: shows whether it was written to.
 struct FileStamp {
   std::uint64_t bytes = 0;
   std::int64_t seconds = 0, nanoseconds = 0;
   bool operator==(const FileStamp&) const = default;
 };
 FileStamp stamp_of(const struct stat& status);
-/// Throws InputError when it is not the stamp that the file had.
+/// Throws InputError when `now` differs from `before`.
 void require_same_stamp(const std::filesystem::path& file, const FileStamp& before, const FileStamp& now);
 
 /// A regular file opened for reading at any place (64-bit offsets). Owns the descriptor.
@@ -33,7 +33,7 @@ class InputFile {
   /// Reads up to out.size() bytes at `offset`; less only at the end of the file. Throws InputError
   /// when the disk fails.
   std::size_t read_some(std::uint64_t offset, std::span<std::byte> out) const;
-  /// Fills `out`; throws InputError when the file ends before.
+  /// Fills `out`; throws InputError when the file ends too early.
   void read(std::uint64_t offset, std::span<std::byte> out) const;
   /// Throws InputError when the file has been written to since it was opened.
   void require_unchanged() const;

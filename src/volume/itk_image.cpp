@@ -13,7 +13,7 @@
 namespace ringsplat::detail {
 namespace {
 
-/// A 2D image's axes have two components; its third axis stays z.
+/// A 2D image's axes have two components; the third becomes 0, and the third axis stays z.
 glm::dvec3 vec3(const std::vector<double>& values) {
   glm::dvec3 v(0);
   for (std::size_t i = 0; i < 3 && i < values.size(); ++i) v[int(i)] = values[i];

@@ -12,8 +12,8 @@
 
 namespace ringsplat::detail {
 
-/// While it lives, what ITK and the libraries in it print goes nowhere: their errors come as
-/// exceptions, and stdout is for results. Not for several threads at once.
+/// Discards what ITK and its libraries print while it lives: errors come as exceptions, and stdout is for
+/// results. Not for several threads at once.
 class QuietItk {
  public:
   QuietItk();
@@ -27,10 +27,10 @@ class QuietItk {
   bool warnings_;
 };
 
-/// One line, without the class and the address that ITK puts in front.
+/// The message in one line, without the class and the address that ITK puts in front.
 std::string description_of(const itk::ExceptionObject& error);
 
-/// Runs `f` with ITK kept quiet and its exceptions turned into an InputError that names the file.
+/// Runs `f` with ITK quiet; turns its exceptions into an InputError naming the file.
 template <class F>
 decltype(auto) with_itk(const std::filesystem::path& path, F&& f) {
   std::string problem;
@@ -50,12 +50,12 @@ decltype(auto) with_itk(const std::filesystem::path& path, F&& f) {
 /// The C++ type of ITK's component; throws InputError for types no volume may have (64-bit integers).
 ScalarType scalar_type_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
 
-/// The grid an ImageIO found by ReadImageInformation. Throws InputError for vectors, colours, 64-bit
-/// integers, more than three dimensions, and what check() refuses. A 2D image is one slice.
+/// The grid that ReadImageInformation found. Throws InputError for vectors, colours, 64-bit integers, more
+/// than three dimensions, and what check() refuses. A 2D image is one slice.
 Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
 
-/// A source for the encodings ITK alone can decode, and only as a whole: the first read holds the
-/// whole volume. Not concurrent.
+/// A source for encodings that only ITK can decode, and only as a whole: the first read keeps the whole
+/// volume. Not concurrent.
 std::unique_ptr<VolumeSource> itk_source(itk::ImageIOBase::Pointer io, const Grid& grid,
                                          const std::filesystem::path& path);
 

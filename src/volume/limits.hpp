@@ -4,8 +4,8 @@
 
 namespace ringsplat::detail {
 
-/// What one compressed byte can hold at most: 1032 with deflate (zlib's technical page); other
-/// coders only have to be kept from claims that no real file makes.
+/// The most bytes that one compressed byte can hold: 1032 with deflate (zlib's technical page). Other coders'
+/// limits only refuse claims that no real file makes.
 inline constexpr std::uint64_t deflate_best_ratio = 1032;
 inline constexpr std::uint64_t any_best_ratio = 100'000;
 
@@ -13,7 +13,7 @@ inline constexpr std::uint64_t any_best_ratio = 100'000;
 void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::uint64_t offset,
                    std::uint64_t bytes);
 
-/// Throws InputError when `available` compressed bytes cannot become `bytes`.
+/// Throws InputError when `available` compressed bytes cannot hold `bytes` bytes.
 void require_compressed_bytes(const std::filesystem::path& file, std::uint64_t available, std::uint64_t bytes,
                               std::uint64_t best_ratio);
 

@@ -5,8 +5,8 @@
 
 namespace ringsplat::detail {
 
-/// A file that exists in memory only and is gone with the object; libraries that want a name can open it by
-/// one. Throws RunError when the system gives none.
+/// A file that exists in memory only and goes with the object. It has a name, for libraries that open files
+/// by name. Throws RunError when the system gives none.
 class MemoryFile {
  public:
   MemoryFile();

@@ -32,7 +32,7 @@ constexpr const char* pattern_hint = "write it as 'NAME%03d.raw FIRST LAST STEP'
 /// the name to printf.
 class NamePattern {
  public:
-  /// Not valid where the name is no such pattern.
+  /// Not valid when the name is no such pattern.
   explicit NamePattern(const std::string& name) {
     const auto percent = name.find('%');
     const auto letter = name.find_first_not_of("0123456789", percent + 1);
@@ -63,7 +63,7 @@ struct Numbering {
   std::int64_t first = 1, last = 0, step = 1;
 };
 
-/// FIRST, LAST and STEP follow the name, which may have blanks in it when all three do.
+/// Splits "NAME FIRST LAST STEP". The name may have blanks only when all three numbers are given.
 std::pair<NamePattern, Numbering> parse_pattern(const std::filesystem::path& path, const MetaHeader& header,
                                                 std::int64_t files) {
   const auto words = words_of(header.data_file);
@@ -108,7 +108,7 @@ std::vector<std::string> names_of_pattern(const std::filesystem::path& path, con
   return names;
 }
 
-/// The lines behind the header, of which empty ones mean nothing.
+/// The lines behind the header; empty ones are skipped.
 std::vector<std::string> names_of_list(const std::filesystem::path& path, const MetaHeader& header,
                                        std::int64_t files) {
   const InputFile file(path);
@@ -162,7 +162,7 @@ std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path
   return slice_files_source(header.grid, std::move(slices));
 }
 
-/// Where one file's voxels begin. A header size is for uncompressed voxels in a file of their own.
+/// The offset of one file's voxels. HeaderSize applies only to uncompressed voxels in a file of their own.
 std::uint64_t voxel_offset(const MetaHeader& header, std::uint64_t file_bytes, std::uint64_t voxel_bytes) {
   if (header.is_local()) return header.end;
   if (header.compressed) return 0;

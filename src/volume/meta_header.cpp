@@ -156,7 +156,7 @@ class Reader {
     return *number;
   }
 
-  /// As many numbers as the volume has dimensions, or their square.
+  /// Reads as many numbers as the volume has dimensions, or the square of that.
   template <class T>
   std::vector<T> numbers(const std::string& key, const std::string& text, std::size_t count) const {
     std::vector<T> list;
@@ -170,7 +170,7 @@ class Reader {
     return list;
   }
 
-  /// Of several keys with one meaning the first that is there.
+  /// Reads the first key that is there, of several with one meaning.
   std::vector<double> reals(std::initializer_list<const char*> keys, std::size_t count) const {
     for (const char* key : keys)
       if (const auto text = value(key)) return numbers<double>(key, *text, count);

@@ -17,14 +17,14 @@ struct MetaHeader {
   bool compressed = false;
   bool big_endian = std::endian::native == std::endian::big;
   std::int64_t header_size = 0;  ///< bytes before a data file's voxels; -1: the voxels are its last bytes
-  std::string data_file;         ///< value of ElementDataFile, a name or what stands for several
+  std::string data_file;         ///< value of ElementDataFile: a name, or a pattern or list of names
   std::uint64_t end = 0;         ///< the byte after the header
 
   bool is_local() const { return data_file == "LOCAL" || data_file == "Local" || data_file == "local"; }
 };
 
-/// Reads and checks every field that has a meaning here, and knows the others only as lines; MetaIO itself
-/// believes what it reads. Throws InputError that names the file and the field.
+/// Reads and checks every field that matters here, and only the form of other lines. (MetaIO itself does not
+/// check.) Throws InputError naming the file and the field.
 MetaHeader read_meta_header(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

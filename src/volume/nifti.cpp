@@ -18,8 +18,8 @@
 namespace ringsplat::detail {
 namespace {
 
-/// What ITK and its NIfTI library answer with an abort, a line on stderr or a guess is refused before
-/// they see it: dimensions of 0 (read as 1), unknown types, numbers that are not finite.
+/// Refuses headers that ITK and its NIfTI library would answer with an abort, a line on stderr or a guess:
+/// dimensions of 0 (read as 1), unknown types, numbers that are not finite.
 void require_sound(const nifti_1_header& header, const std::filesystem::path& path) {
   if (header.dim[0] < 1 || header.dim[0] > 7)
     throw InputError(fmt::format("{}: dim[0] is {}, no NIfTI header", path.string(), header.dim[0]),
@@ -31,7 +31,7 @@ void require_sound(const nifti_1_header& header, const std::filesystem::path& pa
   if (nifti_is_valid_datatype(header.datatype) == 0)
     throw InputError(fmt::format("{}: unknown datatype {}", path.string(), header.datatype),
                      "it needs one of the NIfTI-1 types");
-  constexpr float largest = 1e12F;  // finite, and so are squares and products
+  constexpr float largest = 1e12F;  // squares and products stay finite, too
   const auto sound = [](float value) { return std::abs(value) <= largest; };
   const std::initializer_list<std::span<const float>> numbers{std::span(header.pixdim).first(4),
                                                               header.srow_x,

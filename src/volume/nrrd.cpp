@@ -26,7 +26,7 @@ class NrrdHeader {
     nrrdIoStateSet(io_, nrrdIoStateKeepNrrdDataFileOpen, 1);
     if (nrrdLoad(nrrd_, path.c_str(), io_) != 0) {
       const std::string problem = take_error();
-      // NrrdIO has closed the header's own file, but not one that the header names.
+      // NrrdIO closes the header's own file, but not one that the header names.
       if (!names_data_files()) io_->dataFile = nullptr;
       release();
       throw InputError(fmt::format("{} is not a readable NRRD file: {}", path.string(), problem),

@@ -16,7 +16,7 @@
 namespace ringsplat::detail {
 namespace {
 
-/// Where the first %d, %03d … ends; nothing in a name without.
+/// Where the first %d, %03d … ends; npos if there is none.
 std::size_t end_of_number(std::string_view name) {
   for (auto at = name.find('%'); at != name.npos; at = name.find('%', at + 1)) {
     auto end = at + 1;
@@ -69,7 +69,7 @@ void require_nrrdio_can_read(const std::filesystem::path& header) {
         throw InputError(fmt::format("{}: the pattern of its data files is '{}'", header.string(), value),
                          "give a name with one number, such as slice%03d.raw 1 60 1");
     } else if (number > 1 && colon == line.size() && line.front() != '#' && !lists_files) {
-      return;  // no line of a header, NrrdIO goes no further
+      return;  // not a header line: NrrdIO stops here
     }
   }
   if (lists_files) require_line_break_at_end(header);

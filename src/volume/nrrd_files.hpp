@@ -9,8 +9,8 @@ struct NrrdIoState_t;
 /// The files that an NRRD header's "data file" names, for example s%03d.raw 1 60 1.
 namespace ringsplat::detail {
 
-/// Throws InputError for what NrrdIO writes beyond its buffers with: a pattern of data files that is more
-/// than a name with a number, which it hands to sprintf; and long lines, which its error messages quote.
+/// Throws InputError for headers that overflow NrrdIO's buffers: a data file pattern that is more than a name
+/// with a number, which goes to sprintf; and long lines, which its error messages quote.
 void require_nrrdio_can_read(const std::filesystem::path& header);
 
 /// Calls `use(file, number of files)` for each of several files, in their order.

@@ -37,7 +37,7 @@ Open find_format(const std::filesystem::path& path) {
   return nullptr;
 }
 
-/// A source whose file has no spacing, or a wrong one.
+/// Replaces the spacing of a source whose file has none, or a wrong one.
 class RespacedSource final : public VolumeSource {
  public:
   RespacedSource(std::unique_ptr<VolumeSource> source, const glm::dvec3& spacing)

@@ -11,7 +11,7 @@
 namespace ringsplat::detail {
 namespace {
 
-/// Somebody who opens x.raw of a pair with a header wants the header.
+/// If x.raw has a header beside it, the user probably wants that.
 std::string hint_for(const std::filesystem::path& path) {
   for (const char* ending : {".nhdr", ".mhd"}) {
     auto header = path;
@@ -40,7 +40,7 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
   check(grid, path.string());
 
   const auto actual = InputFile(path).size(), offset = raw.offset.value_or(0);
-  // Bytes left over mean a wrong guess, unless an offset shows that somebody knows the file.
+  // Left-over bytes mean wrong dimensions, unless an offset shows that the user knows the file.
   const bool fits = actual >= offset && actual - offset >= grid.bytes();
   const bool exact = fits && actual - offset == grid.bytes();
   if (raw.offset ? !fits : !exact)

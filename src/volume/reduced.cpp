@@ -73,8 +73,8 @@ class SkippingSource final : public VolumeSource {
 };
 
 constexpr int taps = 4;
-/// Half a lattice distance from its voxels a field's value by cubic interpolation: no more blur than the next
-/// level's kernels bring anyway, and what that level cannot hold is gone as with a mean.
+/// Cubic interpolation half-way between voxels. It blurs no more than the next level's kernels do anyway and,
+/// like a mean, removes what that level cannot hold.
 constexpr std::array<double, taps> weights{-1.0 / 16, 9.0 / 16, 9.0 / 16, -1.0 / 16};
 
 /// Half the voxels along each axis.
@@ -94,7 +94,7 @@ class HalvedSource final : public VolumeSource {
   }
 
  private:
-  /// The full volume's slice z, or the nearest there is. Those before z − 4 are forgotten.
+  /// The full volume's slice nearest to z. Forgets slices before z − 4.
   const std::byte* slice(int z) {
     const int nearest = std::clamp(z, 0, full_.grid().dims.z - 1);
     for (const Slice& kept : kept_)
@@ -130,7 +130,7 @@ class HalvedSource final : public VolumeSource {
     }
   }
 
-  /// Of the up to eight voxels that one stands for, those that are numbers.
+  /// The numbers among the up to eight voxels that one voxel stands for.
   struct Cell {
     double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity(),
            sum = 0;
@@ -157,7 +157,7 @@ class HalvedSource final : public VolumeSource {
     return cell;
   }
 
-  /// Where a tap is not a number the mean of the cell takes its place.
+  /// If a tap is not a number, the cell's mean is used instead.
   template <class T>
   static T limited(double filtered, const Cell& cell) {
     if (cell.count == 0) return static_cast<T>(std::numeric_limits<double>::quiet_NaN());

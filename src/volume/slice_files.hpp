@@ -15,8 +15,8 @@ struct SliceFiles {
   bool big_endian = false;
 };
 
-/// Reads each slice from its own file, concurrently. Throws InputError that names the first file which is
-/// missing or too short. grid.dims.z must be a multiple of the number of files.
+/// Reads each slice from its own file, concurrently. Throws InputError naming the first file that is missing
+/// or too short. grid.dims.z must be a multiple of the number of files.
 std::unique_ptr<VolumeSource> slice_files_source(const Grid& grid, SliceFiles slices);
 
 }  // namespace ringsplat::detail

@@ -12,12 +12,12 @@
 namespace ringsplat {
 namespace {
 
-/// Copies column s of `values` (rows x width) for each s ≡ gp (mod gps). The column of s starts
-/// `stride` bytes behind that of the owned slice before it.
+/// Copies column s of `values` (rows x width) for each s ≡ gp (mod gps). Each copied column starts `stride`
+/// bytes after the one before.
 template <class T>
 void gather_columns(const T* values, int width, int rows, int gp, int gps, std::byte* out,
                     std::size_t stride) {
-  // One cache line serves many columns: a block of rows stays in the first-level cache meanwhile.
+  // Copies by blocks of rows that fit the first-level cache, since one cache line serves many columns.
   constexpr int block = 64;
   for (int first = 0; first < rows; first += block) {
     const int last = std::min(rows, first + block);

@@ -30,7 +30,7 @@ Extremes extremes(std::span<const T> values) {
   std::uint64_t finite = values.size();
   if constexpr (std::is_floating_point_v<T>) {
     finite = 0;
-    // Selects instead of branches: the compiler makes vectors of them.
+    // Selections instead of branches, so that the compiler vectorises the loop.
     for (const T v : values) {
       const bool is_finite = std::abs(v) <= std::numeric_limits<T>::max();
       finite += is_finite;

@@ -25,9 +25,9 @@ struct StoredVoxels {
   std::optional<Rescale> rescale = std::nullopt;
 };
 
-/// Reads slices by position when not compressed (concurrent), else decodes in order and keeps no more
-/// than a window and the slices asked for. Throws InputError when the file cannot be long enough for
-/// the grid: a compressed one is refused when not even deflate's best ratio would do.
+/// Reads uncompressed slices by position (concurrent); decodes compressed ones in order and keeps only a
+/// window and the slices asked for. Throws InputError when the file is too short for the grid, for a
+/// compressed file at deflate's best ratio.
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored);
 
 }  // namespace ringsplat::detail

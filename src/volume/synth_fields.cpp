@@ -60,8 +60,8 @@ double marschner_lobb(double x, double y, double z) {
 
 double ramp(double x, double, double) { return x; }
 
-/// Arms of length 0.4, 0.28 and 0.18 along +x, +y and +z from the centre, a ball where they meet, and
-/// an F that is the right way round for who looks along +y with z up.
+/// Arms of length 0.4, 0.28 and 0.18 along +x, +y and +z from the centre, a ball where they meet, and an F
+/// that reads correctly when seen along +y with z up.
 double jack(double x, double y, double z) {
   constexpr double thickness = 0.045;
   const double dx = x - 0.5, dy = y - 0.5, dz = z - 0.5;

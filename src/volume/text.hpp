@@ -27,7 +27,8 @@ inline std::string lower_case(std::string text) {
   return text;
 }
 
-/// Without line ends, doubled blanks and blanks at the ends: libraries describe errors in several lines.
+/// The text without line ends, doubled blanks and blanks at the ends. Libraries describe errors in several
+/// lines.
 inline std::string one_line(const std::string& text) {
   std::string line;
   for (const char c : text) {
@@ -41,7 +42,7 @@ inline std::string one_line(const std::string& text) {
   return line;
 }
 
-/// Without blanks at the ends.
+/// The text without blanks at the ends.
 inline std::string trimmed(const std::string& text) {
   const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
   const auto begin = std::find_if_not(text.begin(), text.end(), is_space);
@@ -50,7 +51,7 @@ inline std::string trimmed(const std::string& text) {
   return {begin, end};
 }
 
-/// What stands between blanks.
+/// The words between blanks.
 inline std::vector<std::string> words_of(const std::string& text) {
   std::vector<std::string> words;
   bool in_word = false;
@@ -63,7 +64,7 @@ inline std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
-/// The number that `text` is; nothing when it is none, has anything behind it or does not fit into T.
+/// Parses the whole text as a number; nothing when it is none, has more behind it or does not fit into T.
 template <class T>
 std::optional<T> number_in(std::string_view text) {
   if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
@@ -73,7 +74,7 @@ std::optional<T> number_in(std::string_view text) {
   return number;
 }
 
-/// The beginning of a file's own words, fit for a message.
+/// The beginning of a file's text, printable in a message.
 inline std::string excerpt(const std::string& text) {
   constexpr std::size_t longest = 60;
   std::string shown;

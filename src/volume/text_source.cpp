@@ -38,7 +38,7 @@ class Words {
  public:
   Words(const std::filesystem::path& path, std::uint64_t offset) : file_(path), offset_(offset) {}
 
-  /// Empty at the end. A word of more than any number's characters ends there.
+  /// The next word; empty at the end. A word longer than any number is split.
   std::string next() {
     constexpr std::size_t longest = 400;
     std::string word;

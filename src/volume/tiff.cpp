@@ -40,7 +40,7 @@ std::unique_ptr<ImageFile> open_image(const std::filesystem::path& path) {
   return std::move(file);
 }
 
-/// The first of a type is what its samples are read as; those of others become it.
+/// Which sample type gives which scalar type. Samples are read as the first one listed for their scalar type.
 constexpr std::pair<ScalarType, SampleType> sample_types[] = {
     {ScalarType::int8, SampleType::int8},       {ScalarType::uint8, SampleType::uint8},
     {ScalarType::int16, SampleType::int16},     {ScalarType::uint16, SampleType::uint16},

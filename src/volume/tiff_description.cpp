@@ -19,12 +19,12 @@
 namespace ringsplat::detail {
 namespace {
 
-/// What a microscope's file says of itself.
+/// The description in a microscope's file.
 struct Microscopy {
   std::string by;       ///< "ImageJ" or "OME-XML"
   std::string problem;  ///< why its pages are no single image of this file; empty when they are
   std::int64_t channels = 1, times = 1;
-  std::optional<std::int64_t> slices;  ///< or images in all, where only that is said
+  std::optional<std::int64_t> slices;  ///< or the number of images, when only that is given
   std::array<double, 3> voxel{1, 1, 1};
   std::string unit;
 };
@@ -43,7 +43,7 @@ double size_in(const Attributes& a, const char* key, double otherwise) {
   return std::isfinite(size) && size > 0 ? size : otherwise;
 }
 
-/// A unit's micro sign, of which there are two, and ImageJ's way to write it without one.
+/// Writes a unit in ASCII: there are two micro signs, and ImageJ's escape for one.
 std::string ascii_unit(std::string unit) {
   for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC", "\xB5", "\\u00B5"})
     if (const auto at = unit.find(micro); at != std::string::npos)
@@ -65,7 +65,7 @@ Microscopy read_image_j(const TiffNotes& notes) {
   said.channels = count_in(lines, "channels").value_or(1);
   said.times = count_in(lines, "frames").value_or(1);
   said.slices = count_in(lines, "slices");
-  // A stack of more than 4 GB has one page and its other slices behind it.
+  // A stack of more than 4 GB has one page; its other slices follow it.
   const auto images = count_in(lines, "images");
   if (!said.slices && said.channels == 1 && said.times == 1) said.slices = images;
   said.unit = ascii_unit(lines["unit"]);

@@ -30,7 +30,7 @@ enum FieldType : std::uint64_t {
   long8_numbers = 16
 };
 
-/// An array of numbers, in its directory entry when it fits there.
+/// An array of numbers, inside its directory entry when it fits there.
 struct Field {
   std::uint64_t begin = 0, count = 0;
   std::size_t number_bytes = 0;
@@ -97,7 +97,7 @@ class TiffChain {
     return value;
   }
 
-  /// Returns where the next page's directory is, 0 after the last.
+  /// Returns the offset of the next page's directory, 0 after the last.
   std::uint64_t check_page(std::uint64_t at) const {
     const auto entries = number(at, count_bytes());
     if (entries > file_.size() / entry_bytes()) fail();
@@ -128,7 +128,7 @@ class TiffChain {
     return {count * bytes <= offset_bytes() ? value : number(value, offset_bytes()), count, bytes};
   }
 
-  /// To its first zero byte.
+  /// The field's text up to its first zero byte.
   std::string text_of(const Field& field) const {
     std::string text(std::size_t(field.count), '\0');
     if (field.begin > file_.size() || file_.size() - field.begin < field.count) fail();

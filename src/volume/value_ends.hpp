@@ -5,13 +5,13 @@
 
 namespace ringsplat {
 
-/// The smallest and the largest of some values, infinities included; not-a-number takes no part.
+/// The smallest and the largest of some values, infinities included. Not-a-number is ignored.
 template <class T>
 struct ValueEnds {
   T low, high;
 };
 
-/// Of no values: low > high.
+/// The ends of no values: low > high.
 template <class T>
 constexpr ValueEnds<T> no_values() {
   using Limits = std::numeric_limits<T>;
@@ -21,7 +21,7 @@ constexpr ValueEnds<T> no_values() {
     return {Limits::max(), Limits::min()};
 }
 
-/// Takes `count` values in native byte order, at any address, in.
+/// Widens `ends` by `count` values in native byte order, at any address.
 template <class T>
 void widen(ValueEnds<T>& ends, const std::byte* values, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {

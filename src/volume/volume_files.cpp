@@ -15,8 +15,8 @@ namespace ringsplat::detail {
 namespace {
 
 constexpr std::uint64_t most_hashed = 64 << 10;  ///< bytes at either end of a file
-/// Of all of a volume's files together, as far as each can have `least_hashed`: many small files on a shared
-/// disk are slow to read.
+/// Bytes hashed of all of a volume's files together, but at least `least_hashed` of each: many small files on
+/// a shared disk are slow to read.
 constexpr std::uint64_t most_hashed_in_all = 16 << 20;
 constexpr std::uint64_t least_hashed = 4 << 10;
 

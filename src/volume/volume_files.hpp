@@ -13,14 +13,14 @@ namespace ringsplat::detail {
 /// KiB each. Throws InputError when the file cannot be read.
 void add_facts_of(const InputFile& file, std::uint64_t offset, std::uint64_t bytes, Facts& facts);
 
-/// The files that a volume is read from by others than InputFile, as they were when this was made.
+/// The files of a volume that other code than InputFile reads, as they were when this was made.
 class VolumeFiles {
  public:
-  /// In the order of the slices; a file that comes several times in a row counts once. Throws InputError when
+  /// `files`: in the order of the slices; a file several times in a row counts once. Throws InputError when
   /// one cannot be read.
   explicit VolumeFiles(const std::vector<std::filesystem::path>& files);
-  /// For before a file is opened again and after it was read. Throws InputError when it has changed or is
-  /// gone.
+  /// Throws InputError when the file has changed or is gone. Call it before a file is opened again and after
+  /// it was read.
   void require_unchanged(const std::filesystem::path& file) const;
   /// Their number, names without folders, sizes, and hashes of their first and last bytes.
   Facts facts() const;

@@ -50,7 +50,7 @@ std::string meta_header(const Grid& grid, const std::string& data_file) {
       data_file);
 }
 
-/// `out` takes slices by its write().
+/// `out` has a write() that takes slices.
 template <class Out>
 void write_voxels(VolumeSource& source, Out& out) {
   std::vector<std::byte> slice(source.grid().slice_bytes(Axis::z));
@@ -60,7 +60,7 @@ void write_voxels(VolumeSource& source, Out& out) {
   }
 }
 
-/// A file whose place was checked, so that what goes wrong later is the disk's fault.
+/// Begins a file after checking its place, so that later failures are the disk's.
 OutputFile begin(const std::filesystem::path& path) {
   check_can_write(path, "the volume");
   return OutputFile(path);
@@ -79,7 +79,8 @@ void write_attached(VolumeSource& source, const std::filesystem::path& path, boo
   file.commit();
 }
 
-/// Both are on the disk before either gets its name, the voxels first: a header is never seen without them.
+/// Both are on the disk before either gets its name. The voxels get theirs first, so a header is never seen
+/// without them.
 void write_detached(VolumeSource& source, const std::filesystem::path& path, bool meta) {
   auto data_path = path;
   data_path.replace_extension(".raw");
@@ -93,7 +94,7 @@ void write_detached(VolumeSource& source, const std::filesystem::path& path, boo
   header.commit();
 }
 
-/// `path` with the grid's tag in its name, where a tag that contradicts the grid is an error.
+/// `path` with the grid's tag in its name; a tag that contradicts the grid is an error.
 std::filesystem::path raw_path(const Grid& grid, const std::filesystem::path& path) {
   if (const auto named = detail::parse_raw_name(path)) {
     if (named->dims == grid.dims && named->type == grid.type) return path;

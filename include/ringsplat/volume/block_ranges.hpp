@@ -6,16 +6,16 @@
 
 namespace ringsplat {
 
-/// The smallest and the largest value of each block of a slice's voxels, so that what a transfer function
-/// makes transparent is skipped without being read (Levoy 1990, in the plane). Not-a-number takes no part.
-/// Takes 2 scalars for a block's 128.
+/// The smallest and the largest value of each block of a slice's voxels. With them transparent blocks are
+/// skipped without being read (Levoy 1990, in the plane). Not-a-number is ignored. Stores 2 scalars for a
+/// block's 128.
 class BlockRanges {
  public:
   static constexpr int block_width = 16,
                        block_height = 8;  ///< voxels; those at the end of a row or column may be smaller
 
   struct Range {
-    double low, high;  ///< low > high when all of the block is not-a-number
+    double low, high;  ///< low > high: the whole block is not-a-number
   };
 
   explicit BlockRanges(const SliceView& slice);

@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// The smallest and the largest value of a slice, infinities included; not-a-number takes no part. low > high
+/// The smallest and the largest value of a slice, infinities included. Not-a-number is ignored; low > high
 /// when the slice has nothing else.
 struct SliceRange {
   Axis axis = Axis::z;
@@ -15,13 +15,13 @@ struct SliceRange {
 };
 SliceRange slice_range(const SliceView& slice);
 
-/// Of all slices of a volume, those of other GPs too, so that every GP knows which ones a transfer function
-/// makes transparent.
+/// The ranges of all slices of a volume, other GPs' too, so that every GP knows which slices a transfer
+/// function makes transparent.
 class SliceRanges {
  public:
-  /// `ranges`: in any order; of an axis all slices or none.
+  /// `ranges`: in any order; for each axis all slices or none.
   explicit SliceRanges(const std::vector<SliceRange>& ranges);
-  /// By slice; empty for an axis without any.
+  /// The ranges of an axis, by slice; may be empty.
   const std::vector<SliceRange>& of(Axis axis) const { return ranges_[std::size_t(axis)]; }
 
  private:

@@ -41,7 +41,7 @@ class SliceStore {
   bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
   bool has_normals() const { return with_normals_; }
   bool owns(int slice) const { return slice % gps_ == gp_; }
-  /// The slices this GP owns of an axis with `slices` of them.
+  /// How many of an axis's `slices` slices this GP owns.
   static int owned_count(int slices, int gp, int gps) {
     return gp < slices ? (slices - gp - 1) / gps + 1 : 0;
   }
@@ -53,14 +53,14 @@ class SliceStore {
   /// Bytes a GP needs for its slices: what `info` predicts and the store allocates.
   static std::uint64_t bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
                                     bool with_normals);
-  std::uint64_t allocated_bytes() const;  ///< its levels' too
+  std::uint64_t allocated_bytes() const;  ///< levels included
 
   /// A reduced volume's slices, of the same GP, for frames that are undersampled by `factor`.
   void add_level(int factor, SliceStore level) { levels_[factor] = std::move(level); }
-  /// Itself for 1. Throws RunError when there is no such level.
+  /// This store for factor 1. Throws RunError when there is no such level.
   const SliceStore& level(int factor) const;
 
-  /// What is known of the values of all slices, other GPs' too; null when nothing is.
+  /// The value ranges of all slices, other GPs' too; null when unknown.
   void know_ranges(std::shared_ptr<const SliceRanges> ranges) { ranges_ = std::move(ranges); }
   const SliceRanges* ranges() const { return ranges_.get(); }
 
@@ -80,14 +80,14 @@ class SliceStore {
   std::shared_ptr<const SliceRanges> ranges_;
 };
 
-/// A z slice's share for one GP of the slices perpendicular to x or y, and back: the
-/// exchange by which GPs that read z slices come by their slices of the other axes.
+/// The exchange by which GPs that read z slices get their x and y slices: takes the lines of one GP's slices
+/// out of a z slice, and puts them into that GP's store.
 ///
 /// `pack_columns` appends, for each slice s ≡ gp (mod gps) of `axis` (x or y, else std::invalid_argument),
 /// the one line of the z slice that lies in it: its values, then its normals when `normals` is not empty.
-/// `values` and `normals` are the whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns`
-/// puts such bytes into the store of GP `gp` of `gps` as row z of its slices; returns false when they
-/// are not of the right size.
+/// `values` and `normals` are the whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns` puts
+/// such bytes into the store of GP `gp` of `gps` as row z of its slices; returns false when they are not of
+/// the right size.
 void pack_columns(const Grid& grid, Axis axis, int gp, int gps, std::span<const std::byte> values,
                   std::span<const std::uint16_t> normals, std::vector<std::byte>& out);
 [[nodiscard]] bool unpack_columns(SliceStore& store, Axis axis, int gp, int gps, int z, bool with_normals,

@@ -10,7 +10,7 @@
 
 namespace ringsplat {
 
-/// Where voxels come from, read by whole z slices.
+/// A source of voxels, read by whole z slices.
 class VolumeSource {
  public:
   virtual ~VolumeSource() = default;
@@ -25,13 +25,13 @@ class VolumeSource {
   /// each slice once. Throws InputError naming the file (truncated, unreadable).
   virtual void read_slices(int first, int count, std::span<std::byte> out) = 0;
 
-  /// What must be the same, beside the grid, wherever processes read one volume: encoding, files, their
-  /// sizes, hashes of their first and last bytes. None for a source that reads no file. Throws InputError
+  /// Facts that must be the same, beside the grid, on all processes that read one volume: encoding, files,
+  /// their sizes, hashes of their first and last bytes. None for a source without files. Throws InputError
   /// when a file cannot be read.
   virtual Facts facts() const { return {}; }
 };
 
-/// What the command line says of a raw file; fields left out come from its name
+/// The command line's description of a raw file; missing fields come from its name
 /// (`name_256x256x128_uint8.raw`).
 struct RawDescription {
   std::optional<glm::ivec3> dims;
@@ -42,20 +42,19 @@ struct RawDescription {
   bool empty() const { return !dims && !type && !big_endian && !offset && !spacing; }
 };
 
-/// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .img/.hdr), a DICOM folder
-/// (or one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages), VTK
-/// (.vtk) or a raw file. For files that describe themselves only `raw.spacing` may be given; it replaces
-/// theirs.
+/// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .img/.hdr), a DICOM folder (or
+/// one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages), VTK (.vtk) or
+/// a raw file. For files that describe themselves only `raw.spacing` may be given; it replaces theirs.
 ///
-/// World coordinates are ITK's: patient left-posterior-superior where the file says how it lies in the
-/// patient (DICOM, NIfTI, whose right-anterior-superior is converted, NRRD with a `space`, MetaImage);
-/// else (plain spacings, TIFF, raw) the lattice's own axes.
+/// World coordinates are ITK's: patient left-posterior-superior if the file tells the orientation (DICOM;
+/// NIfTI, converted from right-anterior-superior; NRRD with a `space`; MetaImage), else the lattice's own
+/// axes (plain spacings, TIFF, raw).
 ///
-/// Whole slices are decoded one after another, without holding the volume, except for text encodings,
-/// volumes in several NRRD files and multi-frame DICOM.
+/// Whole slices are decoded one after another, without holding the volume, except for text encodings, volumes
+/// in several NRRD files and multi-frame DICOM.
 ///
-/// Checks that the file is as long as its header says before anything is allocated.
-/// Throws InputError: what is wrong, in which file and field, what to do.
+/// Checks that the file is as long as its header says before anything is allocated. Throws InputError: what
+/// is wrong, in which file and field, what to do.
 std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw = {});
 
 /// A volume that lies in memory; `voxels` (grid.bytes() bytes, native order) must outlive the source.

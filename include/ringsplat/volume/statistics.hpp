@@ -7,7 +7,7 @@
 
 namespace ringsplat {
 
-/// Smallest and largest finite value, and how many voxels have none.
+/// Smallest and largest finite value, and how many values are not finite.
 struct ValueRange {
   double low, high;  ///< low > high while no finite value was seen
   std::uint64_t finite = 0, not_finite = 0;

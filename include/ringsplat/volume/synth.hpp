@@ -13,9 +13,9 @@ struct SynthName {
 };
 const std::vector<SynthName>& synth_names();
 
-/// The field's value at a point of the unit cube [0, 1]^3 (voxel centres of an n-voxel axis lie at
-/// (i + 0.5) / n). Names: those of synth_names() but "point", which is one voxel of a lattice and no
-/// field. Values lie in [0, 1]. Throws InputError listing the names.
+/// The field's value at a point of the unit cube [0, 1]^3 (voxel centres of an n-voxel axis lie at (i + 0.5)
+/// / n). Names are those of synth_names(), except "point", which is one voxel of a lattice and not a field.
+/// Values lie in [0, 1]. Throws InputError listing the names.
 using Field = double (*)(double x, double y, double z);
 Field synth_field(const std::string& name);
 
