@@ -19,7 +19,7 @@
 namespace ringsplat::truth {
 namespace {
 
-/// First and last place at which the ray is inside low ≤ p ≤ high; first > last when it misses.
+/// The first and last s at which the ray is in the box low ≤ p ≤ high; first > last when it misses.
 struct Span {
   double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
 };

@@ -38,7 +38,7 @@ Seam worst_line(const Image& image, const Image& truth, bool columns) {
     if (std::abs(step) > std::abs(seam.step)) seam.position = int(line), seam.step = step;
     steps.push_back(std::abs(step));
   }
-  // The typical step over all lines that have one: half of them are no extremum and have none.
+  // Only lines with a step: half of them are no extremum and have none.
   std::erase(steps, 0.0);
   double typical = 1e-12;
   if (steps.size() > 1) {
@@ -49,7 +49,7 @@ Seam worst_line(const Image& image, const Image& truth, bool columns) {
   return seam;
 }
 
-/// Bilinear sample of one channel; the border's pixels go on beyond it.
+/// Bilinear sample of one channel; border pixels are repeated outside.
 double sample(const Image& image, double x, double y, int channel) {
   const double fx = std::floor(x), fy = std::floor(y), tx = x - fx, ty = y - fy;
   const auto at = [&](double px, double py) {
@@ -70,8 +70,8 @@ NormalEquations normal_equations(const Image& image, const Image& truth, const S
     for (int x = 1; x + 1 < image.width; ++x)
       for (int c = 0; c < 4; ++c) {
         const double px = x - shift.x, py = y - shift.y;
-        // The image's and the truth's own differences, averaged: bilinear resampling smooths only one of
-        // them.
+        // The average of the image's and the truth's gradients, because bilinear resampling smooths only one
+        // of them.
         const double gx = 0.25 * (sample(truth, px + 1, py, c) - sample(truth, px - 1, py, c) +
                                   double(image.pixel(x + 1, y)[c]) - double(image.pixel(x - 1, y)[c]));
         const double gy = 0.25 * (sample(truth, px, py + 1, c) - sample(truth, px, py - 1, c) +

@@ -17,7 +17,7 @@
 namespace ringsplat::truth {
 namespace {
 
-/// Corner 4z + 2y + x of a cell, and what is interpolated between the corners.
+/// The corners of a cell (number 4z + 2y + x) and interpolation between them.
 template <class T>
 using Corners = std::array<T, 8>;
 
@@ -32,7 +32,7 @@ T trilinear(const Corners<T>& c, const glm::dvec3& f) {
 /// The part of a ray inside one cell.
 struct Crossing {
   double enter, leave;
-  glm::ivec3 cell;  ///< its low corner; −1 in the outer half voxel before the first centre
+  glm::ivec3 cell;  ///< its low corner; −1 in the half voxel before the first centre
 };
 
 /// The values along a crossing: a cubic polynomial of s' = (s − enter) / (leave − enter), in Bernstein's form
@@ -64,7 +64,7 @@ std::vector<double> turning_points(const Cubic& cubic) {
   return points;
 }
 
-/// Where the cubic, monotone on [a, b], takes `value`, which lies between its ends.
+/// Where the cubic takes `value`. It is monotone on [a, b], and `value` lies between its ends.
 double crossing_of(const Cubic& cubic, double value, double a, double b) {
   const bool rising = cubic.at(a) < cubic.at(b);
   for (int round = 0; round < 60 && a < b; ++round) {
@@ -83,7 +83,7 @@ std::vector<double> cuts_at_knots(const Cubic& cubic, const std::vector<double>&
   std::vector<double> cuts{0.0};
   for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
     const double a = monotone[i], b = monotone[i + 1];
-    const auto [low, high] = std::minmax({cubic.at(a), cubic.at(b)});  // by value: the list's copies
+    const auto [low, high] = std::minmax({cubic.at(a), cubic.at(b)});  // by value: references would dangle
     for (auto k = std::upper_bound(knots.begin(), knots.end(), low); k != knots.end() && *k < high; ++k)
       cuts.push_back(crossing_of(cubic, *k, a, b));
     cuts.push_back(b);
@@ -114,7 +114,7 @@ class FieldIntegrator {
   }
 
  private:
-  /// The cells along a ray, front to back, each cut computed from the ray's start.
+  /// The cells along a ray, front to back. Each cut is computed from the ray's start.
   std::vector<Crossing> crossings(const LatticeRay& ray) const {
     std::vector<double> cuts{ray.enter, ray.leave};
     const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
@@ -180,8 +180,8 @@ class FieldIntegrator {
     }
   }
 
-  /// Ends of the pieces of a crossing inside which nothing bends or jumps: the value crosses no knot, and the
-  /// light and the viewer stay on one side of the surface.
+  /// Ends of a crossing's smooth pieces: inside each, the value crosses no knot, and light and viewer stay on
+  /// one side of the surface.
   template <class Place, class ValueAt>
   std::vector<double> smooth_pieces(const Crossing& crossing, const Place& place, const ValueAt& value_at,
                                     const Corners<glm::dvec3>& normals) const {
@@ -203,7 +203,7 @@ class FieldIntegrator {
     return cuts;
   }
 
-  /// Infinities lie beyond the transfer function's ends; kept finite, they can be interpolated.
+  /// Infinities become finite values beyond the transfer function's ends, which can be interpolated.
   double bounded(double v) const {
     if (!std::isinf(v)) return v;
     const auto& knots = curve_.knots();

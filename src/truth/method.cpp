@@ -20,10 +20,10 @@ namespace {
 
 LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
 
-/// Steps of the lattice by which a kernel's reach is widened. Q decides; this only must not miss a voxel.
+/// Lattice steps by which a kernel's reach is widened, so that no voxel is missed. Q decides which count.
 constexpr double slack = 1e-3;
 
-/// The quartic on the screen: Q = 1 − |root · offset|².
+/// The kernel on the screen: Q = 1 − |root · offset|².
 struct Kernel {
   glm::dmat2 root{1.0};
   double weight = 1;
@@ -57,7 +57,7 @@ Kernel make_kernel(const glm::dvec2& step_u, const glm::dvec2& step_v, double ra
     kernel.root = {{c / a, -s / b}, {s / a, c / b}};
     area = std::numbers::pi * a * b;
   }
-  // Q² integrates to a third of the ellipse's area, and there is one kernel a cell.
+  // Q² integrates to a third of the ellipse's area, and each cell has one kernel.
   kernel.weight = 3 * cell / area;
   const glm::dmat2 reach = glm::inverse(kernel.root * block);
   kernel.lattice_reach = {std::hypot(reach[0][0], reach[1][0]), std::hypot(reach[0][1], reach[1][1])};
@@ -71,7 +71,7 @@ double slice_distance(const Grid& grid, const ViewTransform& view, int axis) {
   return glm::length(grid.direction * (grid.spacing / smallest * (ray / std::abs(ray[axis]))));
 }
 
-/// All that is the same for every pixel.
+/// The truth's data that are the same for every pixel.
 class Method {
  public:
   Method(const Scene& scene, Normals normals)

@@ -28,8 +28,8 @@ ErrorFigures figures(const Sums& sums, double values) {
   return f;
 }
 
-/// How far apart the pixels are in the channels [first, end), the most of them each. OpenImageIO's comparison
-/// is not used: it leaves pixels that are not finite out of its counts, and sums squares in float32.
+/// Each pixel's largest difference over the channels [first, end). OpenImageIO's comparison is not used: it
+/// does not count pixels that are not finite, and it sums squares in float32.
 class PixelDistances {
  public:
   PixelDistances(const Image& image, const Image& truth, int first, int end) : width_(image.width) {
@@ -40,8 +40,8 @@ class PixelDistances {
       distances_.push_back(most);
     }
   }
-  /// The limit is widened by its ten-thousandth: values of 8 bits that lie a whole number of levels apart do
-  /// so only up to float32's rounding, and must not be over it by chance.
+  /// Widens the limit by a ten-thousandth: 8-bit values that are a whole number of levels apart are so only
+  /// up to float32's rounding, and must not exceed the limit by chance.
   double fraction_over(double limit) const {
     const auto over = [&](double d) { return d > limit * 1.0001; };
     return double(std::count_if(distances_.begin(), distances_.end(), over)) / double(distances_.size());

@@ -9,7 +9,7 @@
 
 namespace ringsplat::truth {
 
-/// Calls body(first, end) for pieces of [0, count) on all cores; the first exception goes on to the caller.
+/// Calls body(first, end) for pieces of [0, count) on all cores; passes the first exception to the caller.
 template <class Body>
 void parallel_for(std::size_t count, std::size_t piece, const Body& body) {
   std::atomic<std::size_t> next{0};

@@ -1,4 +1,5 @@
-// Which pixels to sample: strata by what the picture shows, and as many of each as its error may deserve.
+// Chooses the pixels to sample: makes strata by the picture's local variation, and gives each its share of
+// the sample.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -13,15 +14,15 @@
 namespace ringsplat::truth {
 namespace {
 
-// Classes: activity from 2⁻²⁰ up in eighths of an octave, for opaque pixels apart from others. What a
-// Renderer leaves out behind an opaque pixel errs there only.
+// Classes: activity from 2⁻²⁰ up in eighths of an octave, separately for opaque pixels, since only these err
+// by what a Renderer leaves out behind them.
 constexpr int lowest_octave = -20, octaves = 24, steps = 8, activity_classes = octaves * steps;
 constexpr std::size_t classes = 2 * activity_classes;
 constexpr float opaque = 0.99F;
 
 constexpr std::size_t most_strata = 16, pixels_a_stratum = 8;
 
-/// How much a picture differs within a pixel's neighbourhood.
+/// A pixel's activity: how much the picture varies in its neighbourhood.
 class Activity {
  public:
   explicit Activity(const Image& picture) : picture_(picture) {}
@@ -32,14 +33,15 @@ class Activity {
     return std::uint16_t(step + (pixel[3] >= opaque ? activity_classes : 0));
   }
 
-  /// The least activity of a class. A power of two times a few bits, so that sums of it are exact.
+  /// The least activity of class k. A power of two times a few bits, so that sums of it are exact.
   static double activity_of(std::size_t k) {
     const int step = int(k) % activity_classes;
     return step == 0 ? 0 : std::ldexp(1 + double(step % steps) / steps, lowest_octave + step / steps);
   }
 
  private:
-  /// The range of the nearest pixels, half that of farther ones, and an eighth of what there is to be wrong.
+  /// The larger of the nearest pixels' range and half that of farther ones, plus an eighth of the pixel's
+  /// largest value.
   float at(int x, int y, const float* pixel) const {
     if (!std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); }))
       return std::numeric_limits<float>::infinity();
@@ -48,7 +50,7 @@ class Activity {
     return std::max(range(x, y, 1), 0.5F * range(x, y, 2)) + 0.125F * most;
   }
 
-  /// The largest of the channels' ranges over nine pixels `apart` from each other.
+  /// The largest range of a channel over nine pixels that are `apart` from each other.
   float range(int x, int y, int apart) const {
     std::array<float, 4> low, high;
     std::copy_n(picture_.pixel(x, y), 4, low.begin());
@@ -79,7 +81,7 @@ class Activity {
   const Image& picture_;
 };
 
-/// By pixel within the bounds, row by row.
+/// The class of each pixel within the bounds, row by row.
 std::vector<std::uint16_t> classify(const Image& picture, const ScreenBounds& bounds) {
   std::vector<std::size_t> begin{0};
   for (const auto& row : bounds.rows)
@@ -94,7 +96,7 @@ std::vector<std::uint16_t> classify(const Image& picture, const ScreenBounds& bo
   return all;
 }
 
-/// Half a share for its pixels, half a share for their activity.
+/// Each class's share of the sample: half by its pixels, half by their activity.
 std::array<double, classes> shares_of(const std::array<std::size_t, classes>& counts) {
   double pixels = 0, activity = 0;
   for (std::size_t k = 0; k < classes; ++k) {
@@ -117,7 +119,7 @@ struct Strata {
   std::vector<double> shares;
 };
 
-/// Neighbouring classes make a stratum; strata have about the same share of the sample.
+/// Joins neighbouring classes to strata with about the same share of the sample.
 Strata make_strata(const std::array<std::size_t, classes>& counts, std::size_t most) {
   const auto shares = shares_of(counts);
   Strata made;
@@ -126,7 +128,7 @@ Strata make_strata(const std::array<std::size_t, classes>& counts, std::size_t m
     double total = 0, before = 0;
     for (std::size_t k = first; k < first + together; ++k) total += shares[k];
     const double wanted = std::max(1.0, std::floor(double(most) * total + 0.5));
-    double open = -1;  // which of the wanted ones the last stratum is
+    double open = -1;  // number of the last stratum among those wanted
     for (std::size_t k = first; k < first + together; ++k) {
       if (counts[k] == 0) continue;
       const double middle = std::min(wanted - 1, std::floor((before + 0.5 * shares[k]) / total * wanted));
@@ -144,7 +146,7 @@ Strata make_strata(const std::array<std::size_t, classes>& counts, std::size_t m
   return made;
 }
 
-/// Two of each stratum, the rest by their shares; what a stratum cannot use goes to the others.
+/// Allots two pixels to each stratum and the rest by shares; what a stratum cannot use goes to the others.
 void allot(Strata& s, std::size_t count) {
   std::size_t left = count;
   const auto give = [&](std::size_t k, std::size_t more) {
@@ -166,8 +168,8 @@ void allot(Strata& s, std::size_t count) {
   for (std::size_t k = 0; k < s.strata.size(); ++k) give(k, left);
 }
 
-/// `count` different numbers below `total`, ascending: Floyd's sampling (Bentley and Floyd 1987). The
-/// standard fixes the engine's numbers but not its distributions', so the remainder is taken here; its bias
+/// `count` different numbers below `total`, ascending: Floyd's sampling (Bentley and Floyd 1987). Takes
+/// remainders of the engine's numbers, since the standard does not fix its distributions' results; the bias
 /// is below 2⁻³⁰ for any picture.
 std::vector<std::size_t> choose(std::size_t total, std::size_t count, std::mt19937_64& random) {
   std::unordered_set<std::size_t> chosen;

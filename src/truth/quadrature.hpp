@@ -7,13 +7,13 @@
 
 namespace ringsplat::truth {
 
-/// A point of a ray: extinction and straight colour.
+/// The medium at a point of a ray: extinction and straight colour.
 struct Medium {
   double extinction = 0;  ///< per unit length, the ray's parameter; infinite where opaque
   glm::dvec3 colour{0.0};
 };
 
-/// What a piece of a ray adds, seen from its front.
+/// The contribution of a piece of a ray, seen from its front.
 struct Piece {
   glm::dvec3 colour{0.0};
   double transmittance = 1;
@@ -31,16 +31,16 @@ struct Rule {
       up_to;  ///< [i][j]: weight of node j over [0, node i]
 };
 /// Lobatto's nodes, which include both ends: no jump or bend can hide between an outer node and the end. The
-/// ends are taken 1e-9 of the length inside, so that a jump at the end itself is not seen.
+/// end nodes lie 1e-9 of the length inside, so that a jump at the end itself has no effect.
 const Rule& lobatto_rule();
 
-/// Stands for infinite extinction at a single node: −ln of the smallest 1 − α that doubles hold. Where
-/// opacity 1 covers a length, halving finds pieces that are opaque throughout; where it is reached at a point
-/// only, the depth is finite.
+/// Replaces infinite extinction at a single node: −ln of the smallest 1 − α that a double holds. If opacity 1
+/// covers a length, halving finds pieces that are opaque throughout; if it is reached at a point only, the
+/// depth stays finite.
 inline constexpr double almost_opaque = 37;
 
-/// One application of the rule to t in [a, b]: the optical depth at each node, then the emission. What is
-/// opaque throughout but shorter than `thinnest` may be a point, rounded to a length.
+/// One application of the rule to t in [a, b]: the optical depth at each node, then the emission. An opaque
+/// piece shorter than `thinnest` may be a point that was rounded to a length.
 template <class At>
 Piece lobatto_piece(const At& at, double a, double b, double thinnest) {
   const Rule& rule = lobatto_rule();
@@ -79,7 +79,7 @@ Piece adaptive_piece(const At& at, double a, double b, const Piece& whole, doubl
   if (change <= tolerance || halvings_left == 0 || !(a < middle && middle < b)) return both;
   const Piece fine_front =
       adaptive_piece(at, a, middle, front, 0.5 * tolerance, thinnest, halvings_left - 1);
-  // What lies behind counts only as far as it is seen.
+  // The tolerance behind grows as less of it is seen.
   const double seen = std::max(fine_front.transmittance, 1e-12);
   return behind(fine_front,
                 adaptive_piece(at, middle, b, back, 0.5 * tolerance / seen, thinnest, halvings_left - 1));

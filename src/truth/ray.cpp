@@ -30,7 +30,7 @@ LatticeRay Rays::through(Pixel pixel) const {
   LatticeRay ray;
   ray.origin = to_lattice_ * (glm::dvec3(pixel.x + 0.5, pixel.y + 0.5, 0) - view_.offset);
   ray.step = step_;
-  // From the point nearest to the volume's middle on, so that s is no difference of large numbers.
+  // s counts from the point nearest to the volume's middle, so that it is not a difference of large numbers.
   const glm::dvec3 middle = 0.5 * (box_.low + box_.high);
   const double nearest = glm::dot(middle - ray.origin, step_) / glm::dot(step_, step_);
   ray.origin += nearest * step_;
@@ -57,7 +57,7 @@ ScreenBounds Rays::bounds() const {
     const LatticeRay ray = through({x, y});
     return ray.enter < ray.leave;
   };
-  // A box's picture is convex, so a row has one piece of it.
+  // A box's picture is convex, so each row has one piece of it.
   parallel_for(bounds.rows.size(), 16, [&](std::size_t from, std::size_t to) {
     for (std::size_t y = from; y < to; ++y) {
       ScreenBounds::Row row{0, width_};

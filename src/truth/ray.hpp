@@ -14,15 +14,15 @@ struct LatticeBox {
 /// The voxels' faces: [−½, n − ½] along each axis.
 LatticeBox voxel_faces(const Grid& grid);
 
-/// A pixel's ray in lattice coordinates, by unit lengths: point s is origin + s · step. It enters the box at
-/// `enter` and leaves it at `leave`; enter ≥ leave when it misses.
+/// A pixel's ray in lattice coordinates: origin + s · step, s in unit lengths. It enters the box at `enter`
+/// and leaves it at `leave`; enter ≥ leave when it misses.
 struct LatticeRay {
   glm::dvec3 origin, step;
   double enter = 0, leave = 0;
   glm::dvec3 at(double s) const { return origin + s * step; }
 };
 
-/// Rays of one view, through the box of the voxels' faces or another one.
+/// The rays of one view through a box: that of the voxels' faces, or another one.
 class Rays {
  public:
   explicit Rays(const Scene& scene) : Rays(scene, voxel_faces(scene.grid)) {}

@@ -1,4 +1,4 @@
-// What a stratified sample says of the whole picture's error.
+// Estimates the whole picture's error from a stratified sample.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -32,7 +32,7 @@ bool is_finite(const float* pixel) {
   return std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); });
 }
 
-/// The 0.975 quantile of Student's distribution: between the table's it is nearly linear in 1 / freedom.
+/// The 0.975 quantile of Student's distribution, interpolated in 1 / freedom, in which it is nearly linear.
 double student_975(double freedom) {
   constexpr std::array<std::pair<double, double>, 12> table{{{1, 12.7062},
                                                              {2, 4.3027},
@@ -63,13 +63,13 @@ struct Squares {
   bool complete() const { return stratum.sampled == stratum.pixels; }
   double total() const { return double(stratum.pixels) * mean; }
 
-  /// The variance of total(), as if its largest square had been met once more, and one that is `other` if
-  /// that is larger. A stratum's rare large squares are seldom in its sample, and without any of them it
-  /// would look as if it had none.
+  /// The variance of total(), as if its largest square had been drawn once more, and the larger of it and
+  /// `other` as well. A stratum's rare large squares are seldom in its sample; without them it would seem to
+  /// have none.
   double variance(double other) const {
     const auto pixels = double(stratum.pixels), sampled = double(stratum.sampled);
     const double left_out = pixels * (pixels - sampled) / sampled;
-    if (values.size() == 1) return left_out * largest * largest;  // one says nothing of their spread
+    if (values.size() == 1) return left_out * largest * largest;  // a single value shows no spread
     const std::array further{largest, std::max(largest, other)};
     const double count = double(values.size() + further.size());
     const double middle = (double(values.size()) * mean + further[0] + further[1]) / count;
@@ -80,7 +80,7 @@ struct Squares {
   }
 };
 
-/// A stratum may hold pixels of half the square of its neighbours' worst: what divides them is gradual.
+/// Half of the neighbours' worst square: strata merge gradually, so a stratum may hold such pixels.
 double square_next_to(const std::vector<Squares>& strata, std::size_t k) {
   double largest = 0;
   if (k > 0) largest = strata[k - 1].largest;
@@ -92,7 +92,7 @@ struct Interval {
   double low, high;
 };
 
-/// 95 % interval of the picture's sum of squares, of which `sum` is the estimate and `known` no estimate.
+/// 95 % interval of the picture's sum of squares: `sum` is its estimate, of which `known` is exact.
 Interval interval_of(const std::vector<Squares>& strata, double sum, double known) {
   double variance = 0, satterthwaite = 0;
   for (std::size_t k = 0; k < strata.size(); ++k) {
@@ -111,7 +111,7 @@ Interval interval_of(const std::vector<Squares>& strata, double sum, double know
   return {std::max(known, sum / factor), sum * factor};
 }
 
-/// Adds up what is seen of one picture.
+/// Sums up the comparison of one picture.
 class Comparison {
  public:
   explicit Comparison(const Image& image) : image_(image) {}
@@ -123,7 +123,8 @@ class Comparison {
     return d;
   }
 
-  /// Where the truth is transparent, and where the picture is wrong whatever is true.
+  /// Takes the pixels whose error is known without the truth: where it is transparent, and where the picture
+  /// is not finite.
   void see_known(const ScreenBounds& bounds) {
     for (int y = 0; y < image_.height; ++y)
       for (int x = 0; x < image_.width; ++x) {
@@ -170,7 +171,7 @@ class Comparison {
 
  private:
   const Image& image_;
-  std::vector<double> values_;  ///< of all strata, which refer to them
+  std::vector<double> values_;  ///< of all strata, which point into it
   std::vector<Squares> strata_;
   double known_ = 0, signed_sum_ = 0;
   SampledError error_;

@@ -34,7 +34,8 @@ Gradients::Gradients(const Scene& scene) : scene_(scene) {
   const glm::dvec3& spacing = scene.grid.spacing;
   const double smallest = std::min({spacing.x, spacing.y, spacing.z});
   const glm::dmat3 inverse = glm::inverse(scene.grid.direction);
-  // The gradient is a covector: it goes by the inverse transpose, whose columns are the inverse's rows.
+  // The gradient is a covector, so it is mapped by the inverse transpose, whose columns are the inverse's
+  // rows.
   for (int k = 0; k < 3; ++k)
     to_world_[k] = -(smallest / spacing[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
   double largest = 0;

@@ -21,7 +21,7 @@ class Phong {
   glm::dvec3 to_light_, to_viewer_;
 };
 
-/// Central differences of the voxels in world directions, against the gradient, up to one common factor.
+/// Central differences of the voxels, against the gradient, in world directions, up to one common factor.
 class Gradients {
  public:
   explicit Gradients(const Scene& scene);

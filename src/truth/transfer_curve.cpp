@@ -11,8 +11,8 @@ double linear_light(double display) {
   return display <= 0.04045 ? display / 12.92 : std::pow((display + 0.055) / 1.055, 2.4);
 }
 
-/// The line through `results` at ascending `values`, constant beyond the ends. (1 − t) a + t b keeps a
-/// constant piece exactly constant only when the ends are told apart first.
+/// The piecewise-linear curve through `results` at ascending `values`, constant beyond the ends. Equal ends
+/// are handled first, since (1 − t) a + t a may differ from a.
 template <class T>
 T on_line(const std::vector<double>& values, const std::vector<T>& results, double value) {
   std::size_t after = 0;
@@ -27,7 +27,7 @@ T on_line(const std::vector<double>& values, const std::vector<T>& results, doub
   }
   if (after == 0) return results.front();
   if (after == values.size() || results[after - 1] == results[after]) return results[after - 1];
-  // Halves, because the span may be beyond the largest double.
+  // Halved, because the difference may overflow a double.
   const double t = (0.5 * value - 0.5 * values[after - 1]) / (0.5 * values[after] - 0.5 * values[after - 1]);
   return (1 - t) * results[after - 1] + t * results[after];
 }

@@ -6,7 +6,7 @@
 
 namespace ringsplat::truth {
 
-/// A transfer function as the truths evaluate it: straight from its points.
+/// A transfer function evaluated straight from its points.
 class TransferCurve {
  public:
   explicit TransferCurve(const TransferFunction& tf);

@@ -10,11 +10,11 @@ namespace ringsplat::truth {
 /// interpolation.
 ///
 /// Extinction per unit length (the smallest spacing) is −ln(1 − α). The volume ends at its voxels' faces,
-/// half a voxel beyond the outer centres, and has the nearest voxels' values there: so n slices are n
-/// voxels thick, and a volume of one slice is not invisible. A shaded point's normal is the trilinearly
-/// interpolated central difference of the voxels around it (one-sided at the border), normalised. Where a
-/// voxel that is interpolated from is not a number, space is transparent. Opacity 1 over any length ends the
-/// ray with the colour at that length's front.
+/// half a voxel beyond the outer centres, with the nearest voxels' values there. So n slices are n voxels
+/// thick, and a volume of one slice is visible. A shaded point's normal is the trilinearly interpolated
+/// central difference of the voxels around it (one-sided at the border), normalised. Space is transparent
+/// where one of the voxels to interpolate is not a number. Opacity 1 over any length ends the ray with the
+/// colour at its front.
 ///
 /// A ray is cut where it crosses from cell to cell, where the value crosses a point of the transfer function,
 /// and where the surface turns away from the light or the viewer: between those the integrand is smooth.

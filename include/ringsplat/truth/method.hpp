@@ -9,16 +9,16 @@ namespace ringsplat::truth {
 /// Where the surface normals of the method truth come from.
 enum class Normals {
   exact,     ///< central differences, normalised
-  quantised  ///< the same, rounded to the renderer's 16-bit codes: what is left is purely numerical
+  quantised  ///< the same, rounded to the renderer's 16-bit codes: leaves only numerical error
 };
 
-/// What the splatting model itself says, without the renderer's arithmetic.
+/// The splatting model itself, without the renderer's arithmetic.
 ///
 /// Each voxel is classified, shaded, and corrected to 1 − (1 − α)^d for d unit lengths between slices along
 /// the ray. Its kernel is Q², Q = 1 − r², r in kernel radii (Neumann 1992, section 2.2; at least a pixel from
-/// the centre), times 3/(π T²) or its widened equivalent, so that weights average to one; or as it is, or
-/// divided by the sum of all kernels that an endless slice would have at the pixel (Scene::normalisation). Of
-/// the slice set most parallel to the view plane, each slice is summed at the pixel's centre, clamped
+/// the centre), multiplied as Scene::normalisation says: by 3/(π T²) or its widened equivalent, so that
+/// weights average to one; by nothing; or by one over the sum of all kernels of an endless slice at the
+/// pixel. Each slice of the set most parallel to the view plane is summed at the pixel's centre, clamped
 /// (opacity a to [0, 1], colour to [0, a]) and composited front to back.
 ///
 /// Cost: slices × voxels under one kernel a pixel, plus one classification a voxel; all cores.

@@ -9,30 +9,30 @@
 
 namespace ringsplat::truth {
 
-/// Pixels of a picture at which a truth is to be evaluated: a stratified random sample (Cochran 1977, chapter
-/// 5) of those that the volume may reach. At all others the truth is transparent.
+/// The pixels at which to evaluate a truth: a stratified random sample (Cochran 1977, chapter 5) of those
+/// that the volume may reach. At all others the truth is transparent.
 struct PixelSample {
   struct Stratum {
     std::size_t pixels = 0;   ///< that belong to it
-    std::size_t sampled = 0;  ///< of them; all of them, or at least two where two can be afforded
+    std::size_t sampled = 0;  ///< of them sampled: all, or at least two if the sample is large enough
   };
   ScreenBounds bounds;
   std::vector<Stratum> strata;
   std::vector<Pixel> pixels;  ///< stratum after stratum, row by row in each
 };
 
-/// At most `count` pixels within `bounds`, drawn without repetition; all of them when there are no more.
-/// Strata are made of pixels about which `picture` differs alike, and apart from those of opaque pixels:
-/// edges and silhouettes err most and are sampled most densely, but no pixel is left out for sure. Any
-/// picture of the scene will do, so that one sample may serve pictures that are to be compared. The same
-/// sample for the same bits of the picture and the same seed, on every machine.
+/// Draws at most `count` pixels within `bounds`, without repetition; all of them when there are no more. A
+/// stratum has pixels with about the same local variation in `picture`; opaque pixels have strata of their
+/// own. Edges and silhouettes err most and are sampled most densely, but every pixel may be drawn. Any
+/// picture of the scene will do, so that one sample can serve several pictures that are compared. The same
+/// picture bits and seed give the same sample on every machine.
 PixelSample draw_sample(const Image& picture, const ScreenBounds& bounds, std::size_t count,
                         std::uint64_t seed);
 
-/// What a sample says of the error of the whole picture. Differences as in ErrorFigures.
+/// The whole picture's error, estimated from a sample. Differences as in ErrorFigures.
 struct SampledError {
   std::size_t pixels = 0;              ///< at which the truth was evaluated
-  std::size_t outside = 0;             ///< and those where it is transparent; all of them were compared, too
+  std::size_t outside = 0;             ///< where the truth is transparent; all of these were compared, too
   double rmse = 0;                     ///< of the whole picture, over four channels, in 1/255
   double rmse_low = 0, rmse_high = 0;  ///< its 95 % confidence interval
   double largest = 0;                  ///< of the pixels compared, in 1/255
@@ -43,11 +43,11 @@ struct SampledError {
 /// `truth[k]` belongs to `sample.pixels[k]`; the image has the size of the one the sample was drawn from. The
 /// mean square and the mean are unbiased. The interval is Student's of the mean square's logarithm, with the
 /// strata's finite populations and Satterthwaite's degrees of freedom. Since a few pixels may have most of
-/// the error, each stratum's variance is taken as if more pixels as bad as its worst had been met. It holds
-/// the true RMSE as often as it says from about a thousand pixels on (docs/accuracy.md); an error in a few
-/// pixels of which neither the picture nor the sample shows a sign is beyond it. A value of the picture that
-/// is not finite makes its RMSE infinite, sampled or not. Throws InputError when there is no picture, or not
-/// one colour for each pixel.
+/// the error, each stratum's variance is computed as if more pixels as bad as its worst had been drawn. From
+/// about a thousand pixels on the interval holds the true RMSE as often as it claims (docs/accuracy.md). It
+/// cannot cover an error in a few pixels that shows neither in the picture nor in the sample. A value of the
+/// picture that is not finite makes its RMSE infinite, sampled or not. Throws InputError when there is no
+/// picture, or not one colour for each pixel.
 SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth);
 
 }  // namespace ringsplat::truth

@@ -12,9 +12,9 @@
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/source.hpp"
 
-/// The references that pictures are measured against. What they compute is the model; how they compute it
-/// shares nothing with the renderer: double precision throughout, each pixel by itself, no tables, no
-/// incremental positions, no regions, no packed colours.
+/// The references that pictures are measured against. They compute the renderer's model but share none of its
+/// code: double precision throughout, each pixel by itself, no tables, no incremental positions, no regions,
+/// no packed colours.
 namespace ringsplat::truth {
 
 /// All that decides a picture, in plain numbers.
@@ -49,8 +49,8 @@ using Rgba = glm::dvec4;
 /// Row by row from the top.
 std::vector<Pixel> all_pixels(int width, int height);
 
-/// The part of a picture outside which a truth is exactly transparent: of each row, from the top, the pixels
-/// [first, end); none where first ≥ end.
+/// The part of a picture outside of which a truth is exactly transparent: pixels [first, end) of each row,
+/// from the top; none where first ≥ end.
 struct ScreenBounds {
   struct Row {
     int first = 0, end = 0;
