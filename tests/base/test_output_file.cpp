@@ -34,7 +34,7 @@ std::string text_of(const fs::path& file) {
 
 void make(const fs::path& file, const std::string& text) { std::ofstream(file, std::ios::binary) << text; }
 
-/// Runs `work` in a process of its own, which then ends at once. Returns that process's number.
+/// Runs `work` in a child process, which then ends at once. Returns the child's number.
 pid_t in_a_child(const std::function<void()>& work) {
   const pid_t child = fork();
   REQUIRE(child >= 0);
@@ -52,7 +52,7 @@ std::string only_name_in(const fs::path& folder) {
   return fs::directory_iterator(folder)->path().filename().string();
 }
 
-/// What a process that was killed in the middle of a file left in the folder.
+/// The name of the file that a process killed in mid-write leaves in the folder.
 std::string name_left_by_a_killed_process(const fs::path& folder) {
   in_a_child([&] {
     OutputFile file(folder / "x.png");

@@ -42,7 +42,7 @@ TEST_CASE("lanes see what was written before them, and the caller what they wrot
   for (int lane = 0; lane < 4; ++lane) CHECK(numbers[std::size_t(lane)] == 500 * (lane + 1));
 }
 
-// Wrong on purpose and run by name only, under the thread sanitizer, which must see it.
+// Wrong on purpose: the thread sanitizer must report it. Run by name only.
 TEST_CASE("two lanes write the same number at once", "[.race]") {
   ThreadTeam team(2);
   std::atomic<int> here = 0;

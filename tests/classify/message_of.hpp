@@ -5,7 +5,8 @@
 
 namespace ringsplat {
 
-/// What an InputError thrown by `f` says; empty when it throws none. Any other exception passes through.
+/// The message of the InputError that `f` throws; empty when it throws none. Any other exception passes
+/// through.
 template <class F>
 std::string message_of(F&& f) {
   try {

@@ -19,7 +19,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
 
-/// A function with clear stretches at both ends and in the middle, a ramp, a jump and full opacity.
+/// A function with transparent stretches at both ends and in the middle, a ramp, a jump and full opacity.
 TransferFunction bumpy(double low, double high) {
   TransferFunction tf = two_points(low, 0, high, 0);
   const auto at = [=](double share) { return low + (high - low) * share; };
@@ -193,7 +193,7 @@ TEST_CASE("the opacity correction is exact for 1, and keeps the digits of tiny o
   REQUIRE(corrected(0.5, infinity) == 1.0F);
   REQUIRE(corrected(1.0 - 1e-16, 0.5) == 1.0F);
   REQUIRE(corrected(0.9999, 1.5) == Approx(1 - std::pow(1e-4, 1.5)).epsilon(1e-6));
-  REQUIRE(corrected(1e-60, 1.0) == 0.0F);  // beyond float32: clear, not a sample of opacity zero
+  REQUIRE(corrected(1e-60, 1.0) == 0.0F);  // below float32: transparent, not a sample of opacity zero
 }
 
 TEST_CASE("rows may be empty, of one voxel, and at any address") {
@@ -211,8 +211,8 @@ TEST_CASE("rows may be empty, of one voxel, and at any address") {
 
 TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole row gives", "", std::uint8_t,
                    std::int16_t, float) {
-  // Clear at the ends and in the middle; all visible between the ends; nothing clear. Runs longer than a
-  // machine word, too.
+  // Transparent at the ends and in the middle; visible throughout between the ends; nowhere transparent. Also
+  // runs longer than a machine word.
   const double high = std::is_same_v<TestType, float> ? 1000.0 : double(std::numeric_limits<TestType>::max());
   const auto values = spread<TestType>(900);
   std::vector<TestType> smooth(900);
@@ -228,7 +228,7 @@ TEMPLATE_TEST_CASE("a row's stretches one after the other give what the whole ro
            {std::pair(0, 1), {1, 64}, {64, 64}, {64, 130}, {130, 331}, {331, 332}, {332, 900}})
         classifier.find_row(reinterpret_cast<const std::byte*>(row.data()), first, end, masks.data());
       VisibleRow visible;
-      visible.blocks.push_back({0, 0, 511});  // which take() forgets
+      visible.blocks.push_back({0, 0, 511});  // take() drops it
       visible.visible = 9;
       visible.take(masks, 0, 900);
       make_samples(classifier, {reinterpret_cast<const std::byte*>(row.data()), nullptr, 900}, nullptr,

@@ -51,7 +51,7 @@ TEST_CASE("the axes and the poles are exact, opposite directions are opposite") 
 }
 
 TEST_CASE("codes turn and mirror with the directions, ties included") {
-  // All 48 symmetries of the cube. Small integers tie often: every direction with two equal components may.
+  // All 48 symmetries of the cube. Small integers tie often: any direction with two equal components may.
   const auto check_all = [](const glm::dvec3& n) {
     const glm::dvec3 decoded = decode_normal(encode_normal(n));
     constexpr int orders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {1, 0, 2}, {0, 2, 1}, {2, 1, 0}};

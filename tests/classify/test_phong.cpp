@@ -1,5 +1,5 @@
 #include "ringsplat/base/vector_config.hpp"
-// Behind what says which instruction sets there are.
+// After the header that says which instruction sets there are.
 #include <hwy/targets.h>
 
 #include <bit>
@@ -21,7 +21,7 @@ using namespace ringsplat;
 
 namespace {
 
-/// Uses one instruction set only, until its end.
+/// Restricts Highway to one instruction set while it lives.
 struct OneTarget {
   explicit OneTarget(std::int64_t target) { use(target); }
   ~OneTarget() { use(0); }
@@ -126,7 +126,7 @@ TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, b
       if (block.mask >> k & 1) columns.push_back(block.first + k);
   REQUIRE(columns.size() == found.visible);
   REQUIRE(found.visible > 1000);
-  // The last: beyond the largest float, where 0 times the light must stay 0.
+  // The last one is beyond the largest float: 0 times the light must stay 0.
   for (const auto& material : {PhongMaterial{}, PhongMaterial{.ambient = 0.9, .specular = 3, .exponent = 2.5},
                                PhongMaterial{.ambient = 1e300}}) {
     const PhongTable table(material, {0.3, -1, 0.6}, {-0.2, -1, 0.1});

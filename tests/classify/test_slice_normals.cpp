@@ -57,7 +57,7 @@ double degrees_between(const glm::dvec3& a, const glm::dvec3& b) {
   return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * 180 / std::numbers::pi;
 }
 
-/// The normal by the rules in the header, in long double and without shortcuts.
+/// The normal by the header's rules, in long double and without shortcuts.
 template <class T>
 std::optional<glm::dvec3> reference(Volume<T>& v, const glm::ivec3& p) {
   const auto value = [&](const glm::ivec3& q) -> std::optional<long double> {
@@ -114,7 +114,7 @@ TEST_CASE("a linear field has one normal everywhere, down its slope in the world
   const auto expected = encode_normal(-slope);
   for (const auto code : v.normals()) REQUIRE(code == expected);
 
-  // Neighbours and voxels that are not finite change nothing for the others, whose field is linear.
+  // Values that are not finite do not change the normals of the other voxels, whose field is linear.
   v.at(3, 3, 2) = nan_value;
   v.at(4, 2, 2) = infinity;
   v.at(0, 0, 0) = -infinity;

@@ -34,7 +34,7 @@ std::vector<float> ramp() {
   return samples;
 }
 
-/// With what makes a second directory of a TIFF, and without the time.
+/// Attributes that make a second directory in a TIFF; no time, which would differ.
 const std::vector<ImageData::Attribute> described{{"ImageDescription", "some text"},
                                                   {"oiio:ColorSpace", "sRGB"},
                                                   {"oiio:UnassociatedAlpha", 1},
@@ -152,7 +152,7 @@ TEST_CASE("a picture that finds no room for any one of its bytes is an error and
       {"a.jpg", 3, SampleType::uint8},
       {"a.exr", 4, SampleType::float32},
       {"a.tif", 4, SampleType::uint8},
-      {"a.sgi", 4, SampleType::uint8},  // whose writer knows nothing but names
+      {"a.sgi", 4, SampleType::uint8},  // its writer writes by name only
   }));
   CAPTURE(name);
   const TemporaryFolder folder;
@@ -176,7 +176,7 @@ TEST_CASE("a picture that finds no room for any one of its bytes is an error and
   }
   CHECK(files_in(folder.path()) == 1);
   CHECK(bytes_of(folder / name) == "the old picture");
-  // What is written by name goes through memory, where the limit holds as well.
+  // Files written by name go through memory, where the limit holds as well.
   const bool by_name = name == "a.tif" || name == "a.sgi";
   const FileSizeLimit limit(by_name ? bytes + (1 << 17) : bytes);
   write_image_file(folder / name, image);
@@ -193,7 +193,7 @@ TEST_CASE("a library that cannot be loaded is an error that names it and says wh
     CHECK(what.find("images can be neither read nor written: libringsplat_no_such.so") == 0);
     CHECK(what.find("LD_LIBRARY_PATH") != std::string::npos);
   }
-  // A library that is there but another one.
+  // An existing library, but the wrong one.
   CHECK_THROWS_AS(image_library_of("libm.so.6"), RunError);
 }
 

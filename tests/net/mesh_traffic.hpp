@@ -1,5 +1,5 @@
 #pragma once
-// What payloads do to a mesh's links while tokens move in step: a simulation over pure functions.
+// Simulates the payloads on a mesh's links while tokens move in step, with pure functions.
 #include <functional>
 #include <map>
 #include <vector>
@@ -16,8 +16,7 @@ struct Traffic {
   int wrong_lengths = 0;  ///< payloads whose hops are not the manhattan distance
 };
 
-/// Rows in the direction of travel, columns, and the hop into the Renderer; written apart from
-/// next_direction().
+/// Rows in the direction of travel, columns, and the hop into the Renderer; independent of next_direction().
 inline int manhattan_distance(const Layout& mesh, int gp, int renderer) {
   const int rows = mesh.mesh_rows, x = gp % mesh.mesh_columns, y = gp / mesh.mesh_columns;
   const bool left = renderer < rows;
@@ -29,7 +28,7 @@ inline int manhattan_distance(const Layout& mesh, int gp, int renderer) {
   return vertical + columns + 1;
 }
 
-/// Every step of a traversal in which all Renderers get a payload of every slice.
+/// Simulates a traversal in which all Renderers get a payload of every slice.
 inline Traffic in_step_traffic(const Layout& mesh, int slices, bool ascending, const Routing& routing) {
   Traffic traffic;
   const int renderers = mesh.renderers;

@@ -33,7 +33,7 @@ std::vector<NodeId> all_nodes(const Layout& mesh) {
   return nodes;
 }
 
-/// The forbidden order: along the row to the edge first, then along the edge's column.
+/// The forbidden route: first along the row to the edge, then along the edge's column.
 std::vector<Hop> row_first(const Layout& mesh, NodeId source, NodeId destination) {
   std::vector<Hop> hops;
   const MeshPlace there = place_of(mesh, mesh.rank_of(destination));
@@ -55,8 +55,7 @@ std::vector<Hop> row_first(const Layout& mesh, NodeId source, NodeId destination
   return hops;
 }
 
-/// True when following "a message keeps a slot of this channel while it waits for that one" leads back to
-/// where it started.
+/// True when the relation "a message keeps a slot of this channel while it waits for that one" has a cycle.
 bool channels_form_a_cycle(const Layout& mesh, bool with_classes) {
   using Channel = std::pair<Link, int>;
   std::map<Channel, std::set<Channel>> waits_for;
@@ -131,8 +130,8 @@ TEST_CASE(
       INFO(shape(mesh));
       REQUIRE(traffic.arrived == traffic.payloads);
       REQUIRE(traffic.wrong_lengths == 0);
-      // Two by two is too small to collide in: a row and a column have one link a direction, or two that are
-      // used in turn.
+      // Two by two is too small for collisions: rows and columns have one link a direction, or two that
+      // alternate.
       if (n > 2) REQUIRE(traffic.collisions > 0);
     }
   CHECK(in_step_traffic(mesh_layout(2, 6, 6), 40, true, route).collisions > 0);

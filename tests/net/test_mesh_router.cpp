@@ -15,7 +15,7 @@ using namespace ringsplat;
 
 namespace {
 
-/// Routers of all ranks over a loopback, and what they deliver.
+/// The routers of all ranks over a loopback, with the messages they deliver.
 struct Mesh {
   Mesh(const Layout& mesh, int slots, const LoopbackOptions& loopback)
       : layout(mesh), network(mesh.ranks(), loopback) {

@@ -10,7 +10,7 @@ using ringsplat::test::ThreadCollectives;
 
 namespace {
 
-/// What all of so many processes throw, which is the same, when process p has facts[p].
+/// The message that every process throws (the same one) when process p has facts[p].
 std::string refusal(const std::vector<Facts>& facts) {
   const auto thrown = run_as_processes(int(facts.size()), [&](ThreadCollectives& collectives) {
     require_same(collectives, facts[std::size_t(collectives.process())], "is odd", "be even");

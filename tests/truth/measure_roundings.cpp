@@ -1,5 +1,5 @@
-// Prints the renderer's three roundings against size as CSV, for scripts/plot_rounding.py: each one's errors
-// as it is done, as it might have been, and the bound that the tests hold it to.
+// Prints the renderer's three roundings against size as CSV, for scripts/plot_rounding.py: for each its
+// errors, those of the alternative, and the tests' bound.
 #include <fmt/format.h>
 
 #include "roundings.hpp"

@@ -19,8 +19,8 @@ inline Footprint footprint_of_scale(double pixels_per_voxel) {
 
 /// Largest errors of screen positions in pixels over rows of `width` voxels, two pixels a voxel at most.
 struct DriftErrors {
-  double dda;          ///< as the renderer has them
-  double running_sum;  ///< as a running sum of the step would
+  double dda;          ///< the renderer's
+  double running_sum;  ///< of a running sum of the step
 };
 inline DriftErrors drift_errors(int width) {
   const LatticeFrame lattice{{width, 8, 8}, glm::dvec3(1.0), glm::dvec3(0.0), glm::dmat3(1.0)};
@@ -49,8 +49,8 @@ inline DriftErrors drift_errors(int width) {
 
 /// Largest errors of Q over the kernel's pixels when the quadratic is evaluated in float32.
 struct QuadraticErrors {
-  double anchored;  ///< with coefficients that count from the splat's own anchor, as the renderer has them
-  double absolute;  ///< from an origin `far` pixels away along x and y, as those of absolute pixels would
+  double anchored;  ///< coefficients from the splat's own anchor, as in the renderer
+  double absolute;  ///< coefficients from an origin `far` pixels away along x and y
 };
 inline QuadraticErrors quadratic_errors(double pixels_per_voxel, double far) {
   const Footprint footprint = footprint_of_scale(pixels_per_voxel);
@@ -84,7 +84,7 @@ inline double composite_error(int slices, double opacity) {
   const Footprint footprint = footprint_of_scale(20.0);
   RegionPainter painter(0, 0, 1, 1);
   painter.begin_frame(footprint);
-  // Drawn at the pixel's centre, a kernel's weight there is exactly `weight`.
+  // At its centre a kernel's weight is exactly `weight`.
   const Splat splat =
       make_splat(footprint, 0, 0, 0.5F, 0.25F, 1.0F, static_cast<float>(opacity / footprint.weight));
   double colour = 0, transmittance = 1;
@@ -100,7 +100,7 @@ inline double composite_error(int slices, double opacity) {
   return std::max(std::abs(double(pixel[0]) - colour), std::abs(double(pixel[3]) - (1 - transmittance)));
 }
 
-/// What the tests hold the errors to.
+/// The bounds of the tests.
 inline double drift_bound(int width) { return 4 * std::ldexp(2.0 * width, -52); }
 inline constexpr double quadratic_bound = 1e-6;
 inline double composite_bound(int slices) { return slices * std::ldexp(1.0, -24); }

@@ -1,5 +1,5 @@
-// Orders of convergence (Etiene et al. 2014): an instrument that is wrong somewhere converges to the wrong
-// picture, or at the wrong rate.
+// Orders of convergence (Etiene et al. 2014): a truth with an error converges to the wrong picture, or at the
+// wrong rate.
 #include <fmt/format.h>
 
 #include "support/catch.hpp"
@@ -26,8 +26,8 @@ double slow_marschner_lobb(double x, double y, double z) {
   return (1 - std::sin(M_PI * (2 * z - 1) / 2) + 0.25 * (1 + ring)) / 2.5;
 }
 
-/// RMS of the field truth against the formula's, for a grid of n³ voxels; the opacity per voxel goes with the
-/// voxel's size, so that all grids show one object.
+/// RMS difference between the field truth and the formula's for n³ voxels. The opacity per voxel follows the
+/// voxel's size, so that all grids show the same object.
 double rms_error(Field field, int n, double depth_of_cube, bool jump) {
   TransferFunction tf = jump ? constant_opacity(-std::expm1(-depth_of_cube / n), 0.5)
                              : linear_extinction(depth_of_cube / n, 1.3);
@@ -42,7 +42,7 @@ double rms_error(Field field, int n, double depth_of_cube, bool jump) {
   return std::sqrt(sum / double(pixels.size()));
 }
 
-/// The order of the last doubling, and that every refinement helps.
+/// The order of the last doubling. Checks that every refinement helps.
 double order(const std::function<double(int)>& error, std::initializer_list<int> grids) {
   double before = 0, here = 0;
   double last_ratio = 0;
@@ -81,9 +81,8 @@ TEST_CASE("the field's truth converges to the formula's with the square of the v
 }
 
 TEST_CASE("the field's truth converges to a ball with a sharp surface") {
-  // The surface is off by O(h²), and so is every chord but those near the silhouette, which go with the root
-  // of that; how many of the sampled rays graze it differs from grid to grid, so the order is that of the
-  // theory, 2, only roughly.
+  // The surface is off by O(h²), and so are chords, except near the silhouette, where they go with its root.
+  // The number of grazing rays differs from grid to grid, so the order is 2 only roughly.
   const double found =
       order([&](int n) { return rms_error(synth_field("ball"), n, 4.0, true); }, {12, 24, 48, 96});
   CHECK(found > 1.4);
@@ -99,8 +98,8 @@ TEST_CASE("the splatted image of a smooth field converges to the formula's") {
     const Image formula = truth::to_image(64, 64, truth::analytic_truth(scene, blob, 1.0, pixels));
     return truth::compare(rendered(volume, spec), formula).total.rmse;
   };
-  // The kernel blurs by a fixed share of a voxel, an error of second order; its ripple, of which more slices
-  // average more away, takes over on fine grids.
+  // The kernel's blur, a fixed share of a voxel, is an error of second order. On fine grids its ripple takes
+  // over, which more slices average away.
   const double found = order(error, {12, 24, 48});
   CHECK(found > 1.8);
   CHECK(error(96) < 0.6 * error(48));

@@ -113,7 +113,7 @@ void check_coverage(bool by_method) {
       spec.camera.zoom = zoom;
       spec.shading = s.shading;
       const auto source = memory_source(s.volume.grid, s.volume.bytes);
-      const Image picture = render_loopback(*source, spec, 1, 1).image;  // with its opaque threshold
+      const Image picture = render_loopback(*source, spec, 1, 1).image;  // with the default opaque threshold
       const truth::Scene scene = scene_of(s.volume, spec);
       const truth::ScreenBounds bounds = by_method ? truth::method_bounds(scene) : truth::field_bounds(scene);
       const Image truth = whole_truth(scene, bounds, by_method);

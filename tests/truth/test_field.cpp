@@ -14,7 +14,7 @@ namespace {
 constexpr int size = 33;
 const Camera oblique{.azimuth = 31, .elevation = 17, .roll = 9, .zoom = 1.1};
 
-/// Largest difference of the opacities and of the red of a medium of one colour from 1 − exp(−depth(ray)).
+/// For a medium of one colour: the largest difference of opacity, and of red, from 1 − exp(−depth(ray)).
 double largest_error(const Volume& volume, const FrameSpec& spec,
                      const std::function<double(const truth::CubeRay&)>& depth, double tolerance = 1e-6) {
   const auto scene = scene_of(volume, spec);
@@ -153,10 +153,11 @@ TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque she
 
 TEST_CASE("space beside a voxel that is not a number is empty, and is not read as zero") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  FrameSpec spec = plain_spec(constant_opacity(0.3), 9, {.zoom = 2});  // zero is as opaque as all else
+  FrameSpec spec = plain_spec(constant_opacity(0.3), 9, {.zoom = 2});  // zero is opaque, too
   spec.kernel.normalisation = Normalisation::exact;
   const std::vector<truth::Pixel> middle{{4, 4}};
-  // Seen along y. Without the slice the field loses the cells on both sides, and at the face the half voxel.
+  // Seen along y. A missing slice costs the field the cells on both sides, or at the face one cell and half a
+  // voxel.
   for (const auto& [slice, lost] : {std::pair{4, 2.0}, {0, 1.5}, {7, 1.5}}) {
     const Volume volume = make_volume({9, 8, 9}, ScalarType::float32,
                                       [&, s = slice](int, int y, int) { return y == s ? nan : 1.0; });
@@ -174,7 +175,7 @@ TEST_CASE("space beside a voxel that is not a number is empty, and is not read a
 }
 
 TEST_CASE("the field's truth keeps its tolerance") {
-  // Against itself at 1e-11: a shaded, sharp, colourful scene, where nothing is closed.
+  // Compared with itself at 1e-11: a shaded, sharp, colourful scene without a closed form.
   const Volume volume = sample_field(20, synth_field("marschner-lobb"));
   TransferFunction tf;
   tf.colours = {{0.3, {1, 0.2, 0.1}}, {0.5, {0.2, 1, 0.3}}, {0.7, {0.1, 0.3, 1}}};

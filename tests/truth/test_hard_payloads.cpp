@@ -1,4 +1,4 @@
-// The hard values again with half and byte payloads: against the same picture from float payloads.
+// The hard values again, with half and byte payloads compared with float payloads.
 #include <fmt/format.h>
 
 #include <limits>
@@ -54,7 +54,7 @@ std::vector<HardCase> hard_cases() {
 
 TEST_CASE("hard values travel as halves and as bytes") {
   // A half keeps 11 bits of each colour and opacity, a byte is off by half a level at most; errors of sixteen
-  // slices go to both sides. A value that travelled wrongly would show as a hundred levels.
+  // slices go to both sides. A value decoded wrongly would differ by a hundred levels.
   for (const HardCase& hard : hard_cases()) {
     for (const Shading shading : {Shading::none, Shading::phong}) {
       INFO(hard.name << (shading == Shading::phong ? ", shaded" : ""));

@@ -65,8 +65,8 @@ TEST_CASE("fully transparent") {
 }
 
 TEST_CASE("not-a-number, infinities, denormals and the largest floats among the voxels") {
-  // Each in every fifth voxel: gradients beside them are one-sided, classification takes the end's point or
-  // nothing. The picture must be the method's as if each voxel were classified alone.
+  // Each value is in every fifth voxel. Gradients beside it are one-sided; it is classified as the last
+  // point, or as transparent. The picture must be the method's.
   using Limits = std::numeric_limits<float>;
   for (const float odd : {Limits::quiet_NaN(), Limits::infinity(), -Limits::infinity(), Limits::denorm_min(),
                           Limits::max(), Limits::lowest()}) {
@@ -84,8 +84,8 @@ TEST_CASE("not-a-number, infinities, denormals and the largest floats among the 
 }
 
 TEST_CASE("a volume of 1e-300, and one of the largest doubles") {
-  // The transfer function spans them; positions among its points and gradients must survive numbers whose
-  // products vanish or overflow.
+  // The transfer function spans these values. Interpolation and gradients must survive products that
+  // underflow or overflow.
   for (const double scale : {1e-300, 1e308}) {
     const Volume volume = make_volume({12, 13, 14}, ScalarType::float64,
                                       [&](int x, int y, int z) { return scale * pattern(x, y, z); });
@@ -101,7 +101,7 @@ TEST_CASE("a volume of 1e-300, and one of the largest doubles") {
 }
 
 TEST_CASE("a volume of denormals is one of zeros") {
-  // Ranks flush denormals, which cost hundreds of cycles each: beside any transfer function in sight they are
+  // Ranks flush denormals, since each costs hundreds of cycles; no sensible transfer function tells them from
   // zero.
   const Volume denormal = make_volume({12, 13, 14}, ScalarType::float64,
                                       [](int x, int y, int z) { return 1e-310 * pattern(x, y, z); });

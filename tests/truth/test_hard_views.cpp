@@ -35,9 +35,8 @@ const double corner_elevation = std::atan(std::sqrt(0.5)) * 180 / M_PI;  // alon
 }  // namespace
 
 TEST_CASE("views at and beside the switch of the axis") {
-  // At 45 degrees two slice sets are equally parallel to the picture, along the diagonal three. Whichever is
-  // taken, the picture must be that of the method: the choice is made by a comparison with a margin, the same
-  // for both.
+  // At 45 degrees two slice sets are equally parallel to the picture, along the diagonal three. The picture
+  // must be the method's: renderer and truth choose by the same comparison with a margin.
   const Volume volume = lumpy(glm::ivec3(24));
   for (const double beside : {0.0, 1e-6, -1e-6, 1e-9, -1e-9, 1e-13, 1.0, -1.0})
     for (const auto& [azimuth, elevation] : {std::pair{45.0, 0.0},
@@ -55,8 +54,8 @@ TEST_CASE("views at and beside the switch of the axis") {
 }
 
 TEST_CASE("within a slice set, a millionth of a degree changes next to nothing") {
-  // A view is a continuous function of its angles while the axis stays: 1e-6 degrees move no voxel by more
-  // than 1e-6 pixels here.
+  // While the axis stays, pictures are continuous in the angles: 1e-6 degrees move no voxel by more than 1e-6
+  // pixels here.
   const Volume volume = lumpy(glm::ivec3(24));
   for (const double azimuth : {0.0, 30.0, 44.999, 90.0}) {
     const Image here = rendered(volume, spec_of({.azimuth = azimuth, .elevation = 12, .roll = 0, .zoom = 1}));
@@ -86,8 +85,8 @@ TEST_CASE("rolls, and views that mirror") {
 }
 
 TEST_CASE("voxels a hundred times longer than wide, either way") {
-  // The kernel is a sliver there; its quadratic has coefficients four decades apart, and Q near its edge
-  // cancels in the ratio of the axes, 1e2.
+  // The kernel is a sliver: its coefficients are four decades apart, and Q near its edge cancels by the ratio
+  // of the axes, 1e2.
   for (const glm::dvec3 spacing : {glm::dvec3(1, 1, 100), glm::dvec3(100, 1, 1), glm::dvec3(1, 100, 1)})
     for (const double azimuth : {0.0, 30.0, 60.0}) {
       const glm::ivec3 dims = glm::ivec3(glm::dvec3(48) / glm::sqrt(spacing)) + 1;
@@ -117,8 +116,8 @@ TEST_CASE("spacings of 1e-12 and 1e12, an origin at 1e9: the picture of spacing 
 }
 
 TEST_CASE("an origin at 1e9 under a camera matrix") {
-  // The matrix takes the origin back: only the product's rounding is left, which the view takes in twice the
-  // precision.
+  // The matrix cancels the origin. Only the product's rounding is left, and the view computes that in twice
+  // the precision.
   const Volume unit = lumpy({20, 21, 22});
   Camera camera;
   camera.matrix = {2.0, 0.3, 0.1, 8.0, 0.1, 0.2, -2.0, 52.0, 0.2, 2.0, 0.3, 0.0};
@@ -172,7 +171,7 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
   double largest = 0;
   for (std::size_t p = 0; p < pixels.size(); ++p)
     for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(near_truth[p][c] - far_truth[p][c]));
-  CHECK(largest < 1e-9);  // the truth itself can be asked there: a position has 53 bits
+  CHECK(largest < 1e-9);  // the truth itself is exact enough there: a position has 53 bits
 
   // The renderer's own path there, region by region, without the 4 GB: footprint, anchors, coefficients,
   // painter.
@@ -212,7 +211,7 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
 }
 
 TEST_CASE("volumes that are a point, a line or a plane") {
-  // One slice along an axis: no neighbours for gradients there, and a frame of one token's round.
+  // One slice along an axis: gradients have no neighbours there, and each token makes one step.
   for (const glm::ivec3 dims : {glm::ivec3(1, 1, 1), glm::ivec3(1, 20, 21), glm::ivec3(20, 1, 21),
                                 glm::ivec3(20, 21, 1), glm::ivec3(30, 1, 1), glm::ivec3(1, 1, 30)})
     for (const double azimuth : {0.0, 30.0, 90.0}) {

@@ -1,5 +1,5 @@
-// What the kernel's options do to a picture: bounds on the largest difference of values in 0..1 from the
-// method's own truth, and the ripple of even matter.
+// Errors of each kernel option: bounds on the largest difference of values in 0..1 from the method's truth,
+// and the ripple of even matter.
 #include <fmt/format.h>
 
 #include "support/catch.hpp"
@@ -32,8 +32,7 @@ struct Ripple {
   double rms, least, most;  ///< of the opacity, relative to the opacity it should have
 };
 
-/// One even slice of opacity 0.01, seen turned in the picture and tilted, 1.3 pixels a voxel: its middle,
-/// where no kernel is missing.
+/// The ripple in the middle of one even slice of opacity 0.01, rolled and tilted, at 1.3 pixels a voxel.
 Ripple ripple_of(double radius, const KernelOptions& kernel, double tilt) {
   constexpr int n = 61, size = 128;
   constexpr double scale = 1.3, turn = 0.4, opacity = 0.01;
@@ -86,8 +85,7 @@ TEST_CASE("raw, averaged and exactly normalised kernels agree with the method's 
         FrameSpec spec = spec_of({.normalisation = normalisation}, camera, 72);
         spec.kernel_radius = radius;
         INFO(fmt::format("azimuth {}, radius {}, {}", camera.azimuth, radius, name(normalisation)));
-        // The table of the lattice's sum is off by 8e-6 of it at most, which the transmittance behind
-        // dampens.
+        // The lattice sum's table errs by 8e-6 of the sum at most; the transmittance behind reduces that.
         CHECK(numerical_error(volume, spec) < 1e-5);
       }
 }
@@ -110,7 +108,7 @@ TEST_CASE("exact normalisation on hard cases") {
   FrameSpec large = spec_of(exact, {.azimuth = 27, .elevation = 20, .roll = 3, .zoom = 500}, 96);
   large.region_size = 32;
   CHECK(numerical_error(lumpy({8, 8, 8}), large) < 1e-5);
-  // Opaque voxels: sums above 1 before the division must not be clamped before it.
+  // Opaque voxels: sums above 1 must not be clamped before the division.
   FrameSpec opaque = spec_of(exact);
   opaque.transfer_function = constant_opacity(1.0, 0.5);
   CHECK(numerical_error(lumpy({20, 21, 22}), opaque) < 1e-5);
@@ -122,8 +120,8 @@ TEST_CASE("textures and fixed point: errors as the step predicts") {
     const FrameSpec spec = spec_of(kernel, {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2}, 96);
     return truth::compare(rendered(volume, spec), method_image(volume, spec)).total;
   };
-  // Not ever smaller with more phases: where a voxel's step is nearly a whole number of them, neighbours are
-  // displaced alike, which shows as a moiré instead of averaging out.
+  // More phases do not always help: where a voxel's step is nearly a whole number of phases, neighbours are
+  // displaced alike, and a moiré appears instead of averaging out.
   std::vector<double> by_phases;
   for (const int phases : {1, 2, 4, 8, 16}) {
     const auto error = error_of({.method = KernelMethod::texture, .phases = phases});
@@ -138,8 +136,8 @@ TEST_CASE("textures and fixed point: errors as the step predicts") {
     const auto error = error_of({.qee_bits = bits});
     UNSCOPED_INFO(fmt::format("{} bits: {:.3g} rms, {:.3g} largest, mean {:.3g}", bits, error.rmse,
                               error.largest, error.mean));
-    // Q is cut by half a last place on the average, its square by that times 2Q: weights of about 1 % less at
-    // seven bits, and pictures darker by less than that.
+    // Cutting loses half a last place of Q on average, and that times 2Q of its square: at seven bits weights
+    // are about 1 % smaller, and pictures darker by less.
     CHECK(error.rmse < 255 * std::ldexp(2.0, -bits));
     CHECK(error.rmse < before / 4);
     CHECK(error.mean < 0);

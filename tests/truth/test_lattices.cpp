@@ -14,7 +14,7 @@ namespace {
 
 constexpr double degrees = M_PI / 180;
 
-/// z slices that are shifted against each other, as of a tilted gantry.
+/// z slices shifted against each other, as by a tilted gantry.
 glm::dmat3 oblique_direction() {
   glm::dmat3 direction(1.0);
   direction[2] = glm::normalize(glm::dvec3(0.3, -0.4, 1.0));
@@ -27,7 +27,7 @@ Volume even_volume(glm::ivec3 dims, glm::dvec3 spacing, const glm::dmat3& direct
   return volume;
 }
 
-/// Looking at the slices of `axis`, `tilt` degrees beside their normal.
+/// A camera that looks at the slices of `axis` from `tilt` degrees beside their normal.
 Camera tilted(Axis axis, double tilt) {
   if (axis == Axis::z) return {.elevation = 90 - tilt, .zoom = 1.5};
   return {.azimuth = (axis == Axis::x ? 90 : 0) + tilt, .zoom = 1.5};

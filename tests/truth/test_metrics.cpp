@@ -12,7 +12,7 @@ namespace {
 
 constexpr int size = 200;
 
-/// Smooth, with structure along both directions, opacity no less than the colours.
+/// A smooth picture with structure in both directions; opacity is no less than the colours.
 Image picture(double shift_x = 0, double shift_y = 0) {
   Image image(size, size);
   for (int y = 0; y < size; ++y)
@@ -26,7 +26,8 @@ Image picture(double shift_x = 0, double shift_y = 0) {
   return image;
 }
 
-/// A renderer's rounding, so that no check works only because the rest of the error is exactly zero.
+/// Adds rounding like a renderer's, so that no check passes only because the rest of the error is exactly
+/// zero.
 Image with_noise(Image image) {
   std::uint32_t state = 1;
   for (auto& v : image.rgba) {

@@ -32,7 +32,7 @@ TEST_CASE("what a piece throws comes to the caller, and the rest is left", "[thr
     truth::parallel_for(pieces, 1, [&](std::size_t first, std::size_t) {
       ++begun;
       if (first == 10) throw RunError("piece 10");
-      // So that no other thread is through before this one has thrown.
+      // Delays the other threads until this one has thrown.
       if (first > 10) std::this_thread::sleep_for(std::chrono::microseconds(50));
     });
   };

@@ -17,7 +17,7 @@ TEST_CASE("the DDA's drift: pixels, against the row's length") {
                               errors.running_sum));
     CHECK(errors.dda < drift_bound(width));
     CHECK(errors.running_sum < width * std::ldexp(2.0 * width, -53));
-    if (width >= 512) CHECK(errors.running_sum > 10 * errors.dda);  // the instrument sees a drift
+    if (width >= 512) CHECK(errors.running_sum > 10 * errors.dda);  // the measurement can see a drift
   }
 }
 
@@ -33,7 +33,7 @@ TEST_CASE("the quadratic's cancellation: Q, against the distance of its origin a
       CHECK(errors.anchored < quadratic_bound);
       CHECK(errors.absolute < 4 * std::ldexp(std::pow(far / (1.6 * scale) + 1, 2), -22));
       if (scale == 1.0 && far == 16384.0)
-        CHECK(errors.absolute > 1);  // no digit is left: the instrument sees it
+        CHECK(errors.absolute > 1);  // no digit is left, and the measurement sees it
     }
   }
 }

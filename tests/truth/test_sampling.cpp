@@ -15,7 +15,7 @@ namespace {
 
 constexpr int width = 90, height = 70;
 
-/// A disc with a soft edge and a hard bar across it, of whole 256ths: the same bits everywhere.
+/// A disc with a soft edge and a hard bar across it. Values are whole 256ths, the same bits on every machine.
 Image picture() {
   Image image(width, height);
   for (int y = 0; y < height; ++y)

@@ -8,7 +8,7 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// No symmetry of its own, and every direction of gradient.
+/// A field without symmetry that has every direction of gradient.
 double lopsided(int x, int y, int z) {
   return 120 + 60 * std::sin(0.9 * x + 0.3 * y * y) + 40 * std::cos(1.1 * z - 0.7 * x) * std::sin(0.8 * y);
 }
@@ -87,8 +87,8 @@ TEST_CASE("integers, whose gradients often lie half-way between two normals, tur
 }
 
 TEST_CASE("a turned head is the same picture but at 45 degrees and in the slices' plane") {
-  // What ties two slice sets, and where pixels of the slices' plane are counted from, goes by the order and
-  // the direction of the axes, which do not turn with the volume.
+  // Ties between slice sets and the origin of the slices' plane depend on the order and direction of the
+  // axes, which do not turn with the volume.
   constexpr int n = 96;
   const Volume whole = head();
   const glm::ivec3 dims = whole.grid.dims;

@@ -16,7 +16,7 @@
 
 namespace ringsplat::test {
 
-/// A volume whose voxels are in memory as its scalar type.
+/// A volume in memory, voxels in its scalar type.
 struct Volume {
   Grid grid;
   std::vector<std::byte> bytes;
@@ -66,7 +66,7 @@ inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
   return scene;
 }
 
-/// Every slice composited to the end, as the truths do.
+/// The renderer's picture, every slice composited to the end as in the truths.
 inline Image rendered(const Volume& volume, const FrameSpec& frame) {
   FrameSpec spec = frame;
   spec.opaque_threshold = 0;
@@ -118,7 +118,7 @@ inline FrameSpec plain_spec(const TransferFunction& tf, int size, const Camera& 
   return spec;
 }
 
-/// Opacity 1 − exp(−κ v) for values v in [0, high], so that the extinction is κ v; one colour.
+/// A transfer function of one colour with extinction κ v: opacity 1 − exp(−κ v) for v in [0, high].
 inline TransferFunction linear_extinction(double kappa, double high, int points = 2048) {
   TransferFunction tf;
   tf.colours = {{0.0, {1, 0.7, 0.4}}, {high, {1, 0.7, 0.4}}};

@@ -49,6 +49,6 @@ TEST_CASE("along 4096 voxels a position is as near to start + n step as the stat
         REQUIRE(error <= 1.001 * std::ldexp(double(std::abs(along)) + std::abs(position), -53));
       }
   }
-  REQUIRE(worst > 0);      // the bound was put to the test: some view does round
+  REQUIRE(worst > 0);      // the bound was tested: some view does round
   REQUIRE(worst < 1e-10);  // far below a splat's float32 offset (half a unit: 6e-8)
 }

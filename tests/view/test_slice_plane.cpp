@@ -84,7 +84,7 @@ TEST_CASE("the slices' plane holds what the screen shows, and not much more") {
       low = glm::min(low, place - reach);
       high = glm::max(high, place + reach);
     }
-    // Every screen pixel's place: either nothing reaches it, or its sixteen neighbours are in the plane.
+    // For every screen pixel: either nothing reaches its place, or its sixteen neighbours are in the plane.
     for (const double x : {0.5, 77.5, width - 0.5}) {
       for (const double y : {0.5, 91.5, height - 0.5}) {
         const glm::dvec2 place = plane.warp.from_screen({x, y});

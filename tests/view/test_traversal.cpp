@@ -71,7 +71,7 @@ TEST_CASE("ties go to z before y before x") {
   REQUIRE(three.axis == Axis::z);
   REQUIRE(three.cos_angle == Approx(1 / std::sqrt(3.0)).epsilon(1e-12));
   REQUIRE(three.slice_distance == Approx(std::sqrt(3.0)).epsilon(1e-12));
-  // Out of the tolerance the larger one wins, whatever its name.
+  // Beyond the tolerance the larger |cos| wins, whatever the axis.
   REQUIRE(traversal_of({.azimuth = 45 + 1e-6}).axis == Axis::x);
   REQUIRE(traversal_of({.azimuth = 45 - 1e-6}).axis == Axis::y);
   REQUIRE(traversal_of({.azimuth = 45 + 1e-8}).axis == Axis::y);  // |cos| differ by 3.5e-10
@@ -112,7 +112,7 @@ TEST_CASE("anisotropic voxels: the angle is the world's, the distance is in smal
 TEST_CASE("slices of an oblique lattice are as far apart as their normal says") {
   LatticeFrame lattice{.dims = {64, 64, 20}, .spacing = {1.0, 0.8, 2.0}};
   lattice.direction[2] = glm::normalize(glm::dvec3(0.3, -0.4, 1.0));
-  // z slices stay horizontal; their distance is what the shifted step rises.
+  // z slices stay horizontal; their distance is the rise of the shifted step.
   const double apart = 2.0 * lattice.direction[2].z / 0.8;
   for (const double beside : {0.0, 10.0, 25.0}) {
     const auto t = traversal_of({.elevation = 90 - beside}, lattice);
@@ -160,7 +160,7 @@ TEST_CASE("any view walks any lattice front to back, on the axis of the largest 
     const auto t = choose_traversal(view, lattice);
     REQUIRE(front_to_back(view, t, 16));
 
-    // Independently: a slice's normal on the screen is the cross product of its two in-plane steps there.
+    // Computed independently: a slice's normal on the screen is the cross product of its two in-plane steps.
     double cosines[3];
     for (int k = 0; k < 3; ++k) {
       const auto [u, v] = in_plane(Axis(k));
@@ -171,7 +171,7 @@ TEST_CASE("any view walks any lattice front to back, on the axis of the largest 
     REQUIRE(t.cos_angle == Approx(cosines[int(t.axis)]).epsilon(1e-8));
     const double smallest = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
     if (trial % 5 != 0) {
-      // In the world: between two planes along the ray.
+      // Computed in the world: the ray's length between two planes.
       const auto [u, v] = in_plane(t.axis);
       const glm::dvec3 normal = glm::normalize(glm::cross(lattice.direction[u], lattice.direction[v])),
                        step = lattice.spacing[int(t.axis)] * lattice.direction[int(t.axis)];

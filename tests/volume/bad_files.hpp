@@ -12,7 +12,7 @@ namespace files {
 /// A file that must be refused.
 struct Bad {
   const char* what;
-  const char* message;  ///< a fragment of what the user reads
+  const char* message;  ///< part of the expected message
   std::function<fs::path(const Folder&)> make;
   RawDescription raw = {};
 };

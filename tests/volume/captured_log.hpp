@@ -7,7 +7,7 @@
 
 #include "volume/files.hpp"
 
-/// While it lives, what goes to stderr goes to a file.
+/// Redirects stderr to a file while it lives.
 class CapturedLog {
  public:
   CapturedLog() : before_(::dup(STDERR_FILENO)) {

@@ -3,7 +3,7 @@
 
 #include "ringsplat/base/error.hpp"
 
-/// What the user reads when `f` meets bad input; empty when all goes well.
+/// The message when `f` meets bad input; empty when all goes well.
 template <class F>
 std::string complaint_of(F&& f) {
   try {

@@ -73,8 +73,7 @@ inline std::string zlib_stream(const std::string& data) {
   return out;
 }
 
-// The volume that every format is asked for: 5 x 4 x 3 with no symmetry, values that use the type's sign and
-// width.
+// The sample volume of every format: 5 x 4 x 3, without symmetry; its values use the type's sign and width.
 inline constexpr int nx = 5, ny = 4, nz = 3;
 
 template <class T>
@@ -145,7 +144,7 @@ struct Nifti {
 struct Dicom {
   int columns = nx, rows = ny, number = 1, samples = 1;
   int bits = 16, stored = 0, high_bit = -1,
-      frames = 0;  ///< stored and high bit follow from bits, no frames: not said
+      frames = 0;  ///< stored and high bit follow from bits; 0 frames: left out
   bool is_signed = true;
   std::string position = "0\\0\\0", orientation = "1\\0\\0\\0\\1\\0", spacing = "2\\1";
   std::string slope = "1", intercept = "0", series = "1.2.3.4.5", photometric = "MONOCHROME2";

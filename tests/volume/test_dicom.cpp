@@ -93,7 +93,7 @@ TEST_CASE("multi-frame DICOM is a volume in every encoding", "[dicom]") {
       image.fragments.push_back(frame);
     }
     check(image);
-    // Each frame in two fragments, told apart by the offset table.
+    // Each frame has two fragments; the offset table says which.
     image.fragments = {""};
     std::uint32_t offset = 0;
     for (const auto& frame : frames) {
@@ -162,7 +162,7 @@ TEST_CASE("lossless JPEG of any depth is read, whatever else is in it", "[dicom]
     for (int i = 0; i < nx * ny; ++i) pixels.push_back(std::uint16_t(i * 997 % (1 << depth)));
     for (const auto pixel : pixels) expected += bytes_of(pixel);
     const auto frame = lossless_jpeg_frame(pixels, nx, ny, depth);
-    // A revision of JFIF that there is none of, a comment, filling.
+    // A JFIF revision that does not exist, a comment, and fill bytes.
     const std::string more =
         "\xFF\xE0" + big16(16) + "JFIF" + std::string(10, '\0') + "\xFF\xFE" + big16(4) + "hi" + "\xFF";
     image.fragments = {"", frame.substr(0, 2) + more + frame.substr(2) + "after the end"};
@@ -230,7 +230,7 @@ TEST_CASE("unreadable DICOM files beside a good series are named and left out", 
     const auto path = whole_folder ? folder.path() : folder / "image1.dcm";
     const CapturedLog log;
     CHECK((read_all(*open_volume(path)) == samples<short>()));
-    CHECK_NOTHROW(open_volume(path));  // says it no second time
+    CHECK_NOTHROW(open_volume(path));  // warns only once
     const auto said = log.text();
     CAPTURE(said);
     CHECK(

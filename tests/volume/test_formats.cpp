@@ -188,7 +188,7 @@ const std::vector<Format>& formats() {
   return list;
 }
 
-/// A cut TIFF may have lost only what no voxel needs, such as its resolution.
+/// A cut TIFF may only lack what no voxel needs, such as its resolution.
 bool refused_or_unharmed(const fs::path& path) {
   try {
     return read_all(*open_volume(path)) == samples<short>();
@@ -221,7 +221,7 @@ TEST_CASE("a file with its voxels in it is refused wherever it is cut", "[format
     const auto path = format.make(folder);
     const std::string what = format.what, ending = path.extension().string();
     const bool header_only = ending == ".nhdr" || ending == ".mhd" || ending == ".hdr";
-    // The last number of a text is a number still when it lost digits.
+    // Text cut within its last number still ends in a number.
     const bool text = what.find("text") != std::string::npos || what.find("ascii") != std::string::npos;
     if (fs::is_directory(path) || header_only || text) continue;
     const auto whole = slurp(path);

@@ -19,7 +19,7 @@ std::vector<fs::path> kept_files() {
   return list;
 }
 
-/// Alone in a folder: DICOM files would be a series.
+/// In a folder of its own, since DICOM files together would be a series.
 std::string complaint_about(const fs::path& file) {
   const Folder folder;
   const auto copy = folder / file.filename().string();

@@ -20,7 +20,7 @@ void write_slices(const Folder& folder, const std::string& before = {}, bool big
     write(folder / fmt::format("a{}.raw", 4 + 2 * z), before + all.substr(std::size_t(z) * 40, 40));
 }
 
-/// A header beside the slices of which some may be changed.
+/// A header beside the slice files, some of which may be changed.
 Bad sliced(
     const char* what, const char* message, const std::string& fields, const std::string& data_file,
     std::function<void(const Folder&)> change = [](const Folder&) {}) {

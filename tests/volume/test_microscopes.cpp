@@ -10,7 +10,7 @@ using namespace files;
 
 namespace {
 
-/// Pages of 4 x 3 with a description in the first, and pixels for a unit.
+/// Writes pages of 4 x 3 pixels, with a description in the first and a resolution in pixels a unit.
 fs::path write_pages(const fs::path& path, int pages, const std::string& description, float resolution = 0) {
   OIIO::ImageSpec spec(4, 3, 1, OIIO::TypeDesc::UINT8);
   const std::string pixels(12, 'p');
@@ -89,7 +89,7 @@ TEST_CASE("a microscope's single stack is read, and its voxels' size is told", "
   CHECK(says(warnings_of(j),
              "voxels of 0.25 x 0.125 x 1.5 um (by its ImageJ) are taken for 1 x 1 x 1: give --spacing "
              "0.25 0.125 1.5\n"));
-  CHECK(warnings_of(j).empty());  // it says so once
+  CHECK(warnings_of(j).empty());  // warns only once
   CHECK(open_volume(j)->grid().dims == glm::ivec3(4, 3, 3));
   CHECK(open_volume(j)->grid().spacing == glm::dvec3(1));
   const auto o =

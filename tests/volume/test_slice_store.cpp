@@ -37,7 +37,7 @@ ZSlice z_slice(const Grid& grid, int z, bool with_normals) {
   return slice;
 }
 
-/// Deals every z slice to all GPs as a frame's start does, then counts the voxels that are wrong.
+/// Deals every z slice to all GPs, as loading does, then counts the wrong voxels.
 int wrong_voxels(const Grid& grid, int gps, bool with_normals) {
   std::vector<SliceStore> stores;
   for (int g = 0; g < gps; ++g) stores.emplace_back(grid, g, gps, all_kept, with_normals);

@@ -1,4 +1,4 @@
-// By what a volume's files are told from others, and from what they were before.
+// How a volume's files are told apart from others and from earlier versions of themselves.
 #include <OpenImageIO/imageio.h>
 
 #include <chrono>
@@ -13,7 +13,7 @@ using namespace files;
 
 namespace {
 
-/// Another time of last change, however coarse the clock of the file system is.
+/// Changes the time of last change, however coarse the file system's clock.
 void touch(const fs::path& path) {
   fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(2));
 }
