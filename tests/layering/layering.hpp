@@ -10,7 +10,7 @@ namespace layering {
 /// Which rooms a room may include besides itself.
 using Rules = std::map<std::string, std::set<std::string>>;
 
-/// The table of docs/design.md, "Rooms".
+/// The exact form of the table in docs/design.md, "Rooms".
 const Rules& house_rules();
 
 /// One line each, "FILE:LINE: what is wrong", sorted; empty when `root` (with include/ringsplat, src and
