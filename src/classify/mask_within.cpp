@@ -28,7 +28,7 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-/// Of mask_bits scalars.
+/// The mask of mask_bits scalars.
 template <class Bits>
 std::uint64_t within(const std::byte* values, Bits low, Bits span) {
 #if RINGSPLAT_ONE_BY_ONE

@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// Where a written image's bytes go. Throws nothing.
+/// Takes the bytes of a written image. Throws nothing.
 class ImageSink {
  public:
   /// False: they could not be written, and the file is lost.

@@ -128,7 +128,7 @@ ViewTransform view_from_matrix(const std::array<double, 12>& m, const LatticeFra
   return view;
 }
 
-/// Extreme but formally valid numbers can still overflow or vanish when they are multiplied.
+/// Products of extreme but valid numbers can still overflow or underflow.
 void check_representable(const ViewTransform& view) {
   const bool scale_ok = std::isfinite(view.pixels_per_unit) && view.pixels_per_unit > 0;
   bool columns_ok = true;

@@ -141,7 +141,7 @@ DicomShape read_shape(const DicomFile& file) {
   shape.high_bit =
       whole(file, dicom::high_bit, shape.bits_stored - 1, shape.bits_stored - 1, shape.bits_allocated - 1);
   shape.is_signed = whole(file, dicom::is_signed, 0, 0, 1) == 1;
-  // GDCM ends the process for bytes of which fewer bits count.
+  // GDCM ends the process when not all bits of a byte count.
   if (shape.bits_allocated == 8) count_all_bits(file, shape);
   return shape;
 }

@@ -86,7 +86,7 @@ void for_data_files(const std::filesystem::path& header, const NrrdIoState& io,
   const std::int64_t count = step == 0 ? 1 : std::max<std::int64_t>((last - first) / step + 1, 0);
   for (std::int64_t k = 0; k < count; ++k) {
     std::array<char, 4096> name{};
-    // Of a pattern that require_plain_pattern allows.
+    // The pattern is safe for snprintf: require_nrrdio_can_read() has checked it.
     const int length = std::snprintf(name.data(), name.size(), io.dataFNFormat, int(first + k * step));
     if (length < 0 || std::size_t(length) >= name.size())
       throw InputError(fmt::format("{}: the names of its data files are too long", header.string()),

@@ -4,7 +4,7 @@
 
 namespace ringsplat {
 
-/// What the process exits with (docs/faults.md, "Exit codes").
+/// The process's exit codes (docs/faults.md, "Exit codes").
 enum class ExitCode : int { done = 0, comparison_failed = 1, bad_input = 2, run_failed = 3 };
 
 /// An error for people: `what()` is one line "WHAT IS WRONG, WHERE; hint: WHAT TO DO".

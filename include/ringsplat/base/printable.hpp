@@ -7,7 +7,7 @@
 /// on.
 namespace ringsplat {
 
-/// Control characters, but for line feeds, and bytes that are not UTF-8 become \xNN.
+/// Writes control characters other than line feeds, and bytes that are not UTF-8, as \xNN.
 std::string printable(std::string_view text);
 
 /// The first `most` characters as printable() shows them, but line feeds as \x0a, too; then "..." if there

@@ -30,7 +30,7 @@ struct TransferFunction {
   };
   std::string name = "unnamed";
   std::vector<ColourPoint> colours;     ///< ascending values (equal values make a jump), at least two points
-  std::vector<OpacityPoint> opacities;  ///< likewise
+  std::vector<OpacityPoint> opacities;  ///< ascending values, too
   glm::dvec3 nan_srgb{1.0, 0.0, 0.0};
 
   struct Sample {

@@ -7,8 +7,8 @@ namespace ringsplat {
 
 using Block = std::vector<std::byte>;
 
-/// What all processes do together outside frames: reading a volume, agreeing on errors.
-/// Every process must make the same calls in the same order.
+/// Collective calls outside frames, for reading a volume and agreeing on errors. Every process must make the
+/// same calls in the same order.
 class Collectives {
  public:
   virtual ~Collectives() = default;

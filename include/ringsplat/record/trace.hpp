@@ -80,7 +80,7 @@ struct GatherTimes {
 ClockOffset estimate_offset(const std::vector<GatherTimes>& mine,
                             const std::vector<GatherTimes>& of_process_0);
 
-/// What all nodes of a process do, and the way to bring it to process 0.
+/// The records of all nodes of a process; gathers them on process 0.
 class Trace {
  public:
   /// The record of a node of this process; valid as long as the trace.
