@@ -3,7 +3,7 @@
 #include "node/payload_reader.hpp"
 #include "node/run_cursor.hpp"
 #include "node/voxel_form.hpp"
-#include "ringsplat/splat/aligned_slice.hpp"
+#include "splat/aligned_slice.hpp"
 
 namespace ringsplat {
 namespace {

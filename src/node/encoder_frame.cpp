@@ -1,6 +1,6 @@
 #include "node/encoder_frame.hpp"
 
-#include "node/opaque_news.hpp"
+#include "raster/opaque_news.hpp"
 
 namespace ringsplat {
 

@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "node/frame_shading.hpp"
-#include "node/opaque_cover.hpp"
-#include "ringsplat/splat/encode.hpp"
+#include "raster/opaque_cover.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 

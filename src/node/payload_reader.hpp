@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "ringsplat/node/frame_spec.hpp"
-#include "ringsplat/splat/frame_kernel.hpp"
-#include "ringsplat/splat/region_painter.hpp"
+#include "splat/frame_kernel.hpp"
+#include "splat/region_painter.hpp"
 
 namespace ringsplat {
 

@@ -3,8 +3,8 @@
 #include <utility>
 
 #include "node/splat_engine.hpp"
-#include "ringsplat/splat/encode.hpp"
-#include "ringsplat/splat/warp_image.hpp"
+#include "raster/warp_image.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 namespace {

@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <vector>
 
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 namespace {

@@ -13,8 +13,8 @@
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/record/trace.hpp"
-#include "ringsplat/splat/encode.hpp"
 #include "ringsplat/view/slice_dda.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 

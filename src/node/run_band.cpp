@@ -6,7 +6,7 @@
 #include "node/row_band.hpp"
 #include "node/voxel_form.hpp"
 #include "ringsplat/base/bit_runs.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 namespace {

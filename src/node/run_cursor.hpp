@@ -10,7 +10,7 @@
 #include "node/payload_reader.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 

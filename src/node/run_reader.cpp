@@ -5,8 +5,8 @@
 #include "node/payload_reader.hpp"
 #include "node/run_cursor.hpp"
 #include "node/voxel_form.hpp"
-#include "ringsplat/splat/place_run.hpp"
 #include "ringsplat/view/slice_dda.hpp"
+#include "splat/place_run.hpp"
 
 namespace ringsplat {
 namespace {

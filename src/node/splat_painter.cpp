@@ -7,14 +7,14 @@
 #include <utility>
 #include <vector>
 
-#include "node/opaque_news.hpp"
 #include "node/payload_reader.hpp"
 #include "node/splat_engine.hpp"
 #include "node/wall_share.hpp"
+#include "raster/opaque_news.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/splat/region_painter.hpp"
+#include "splat/region_painter.hpp"
 
 namespace ringsplat {
 namespace {

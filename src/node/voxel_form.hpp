@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "ringsplat/node/frame_spec.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 

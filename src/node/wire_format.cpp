@@ -12,8 +12,8 @@
 #include "ringsplat/node/frame_spec.hpp"
 #include "ringsplat/record/stats.hpp"
 #include "ringsplat/record/trace.hpp"
-#include "ringsplat/splat/splat.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
+#include "splat/splat.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 namespace {

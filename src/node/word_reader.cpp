@@ -5,7 +5,7 @@
 #include "node/payload_reader.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/splat/splat.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,10 +1,10 @@
-#include "ringsplat/splat/aligned_slice.hpp"
+#include "splat/aligned_slice.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "ringsplat/splat/encode.hpp"
-#include "ringsplat/splat/splat.hpp"
+#include "splat/encode.hpp"
+#include "splat/splat.hpp"
 #include "splat/stencil.hpp"
 #include "splat/whole_steps.hpp"
 

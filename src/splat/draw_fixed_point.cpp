@@ -2,7 +2,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 #include "splat/painter_kernels.hpp"
 
 namespace ringsplat {

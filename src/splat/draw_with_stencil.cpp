@@ -1,4 +1,4 @@
-#include "splat/vector_config.hpp"
+#include "ringsplat/base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/draw_with_stencil.cpp"
@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "splat/painter_kernels.hpp"
-#include "splat/pixel_vectors-inl.hpp"
+#include "splat/splat_vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {

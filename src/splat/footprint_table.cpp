@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 

@@ -1,4 +1,4 @@
-#include "ringsplat/splat/frame_kernel.hpp"
+#include "splat/frame_kernel.hpp"
 
 #include "splat/footprint_table.hpp"
 

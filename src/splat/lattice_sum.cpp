@@ -1,4 +1,4 @@
-#include "ringsplat/splat/lattice_sum.hpp"
+#include "splat/lattice_sum.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
-#include "ringsplat/splat/voxel_run.hpp"
-#include "splat/vector_config.hpp"
+#include "ringsplat/base/vector_config.hpp"
+#include "splat/voxel_run.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/pack_voxels.cpp"

@@ -1,12 +1,16 @@
 #pragma once
-#include <string>
-#include <vector>
-
-#include "ringsplat/splat/region_painter.hpp"
-#include "splat/slice_buffer.hpp"
+#include "raster/slice_buffer.hpp"
+#include "splat/region_painter.hpp"
 #include "splat/stencil.hpp"
 
 namespace ringsplat {
+
+/// What of a run of splats to draw into a region.
+struct SplatRun {
+  const std::byte* bytes = nullptr;  ///< any alignment
+  std::size_t count = 0;
+  std::int64_t base_x = 0, base_y = 0;  ///< of the anchors, from the region's corner
+};
 
 /// Adds splats to the slice buffer. In every pixel, in float32 and in this order, rounded once for each fma
 /// and each sum:
@@ -36,17 +40,5 @@ DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& tab
 /// D, E and F then err by half of the result's last place at most. Q² and the sums are float32.
 DrawCounts draw_fixed_point(const SliceBuffer& slice, const Footprint& footprint, int bits,
                             const SplatRun& run);
-
-/// Puts `floats` floats of a row behind the image and clears them in the slice: premultiplied RGBA pixels,
-/// C = fma(1 − A, c, C) and A = fma(1 − A, a, A), in float32. Summing the opacity keeps the digits of slices
-/// as faint as 1e-7, which a product of transmittances loses. Pixels whose transmittance 1 − A is below
-/// `opaque` stay as they are. Both pointers are 64-byte aligned and `floats` is a multiple of 16.
-void composite_row(float* slice, float* image, std::size_t floats, float opaque);
-
-/// The instruction sets this program has and this processor supports, best first; for tests that compare
-/// them.
-std::vector<std::string> vector_targets();
-/// Uses only the named one from now on; all again when empty. Not for use while another thread draws.
-void use_vector_target(const std::string& name);
 
 }  // namespace ringsplat

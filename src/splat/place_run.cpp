@@ -1,6 +1,6 @@
-#include "ringsplat/splat/place_run.hpp"
+#include "splat/place_run.hpp"
 
-#include "splat/vector_config.hpp"
+#include "ringsplat/base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/place_run.cpp"

@@ -1,6 +1,6 @@
 #include "splat/place_voxels.hpp"
 
-#include "splat/vector_config.hpp"
+#include "ringsplat/base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/place_voxels.cpp"
@@ -11,7 +11,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "splat/pixel_vectors-inl.hpp"
+#include "raster/pixel_vectors-inl.hpp"
 
 // Highway compiles this file once for each instruction set; what follows is the same for all.
 #ifndef RINGSPLAT_PLACE_VOXELS_ONCE

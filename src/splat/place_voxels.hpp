@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "ringsplat/splat/aligned_slice.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
-#include "splat/slice_buffer.hpp"
+#include "raster/slice_buffer.hpp"
+#include "splat/aligned_slice.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 

@@ -1,4 +1,4 @@
-#include "ringsplat/splat/region_painter.hpp"
+#include "splat/region_painter.hpp"
 
 #include <fmt/format.h>
 
@@ -9,9 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "raster/composite_row.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 #include "splat/painter_kernels.hpp"
 #include "splat/voxel_rows.hpp"
 

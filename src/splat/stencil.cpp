@@ -4,7 +4,7 @@
 #include <cmath>
 #include <new>
 
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 

@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "ringsplat/splat/aligned_slice.hpp"
-#include "splat/slice_buffer.hpp"
+#include "raster/slice_buffer.hpp"
+#include "splat/aligned_slice.hpp"
 
 namespace ringsplat {
 

@@ -6,13 +6,13 @@
 
 #include "node/empty_space.hpp"
 #include "node/nodes.hpp"
-#include "node/opaque_news.hpp"
+#include "raster/opaque_news.hpp"
 #include "node/views.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
 #include "node/splat_engine.hpp"
-#include "ringsplat/splat/splat.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
+#include "splat/splat.hpp"
+#include "splat/voxel_run.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -6,11 +6,11 @@
 #include <cstdio>
 #include <vector>
 
+#include "raster/vector_targets.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/process.hpp"
-#include "ringsplat/splat/encode.hpp"
-#include "ringsplat/splat/region_painter.hpp"
-#include "splat/painter_kernels.hpp"
+#include "splat/encode.hpp"
+#include "splat/region_painter.hpp"
 
 using namespace ringsplat;
 

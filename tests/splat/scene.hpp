@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/splat/encode.hpp"
-#include "ringsplat/splat/region_painter.hpp"
+#include "splat/encode.hpp"
+#include "splat/region_painter.hpp"
 
 namespace ringsplat::test {
 

@@ -1,10 +1,10 @@
-#include "ringsplat/splat/aligned_slice.hpp"
+#include "splat/aligned_slice.hpp"
 
 #include <cstring>
 #include <random>
 #include <set>
 
-#include "splat/painter_kernels.hpp"
+#include "raster/vector_targets.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
 

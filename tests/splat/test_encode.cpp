@@ -2,7 +2,7 @@
 #include <limits>
 #include <random>
 
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
 

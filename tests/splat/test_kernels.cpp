@@ -4,9 +4,9 @@
 #include <cmath>
 #include <random>
 
+#include "raster/vector_targets.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "splat/footprint_table.hpp"
-#include "splat/painter_kernels.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
 

@@ -6,8 +6,8 @@
 #include <limits>
 #include <random>
 
-#include "ringsplat/splat/encode.hpp"
-#include "splat/painter_kernels.hpp"
+#include "raster/vector_targets.hpp"
+#include "splat/encode.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -3,10 +3,10 @@
 #include <random>
 #include <string>
 
-#include "ringsplat/splat/voxel_run.hpp"
-#include "splat/painter_kernels.hpp"
+#include "raster/vector_targets.hpp"
 #include "splat/reference_painter.hpp"
 #include "splat/scene.hpp"
+#include "splat/voxel_run.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "ringsplat/splat/encode.hpp"
-#include "ringsplat/splat/region_painter.hpp"
 #include "ringsplat/view/slice_dda.hpp"
+#include "splat/encode.hpp"
+#include "splat/region_painter.hpp"
 
 namespace ringsplat::test {
 

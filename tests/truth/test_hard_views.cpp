@@ -2,9 +2,9 @@
 // values in 0..1 from the method's own truth.
 #include <fmt/format.h>
 
-#include "ringsplat/splat/encode.hpp"
-#include "ringsplat/splat/region_painter.hpp"
 #include "ringsplat/view/slice_dda.hpp"
+#include "splat/encode.hpp"
+#include "splat/region_painter.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 

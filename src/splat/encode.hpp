@@ -2,7 +2,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "ringsplat/splat/splat.hpp"
+#include "screen/pixel_window.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 
@@ -15,14 +16,6 @@ inline KernelReach kernel_reach(const Footprint& footprint) {
   return {static_cast<std::int64_t>(footprint.half.x), static_cast<std::int64_t>(footprint.half.y)};
 }
 
-/// Inclusive block of screen pixels.
-struct PixelWindow {
-  std::int64_t x0, y0, x1, y1;
-};
-/// The smallest with both.
-inline PixelWindow hull(const PixelWindow& a, const PixelWindow& b) {
-  return {std::min(a.x0, b.x0), std::min(a.y0, b.y0), std::max(a.x1, b.x1), std::max(a.y1, b.y1)};
-}
 inline PixelWindow pixel_window(const Anchored& at, KernelReach reach) {
   return {at.anchor_x - reach.x, at.anchor_y - reach.y, at.anchor_x + reach.x + 1, at.anchor_y + reach.y + 1};
 }

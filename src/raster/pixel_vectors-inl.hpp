@@ -12,30 +12,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-
-#include "ringsplat/splat/splat.hpp"
-#include "splat/slice_buffer.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-HWY_INLINE Splat load_splat(const std::byte* bytes) {
-  Splat splat;
-  std::memcpy(&splat, bytes, sizeof splat);
-  return splat;
-}
-
 #if RINGSPLAT_ONE_BY_ONE
-
-/// Whether a, b, c and the opacity are all numbers that a footprint can give.
-HWY_INLINE bool is_plausible(const Splat& splat) {
-  for (const float value : {splat.a, splat.b, splat.c, splat.opacity}) {
-    if (!(std::abs(value) < largest_coefficient)) return false;
-  }
-  return true;
-}
 
 /// Premultiplied (red, green, blue, opacity).
 struct Colour {
@@ -46,7 +28,6 @@ HWY_INLINE Colour premultiply(const std::uint16_t* rgb, float opacity) {
   return {{static_cast<float>(rgb[0]) * scale, static_cast<float>(rgb[1]) * scale,
            static_cast<float>(rgb[2]) * scale, opacity}};
 }
-HWY_INLINE Colour load_colour(const Splat& splat) { return premultiply(&splat.red, splat.opacity); }
 HWY_INLINE void store_pixel(const Colour& colour, float* pixel) {
   for (int i = 0; i < 4; ++i) pixel[i] = colour.rgba[i];
 }
@@ -102,13 +83,6 @@ class Spread {
 #endif
 };
 
-/// Whether a, b, c and the opacity are all numbers that a footprint can give.
-HWY_INLINE bool is_plausible(const Splat& splat) {
-  const FourFloats d;
-  const auto words = hn::LoadU(d, &splat.a);
-  return hn::AllTrue(d, hn::Lt(hn::Abs(words), hn::Set(d, largest_coefficient)));
-}
-
 /// Premultiplied (red, green, blue, opacity). `rgb`: followed by two more bytes that may be read.
 HWY_INLINE hn::Vec<FourFloats> premultiply(const std::uint16_t* rgb, float opacity) {
   const FourFloats d;
@@ -120,13 +94,6 @@ HWY_INLINE hn::Vec<FourFloats> premultiply(const std::uint16_t* rgb, float opaci
 }
 HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) {
   hn::StoreU(colour, FourFloats(), pixel);
-}
-
-/// A splat's, once for each pixel of a vector.
-HWY_INLINE Colour load_colour(const Splat& splat) {
-  HWY_ALIGN float colour[4];
-  hn::Store(premultiply(&splat.red, splat.opacity), FourFloats(), colour);
-  return hn::LoadDup128(Floats(), colour);
 }
 
 /// Composites a slice's sums behind pixels of the image; which of these are opaque then.

@@ -1,11 +1,11 @@
-#include "ringsplat/splat/warp_image.hpp"
+#include "raster/warp_image.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
-#include "splat/warp_columns.hpp"
-#include "splat/warp_row.hpp"
+#include "raster/warp_columns.hpp"
+#include "raster/warp_row.hpp"
 
 namespace ringsplat {
 namespace {

@@ -19,6 +19,11 @@ struct Splat {
 };
 static_assert(sizeof(Splat) == 24);
 
+/// Coefficients larger than this come from no footprint: every semi-axis is at least a pixel. Such splats,
+/// and those with NaN, are counted as clipped, so that no bytes from outside can put an infinity or a NaN
+/// into the picture.
+inline constexpr float largest_coefficient = 1e6F;
+
 /// Heads a run of splats of one region whose anchors lie within 256 × 256 pixels from its base.
 struct SplatGroup {
   std::int32_t region;

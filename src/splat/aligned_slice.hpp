@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "ringsplat/splat/frame_kernel.hpp"
+#include "splat/frame_kernel.hpp"
 
 namespace ringsplat {
 

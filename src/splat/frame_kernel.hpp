@@ -2,7 +2,7 @@
 #include <memory>
 
 #include "ringsplat/splat/kernel_options.hpp"
-#include "ringsplat/splat/lattice_sum.hpp"
+#include "splat/lattice_sum.hpp"
 
 namespace ringsplat {
 

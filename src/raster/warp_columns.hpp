@@ -1,8 +1,8 @@
 #pragma once
 #include <span>
 
+#include "raster/warp_row.hpp"
 #include "ringsplat/base/image.hpp"
-#include "splat/warp_row.hpp"
 
 namespace ringsplat {
 

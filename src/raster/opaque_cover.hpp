@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ringsplat/splat/opaque_tiles.hpp"
+#include "raster/opaque_tiles.hpp"
 
 namespace ringsplat {
 

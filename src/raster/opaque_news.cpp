@@ -1,4 +1,4 @@
-#include "node/opaque_news.hpp"
+#include "raster/opaque_news.hpp"
 
 #include <fmt/format.h>
 

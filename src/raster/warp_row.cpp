@@ -1,15 +1,15 @@
-#include "splat/vector_config.hpp"
+#include "ringsplat/base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/warp_row.cpp"
+#define HWY_TARGET_INCLUDE "raster/warp_row.cpp"
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "splat/warp_row.hpp"
-#include "splat/warp_weights-inl.hpp"
+#include "raster/warp_row.hpp"
+#include "raster/warp_weights-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {

@@ -5,7 +5,7 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/packing.hpp>
 
-#include "ringsplat/splat/encode.hpp"
+#include "splat/encode.hpp"
 
 namespace ringsplat {
 

@@ -1,11 +1,11 @@
-#include "ringsplat/splat/warp_image.hpp"
+#include "raster/warp_image.hpp"
 
 #include <array>
 #include <cmath>
 #include <functional>
 #include <random>
 
-#include "splat/painter_kernels.hpp"
+#include "raster/vector_targets.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -3,11 +3,11 @@
 #include <memory>
 #include <span>
 
-#include "ringsplat/splat/aligned_slice.hpp"
-#include "ringsplat/splat/frame_kernel.hpp"
-#include "ringsplat/splat/opaque_tiles.hpp"
-#include "ringsplat/splat/splat.hpp"
-#include "ringsplat/splat/voxel_run.hpp"
+#include "raster/opaque_tiles.hpp"
+#include "splat/aligned_slice.hpp"
+#include "splat/frame_kernel.hpp"
+#include "splat/splat.hpp"
+#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 
@@ -83,8 +83,5 @@ class RegionPainter {
   struct State;
   std::unique_ptr<State> state_;
 };
-
-/// The vector instruction set in use ("AVX3", "AVX2", "SSE4", "NEON", "SCALAR" ...), for the log.
-const char* vector_target();
 
 }  // namespace ringsplat

@@ -31,16 +31,4 @@ struct SliceBuffer {
   bool holds(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
 };
 
-/// What of a run of splats to draw into a region.
-struct SplatRun {
-  const std::byte* bytes = nullptr;  ///< any alignment
-  std::size_t count = 0;
-  std::int64_t base_x = 0, base_y = 0;  ///< of the anchors, from the region's corner
-};
-
-/// Coefficients larger than this come from no footprint: every semi-axis is at least a pixel. Such splats,
-/// and those with NaN, are counted as clipped, so that no bytes from outside can put an infinity or a NaN
-/// into the picture.
-inline constexpr float largest_coefficient = 1e6F;
-
 }  // namespace ringsplat

@@ -9,8 +9,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include "splat/pixel_vectors-inl.hpp"
-#include "splat/warp_row.hpp"
+#include "raster/pixel_vectors-inl.hpp"
+#include "raster/warp_row.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {

@@ -2,8 +2,8 @@
 #include <span>
 #include <vector>
 
+#include "raster/opaque_tiles.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/splat/opaque_tiles.hpp"
 
 namespace ringsplat {
 

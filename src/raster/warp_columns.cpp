@@ -1,9 +1,9 @@
-#include "splat/warp_columns.hpp"
+#include "raster/warp_columns.hpp"
 
-#include "splat/vector_config.hpp"
+#include "ringsplat/base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/warp_columns.cpp"
+#define HWY_TARGET_INCLUDE "raster/warp_columns.cpp"
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "splat/warp_weights-inl.hpp"
+#include "raster/warp_weights-inl.hpp"
 
 #ifndef RINGSPLAT_WARP_COLUMNS_ONCE
 #define RINGSPLAT_WARP_COLUMNS_ONCE

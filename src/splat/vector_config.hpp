@@ -1,2 +1,0 @@
-#pragma once
-#include "ringsplat/base/vector_config.hpp"
