@@ -1,9 +1,7 @@
-#include <utility>
-
 #include "node/payload_reader.hpp"
 #include "node/run_cursor.hpp"
 #include "node/voxel_form.hpp"
-#include "splat/aligned_slice.hpp"
+#include "splat/voxel_sum.hpp"
 
 namespace ringsplat {
 namespace {
@@ -12,11 +10,10 @@ namespace {
 template <class Voxel>
 class AlignedReader final : public PayloadReader {
  public:
-  AlignedReader(const FrameGeometry& geometry, const FrameKernel& kernel)
-      : geometry_(geometry),
-        kernel_(kernel),
-        cursor_(geometry.grid.slice_width(geometry.traversal.axis),
-                geometry.grid.slice_height(geometry.traversal.axis)) {}
+  AlignedReader(const FrameGeometry& geometry, const AlignedFrame& frame, SumMemory memory)
+      : cursor_(geometry.grid.slice_width(geometry.traversal.axis),
+                geometry.grid.slice_height(geometry.traversal.axis)),
+        sum_(frame, memory.largest, memory.memory) {}
 
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const override {
@@ -24,33 +21,30 @@ class AlignedReader final : public PayloadReader {
   }
 
   void begin(int slice, const PayloadPart& part) override {
-    if (std::exchange(index_, slice) != slice)
-      slice_ = *make_aligned_slice(kernel_, geometry_.view, geometry_.traversal.axis, slice);
+    sum_.begin_slice(slice);
     cursor_.begin(part);
   }
 
   bool more() override { return cursor_.blocks_left().count > 0; }
 
-  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
-    const DrawnBlocks drawn = painter.draw_blocks(slice_, cursor_.blocks_left(), most);
+  DrawCounts draw(std::uint32_t most) override {
+    const DrawnBlocks drawn = sum_.draw(cursor_.blocks_left(), most);
     cursor_.skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
     return drawn.counts;
   }
 
+  SliceSum& sum() override { return sum_; }
+
  private:
-  const FrameGeometry& geometry_;
-  FrameKernel kernel_;
   RunCursor<Voxel> cursor_;
-  int index_ = -1;  ///< of the slice
-  AlignedSlice slice_;
+  VoxelSum sum_;
 };
 
 }  // namespace
 
 std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
-                                                   const FrameKernel& kernel) {
-  if (!make_aligned_slice(kernel, geometry.view, geometry.traversal.axis, 0)) return {};
-  return make_for_voxels<PayloadReader, AlignedReader>(spec.precision, geometry, kernel);
+                                                   const AlignedFrame& frame, SumMemory memory) {
+  return make_for_voxels<PayloadReader, AlignedReader>(spec.precision, geometry, frame, memory);
 }
 
 }  // namespace ringsplat

@@ -5,8 +5,10 @@
 #include <vector>
 
 #include "ringsplat/node/frame_spec.hpp"
+#include "raster/slice_buffer.hpp"
+#include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
-#include "splat/region_painter.hpp"
+#include "splat/slice_sum.hpp"
 
 namespace ringsplat {
 
@@ -16,7 +18,7 @@ struct PayloadPart {
   std::span<const std::byte> bytes;
 };
 
-/// Takes a payload apart and draws its parts, splat by splat.
+/// Takes a payload apart and draws its parts, splat by splat, into a sum of its own.
 class PayloadReader {
  public:
   virtual ~PayloadReader() = default;
@@ -29,16 +31,24 @@ class PayloadReader {
   virtual void begin(int slice, const PayloadPart& part) = 0;
   /// True when the part has splats that are not drawn.
   virtual bool more() = 0;
-  /// Draws at least one and about `most` of the part's next splats with its region's painter.
-  virtual DrawCounts draw(RegionPainter& painter, std::uint32_t most) = 0;
+  /// Draws at least one and about `most` of the part's next splats.
+  virtual DrawCounts draw(std::uint32_t most) = 0;
+  /// What they are drawn into; it must be in the part's region.
+  virtual SliceSum& sum() = 0;
 };
 
-/// For payloads of a frame's form and precision. `geometry` must outlive it.
-std::unique_ptr<PayloadReader> make_word_reader();
-std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry);
-/// For runs in slices whose voxels lie a whole number of pixels apart (splat/aligned_slice.hpp); empty where
-/// they do not.
+/// The memory that a reader's sum draws in, and the largest region it is for.
+struct SumMemory {
+  SliceBufferMemory& memory;
+  RegionSize largest;
+};
+
+/// For payloads of a frame's form and precision. `geometry` and the memory must outlive it.
+std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
+std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                               const FrameKernel& kernel, SumMemory memory);
+/// For runs in slices whose voxels lie a whole number of pixels apart.
 std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
-                                                   const FrameKernel& kernel);
+                                                   const AlignedFrame& frame, SumMemory memory);
 
 }  // namespace ringsplat

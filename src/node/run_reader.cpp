@@ -7,6 +7,7 @@
 #include "node/voxel_form.hpp"
 #include "ringsplat/view/slice_dda.hpp"
 #include "splat/place_run.hpp"
+#include "splat/splat_sum.hpp"
 
 namespace ringsplat {
 namespace {
@@ -15,8 +16,9 @@ namespace {
 template <class Voxel>
 class RunReader final : public PayloadReader {
  public:
-  RunReader(const FrameGeometry& geometry)
-      : geometry_(geometry),
+  RunReader(const FrameGeometry& geometry, const FrameKernel& kernel, SumMemory memory)
+      : sum_(kernel, memory.largest, memory.memory),
+        geometry_(geometry),
         width_(std::uint32_t(geometry.grid.slice_width(geometry.traversal.axis))),
         cursor_(int(width_), geometry.grid.slice_height(geometry.traversal.axis)),
         dda_(geometry.view, geometry.traversal.axis, int(width_)) {}
@@ -38,7 +40,7 @@ class RunReader final : public PayloadReader {
 
   bool more() override { return cursor_.find(); }
 
-  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
+  DrawCounts draw(std::uint32_t most) override {
     splats_.resize(most);
     filled_ = off_screen_ = 0;
     while (filled_ + off_screen_ < most && cursor_.find()) {
@@ -46,12 +48,14 @@ class RunReader final : public PayloadReader {
               std::min<std::uint32_t>(cursor_.count(), most - std::uint32_t(filled_ + off_screen_))))
         break;
     }
-    DrawCounts counts = painter.draw(static_cast<std::int32_t>(corner_x_ + base_x_),
-                                     static_cast<std::int32_t>(corner_y_ + base_y_),
-                                     std::as_bytes(std::span(splats_).first(filled_)));
+    DrawCounts counts = sum_.draw(static_cast<std::int32_t>(corner_x_ + base_x_),
+                                  static_cast<std::int32_t>(corner_y_ + base_y_),
+                                  std::as_bytes(std::span(splats_).first(filled_)));
     counts.clipped += off_screen_;
     return counts;
   }
+
+  SliceSum& sum() override { return sum_; }
 
  private:
   /// Places the columns round the run's next voxel, unless they are placed: runs are short, and rows have
@@ -106,6 +110,7 @@ class RunReader final : public PayloadReader {
   /// No kernel reaches so far.
   static bool is_far(std::int32_t anchor) { return anchor > (1 << 30) || anchor < -(1 << 30); }
 
+  SplatSum sum_;
   const FrameGeometry& geometry_;
   std::uint32_t width_;
   RunCursor<Voxel> cursor_;
@@ -124,8 +129,9 @@ class RunReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry) {
-  return make_for_voxels<PayloadReader, RunReader>(spec.precision, geometry);
+std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                               const FrameKernel& kernel, SumMemory memory) {
+  return make_for_voxels<PayloadReader, RunReader>(spec.precision, geometry, kernel, memory);
 }
 
 }  // namespace ringsplat

@@ -11,10 +11,12 @@
 #include "node/splat_engine.hpp"
 #include "node/wall_share.hpp"
 #include "raster/opaque_news.hpp"
+#include "raster/region_image.hpp"
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
-#include "splat/region_painter.hpp"
+#include "splat/aligned_slice.hpp"
+#include "splat/frame_kernel.hpp"
 
 namespace ringsplat {
 namespace {
@@ -36,10 +38,11 @@ class SplatPainter final : public FramePainter {
     if (!as_before) lay_out();
     const FrameKernel kernel =
         make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
-    for (auto& painter : painters_) painter.begin_frame(kernel, static_cast<float>(spec.opaque_threshold));
+    for (RegionImage& image : images_) image.begin_frame(static_cast<float>(spec.opaque_threshold));
     for (Lane& lane : lanes_) {
-      lane.reader = make_reader(spec, kernel);
-      lane.drawing = nullptr;
+      lane.reader.reset();  // it leaves the memory to the next one
+      lane.reader = make_reader(spec, kernel, {lane.memory, largest_region_});
+      lane.drawing = false;
     }
     told_.clear();
     counts_ = {};
@@ -85,7 +88,7 @@ class SplatPainter final : public FramePainter {
     double busy = 0, compositing = 0;
     for (int k = 0; k < lanes_in_use_; ++k) {
       Lane& lane = lanes_[std::size_t(k)];
-      complete = complete && lane.drawing == nullptr;
+      complete = complete && !lane.drawing;
       const ItemCounts counts = std::exchange(lane.counts, {});
       counts_.drawn += counts.drawn;
       counts_.clipped += counts.clipped;
@@ -98,11 +101,11 @@ class SplatPainter final : public FramePainter {
   }
 
   void news(int gp, Bytes& news) override {
-    if (painters_.empty()) return;
+    if (images_.empty()) return;
     auto& told = told_[gp];
-    told.resize(painters_.size(), 0);
-    for (std::size_t k = 0; k < painters_.size(); ++k) {
-      const OpaqueTiles& tiles = painters_[k].opaque_tiles();
+    told.resize(images_.size(), 0);
+    for (std::size_t k = 0; k < images_.size(); ++k) {
+      const OpaqueTiles& tiles = images_[k].opaque_tiles();
       if (tiles.opaque() == std::exchange(told[k], tiles.opaque())) continue;
       if (news.empty()) news = Message::body_buffer();
       append_opaque_news(owned_[k], tiles, news);
@@ -113,26 +116,24 @@ class SplatPainter final : public FramePainter {
   double composite_seconds() const override { return composite_seconds_; }
 
   void finish(const std::function<void(int, Bytes)>& deliver) override {
-    for (std::size_t k = 0; k < painters_.size(); ++k) {
-      if (!painters_[k].touched()) continue;
-      const int region = owned_[k];
-      const PixelRect rect = geometry_.regions.rect(region);
+    for (std::size_t k = 0; k < images_.size(); ++k) {
+      if (!images_[k].touched()) continue;
+      const PixelRect& rect = images_[k].rect();
       std::vector<float> rgba(std::size_t(4) * std::size_t(rect.width()) * std::size_t(rect.height()));
-      painters_[k].read_tile(rgba);
+      images_[k].read_tile(rgba);
       Bytes body(sizeof(Header) + rgba.size() * sizeof(float));
       std::memcpy(body.data() + sizeof(Header), rgba.data(), rgba.size() * sizeof(float));
-      deliver(region, std::move(body));
+      deliver(owned_[k], std::move(body));
     }
   }
 
  private:
-  /// What a thread draws with. Its slice buffer stays in its processor's cache: a region is composited before
-  /// the next is drawn.
+  /// What a thread draws with.
   struct alignas(64) Lane {
-    std::unique_ptr<PayloadReader> reader;
-    std::shared_ptr<SliceMemory> memory;
-    RegionPainter* drawing = nullptr;  ///< of the part that is not complete yet
-    ItemCounts counts;                ///< and seconds, since the last piece of work
+    SliceBufferMemory memory;
+    std::unique_ptr<PayloadReader> reader;  ///< sums in the memory
+    bool drawing = false;                   ///< a part that is not complete yet
+    ItemCounts counts;                      ///< and seconds, since work() last collected them
     double busy = 0, compositing = 0;
   };
 
@@ -142,14 +143,14 @@ class SplatPainter final : public FramePainter {
     const std::int64_t splats_at_most = lanes_in_use_ > 1 ? 4096 : 1024, chunk_splats = 512;
     const OptionalSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
     for (std::int64_t budget = splats_at_most; budget > 0;) {
-      if (lane.drawing == nullptr && !take_part(lane)) return;
+      if (!lane.drawing && !take_part(lane)) return;
       if (!lane.reader->more()) {
         const ScopedSeconds composited(lane.compositing);
-        std::exchange(lane.drawing, nullptr)->composite(voxel_);
+        lane.reader->sum().composite(voxel_);
+        lane.drawing = false;
         continue;
       }
-      const DrawCounts drawn =
-          lane.reader->draw(*lane.drawing, std::uint32_t(std::min(budget, chunk_splats)));
+      const DrawCounts drawn = lane.reader->draw(std::uint32_t(std::min(budget, chunk_splats)));
       lane.counts.drawn += drawn.drawn;
       lane.counts.clipped += drawn.clipped;
       lane.counts.hidden += drawn.hidden;
@@ -160,33 +161,36 @@ class SplatPainter final : public FramePainter {
   bool take_part(Lane& lane) {
     const std::size_t k = next_part_++;
     if (k >= parts_.size()) return false;
-    lane.drawing = &painters_[slot_of_region_[std::size_t(parts_[k].region)]];
-    lane.drawing->use(lane.memory);
+    lane.reader->sum().begin(images_[slot_of_region_[std::size_t(parts_[k].region)]]);
     lane.reader->begin(slice_, parts_[k]);
+    lane.drawing = true;
     return true;
   }
 
-  std::unique_ptr<PayloadReader> make_reader(const FrameSpec& spec, const FrameKernel& kernel) const {
-    if (spec.payload == PayloadForm::words) return make_word_reader();
-    auto aligned = make_aligned_reader(spec, geometry_, kernel);
-    return aligned ? std::move(aligned) : make_run_reader(spec, geometry_);
+  std::unique_ptr<PayloadReader> make_reader(const FrameSpec& spec, const FrameKernel& kernel,
+                                             SumMemory memory) const {
+    if (spec.payload == PayloadForm::words) return make_word_reader(kernel, memory);
+    if (const auto aligned = AlignedFrame::of(kernel, geometry_.view, geometry_.traversal.axis))
+      return make_aligned_reader(spec, geometry_, *aligned, memory);
+    return make_run_reader(spec, geometry_, kernel, memory);
   }
 
   void lay_out() {
     const Regions& regions = geometry_.regions;
-    painters_.clear();
-    // A painter whose frame was dropped leaves splats in its memory.
-    for (Lane& lane : lanes_) lane.memory = make_slice_memory();
+    images_.clear();
+    largest_region_ = {};
     slot_of_region_.assign(std::size_t(regions.count()), not_owned);
     owned_ = regions.owned(renderer_, geometry_.owners(renderers_));
     for (const int region : owned_) {
-      const PixelRect r = regions.rect(region);
-      slot_of_region_[std::size_t(region)] = painters_.size();
-      painters_.emplace_back(r.x0, r.y0, r.width(), r.height(), nullptr);
+      const PixelRect rect = regions.rect(region);
+      slot_of_region_[std::size_t(region)] = images_.size();
+      images_.emplace_back(rect);
+      largest_region_ = {std::max(largest_region_.width, rect.width()),
+                         std::max(largest_region_.height, rect.height())};
     }
   }
 
-  /// Where a voxel of the slice lies on the screen.
+  /// Where a voxel of the slice lies in the image plane.
   glm::dvec2 voxel_of_slice() const {
     glm::dvec3 voxel(0.0);
     voxel[static_cast<int>(geometry_.traversal.axis)] = slice_;
@@ -198,8 +202,9 @@ class SplatPainter final : public FramePainter {
   FrameGeometry geometry_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
   std::vector<int> owned_;                   ///< regions, ascending
-  std::vector<RegionPainter> painters_;      ///< one for each owned region
-  std::vector<std::size_t> slot_of_region_;  ///< into painters_
+  std::vector<RegionImage> images_;          ///< one for each owned region
+  std::vector<std::size_t> slot_of_region_;  ///< into images_
+  RegionSize largest_region_;                ///< of those owned
   ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
   int lanes_in_use_ = 1;     ///< by this payload

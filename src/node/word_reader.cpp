@@ -6,12 +6,15 @@
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/splat.hpp"
+#include "splat/splat_sum.hpp"
 
 namespace ringsplat {
 namespace {
 
 class WordReader final : public PayloadReader {
  public:
+  WordReader(const FrameKernel& kernel, SumMemory memory) : sum_(kernel, memory.largest, memory.memory) {}
+
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const override {
     std::vector<PayloadPart> parts;
@@ -44,15 +47,18 @@ class WordReader final : public PayloadReader {
     return true;
   }
 
-  DrawCounts draw(RegionPainter& painter, std::uint32_t most) override {
+  DrawCounts draw(std::uint32_t most) override {
     const std::uint32_t count = std::min(most, left_);
     const auto splats = body_.subspan(at_, count * sizeof(Splat));
     at_ += splats.size();
     left_ -= count;
-    return painter.draw(group_.base_x, group_.base_y, splats);
+    return sum_.draw(group_.base_x, group_.base_y, splats);
   }
 
+  SliceSum& sum() override { return sum_; }
+
  private:
+  SplatSum sum_;
   std::span<const std::byte> body_;  ///< of the part
   std::size_t at_ = 0;
   SplatGroup group_{};
@@ -61,6 +67,8 @@ class WordReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_word_reader() { return std::make_unique<WordReader>(); }
+std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory) {
+  return std::make_unique<WordReader>(kernel, memory);
+}
 
 }  // namespace ringsplat

@@ -4,31 +4,67 @@
 #include <cstdint>
 #include <limits>
 
+#include "raster/aligned_floats.hpp"
+
 namespace ringsplat {
 
-/// Inclusive run of pixels in a row; empty when first > last.
-struct Run {
+/// Four neighbouring pixels of a row are a pixel block: four RGBA pixels fill the widest vector.
+inline constexpr int block_pixels = 4;
+
+inline constexpr std::ptrdiff_t floats_a_pixel = 4;  ///< premultiplied red, green, blue, opacity
+
+/// The smallest number of whole pixel blocks with `pixels` pixels, in pixels.
+inline std::ptrdiff_t in_whole_blocks(std::ptrdiff_t pixels) {
+  return (pixels + block_pixels - 1) / block_pixels * block_pixels;
+}
+
+/// Half-open run of pixels in a row: first … end − 1. A new one is empty.
+struct PixelRun {
   std::int32_t first = std::numeric_limits<std::int32_t>::max();
-  std::int32_t last = std::numeric_limits<std::int32_t>::min();
-  void include(std::int32_t a, std::int32_t b) {
-    first = std::min(first, a);
-    last = std::max(last, b);
+  std::int32_t end = std::numeric_limits<std::int32_t>::min();
+  void include(std::int32_t other_first, std::int32_t other_end) {
+    first = std::min(first, other_first);
+    end = std::max(end, other_end);
   }
-  bool empty() const { return first > last; }
+  bool empty() const { return first >= end; }
 };
 
-/// A region's slice buffer as the vector code sees it.
+/// The pixels into which one slice of a region is summed, as the vector code sees them.
 ///
-/// Pixels are four floats (premultiplied red, green, blue, opacity), so a vector adds whole pixels: four
-/// float planes would take four read-modify-writes for every run of pixels instead of one.
+/// A pixel's four floats lie together, so that a vector adds whole pixels: four planes of floats would take
+/// four read-modify-writes for every run of pixels instead of one.
 struct SliceBuffer {
   float* origin = nullptr;  ///< pixel (0, 0) of the region; 64-byte aligned, as is every row's first pixel
   std::ptrdiff_t row_floats = 0;  ///< floats from a row to the next
   int width = 0, height = 0;      ///< pixels of the region, without the margins
-  /// Stencil path: [height + 2 reach_y + 1], the anchors' columns, by anchor row from −reach_y − 1. Row path:
-  /// [height], pixels written.
-  Run* runs = nullptr;
   bool holds(int x, int y) const { return x >= 0 && x < width && y >= 0 && y < height; }
 };
+
+/// Pixels of a slice buffer round its region: what is drawn over the region's edge may write there.
+struct Margins {
+  std::ptrdiff_t left, right, above, below;
+};
+
+/// Size of the largest region that a slice buffer serves, in pixels.
+struct RegionSize {
+  int width = 1, height = 1;
+};
+
+/// The memory of one slice buffer, kept from frame to frame. A region is composited before the next one is
+/// drawn, so that all of them use the same memory and it stays in the processor's cache.
+class SliceBufferMemory {
+ public:
+  /// At least `floats` floats, all 0. Their user clears them after each slice, or calls discard().
+  float* reserve(std::size_t floats);
+  /// Frees memory that may not be 0.
+  void discard();
+
+ private:
+  std::size_t capacity_ = 0;
+  AlignedFloats floats_;
+};
+
+/// A slice buffer for the largest region, in `memory`. Margins are widened to whole pixel blocks.
+SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest, SliceBufferMemory& memory);
 
 }  // namespace ringsplat

@@ -76,26 +76,29 @@ void take_weights(const Window& window, AlignedSlice& slice) {
 
 }  // namespace
 
-std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view,
-                                               Axis axis, int slice) {
+std::optional<AlignedFrame> AlignedFrame::of(const FrameKernel& kernel, const ViewTransform& view,
+                                             Axis axis) {
   const auto [u, v] = in_plane(axis);
   const auto steps = whole_steps({glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v])});
-  if (!steps || kernel.table || kernel.qee_bits > 0 || !has_stencil(kernel.footprint)) return {};
+  if (!steps || !std::holds_alternative<StencilWeights>(kernel.weights)) return {};
+  return AlignedFrame(kernel, view, axis, *steps);
+}
+
+AlignedSlice AlignedFrame::slice(int index) const {
   glm::dvec3 first(0.0);
-  first[static_cast<int>(axis)] = slice;
-  const glm::dvec3 position = view.project(first);
+  first[static_cast<int>(axis_)] = index;
+  const glm::dvec3 position = view_.project(first);
   const Anchored at = anchor(position.x, position.y);
-  const KernelReach reach = kernel_reach(kernel.footprint);
-  AlignedSlice aligned_slice;
-  aligned_slice.step_x = steps->x;
-  aligned_slice.step_y = steps->y;
-  aligned_slice.anchor_x = at.anchor_x;
-  aligned_slice.anchor_y = at.anchor_y;
-  aligned_slice.reach_x = int(reach.x);
-  aligned_slice.reach_y = int(reach.y);
-  aligned_slice.opacity_weight = kernel.footprint.weight;
-  take_weights(Window(kernel.footprint, reach, at.dx, at.dy), aligned_slice);
-  return aligned_slice;
+  AlignedSlice slice;
+  slice.step_x = steps_.x;
+  slice.step_y = steps_.y;
+  slice.anchor_x = at.anchor_x;
+  slice.anchor_y = at.anchor_y;
+  slice.reach_x = int(reach().x);
+  slice.reach_y = int(reach().y);
+  slice.opacity_weight = kernel_.footprint.weight;
+  take_weights(Window(kernel_.footprint, reach(), at.dx, at.dy), slice);
+  return slice;
 }
 
 }  // namespace ringsplat

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "splat/encode.hpp"
 #include "splat/frame_kernel.hpp"
 
 namespace ringsplat {
@@ -32,10 +33,25 @@ struct AlignedSlice {
   std::vector<Offset> covered;  ///< pixels with a weight above zero, from the anchor
 };
 
-/// Empty where the voxels do not lie so, or kernels are not drawn with a stencil of float32 weights. `view`:
-/// of the lattice to the image plane. The weights are the bits that RegionPainter::draw computes for each
-/// splat of the slice.
-std::optional<AlignedSlice> make_aligned_slice(const FrameKernel& kernel, const ViewTransform& view,
-                                               Axis axis, int slice);
+/// A frame whose voxels lie so in every slice, and whose kernels are drawn with a stencil.
+class AlignedFrame {
+ public:
+  /// Empty for all other frames. `view`: of the lattice to the image plane.
+  static std::optional<AlignedFrame> of(const FrameKernel& kernel, const ViewTransform& view, Axis axis);
+
+  KernelReach reach() const { return kernel_reach(kernel_.footprint); }
+  const LatticeSum* lattice_sum() const { return kernel_.lattice_sum.get(); }  ///< null: none to divide by
+  /// The weights have the bits that SplatSum computes for each splat of the slice.
+  AlignedSlice slice(int index) const;
+
+ private:
+  AlignedFrame(const FrameKernel& kernel, const ViewTransform& view, Axis axis, glm::ivec2 steps)
+      : kernel_(kernel), view_(view), axis_(axis), steps_(steps) {}
+
+  FrameKernel kernel_;
+  ViewTransform view_;
+  Axis axis_;
+  glm::ivec2 steps_;  ///< pixels from voxel to voxel along u and v
+};
 
 }  // namespace ringsplat

@@ -14,10 +14,10 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-/// Offsets from the anchor, inclusive.
-struct Extent {
-  std::int64_t first, last;
-  bool empty() const { return first > last; }
+/// Half-open run of pixels, as offsets from the anchor.
+struct OffsetRun {
+  std::int64_t first, end;
+  bool empty() const { return first >= end; }
 };
 
 /// A row's part of a splat that is the same in all its pixels.
@@ -39,9 +39,9 @@ RowConstants row_constants(const Footprint& footprint, const Splat& splat, std::
 
 class RowAdder {
  public:
-  bool add(float* pixels, const RowConstants& row, const Colour& colour, const Extent& extent) const {
+  bool add(float* pixels, const RowConstants& row, const Colour& colour, const OffsetRun& extent) const {
     bool reached = false;
-    for (std::int64_t at = extent.first; at <= extent.last; ++at, pixels += 4) {
+    for (std::int64_t at = extent.first; at < extent.end; ++at, pixels += 4) {
       const auto dx = static_cast<float>(static_cast<std::int32_t>(at));
       const float u = std::fma(row.p00, dx, row.u0), v = std::fma(row.p10, dx, row.v0);
       const float q = std::fma(row.a, dx, -std::fma(u, u, v * v)) + row.linear;
@@ -61,15 +61,15 @@ class RowAdder {
   HWY_INLINE RowAdder() {}
   /// Returns whether Q > 0 in one of the pixels; `pixels` is the extent's first.
   HWY_INLINE bool add(float* pixels, const RowConstants& row, const Colour& colour,
-                      const Extent& extent) const {
+                      const OffsetRun& extent) const {
     const Floats d;
     const hn::Rebind<std::int32_t, Floats> d32;
     const auto p00 = hn::Set(d, row.p00), p10 = hn::Set(d, row.p10), u0 = hn::Set(d, row.u0),
                v0 = hn::Set(d, row.v0);
     const auto a = hn::Set(d, row.a), linear = hn::Set(d, row.linear);
-    const auto end = hn::Set(d32, static_cast<std::int32_t>(extent.last + 1));
+    const auto end = hn::Set(d32, static_cast<std::int32_t>(extent.end));
     auto largest = hn::Zero(d);
-    for (std::int64_t at = extent.first; at <= extent.last; at += lanes, pixels += 4 * lanes) {
+    for (std::int64_t at = extent.first; at < extent.end; at += lanes, pixels += 4 * lanes) {
       const auto column = hn::Iota(d32, static_cast<std::int32_t>(at));
       const auto dx = hn::ConvertTo(d, column);
       const auto u = hn::MulAdd(p00, dx, u0), v = hn::MulAdd(p10, dx, v0);
@@ -95,22 +95,22 @@ class RowAdder {
 
 /// Where the quadratic of the splat's row `dy` is positive. NaN cannot come: the coefficients are finite and
 /// D < 0.
-Extent positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat, std::int64_t row) {
+OffsetRun positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat, std::int64_t row) {
   const auto dy = static_cast<double>(row);
   const double b = static_cast<double>(splat.a) + footprint.e * dy;
   const double c = static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint.f * dy * dy;
   const double discriminant = b * b - 4 * footprint.d * c;
-  if (!(discriminant > 0)) return {1, 0};
+  if (!(discriminant > 0)) return {0, 0};
   const double root = std::sqrt(discriminant), scale = -2 * footprint.d;
   const auto before = -static_cast<double>(reach.x) - 1, after = static_cast<double>(reach.x) + 2;
   return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
-          static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after)))};
+          static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
 }
 
 class RowPainter {
  public:
-  RowPainter(const SliceBuffer& slice, const Footprint& footprint)
-      : slice_(slice), footprint_(footprint), reach_(kernel_reach(footprint)) {}
+  RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
+      : slice_(slice), written_(written), footprint_(footprint), reach_(kernel_reach(footprint)) {}
 
   DrawCounts draw(const SplatRun& run) const {
     DrawCounts counts;
@@ -126,19 +126,19 @@ class RowPainter {
 
  private:
   bool draw_one(const Splat& splat, std::int64_t x, std::int64_t y) const {
-    const Extent columns{std::max(-x, -reach_.x), std::min(slice_.width - 1 - x, reach_.x + 1)};
-    const Extent rows{std::max(-y, -reach_.y), std::min(slice_.height - 1 - y, reach_.y + 1)};
+    const OffsetRun columns{std::max(-x, -reach_.x), std::min(slice_.width - x, reach_.x + 2)};
+    const OffsetRun rows{std::max(-y, -reach_.y), std::min(slice_.height - y, reach_.y + 2)};
     if (columns.empty()) return false;
 
     const Colour colour = load_colour(splat);
     bool reached = false;
-    for (std::int64_t dy = rows.first; dy <= rows.last; ++dy) {
-      Extent extent = positive_extent(footprint_, reach_, splat, dy);
-      extent = {std::max(extent.first, columns.first), std::min(extent.last, columns.last)};
+    for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
+      OffsetRun extent = positive_extent(footprint_, reach_, splat, dy);
+      extent = {std::max(extent.first, columns.first), std::min(extent.end, columns.end)};
       if (extent.empty()) continue;
       const auto row = static_cast<std::ptrdiff_t>(y + dy);
       const auto first = static_cast<std::int32_t>(x + extent.first);
-      slice_.runs[row].include(first, static_cast<std::int32_t>(x + extent.last));
+      written_[row].include(first, static_cast<std::int32_t>(x + extent.end));
       float* pixels = slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4};
       reached |= adder_.add(pixels, row_constants(footprint_, splat, dy), colour, extent);
     }
@@ -146,13 +146,15 @@ class RowPainter {
   }
 
   const SliceBuffer& slice_;
+  PixelRun* written_;
   const Footprint& footprint_;
   KernelReach reach_;
   RowAdder adder_;
 };
 
-DrawCounts DrawByRows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run) {
-  return RowPainter(slice, footprint).draw(run);
+DrawCounts DrawByRows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
+                      PixelRun* written) {
+  return RowPainter(slice, footprint, written).draw(run);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -163,8 +165,9 @@ namespace ringsplat {
 
 HWY_EXPORT(DrawByRows);
 
-DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run) {
-  return HWY_DYNAMIC_DISPATCH(DrawByRows)(slice, footprint, run);
+DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
+                        PixelRun* written) {
+  return HWY_DYNAMIC_DISPATCH(DrawByRows)(slice, footprint, run, written);
 }
 
 }  // namespace ringsplat

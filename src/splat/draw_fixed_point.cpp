@@ -44,8 +44,8 @@ bool is_plausible(const Splat& splat) {
 
 class FixedPointPainter {
  public:
-  FixedPointPainter(const SliceBuffer& slice, const Footprint& footprint, int bits)
-      : slice_(slice), reach_(kernel_reach(footprint)), quadratic_(footprint, bits) {}
+  FixedPointPainter(const SliceBuffer& slice, const Footprint& footprint, int bits, PixelRun* written)
+      : slice_(slice), written_(written), reach_(kernel_reach(footprint)), quadratic_(footprint, bits) {}
 
   bool draw(const Splat& splat, std::int64_t x, std::int64_t y) const {
     const std::int64_t left = std::max(-x, -reach_.x), right = std::min(slice_.width - 1 - x, reach_.x + 1);
@@ -64,7 +64,7 @@ class FixedPointPainter {
         if (weight == 0) continue;
         for (int c = 0; c < 4; ++c) pixel[c] = pixel[c] + weight * colour[c];
         const auto at = static_cast<std::int32_t>(x + dx);
-        slice_.runs[y + dy].include(at, at);
+        written_[y + dy].include(at, at + 1);
         reached = true;
       }
     }
@@ -73,6 +73,7 @@ class FixedPointPainter {
 
  private:
   const SliceBuffer& slice_;
+  PixelRun* written_;
   KernelReach reach_;
   FixedPointQuadratic quadratic_;
 };
@@ -80,8 +81,8 @@ class FixedPointPainter {
 }  // namespace
 
 DrawCounts draw_fixed_point(const SliceBuffer& slice, const Footprint& footprint, int bits,
-                            const SplatRun& run) {
-  const FixedPointPainter painter(slice, footprint, bits);
+                            const SplatRun& run, PixelRun* written) {
+  const FixedPointPainter painter(slice, footprint, bits, written);
   DrawCounts counts;
   for (std::size_t i = 0; i < run.count; ++i) {
     Splat splat;

@@ -156,7 +156,8 @@ class KernelAdder {
 #endif
 
 template <std::size_t fixed_vectors>
-HWY_INLINE DrawCounts draw_run(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run) {
+HWY_INLINE DrawCounts draw_run(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
+                               PixelRun* anchors) {
   const KernelAdder<fixed_vectors> kernels(slice, stencil);
   const int left = stencil.reach_x, right = slice.width - 1 - left, top = stencil.reach_y,
             bottom = slice.height - 1 - top;
@@ -168,7 +169,7 @@ HWY_INLINE DrawCounts draw_run(const SliceBuffer& slice, const Stencil& stencil,
                        wide_y < slice.height + top;
     if (!meets || !is_plausible(splat)) continue;
     const int x = static_cast<int>(wide_x), y = static_cast<int>(wide_y);
-    slice.runs[y + top + 1].include(x, x);
+    anchors[y + top + 1].include(x, x + 1);
     const bool interior = x >= left && x < right && y >= top && y < bottom;
     const bool reached =
         interior ? kernels.template add<false>(splat, x, y) : kernels.template add<true>(splat, x, y);
@@ -178,9 +179,10 @@ HWY_INLINE DrawCounts draw_run(const SliceBuffer& slice, const Stencil& stencil,
   return counts;
 }
 
-DrawCounts DrawWithStencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run) {
-  if (stencil.blocks == 4) return draw_run<4 / pixels_a_vector>(slice, stencil, run);
-  return draw_run<0>(slice, stencil, run);
+DrawCounts DrawWithStencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
+                           PixelRun* anchors) {
+  if (stencil.blocks == 4) return draw_run<4 / pixels_a_vector>(slice, stencil, run, anchors);
+  return draw_run<0>(slice, stencil, run, anchors);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -191,8 +193,9 @@ namespace ringsplat {
 
 HWY_EXPORT(DrawWithStencil);
 
-DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run) {
-  return HWY_DYNAMIC_DISPATCH(DrawWithStencil)(slice, stencil, run);
+DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
+                             PixelRun* anchors) {
+  return HWY_DYNAMIC_DISPATCH(DrawWithStencil)(slice, stencil, run, anchors);
 }
 
 }  // namespace ringsplat

@@ -48,8 +48,8 @@ class TextureAdder {
 
 class TexturePainter {
  public:
-  HWY_INLINE TexturePainter(const SliceBuffer& slice, const FootprintTable& table)
-      : slice_(slice), table_(table) {}
+  HWY_INLINE TexturePainter(const SliceBuffer& slice, const FootprintTable& table, PixelRun* written)
+      : slice_(slice), table_(table), written_(written) {}
 
   HWY_INLINE DrawCounts draw(const SplatRun& run) const {
     DrawCounts counts;
@@ -64,35 +64,37 @@ class TexturePainter {
 
  private:
   HWY_INLINE bool draw_one(const Splat& splat, std::int64_t x, std::int64_t y) const {
-    const std::int64_t left = -x, right = slice_.width - 1 - x, top = std::max(-y, -table_.reach_y),
+    const std::int64_t left = -x, right = slice_.width - x, top = std::max(-y, -table_.reach_y),
                        bottom = std::min(slice_.height - 1 - y, table_.reach_y + 1);
-    if (left > table_.reach_x + 1 || right < -table_.reach_x) return false;
+    if (left > table_.reach_x + 1 || right <= -table_.reach_x) return false;
     const Colour colour = load_colour(splat);
     const std::size_t first_row = table_.phase_of(splat.a, splat.b) * table_.rows();
     bool reached = false;
     for (std::int64_t dy = top; dy <= bottom; ++dy) {
       const std::size_t at = first_row + static_cast<std::size_t>(dy + table_.reach_y);
-      const Extent& extent = table_.extents[at];
-      const auto first = std::max<std::int64_t>(extent.first, left),
-                 last = std::min<std::int64_t>(extent.last, right);
-      if (first > last) continue;
+      const PixelRun& covered = table_.covered[at];
+      const auto first = std::max<std::int64_t>(covered.first, left),
+                 end = std::min<std::int64_t>(covered.end, right);
+      if (first >= end) continue;
       reached = true;
       const auto row = static_cast<std::ptrdiff_t>(y + dy);
-      slice_.runs[row].include(static_cast<std::int32_t>(x + first), static_cast<std::int32_t>(x + last));
+      written_[row].include(static_cast<std::int32_t>(x + first), static_cast<std::int32_t>(x + end));
       adder_.add(slice_.origin + row * slice_.row_floats + (x + first) * 4,
                  table_.weights.data() + at * table_.row + (first + table_.reach_x), colour,
-                 static_cast<int>(last - first + 1));
+                 static_cast<int>(end - first));
     }
     return reached;
   }
 
   const SliceBuffer& slice_;
   const FootprintTable& table_;
+  PixelRun* written_;
   TextureAdder adder_;
 };
 
-DrawCounts DrawWithTexture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run) {
-  return TexturePainter(slice, table).draw(run);
+DrawCounts DrawWithTexture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
+                           PixelRun* written) {
+  return TexturePainter(slice, table, written).draw(run);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -103,8 +105,9 @@ namespace ringsplat {
 
 HWY_EXPORT(DrawWithTexture);
 
-DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run) {
-  return HWY_DYNAMIC_DISPATCH(DrawWithTexture)(slice, table, run);
+DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
+                             PixelRun* written) {
+  return HWY_DYNAMIC_DISPATCH(DrawWithTexture)(slice, table, run, written);
 }
 
 }  // namespace ringsplat

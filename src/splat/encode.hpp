@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "raster/slice_buffer.hpp"
 #include "screen/pixel_window.hpp"
 #include "splat/splat.hpp"
 
@@ -16,6 +17,12 @@ inline KernelReach kernel_reach(const Footprint& footprint) {
   return {static_cast<std::int64_t>(footprint.half.x), static_cast<std::int64_t>(footprint.half.y)};
 }
 
+/// A window meets a region when its anchor is at most reach + 1 before it or reach behind it, and starts reach
+/// before its anchor. On both sides there is also the rest of a pixel block.
+inline Margins window_margins(KernelReach reach) {
+  const std::ptrdiff_t x = 2 * reach.x + 1, y = 2 * reach.y + 1;
+  return {x + block_pixels, x + block_pixels, y, y};
+}
 inline PixelWindow pixel_window(const Anchored& at, KernelReach reach) {
   return {at.anchor_x - reach.x, at.anchor_y - reach.y, at.anchor_x + reach.x + 1, at.anchor_y + reach.y + 1};
 }

@@ -13,14 +13,14 @@ constexpr std::size_t most_floats = std::size_t{4} << 20;
 constexpr std::size_t widest_vector = 16;  ///< floats
 
 void fill_row(const Footprint& footprint, std::int64_t reach_x, double y, double centre_x, float* weights,
-              Extent& extent) {
+              PixelRun& covered) {
   for (std::int64_t x = -reach_x; x <= reach_x + 1; ++x) {
     const double dx = static_cast<double>(x) - centre_x;
     const double q = 1 + footprint.d * dx * dx + footprint.e * dx * y + footprint.f * y * y;
     if (!(q > 0)) continue;
     weights[x + reach_x] = static_cast<float>(q * q);
     const auto at = static_cast<std::int32_t>(x);
-    extent = extent.empty() ? Extent{at, at} : Extent{extent.first, at};
+    covered.include(at, at + 1);
   }
 }
 
@@ -54,13 +54,13 @@ FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
 
   const std::size_t all = static_cast<std::size_t>(phases) * static_cast<std::size_t>(phases);
   table.weights.assign(all * table.rows() * table.row, 0.0F);
-  table.extents.resize(all * table.rows());
+  table.covered.resize(all * table.rows());
   std::size_t at = 0;
   for (int j = 0; j < phases; ++j)
     for (int i = 0; i < phases; ++i)
       for (std::int64_t y = -reach.y; y <= reach.y + 1; ++y, ++at)
         fill_row(footprint, reach.x, static_cast<double>(y) - (j + 0.5) / phases, (i + 0.5) / phases,
-                 table.weights.data() + at * table.row, table.extents[at]);
+                 table.weights.data() + at * table.row, table.covered[at]);
   return table;
 }
 

@@ -3,15 +3,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "raster/slice_buffer.hpp"
 #include "ringsplat/splat/footprint.hpp"
 
 namespace ringsplat {
-
-/// Inclusive run of a row's pixels, as offsets from the anchor; empty when first > last.
-struct Extent {
-  std::int32_t first = 1, last = 0;
-  bool empty() const { return first > last; }
-};
 
 /// The footprint's weights Q² in the pixels round an anchor, for each of phases × phases positions of the
 /// kernel's centre: ((i + ½) / phases, (j + ½) / phases) pixels from the anchor's centre (Westover 1990).
@@ -20,7 +15,7 @@ struct FootprintTable {
   std::int64_t reach_x = 0, reach_y = 0;  ///< the window is anchor − reach … anchor + reach + 1
   std::size_t row = 0;          ///< floats of a row, more than its pixels: vectors may read past them
   std::vector<float> weights;   ///< [phase][2 reach_y + 2][row]
-  std::vector<Extent> extents;  ///< [phase][2 reach_y + 2]: the pixels of the row that have a weight
+  std::vector<PixelRun> covered;  ///< [phase][2 reach_y + 2]: pixels with a weight, from the anchor
   double x_of_a = 0, x_of_b = 0, y_of_a = 0, y_of_b = 0;  ///< the centre from a splat's coefficients a and b
 
   std::size_t rows() const { return static_cast<std::size_t>(2 * reach_y + 2); }

@@ -1,15 +1,26 @@
 #include "splat/frame_kernel.hpp"
 
 #include "splat/footprint_table.hpp"
+#include "splat/stencil.hpp"
 
 namespace ringsplat {
+namespace {
+
+KernelWeights choose_weights(const Footprint& footprint, const KernelOptions& options) {
+  if (options.method == KernelMethod::texture)
+    return TabledWeights{
+        std::make_shared<FootprintTable>(make_footprint_table(footprint, options.phases))};
+  if (options.qee_bits > 0) return FixedPointWeights{options.qee_bits};
+  if (has_stencil(footprint)) return StencilWeights{};
+  return RowWeights{};
+}
+
+}  // namespace
 
 FrameKernel make_frame_kernel(const Footprint& footprint, const ViewTransform& view, Axis axis,
                               const KernelOptions& options) {
   check(options, footprint);
-  FrameKernel kernel{footprint, options.qee_bits, {}, {}};
-  if (options.method == KernelMethod::texture)
-    kernel.table = std::make_shared<FootprintTable>(make_footprint_table(footprint, options.phases));
+  FrameKernel kernel{footprint, choose_weights(footprint, options), {}};
   if (options.normalisation == Normalisation::exact) {
     const auto plane = in_plane(axis);
     kernel.lattice_sum = std::make_shared<LatticeSum>(

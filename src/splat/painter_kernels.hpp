@@ -1,6 +1,7 @@
 #pragma once
 #include "raster/slice_buffer.hpp"
-#include "splat/region_painter.hpp"
+#include "splat/slice_sum.hpp"
+#include "splat/splat.hpp"
 #include "splat/stencil.hpp"
 
 namespace ringsplat {
@@ -16,22 +17,27 @@ struct SplatRun {
 /// and each sum:
 ///   q = fma(a, dx, K) + fma(b, dy, c);  w = max(q, 0)²;  pixel = fma(w, (colour, opacity), pixel)
 /// with colour = float(u16) · (opacity · (1 / 65535)). Nothing is written outside the region but zeros.
-DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run);
+///
+/// `anchors`: [height + 2 reach_y + 1], takes the columns of anchors, by their row from −reach_y − 1 on.
+DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
+                             PixelRun* anchors);
 
 /// The same for kernels of any size, row by row within the region; K = −fma(u, u, v²) with (u, v) = P (dx,
 /// dy) is made on the way (u = fma(P00, dx, u0), v = fma(P10, dx, v0); u0 and v0 are rounded once a row). A
 /// row takes part where its quadratic, solved in double precision, is positive; that depends on the splat
 /// alone, not on the region.
-DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run);
+///
+/// `written`: [height], takes the pixels written in each row.
+DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
+                        PixelRun* written);
 
 struct FootprintTable;
 
-/// The same with the weight of a pixel looked up in the table, at the splat's phase. Prepared as for
-/// draw_by_rows.
-DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run);
+/// The same with the weight of a pixel looked up in the table, at the splat's phase.
+DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
+                             PixelRun* written);
 
 /// The same with Q in fixed point, as Pixel-Planes 5 evaluated it (Neumann 1992, sections 2.2 and 4.1).
-/// Prepared as for draw_by_rows.
 ///
 /// The six coefficients are rounded to bits + 14 binary places, the sum of their products with the whole
 /// offsets (dx, dy) is exact, and the last 14 places are cut off as a bit-serial evaluator does. So Q is a
@@ -39,6 +45,6 @@ DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& tab
 /// 1 − 2^−bits. 14 guard bits are what the squares of offsets within a region of 128 pixels need: the rounded
 /// D, E and F then err by half of the result's last place at most. Q² and the sums are float32.
 DrawCounts draw_fixed_point(const SliceBuffer& slice, const Footprint& footprint, int bits,
-                            const SplatRun& run);
+                            const SplatRun& run, PixelRun* written);
 
 }  // namespace ringsplat

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 #include "splat/encode.hpp"
 
@@ -53,12 +52,6 @@ std::vector<Block> find_blocks(const Footprint& footprint, const Stencil& stenci
   return blocks;
 }
 
-hwy::AlignedFreeUniquePtr<float[]> allocate(std::size_t floats) {
-  auto memory = hwy::AllocateAligned<float>(floats);
-  if (!memory) throw std::bad_alloc();
-  return memory;
-}
-
 }  // namespace
 
 float quadratic_part(const Footprint& footprint, int x, int y) {
@@ -81,9 +74,9 @@ Stencil make_stencil(const Footprint& footprint, std::ptrdiff_t row_floats) {
   while (blocks.size() % 4 != 0) blocks.push_back(blocks.back());
 
   stencil.blocks = blocks.size();
-  stencil.k = allocate(stencil.blocks * block_pixels);
-  stencil.dx = allocate(stencil.blocks * block_pixels);
-  stencil.dy = allocate(stencil.blocks * block_pixels);
+  stencil.k = allocate_floats(stencil.blocks * block_pixels);
+  stencil.dx = allocate_floats(stencil.blocks * block_pixels);
+  stencil.dy = allocate_floats(stencil.blocks * block_pixels);
   for (std::size_t b = 0; b < stencil.blocks; ++b) {
     stencil.offset.push_back(blocks[b].y * row_floats + blocks[b].x * std::ptrdiff_t{4});
     for (int i = 0; i < block_pixels; ++i) {

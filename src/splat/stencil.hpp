@@ -1,29 +1,25 @@
 #pragma once
-#include <hwy/aligned_allocator.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "raster/slice_buffer.hpp"
 #include "ringsplat/splat/footprint.hpp"
 
 namespace ringsplat {
-
-/// Four neighbouring pixels of a row are a block: four RGBA pixels fill the widest vector.
-inline constexpr int block_pixels = 4;
 
 /// Kernels whose window is larger than this in either direction are drawn row by row without a stencil.
 inline constexpr int largest_stencil_window = 64;
 
 /// What all kernels of a frame have in common (Neumann 1992, section 2.2: D, E, F are constant over a
-/// frame): the blocks of pixels round an anchor that can have Q > 0, and K = D dx² + E dx dy + F dy² in each
+/// frame): the pixel blocks round an anchor that can have Q > 0, and K = D dx² + E dx dy + F dy² in each
 /// of their pixels.
 ///
 /// Pixels of a block outside the window have a K so low that Q is never positive there.
 struct Stencil {
   int reach_x = 0, reach_y = 0;  ///< the window is anchor − reach … anchor + reach + 1
   std::size_t blocks = 0;        ///< a multiple of 4; the last ones may be padding that draws nothing
-  hwy::AlignedFreeUniquePtr<float[]> k, dx, dy;  ///< [blocks][block_pixels]
+  AlignedFloats k, dx, dy;  ///< [blocks][block_pixels]
   std::vector<std::ptrdiff_t>
       offset;  ///< [blocks]: floats from the anchor's pixel to the block's first, in the slice buffer
 };

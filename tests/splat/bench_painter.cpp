@@ -11,6 +11,7 @@
 #include "ringsplat/base/process.hpp"
 #include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
+#include "splat/splat_sum.hpp"
 
 using namespace ringsplat;
 
@@ -78,26 +79,28 @@ Scene make_scene(int size, double degrees) {
 
 void measure(int size, double degrees) {
   const auto scene = make_scene(size, degrees);
-  std::vector<RegionPainter> painters;
+  SliceBufferMemory memory;
+  std::vector<RegionImage> images;
   for (int y = 0; y < scene.columns; ++y) {
     for (int x = 0; x < scene.columns; ++x)
-      painters.emplace_back(x * region_size, y * region_size, region_size, region_size);
+      images.emplace_back(PixelRect{x * region_size, y * region_size, (x + 1) * region_size,
+                                    (y + 1) * region_size});
   }
   double best_draw = 1e9, best_composite = 1e9, best = 1e9;
   for (int frame = 0; frame < 15; ++frame) {
     double draw = 0, composite = 0;
-    for (auto& painter : painters) painter.begin_frame(scene.footprint);
+    for (RegionImage& image : images) image.begin_frame(0);
+    SplatSum sum(test::plain_kernel(scene.footprint), {region_size, region_size}, memory);
     for (const auto& slice : scene.slices) {
-      const auto start = Clock::now();
-      for (std::size_t r = 0; r < painters.size(); ++r) {
-        const int x = static_cast<int>(r) % scene.columns * region_size - 64,
-                  y = static_cast<int>(r) / scene.columns * region_size - 64;
-        painters[r].draw(x, y, slice[r]);
+      for (std::size_t r = 0; r < images.size(); ++r) {
+        const auto start = Clock::now();
+        sum.begin(images[r]);
+        sum.draw(images[r].rect().x0 - 64, images[r].rect().y0 - 64, slice[r]);
+        const auto drawn = Clock::now();
+        sum.composite(glm::dvec2(0.0));
+        draw += std::chrono::duration<double>(drawn - start).count();
+        composite += std::chrono::duration<double>(Clock::now() - drawn).count();
       }
-      const auto drawn = Clock::now();
-      for (auto& painter : painters) painter.composite();
-      draw += std::chrono::duration<double>(drawn - start).count();
-      composite += std::chrono::duration<double>(Clock::now() - drawn).count();
     }
     best_draw = std::min(best_draw, draw);
     best_composite = std::min(best_composite, composite);

@@ -70,7 +70,9 @@ inline Placed place(const Footprint& footprint, double x, double y, const Materi
 
 inline std::span<const std::byte> bytes_of(const Splat& splat) { return std::as_bytes(std::span(&splat, 1)); }
 
-inline DrawCounts draw_all(RegionPainter& painter, const std::vector<Placed>& splats) {
+/// `painter`: a RegionPainter or a SplatSum.
+template <class Painter>
+DrawCounts draw_all(Painter& painter, const std::vector<Placed>& splats) {
   DrawCounts total;
   for (const auto& placed : splats) {
     const auto counts = painter.draw(static_cast<std::int32_t>(placed.anchor_x),
@@ -97,7 +99,9 @@ inline std::vector<Placed> random_splats(const Footprint& footprint, int count, 
   return splats;
 }
 
-inline std::vector<float> tile_of(const RegionPainter& painter, int width, int height) {
+/// `painter`: a RegionPainter or a RegionImage.
+template <class Painter>
+std::vector<float> tile_of(const Painter& painter, int width, int height) {
   std::vector<float> tile(std::size_t(4) * std::size_t(width) * std::size_t(height));
   painter.read_tile(tile);
   return tile;

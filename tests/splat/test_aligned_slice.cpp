@@ -6,6 +6,7 @@
 
 #include "raster/vector_targets.hpp"
 #include "splat/scene.hpp"
+#include "splat/voxel_sum.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -13,7 +14,7 @@ using namespace ringsplat::test;
 
 namespace {
 
-constexpr int width = 45, height = 38, x0 = 20, y0 = -7;
+constexpr int width = 45, height = 38, left_x = 20, top_y = -7;
 constexpr int slice = 3;
 
 /// Slices sheared by fractions of a pixel.
@@ -61,6 +62,12 @@ Painted finish(RegionPainter& painter, const DrawCounts& counts) {
   return {tile_of(painter, width, height), counts};
 }
 
+AlignedFrame aligned_frame(const FrameKernel& kernel, const ViewTransform& view) {
+  const auto frame = AlignedFrame::of(kernel, view, Axis::z);
+  REQUIRE(frame);
+  return *frame;
+}
+
 void add(DrawCounts& sum, const DrawCounts& counts) {
   sum.drawn += counts.drawn;
   sum.clipped += counts.clipped;
@@ -92,20 +99,22 @@ std::vector<Block> to_blocks(const std::vector<Row>& runs) {
 }
 
 Painted paint_rows(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
-  const auto aligned = make_aligned_slice(kernel, view, Axis::z, slice);
-  REQUIRE(aligned);
-  RegionPainter painter(x0, y0, width, height);
-  painter.begin_frame(kernel);
+  SliceBufferMemory memory;
+  VoxelSum sum(aligned_frame(kernel, view), {width + 9, height + 5}, memory);
+  RegionImage image({left_x, top_y, left_x + width, top_y + height});
+  sum.begin_slice(slice);
+  sum.begin(image);
   DrawCounts counts;
   for (const Block& block : to_blocks(runs)) {
     const auto* where = reinterpret_cast<const std::byte*>(&block.where);
-    add(counts, painter.draw_blocks(*aligned, VoxelBlocks{where, 1, block.voxels.data()}, 1).counts);
+    add(counts, sum.draw(VoxelBlocks{where, 1, block.voxels.data()}, 1).counts);
   }
-  return finish(painter, counts);
+  sum.composite(glm::dvec2(0.0));
+  return {tile_of(image, width, height), counts};
 }
 
 Painted paint_splats(const FrameKernel& kernel, const ViewTransform& view, const std::vector<Row>& runs) {
-  RegionPainter painter(x0, y0, width, height);
+  RegionPainter painter(left_x, top_y, width, height);
   painter.begin_frame(kernel);
   DrawCounts counts;
   for (const Row& run : runs) {
@@ -164,7 +173,7 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
           INFO(step << " pixels a voxel, radius " << radius << ", " << place << " behind a pixel"
                     << (kernel.lattice_sum ? ", exact" : ""));
           CHECK(same_bits(paint_rows(kernel, view, runs).tile, paint_splats(kernel, view, runs).tile));
-          taps.insert(make_aligned_slice(kernel, view, Axis::z, slice)->taps);
+          taps.insert(aligned_frame(kernel, view).slice(slice).taps);
         }
       }
     }
@@ -174,9 +183,9 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
 
 TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {
   const auto aligned = [](const ViewTransform& view, const KernelOptions& options = {}, double radius = 1.6) {
-    return make_aligned_slice(
+    return AlignedFrame::of(
                make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options), view,
-               Axis::z, 0)
+               Axis::z)
         .has_value();
   };
   CHECK(aligned(aligned_view(1, 1)));
@@ -199,4 +208,38 @@ TEST_CASE("a voxel without a plausible opacity adds nothing to a row") {
     run.voxels[4].opacity = opacity;
     CHECK(same_bits(paint_rows(kernel, view, {run}).tile, without.tile));
   }
+}
+
+TEST_CASE("rows of voxels go from region to region, and what is left of a dropped frame is not drawn") {
+  const ViewTransform view = aligned_view(2, 1);
+  const FrameKernel kernel = kernel_of(view, 1.6);
+  const auto blocks = to_blocks(random_runs(7));
+  const PixelRect first{left_x, top_y, left_x + width, top_y + height}, second{left_x + width, top_y, left_x + width + 9, top_y + 70};
+  SliceBufferMemory memory;
+  const auto paint = [&](RegionImage& image, VoxelSum& sum) {
+    sum.begin(image);
+    for (const Block& block : blocks) {
+      const auto* where = reinterpret_cast<const std::byte*>(&block.where);
+      sum.draw(VoxelBlocks{where, 1, block.voxels.data()}, 1);
+    }
+  };
+  std::vector<float> alone;
+  {
+    VoxelSum sum(aligned_frame(kernel, view), {second.width(), second.height()}, memory);
+    RegionImage image(second);
+    sum.begin_slice(slice);
+    paint(image, sum);
+    sum.composite(glm::dvec2(0.0));
+    alone = tile_of(image, second.width(), second.height());
+    CHECK(*std::max_element(alone.begin(), alone.end()) > 0.1F);
+    paint(image, sum);  // left in the slice buffer
+  }
+  VoxelSum sum(aligned_frame(kernel, view), {width, 70}, memory);
+  RegionImage left(first), right(second);
+  sum.begin_slice(slice);
+  paint(left, sum);
+  sum.composite(glm::dvec2(0.0));
+  paint(right, sum);
+  sum.composite(glm::dvec2(0.0));
+  CHECK(same_bits(tile_of(right, second.width(), second.height()), alone));
 }

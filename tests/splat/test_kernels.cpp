@@ -60,7 +60,7 @@ TEST_CASE("a texture draws the kernel at the nearest phase", "[kernels]") {
   for (const auto& lattice : lattices)
     for (const int phases : {1, 2, 4, 16}) {
       const auto kernel = kernel_of(lattice, {.method = KernelMethod::texture, .phases = phases});
-      const int known = kernel.table->phases;
+      const int known = std::get<TabledWeights>(kernel.weights).table->phases;
       CHECK((known == phases || lattice.scale > 50));  // wide kernels have fewer
       const int n = 2 * int(std::max(kernel.footprint.half.x, kernel.footprint.half.y)) + 8;
       std::mt19937 random(5);

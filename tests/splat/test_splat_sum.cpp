@@ -4,7 +4,6 @@
 #include <random>
 
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/base/error.hpp"
 #include "splat/reference_painter.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
@@ -283,12 +282,4 @@ TEST_CASE("infinite and undefined words are clipped", "[painter][fuzz]") {
   }
   CHECK_FALSE(painter.touched());
   CHECK(painter.draw(16, 16, bytes_of(good)).drawn == 1);
-}
-
-TEST_CASE("regions without pixels and tiles of another size are refused", "[painter]") {
-  CHECK_THROWS_AS(RegionPainter(0, 0, 0, 5), InputError);
-  CHECK_THROWS_AS(RegionPainter(0, 0, 5, -1), InputError);
-  RegionPainter painter(0, 0, 5, 4);
-  std::vector<float> tile(79);
-  CHECK_THROWS_AS(painter.read_tile(tile), InputError);
 }

@@ -1,0 +1,79 @@
+#include "raster/region_image.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "raster/slice_buffer.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+RegionImage::RegionImage(const PixelRect& rect)
+    : rect_(rect), row_floats_(in_whole_blocks(rect.width()) * floats_a_pixel) {
+  if (rect.empty())
+    throw InputError(fmt::format("a region of {}x{} pixels has no pixels", rect.width(), rect.height()),
+                     "give a positive image and region size");
+  tiles_ = OpaqueTiles(rect.width(), rect.height());
+}
+
+void RegionImage::begin_frame(float opaque_threshold) {
+  opaque_threshold_ = opaque_threshold;
+  touched_ = false;
+  tiles_.clear();
+  opaque_bits_.clear();
+  slices_ = 0;
+}
+
+float* RegionImage::pixels() {
+  const std::size_t floats = std::size_t(row_floats_) * std::size_t(rect_.height());
+  if (!pixels_) pixels_ = allocate_floats(floats);
+  if (!touched_) std::fill_n(pixels_.get(), floats, 0.0F);
+  touched_ = true;
+  return pixels_.get();
+}
+
+std::uint64_t* RegionImage::opaque_bits(std::size_t words) {
+  if (opaque_bits_.empty()) opaque_bits_.assign(words * std::size_t(rect_.height()), 0);
+  return opaque_bits_.data();
+}
+
+void RegionImage::slice_composited() {
+  // Reading the whole image takes as long as compositing a slice, and news of an opaque tile can wait.
+  constexpr int slices_between = 8;
+  if (opaque_threshold_ > 0 && ++slices_ % slices_between == 0) find_opaque_tiles();
+}
+
+bool RegionImage::is_opaque(int column, int row) const {
+  constexpr int size = OpaqueTiles::tile_size;
+  const int x_end = std::min((column + 1) * size, rect_.width()),
+            y_end = std::min((row + 1) * size, rect_.height());
+  for (int y = row * size; y < y_end; ++y) {
+    const float* alpha = pixels_.get() + y * row_floats_ + 3;
+    for (int x = column * size; x < x_end; ++x)
+      if (!(1.0F - alpha[x * floats_a_pixel] < opaque_threshold_)) return false;
+  }
+  return true;
+}
+
+void RegionImage::find_opaque_tiles() {
+  for (int row = 0; row < tiles_.rows(); ++row)
+    for (int column = 0; column < tiles_.columns(); ++column)
+      if (!tiles_.is_opaque(column, row) && is_opaque(column, row)) tiles_.set_opaque(column, row);
+}
+
+void RegionImage::read_tile(std::span<float> rgba) const {
+  const std::size_t row = std::size_t(rect_.width()) * floats_a_pixel;
+  if (rgba.size() != row * std::size_t(rect_.height()))
+    throw InputError(fmt::format("a tile of {}x{} pixels does not fit {} floats", rect_.width(),
+                                 rect_.height(), rgba.size()),
+                     "give four floats a pixel");
+  if (!touched_) {
+    std::fill(rgba.begin(), rgba.end(), 0.0F);
+    return;
+  }
+  for (int y = 0; y < rect_.height(); ++y)
+    std::copy_n(pixels_.get() + y * row_floats_, row, rgba.data() + std::size_t(y) * row);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,63 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "raster/aligned_floats.hpp"
+#include "raster/opaque_tiles.hpp"
+#include "ringsplat/screen/regions.hpp"
+
+namespace ringsplat {
+
+/// One region's composited slices: premultiplied colour and opacity of each pixel, and which tiles are opaque.
+///
+/// A pixel whose transmittance has fallen below the frame's threshold takes nothing more. That is decided
+/// pixel by pixel from the slices before, so anyone who knows of such pixels may leave out what lies wholly
+/// behind them, at any time, and the image keeps its bits.
+///
+/// The memory is allocated when the first pixels come, and kept from frame to frame.
+class RegionImage {
+ public:
+  /// `rect`: the region's pixels in the image plane. Throws InputError when there are none.
+  explicit RegionImage(const PixelRect& rect);
+
+  /// Forgets the last frame's image. `opaque_threshold`: transmittances below it count as 0; 0: none does.
+  void begin_frame(float opaque_threshold);
+
+  const PixelRect& rect() const { return rect_; }
+  float opaque_threshold() const { return opaque_threshold_; }
+  /// False when pixels() was not called in this frame: the region is transparent.
+  bool touched() const { return touched_; }
+  /// RGBA of pixel (0, 0), to composite into. Rows are whole pixel blocks and 64-byte aligned. The frame's
+  /// first call makes all pixels transparent.
+  float* pixels();
+  std::ptrdiff_t row_floats() const { return row_floats_; }
+  /// Bits in which who draws may note opaque pixels: `words` for each row, in a layout of the caller's. They
+  /// are 0 when a frame's first call asks for them.
+  std::uint64_t* opaque_bits(std::size_t words);
+
+  /// Call after each slice that was composited. Every few slices looks for opaque tiles.
+  void slice_composited();
+  /// Tiles that take nothing more in this frame, as slice_composited() last found them.
+  const OpaqueTiles& opaque_tiles() const { return tiles_; }
+
+  /// Writes width × height premultiplied RGBA floats, rows from the top. Throws InputError when `rgba` has
+  /// another size.
+  void read_tile(std::span<float> rgba) const;
+
+ private:
+  bool is_opaque(int column, int row) const;
+  void find_opaque_tiles();
+
+  PixelRect rect_;
+  std::ptrdiff_t row_floats_;
+  float opaque_threshold_ = 0;
+  AlignedFloats pixels_;
+  bool touched_ = false;
+  OpaqueTiles tiles_;
+  std::vector<std::uint64_t> opaque_bits_;  ///< empty before the frame's first use
+  int slices_ = 0;                          ///< composited in this frame
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,48 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "raster/region_image.hpp"
+#include "splat/splat_sum.hpp"
+#include "splat/stencil.hpp"
+
+namespace ringsplat::test {
+
+/// The kernel that is computed in float32 and not normalised any further.
+inline FrameKernel plain_kernel(const Footprint& footprint) {
+  if (has_stencil(footprint)) return {footprint, StencilWeights{}, {}};
+  return {footprint, RowWeights{}, {}};
+}
+
+/// One region with a sum of its own, as a Renderer with one region has them.
+class RegionPainter {
+ public:
+  RegionPainter(int x0, int y0, int width, int height) : image_({x0, y0, x0 + width, y0 + height}) {}
+
+  void begin_frame(const FrameKernel& kernel, float opaque_threshold = 0) {
+    image_.begin_frame(opaque_threshold);
+    sum_.reset();
+    sum_.emplace(kernel, RegionSize{image_.rect().width(), image_.rect().height()}, *memory_);
+    sum_->begin(image_);
+  }
+  void begin_frame(const Footprint& footprint, float opaque_threshold = 0) {
+    begin_frame(plain_kernel(footprint), opaque_threshold);
+  }
+  DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats) {
+    return sum_->draw(base_x, base_y, splats);
+  }
+  void composite(glm::dvec2 voxel = glm::dvec2(0.0)) { sum_->composite(voxel); }
+  const OpaqueTiles& opaque_tiles() const { return image_.opaque_tiles(); }
+  bool touched() const { return image_.touched(); }
+  void read_tile(std::span<float> rgba) const { image_.read_tile(rgba); }
+
+ private:
+  RegionImage image_;
+  std::unique_ptr<SliceBufferMemory> memory_ = std::make_unique<SliceBufferMemory>();
+  std::optional<SplatSum> sum_;
+};
+
+}  // namespace ringsplat::test
