@@ -213,33 +213,61 @@ TEST_CASE("a voxel without a plausible opacity adds nothing to a row") {
 TEST_CASE("rows of voxels go from region to region, and what is left of a dropped frame is not drawn") {
   const ViewTransform view = aligned_view(2, 1);
   const FrameKernel kernel = kernel_of(view, 1.6);
-  const auto blocks = to_blocks(random_runs(7));
-  const PixelRect first{left_x, top_y, left_x + width, top_y + height}, second{left_x + width, top_y, left_x + width + 9, top_y + 70};
-  SliceBufferMemory memory;
-  const auto paint = [&](RegionImage& image, VoxelSum& sum) {
+  const VoxelColour voxel{65535, 30000, 100, 0.5F};
+  const auto dense = to_blocks({{20, 0, std::vector<VoxelColour>(40, voxel)}}),
+             sparse = to_blocks({{20, 12, {voxel}}});
+  constexpr PixelRect first{left_x, top_y, left_x + width, top_y + height},
+      second{left_x, top_y - 3, left_x + width + 9, top_y + 70};
+  const auto draw = [](VoxelSum& sum, RegionImage& image, const std::vector<Block>& blocks) {
     sum.begin(image);
     for (const Block& block : blocks) {
       const auto* where = reinterpret_cast<const std::byte*>(&block.where);
       sum.draw(VoxelBlocks{where, 1, block.voxels.data()}, 1);
     }
   };
-  std::vector<float> alone;
-  {
+  const auto paint_second = [&](SliceBufferMemory& memory, bool after_first) {
     VoxelSum sum(aligned_frame(kernel, view), {second.width(), second.height()}, memory);
-    RegionImage image(second);
+    RegionImage image(first), other(second);
     sum.begin_slice(slice);
-    paint(image, sum);
+    if (after_first) {
+      draw(sum, image, dense);
+      sum.composite(glm::dvec2(0.0));
+    }
+    draw(sum, other, sparse);
     sum.composite(glm::dvec2(0.0));
-    alone = tile_of(image, second.width(), second.height());
-    CHECK(*std::max_element(alone.begin(), alone.end()) > 0.1F);
-    paint(image, sum);  // left in the slice buffer
+    return tile_of(other, second.width(), second.height());
+  };
+  SliceBufferMemory fresh, used;
+  const auto alone = paint_second(fresh, false);
+  CHECK(*std::max_element(alone.begin(), alone.end()) > 0.1F);
+  CHECK(same_bits(paint_second(fresh, true), alone));
+  {
+    VoxelSum dropped(aligned_frame(kernel, view), {second.width(), second.height()}, used);
+    RegionImage image(second);
+    dropped.begin_slice(slice);
+    draw(dropped, image, dense);
   }
-  VoxelSum sum(aligned_frame(kernel, view), {width, 70}, memory);
-  RegionImage left(first), right(second);
+  CHECK(same_bits(paint_second(used, false), alone));
+}
+
+TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its slice buffer empty") {
+  const ViewTransform view = aligned_view(1, 1);
+  const FrameKernel kernel = kernel_of(view, 1.6);
+  SliceBufferMemory memory;
+  VoxelSum sum(aligned_frame(kernel, view), {width, height}, memory);
   sum.begin_slice(slice);
-  paint(left, sum);
+  // A kernel's corner weights are 0: the voxel whose window's corner alone is in the region does not reach it.
+  const AlignedSlice aligned = aligned_frame(kernel, view).slice(slice);
+  const auto voxels = to_blocks({{20, 12, {{65535, 30000, 100, 0.5F}}}});
+  const auto x = int(aligned.anchor_x) + 12 + aligned.reach_x + 1,
+             y = int(aligned.anchor_y) + 20 + aligned.reach_y + 1;
+  RegionImage corner({x, y, x + width, y + height});
+  sum.begin(corner);
+  const auto* where = reinterpret_cast<const std::byte*>(&voxels[0].where);
+  CHECK(sum.draw(VoxelBlocks{where, 1, voxels[0].voxels.data()}, 1).counts.clipped == 1);
   sum.composite(glm::dvec2(0.0));
-  paint(right, sum);
-  sum.composite(glm::dvec2(0.0));
-  CHECK(same_bits(tile_of(right, second.width(), second.height()), alone));
+  CHECK_FALSE(corner.touched());
+  constexpr std::size_t floats = std::size_t{4} * width * height;  // fewer than the slice buffer has
+  const float* left = memory.reserve(floats);
+  CHECK(std::all_of(left, left + floats, [](float value) { return value == 0; }));
 }
