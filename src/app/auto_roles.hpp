@@ -3,7 +3,7 @@
 
 #include "app/launch.hpp"
 #include "app/options.hpp"
-#include "ringsplat/node/load.hpp"
+#include "ringsplat/scene/load.hpp"
 
 namespace ringsplat::app {
 

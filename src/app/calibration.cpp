@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "ringsplat/base/clock.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/error_budget_options.hpp"
-#include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
 
 namespace ringsplat::app {
 

@@ -10,7 +10,7 @@
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
 #include "app/progress.hpp"
-#include "ringsplat/node/director.hpp"
+#include "ringsplat/session/director.hpp"
 #include "ringsplat/volume/statistics.hpp"
 
 namespace ringsplat::app {

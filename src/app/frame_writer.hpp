@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "ringsplat/node/director.hpp"
+#include "ringsplat/session/director.hpp"
 
 namespace ringsplat::app {
 

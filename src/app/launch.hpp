@@ -8,7 +8,7 @@
 #include "app/options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/mpi/session.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 
 namespace ringsplat::app {
 

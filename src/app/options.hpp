@@ -10,8 +10,8 @@
 #include "app/truth_options.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/net/loopback.hpp"
-#include "ringsplat/node/frame_spec.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/source.hpp"
 
 /// The one table of options: names, values, help and defaults. A subcommand is made of the groups it needs.

@@ -14,7 +14,7 @@
 #include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/blocks.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/statistics.hpp"
 
 namespace ringsplat::app {

@@ -6,8 +6,8 @@
 #include "ringsplat/model/machine.hpp"
 #include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/transport.hpp"
-#include "ringsplat/node/frame_spec.hpp"
-#include "ringsplat/node/load.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/scene/load.hpp"
 #include "ringsplat/volume/source.hpp"
 
 /// What layouts are chosen by, measured.

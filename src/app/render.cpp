@@ -1,4 +1,4 @@
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -17,7 +17,7 @@
 #include "app/study_pictures.hpp"
 #include "app/transfer_function_option.hpp"
 #include "ringsplat/base/output_file.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/synth.hpp"
 
 namespace ringsplat::app {

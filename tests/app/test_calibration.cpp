@@ -6,7 +6,7 @@
 #include "app/calibration.hpp"
 #include "app/calibration_cache.hpp"
 #include "app/program_runner.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

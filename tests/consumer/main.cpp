@@ -9,7 +9,7 @@
 
 #include "ringsplat/images/image_file.hpp"
 #include "ringsplat/mpi/communicator.hpp"
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 
 namespace {
 

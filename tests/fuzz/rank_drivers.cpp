@@ -8,12 +8,12 @@
 
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
-#include "node/directed_frames.hpp"
-#include "node/empty_space.hpp"
-#include "node/splat_engine.hpp"
+#include "session/directed_frames.hpp"
+#include "classify/empty_space.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/node/load.hpp"
+#include "ringsplat/scene/load.hpp"
 #include "simulate/counting_engine.hpp"
 #include "support/scenes.hpp"
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <memory>
 
-#include "node/empty_space.hpp"
-#include "node/splat_engine.hpp"
+#include "classify/empty_space.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "ringsplat/base/thread_team.hpp"
 #include "ringsplat/volume/slice_store.hpp"
 

@@ -127,7 +127,7 @@ class Checker {
   /// A room that is linked with another can use it without an include line, so the build's lists are checked
   /// too.
   void check_linking() {
-    static const std::regex call(R"(ringsplat_room\(\s*([a-z]+)\s+USES((\s+[a-z]+)+))");
+    static const std::regex call(R"(ringsplat_room\(\s*([a-z_]+)\s+USES((\s+[a-z_]+)+))");
     const auto file = root_ / "src" / "CMakeLists.txt";
     const std::string text = text_of(file);
     for (std::sregex_iterator match(text.begin(), text.end(), call), end; match != end; ++match) {
@@ -163,15 +163,20 @@ const Rules& house_rules() {
       {"record", {"base", "net"}},
       {"protocol", {"base", "net", "record"}},
       {"simulate", {"base", "net", "model", "record", "protocol"}},
-      {"node",
-       {"base", "volume", "classify", "view", "screen", "raster", "splat", "net", "model", "record",
-        "protocol", "simulate"}},
+      {"frame", {"base", "volume", "classify", "view", "screen", "splat"}},
+      {"splat_engine",
+       {"base", "volume", "classify", "view", "screen", "raster", "splat", "net", "record", "protocol",
+        "frame"}},
+      {"scene", {"base", "volume", "classify", "net"}},
+      {"session",
+       {"base", "volume", "classify", "view", "splat", "net", "model", "record", "protocol", "simulate",
+        "frame", "splat_engine", "scene"}},
       {"truth", {"base", "volume", "classify", "view", "screen", "splat"}},
       {"model", {"base"}},
       {"mpi", {"base", "net", "model"}},
       {"app",
-       {"base", "images", "volume", "classify", "view", "screen", "raster", "splat", "net", "record",
-        "protocol", "simulate", "node", "truth", "model", "mpi"}},
+       {"base", "images", "volume", "classify", "view", "screen", "splat", "net", "record", "protocol",
+        "frame", "scene", "session", "truth", "model", "mpi"}},
   };
   return rules;
 }

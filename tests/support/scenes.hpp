@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/node/render.hpp"
+#include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/synth.hpp"
 
 namespace ringsplat::test {

@@ -1,5 +1,5 @@
 #pragma once
-#include "ringsplat/node/frame_spec.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/truth/scene.hpp"
 
 namespace ringsplat::app {

@@ -1,0 +1,31 @@
+#pragma once
+#include <functional>
+#include <optional>
+
+#include "ringsplat/base/image.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/record/stats.hpp"
+
+namespace ringsplat {
+
+struct FrameResult {
+  FrameSpec spec;
+  Image image;
+  FrameStats stats;
+  Axis axis = Axis::z;  ///< of the slice set that was traversed
+};
+
+/// Where frames come from and go to; lives on rank 0.
+struct Director {
+  /// The next frame to render, or nothing when there are no more. `frame` is set by the frame buffer: 0, 1,
+  /// 2 …
+  std::function<std::optional<FrameSpec>()> next_frame;
+  std::function<void(FrameResult&&)> frame_done;
+  /// For views that come while others are rendered; may be left empty. True while next_frame has nothing now
+  /// and may have something later.
+  std::function<bool()> may_come = {};
+  /// True when an announced frame is not wanted any more: it is dropped, and not handed to frame_done.
+  std::function<bool(const FrameSpec&)> unwanted = {};
+};
+
+}  // namespace ringsplat

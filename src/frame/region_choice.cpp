@@ -1,0 +1,139 @@
+#include "frame/region_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+#include <vector>
+
+#include "splat/encode.hpp"
+
+namespace ringsplat {
+namespace {
+
+int round_up(int value, int step) { return (value + step - 1) / step * step; }
+
+/// Pixels of the image plane that the kernels of the volume's voxels can reach.
+PixelWindow reached_pixels(const FrameGeometry& g) {
+  glm::dvec2 low{INFINITY}, high{-INFINITY};
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 far{corner & 1, corner >> 1 & 1, corner >> 2};
+    const glm::dvec2 at = g.view.project(glm::dvec3(far * (g.grid.dims - 1)));
+    low = glm::min(low, at);
+    high = glm::max(high, at);
+  }
+  const KernelReach reach = kernel_reach(g.footprint);
+  // GPs step from voxel to voxel, and round windows outwards.
+  const glm::dvec2 around = glm::dvec2(reach.x, reach.y) + 3.0;
+  const glm::dvec2 before(-1.0), behind(g.width, g.height);
+  low = glm::clamp(glm::floor(low - around), before, behind);
+  high = glm::clamp(glm::ceil(high + around), before, behind);
+  return {std::int64_t(low.x), std::int64_t(low.y), std::int64_t(high.x), std::int64_t(high.y)};
+}
+
+PixelRect touched(const Regions& regions, const PixelWindow& pixels) {
+  return regions.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
+}
+
+/// How much of the volume lies behind a pixel, reckoned as the ellipsoid that fills its box: what is scanned
+/// or simulated stands in the middle more often than in the corners.
+class Thickness {
+ public:
+  explicit Thickness(const FrameGeometry& g) {
+    const glm::dvec3 radii = 0.5 * glm::dvec3(g.grid.dims);
+    centre_ = g.view.project(radii - 0.5);
+    glm::dmat2 silhouette(0.0);
+    for (int k = 0; k < 3; ++k) {
+      const glm::dvec2 axis = glm::dvec2(g.view.linear[k]) * radii[k];
+      silhouette += glm::outerProduct(axis, axis);
+    }
+    to_circle_ = glm::inverse(silhouette);
+  }
+  double at(const glm::dvec2& pixel) const {
+    // The corners are not empty.
+    constexpr double least = 0.1;
+    const glm::dvec2 d = pixel - centre_;
+    return std::max(least, std::sqrt(std::max(0.0, 1 - glm::dot(d, to_circle_ * d))));
+  }
+  /// The sum over samples of a region.
+  double in(const PixelRect& rect) const {
+    constexpr int step = 16;
+    double sum = 0;
+    for (int y = rect.y0; y < rect.y1; y += step)
+      for (int x = rect.x0; x < rect.x1; x += step) {
+        const glm::dvec2 size(std::min(step, rect.x1 - x), std::min(step, rect.y1 - y));
+        sum += size.x * size.y * at(glm::dvec2(x, y) + 0.5 * size);
+      }
+    return sum;
+  }
+
+ private:
+  glm::dvec2 centre_;
+  glm::dmat2 to_circle_;
+};
+
+/// What the Renderer draws that has most.
+double most_drawn(const Regions& regions, const PixelRect& block, const Thickness& thickness, int renderers) {
+  const RegionOwners owners = regions.owners(block, renderers, renderers);
+  std::vector<double> drawn(std::size_t(renderers), 0.0);
+  for (int y = block.y0; y < block.y1; ++y)
+    for (int x = block.x0; x < block.x1; ++x) {
+      const int region = y * regions.columns() + x;
+      drawn[std::size_t(owners.of(region))] += thickness.in(regions.rect(region));
+    }
+  return *std::max_element(drawn.begin(), drawn.end());
+}
+
+/// Squares of the side at which the busiest Renderer has least to draw. Smaller ones are dealt more evenly,
+/// larger ones cut fewer kernels: a voxel near a border goes to both sides.
+Regions screen_regions(const FrameGeometry& g, const PixelWindow& reached, int renderers) {
+  constexpr int largest = 128, smallest = 32, enough_each = 16;
+  constexpr double worth_more_regions = 0.9;
+  const Regions large(g.width, g.height, largest);
+  const PixelRect all = touched(large, reached);
+  if (renderers == 1 || std::int64_t{all.width()} * all.height() >= enough_each * std::int64_t{renderers})
+    return large;
+  const Thickness thickness(g);
+  Regions best = large;
+  double least = INFINITY;
+  for (int side = largest; side >= smallest; side /= 2) {
+    const Regions regions(g.width, g.height, side);
+    const glm::dvec2 cut = 1.0 + 2.0 * g.footprint.half / double(side);
+    const double most = cut.x * cut.y * most_drawn(regions, touched(regions, reached), thickness, renderers);
+    if (most >= worth_more_regions * least) continue;
+    least = most;
+    best = regions;
+  }
+  return best;
+}
+
+/// In the slices' plane a row of voxels is a row of pixels, so regions are as wide as the image: a row goes
+/// to one of them and is not cut, unless Renderers are more than strips. An image there is small, and none of
+/// it lies beside the volume; it should still give every Renderer strips from several of its parts.
+Regions strips(int renderers, int width, int height) {
+  constexpr int each = 3, least_rows = 16, most_rows = 64, least_columns = 64;
+  const int region_height =
+      std::clamp(round_up(height / (each * renderers), least_rows), least_rows, most_rows);
+  const int rows = Regions(width, height, width, region_height).rows(),
+            columns = std::max(renderers / rows, 1);
+  const int region_width =
+      columns == 1 ? width : std::max(round_up(width / columns, least_columns), least_columns);
+  return {width, height, region_width, region_height};
+}
+
+}  // namespace
+
+void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
+  const int renderers = std::clamp(spec.dealt_to, 1, 1 << 16);
+  const PixelWindow reached = reached_pixels(g);
+  if (spec.region_size > 0)
+    g.regions = {g.width, g.height, spec.region_size};
+  else if (spec.image_plane == ImagePlane::screen)
+    g.regions = screen_regions(g, reached, renderers);
+  else
+    g.regions = strips(renderers, g.width, g.height);
+  g.reached = touched(g.regions, reached);
+  g.dealt_to = spec.dealt_to;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,354 @@
+#include "ringsplat/scene/load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/classify/normals.hpp"
+#include "ringsplat/net/blocks.hpp"
+#include "ringsplat/net/same_facts.hpp"
+#include "ringsplat/volume/slice_ranges.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Bytes of z slices on their way in one round, all processes together.
+constexpr std::size_t batch_bytes = std::size_t{8} << 20;
+
+template <class T>
+void put(Block& out, const T& value) {
+  const auto* first = reinterpret_cast<const std::byte*>(&value);
+  out.insert(out.end(), first, first + sizeof(T));
+}
+
+template <class T>
+T get(std::span<const std::byte> in, std::size_t& at) {
+  T value;
+  if (!take(in, at, value))
+    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+  return value;
+}
+
+std::span<const std::byte> get_bytes(std::span<const std::byte> in, std::size_t& at, std::size_t count) {
+  if (in.size() - at < count)
+    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+  const auto part = in.subspan(at, count);
+  at += count;
+  return part;
+}
+
+/// One deal: the state that the rounds share.
+class Dealer {
+ public:
+  Dealer(OpenedVolume& volume, const LoadOptions& options, int gps,
+         const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives)
+      : volume_(volume),
+        grid_(volume.grid),
+        options_(options),
+        gps_(gps),
+        gps_of_process_(gps_of_process),
+        collectives_(collectives),
+        process_of_gp_(std::size_t(gps)),
+        slice_bytes_(grid_.slice_bytes(Axis::z)) {
+    for (std::size_t p = 0; p < gps_of_process.size(); ++p)
+      for (const int gp : gps_of_process[p]) process_of_gp_[std::size_t(gp)] = static_cast<int>(p);
+    for (const int gp : gps_of_process[std::size_t(collectives.process())])
+      stores_.emplace(gp, SliceStore(grid_, gp, gps, options.kept_axes, options.with_normals));
+  }
+
+  std::map<int, SliceStore> deal() {
+    const int batch =
+        std::max<int>(1, static_cast<int>(batch_bytes / std::max<std::size_t>(1, slice_bytes_)));
+    for (int z = 0; z < grid_.dims.z; z += batch) {
+      const int end = std::min(grid_.dims.z, z + batch);
+      if (!volume_.concurrent) hand_out_windows(z, end);
+      exchange(z, end);
+    }
+    return std::move(stores_);
+  }
+
+ private:
+  bool mine(int z) const { return process_of_gp_[std::size_t(z % gps_)] == collectives_.process(); }
+
+  /// Process 0 decodes slices [z0, z1) and their neighbours and gives each owner what its normals need.
+  void hand_out_windows(int z0, int z1) {
+    std::vector<Block> out(std::size_t(collectives_.processes()));
+    std::string error;
+    if (collectives_.process() == 0) {
+      try {
+        decode_up_to(std::min(grid_.dims.z, z1 + 1));
+        for (int p = 0; p < collectives_.processes(); ++p)
+          for (int z = std::max(0, z0 - 1); z < std::min(grid_.dims.z, z1 + 1); ++z)
+            if (needed_by(p, z, z0, z1)) {
+              put(out[std::size_t(p)], z);
+              const auto& slice = window_.at(z);
+              out[std::size_t(p)].insert(out[std::size_t(p)].end(), slice.begin(), slice.end());
+            }
+        window_.erase(window_.begin(), window_.lower_bound(z1 - 1));
+      } catch (const InputError& e) {
+        error = e.what();
+      }
+    }
+    agree(collectives_, error);
+    const auto in = collectives_.all_to_all(std::move(out));
+    received_.clear();
+    const std::span<const std::byte> from_reader = in.front();
+    for (std::size_t at = 0; at < from_reader.size();) {
+      const int z = get<int>(from_reader, at);
+      const auto bytes = get_bytes(from_reader, at, slice_bytes_);
+      received_[z].assign(bytes.begin(), bytes.end());
+    }
+  }
+
+  bool needed_by(int process, int z, int z0, int z1) const {
+    const int reach = options_.with_normals ? 1 : 0;
+    for (int owner_z = std::max(z0, z - reach); owner_z <= std::min(z1 - 1, z + reach); ++owner_z)
+      if (process_of_gp_[std::size_t(owner_z % gps_)] == process) return true;
+    return false;
+  }
+
+  void decode_up_to(int end) {
+    while (decoded_ < end) {
+      Block slice(slice_bytes_);
+      volume_.source->read_slices(decoded_, 1, slice);
+      window_.emplace(decoded_++, std::move(slice));
+    }
+  }
+
+  const std::byte* slice_at(int z) {
+    if (z < 0 || z >= grid_.dims.z) return nullptr;
+    const auto found = received_.find(z);
+    if (found != received_.end()) return found->second.data();
+    if (!volume_.source)
+      throw RunError(fmt::format("rank 0 did not hand out slice {}", z), "all ranks must run the same build");
+    Block slice(slice_bytes_);
+    volume_.source->read_slices(z, 1, slice);
+    return received_.emplace(z, std::move(slice)).first->second.data();
+  }
+
+  /// Owners of z slices [z0, z1) keep them and send every GP its lines of the other two axes.
+  void exchange(int z0, int z1) {
+    std::vector<Block> out(std::size_t(collectives_.processes()));
+    std::string error;
+    try {
+      if (volume_.concurrent) received_.erase(received_.begin(), received_.lower_bound(z0 - 1));
+      for (int z = z0; z < z1; ++z)
+        if (mine(z)) send_slice(z, out);
+    } catch (const InputError& e) {
+      error = e.what();
+    }
+    agree(collectives_, error);
+    for (const auto& block : collectives_.all_to_all(std::move(out))) place_lines(block);
+  }
+
+  void send_slice(int z, std::vector<Block>& out) {
+    const std::byte* here = slice_at(z);
+    std::vector<std::uint16_t> normals;
+    if (options_.with_normals) {
+      normals.resize(grid_.slice_voxels(Axis::z));
+      slice_normals(grid_, slice_at(z - 1), here, slice_at(z + 1), normals);
+    }
+    const std::span<const std::byte> values(here, slice_bytes_);
+    if (options_.kept_axes[2]) {
+      SliceStore& store = stores_.at(z % gps_);
+      std::memcpy(store.values(Axis::z, z).data(), here, slice_bytes_);
+      std::copy(normals.begin(), normals.end(), store.normals(Axis::z, z).begin());
+    }
+    for (const Axis axis : {Axis::x, Axis::y}) {
+      if (!options_.kept_axes[std::size_t(axis)]) continue;
+      for (int gp = 0; gp < gps_; ++gp) {
+        Block lines;
+        pack_columns(grid_, axis, gp, gps_, values, normals, lines);
+        Block& block = out[std::size_t(process_of_gp_[std::size_t(gp)])];
+        put(block, z);
+        put(block, axis);
+        put(block, gp);
+        put(block, std::uint64_t(lines.size()));
+        block.insert(block.end(), lines.begin(), lines.end());
+      }
+    }
+  }
+
+  void place_lines(std::span<const std::byte> block) {
+    for (std::size_t at = 0; at < block.size();) {
+      const int z = get<int>(block, at);
+      const Axis axis = get<Axis>(block, at);
+      const int gp = get<int>(block, at);
+      const auto size = get<std::uint64_t>(block, at);
+      const auto store = stores_.find(gp);
+      const bool crosses = axis == Axis::x || axis == Axis::y;
+      if (store == stores_.end() || !crosses || !store->second.keeps(axis) ||
+          !unpack_columns(store->second, axis, gp, gps_, z, options_.with_normals,
+                          get_bytes(block, at, size)))
+        throw RunError("a volume exchange message does not fit this rank's slices",
+                       "all ranks must run the same build");
+    }
+  }
+
+  OpenedVolume& volume_;
+  const Grid& grid_;
+  const LoadOptions& options_;
+  int gps_;
+  const std::vector<std::vector<int>>& gps_of_process_;
+  Collectives& collectives_;
+  std::vector<int> process_of_gp_;
+  std::size_t slice_bytes_;
+  std::map<int, SliceStore> stores_;
+  std::map<int, Block> window_;    ///< process 0's decoded slices that are still needed
+  std::map<int, Block> received_;  ///< z slices this process has for the round
+  int decoded_ = 0;
+};
+
+/// The values of all processes; any of them may have none.
+template <class T>
+std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
+  std::vector<T> all;
+  for (const auto& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine)))))
+    for (std::size_t at = 0; at < one.size();) all.push_back(get<T>(one, at));
+  return all;
+}
+
+/// The sums over all processes. One process adds them up: with a thousand of them, all counts of all
+/// processes are too much for each to hold.
+std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uint64_t> mine) {
+  std::vector<Block> out(std::size_t(collectives.processes()));
+  out.front() = block_of(std::as_bytes(std::span(mine)));
+  Block sums = out.front();
+  const auto in = collectives.all_to_all(std::move(out));
+  if (collectives.process() == 0) {
+    std::fill(mine.begin(), mine.end(), 0);
+    for (const Block& one : in)
+      for (std::size_t k = 0, at = 0; k < mine.size(); ++k) mine[k] += get<std::uint64_t>(one, at);
+    sums = block_of(std::as_bytes(std::span(mine)));
+  }
+  sums = collectives.broadcast(std::move(sums), 0);
+  if (sums.size() != mine.size() * sizeof(mine[0]))
+    throw RunError(fmt::format("process 0 sent {} bytes instead of {} sums", sums.size(), mine.size()),
+                   "all ranks must run the same build");
+  std::size_t at = 0;
+  for (auto& sum : mine) sum = get<std::uint64_t>(sums, at);
+  return mine;
+}
+
+/// What process 0 says of the volume that it has opened.
+struct Known {
+  Grid grid;
+  std::uint8_t concurrent = 0;
+};
+
+/// Throws RunError when no process can have opened such a volume.
+void take_known(const Known& known, OpenedVolume& volume) {
+  const auto type = int(known.grid.type), last = int(ScalarType::float64);
+  try {
+    if (type < 0 || type > last || known.concurrent > 1) throw InputError("its type is none");
+    check(known.grid, "its grid");
+  } catch (const InputError& e) {
+    throw RunError(fmt::format("rank 0 announced a volume that cannot be: {}", e.what()));
+  }
+  volume.grid = known.grid;
+  volume.concurrent = known.concurrent == 1;
+}
+
+bool is_of(const Grid& grid, const SliceRange& range) {
+  const auto is_axis = std::find(all_axes.begin(), all_axes.end(), range.axis) != all_axes.end();
+  return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
+}
+
+/// Calls `f(values)` for every slice of one kept axis of every store: each voxel once over all processes.
+template <class F>
+void for_each_slice(const std::map<int, SliceStore>& stores, F&& f) {
+  for (const auto& [gp, store] : stores) {
+    const auto kept =
+        std::find_if(all_axes.rbegin(), all_axes.rend(), [&](Axis a) { return store.keeps(a); });
+    for (int s = 0; kept != all_axes.rend() && s < store.grid().slices(*kept); ++s)
+      if (store.owns(s)) f(std::span(store.slice(*kept, s).values, store.grid().slice_bytes(*kept)));
+  }
+}
+
+}  // namespace
+
+OpenedVolume open_everywhere(Collectives& collectives,
+                             const std::function<std::unique_ptr<VolumeSource>()>& open,
+                             const std::string& name) {
+  OpenedVolume volume;
+  std::string error;
+  const auto try_open = [&] {
+    try {
+      volume.source = open();
+      check(volume.source->grid(), "the volume");
+      volume.facts = facts_of(volume.source->grid());
+      const Facts more = volume.source->facts();
+      volume.facts.insert(volume.facts.end(), more.begin(), more.end());
+    } catch (const InputError& e) {
+      error = e.what();
+    }
+  };
+  if (collectives.process() == 0) try_open();
+  agree(collectives, error);
+
+  Block block;
+  if (volume.source) block = block_of_value(Known{volume.source->grid(), volume.source->concurrent()});
+  block = collectives.broadcast(std::move(block), 0);
+  take_known(value_of<Known>(block, "a volume's grid"), volume);
+  if (!volume.concurrent) return volume;
+  if (collectives.process() != 0) try_open();
+  agree(collectives, error);
+  require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),
+               "give every machine the same files, or a path that leads to one place from all of them");
+  return volume;
+}
+
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, int gps,
+                                      const std::vector<std::vector<int>>& gps_of_process,
+                                      Collectives& collectives) {
+  return Dealer(volume, options, gps, gps_of_process, collectives).deal();
+}
+
+void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives) {
+  std::vector<SliceRange> mine;
+  for (const auto& [gp, store] : stores)
+    for (const Axis axis : all_axes)
+      for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
+        if (store.owns(s)) mine.push_back(slice_range(store.slice(axis, s)));
+  const std::vector<SliceRange> all = gathered(collectives, mine);
+  for (const auto& [gp, store] : stores)
+    if (!std::all_of(all.begin(), all.end(),
+                     [&s = store](const SliceRange& r) { return is_of(s.grid(), r); }))
+      throw RunError("a rank sent the range of a slice that the volume does not have",
+                     "all ranks must run the same build");
+  const auto ranges = std::make_shared<const SliceRanges>(all);
+  for (auto& [gp, store] : stores) store.know_ranges(ranges);
+}
+
+ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives) {
+  ValueRange mine;
+  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) {
+    mine.add(s.begin()->second.grid().type, values);
+  });
+  ValueRange all;
+  for (const auto& one : gathered(collectives, std::vector<ValueRange>{mine})) {
+    const bool is_range = std::isfinite(one.low) && std::isfinite(one.high) && one.low <= one.high;
+    if (!one.empty() && !is_range)
+      throw RunError(fmt::format("a rank sent {} to {} as the range of its values", one.low, one.high),
+                     "all ranks must run the same build");
+    all.merge(one);
+  }
+  return all;
+}
+
+Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins,
+                    Collectives& collectives) {
+  Histogram all = range.empty() ? Histogram(0, 1, bins) : Histogram(range.low, range.high, bins);
+  Histogram mine = all;
+  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) {
+    mine.add(s.begin()->second.grid().type, values);
+  });
+  all.counts = summed(collectives, mine.counts);
+  return all;
+}
+
+}  // namespace ringsplat

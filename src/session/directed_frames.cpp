@@ -1,0 +1,31 @@
+#include "session/directed_frames.hpp"
+
+#include <utility>
+
+namespace ringsplat {
+
+DirectedFrames::DirectedFrames(Director director, const Grid& grid, int renderers)
+    : director_(std::move(director)), grid_(grid), renderers_(renderers) {}
+
+std::optional<Bytes> DirectedFrames::next(std::int64_t frame) {
+  auto spec = director_.next_frame();
+  if (!spec) return std::nullopt;
+  spec->frame = frame;
+  if (spec->dealt_to == 0) spec->dealt_to = renderers_;
+  Bytes body = encode(*spec);
+  frames_[frame].spec = std::move(*spec);
+  return body;
+}
+
+bool DirectedFrames::unwanted(std::int64_t frame) {
+  return director_.unwanted && director_.unwanted(frames_.at(frame).spec);
+}
+
+void DirectedFrames::done(FrameStats&& stats) {
+  auto [spec, image] = std::move(frames_.extract(stats.frame).mapped());
+  if (stats.dropped) return;
+  const Axis axis = traversed_axis(spec.camera, grid_, spec.width, spec.height);
+  director_.frame_done({std::move(spec), std::move(image), std::move(stats), axis});
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,32 @@
+#pragma once
+#include <map>
+
+#include "protocol/frame_source.hpp"
+#include "ringsplat/session/director.hpp"
+
+namespace ringsplat {
+
+/// A director's frames, as the protocol asks for them.
+class DirectedFrames final : public FrameSource {
+ public:
+  DirectedFrames(Director director, const Grid& grid, int renderers);
+
+  std::optional<Bytes> next(std::int64_t frame) override;
+  bool may_come() override { return director_.may_come && director_.may_come(); }
+  bool unwanted(std::int64_t frame) override;
+  void done(FrameStats&& stats) override;
+  /// The picture of a frame that will be done.
+  void take_picture(std::int64_t frame, Image&& picture) { frames_.at(frame).image = std::move(picture); }
+
+ private:
+  struct Announced {
+    FrameSpec spec;
+    Image image;
+  };
+  Director director_;
+  Grid grid_;
+  int renderers_;
+  std::map<std::int64_t, Announced> frames_;  ///< announced and not done
+};
+
+}  // namespace ringsplat

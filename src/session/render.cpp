@@ -1,0 +1,197 @@
+#include "ringsplat/session/render.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "session/directed_frames.hpp"
+#include "splat_engine/splat_engine.hpp"
+#include "protocol/host.hpp"
+#include "protocol/loopback_run.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/process.hpp"
+#include "ringsplat/base/thread_team.hpp"
+#include "ringsplat/model/charge.hpp"
+#include "ringsplat/net/same_facts.hpp"
+#include "ringsplat/session/wire_format.hpp"
+#include "simulate/charged_engine.hpp"
+#include "simulate/charged_transport.hpp"
+#include "simulate/counting_engine.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr int histogram_bins = 1024;
+
+std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
+  std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
+  for (int gp = 0; gp < layout.gps; ++gp) {
+    const int rank = wiring.transport != nullptr ? layout.rank_of({Role::gp, gp}) : 0;
+    gps[std::size_t(rank)].push_back(gp);
+  }
+  return gps;
+}
+
+/// What makes sense of the messages with which a volume is dealt and rendered.
+Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) {
+  std::string axes, levels;
+  for (const Axis axis : all_axes)
+    if (load.kept_axes[std::size_t(axis)]) axes += name(axis);
+  for (const int factor : load.factors) levels += fmt::format("{} ", factor);
+  Facts facts = facts_of(grid);
+  const Facts more{{"wire format", wire_format()},
+                   {"GPs", std::to_string(layout.gps)},
+                   {"Renderers", std::to_string(layout.renderers)},
+                   {"idle ranks", std::to_string(layout.idle)},
+                   {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"},
+                   {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
+                   {"mesh", fmt::format("{} x {}", layout.mesh_columns, layout.mesh_rows)},
+                   {"routing", layout.routing == Routing::manhattan ? "manhattan" : "direct"},
+                   {"kept axes", axes},
+                   {"normals", load.with_normals ? "kept" : "left out"},
+                   {"levels", levels},
+                   {"prefilter", load.prefilter ? "yes" : "no"}};
+  facts.insert(facts.end(), more.begin(), more.end());
+  return facts;
+}
+
+void check_wiring(const Layout& layout, const Wiring& wiring) {
+  check(layout);
+  if (wiring.transport == nullptr || wiring.transport->ranks() == layout.ranks()) return;
+  throw InputError(
+      fmt::format("{} GP(s) and {} Renderer(s) need {} ranks, but the job has {}", layout.gps,
+                  layout.renderers, layout.ranks(), wiring.transport->ranks()),
+      fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
+}
+
+void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
+               const Layout& layout, const std::vector<std::vector<int>>& gps, const Wiring& wiring) {
+  OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
+  if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
+  auto stores = deal_slices(reduced, options, layout.gps, gps, wiring.collectives);
+  share_slice_ranges(stores, wiring.collectives);
+  for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
+}
+
+}  // namespace
+
+std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height) {
+  std::array<bool, 3> needed{};
+  for (const Camera& camera : cameras) needed[std::size_t(traversed_axis(camera, grid, width, height))] = true;
+  return needed;
+}
+
+LoadOptions load_options(const FrameSpec& spec, const Grid& grid) {
+  return {needed_axes({spec.camera}, grid, spec.width, spec.height),
+          spec.shading == Shading::phong,
+          {spec.reduction.factor},
+          spec.reduction.prefilter};
+}
+
+Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
+                 const Wiring& wiring) {
+  require_same(wiring.collectives, facts_of(volume.grid, options, layout), "was given another scene to load",
+               "every process must pass the same grid, options and layout, and run the same build");
+  check_wiring(layout, wiring);
+  Scene scene;
+  scene.grid = volume.grid;
+  const auto gps = gps_by_process(layout, wiring);
+  const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
+  // Range and histogram are the volume's own at any level, so that presets do not change with it.
+  const LoadOptions values_only{{false, false, true}, false};
+  scene.stores = deal_slices(volume, whole ? options : values_only, layout.gps, gps, wiring.collectives);
+  scene.range = value_range(scene.stores, wiring.collectives);
+  scene.histogram = histogram(scene.stores, scene.range, histogram_bins, wiring.collectives);
+  if (whole)
+    share_slice_ranges(scene.stores, wiring.collectives);
+  else
+    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, layout.gps, {}, false);
+  for (const int factor : options.factors)
+    if (factor > 1) add_level(scene, {factor, options.prefilter}, volume, options, layout, gps, wiring);
+  return scene;
+}
+
+void check(const EngineOptions& options) {
+  if (options.threads_per_rank < 1)
+    throw InputError(fmt::format("--threads-per-rank is {}", options.threads_per_rank), "it must be at least 1");
+  if (options.threads_per_rank > ThreadTeam::most_threads)
+    throw InputError(
+        fmt::format("--threads-per-rank is {}, more than a rank can use", options.threads_per_rank),
+        fmt::format("use one for each core of a rank, at most {}", ThreadTeam::most_threads));
+}
+
+namespace {
+
+/// The engine of a rank that holds these slices.
+std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, SliceStore slices, bool timed,
+                                    const EngineOptions& options, TakePicture take) {
+  const auto& [machine, count_only, voxel_weight, step_seconds] = options.simulation;
+  // A mesh goes through all slices: that tokens visit GPs in their order is what keeps its payloads from meeting
+  // (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
+  const bool skip_empty = !layout.routed() && !machine && !count_only;
+  auto engine = make_splat_engine(grid, layout, std::move(slices), options.threads_per_rank, {skip_empty, timed},
+                                  std::move(take));
+  if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
+  if (machine) engine = make_charged_engine(std::move(engine), *machine);
+  return engine;
+}
+
+void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout, const ProtocolOptions& protocol,
+                      Transport& plain, const SimulationOptions& simulation) {
+  std::optional<ChargedTransport> charged;
+  if (simulation.machine) charged.emplace(plain, *simulation.machine);
+  Transport& transport = charged ? static_cast<Transport&>(*charged) : plain;
+  std::optional<LockStep> lock_step;
+  if (simulation.step_seconds > 0) lock_step.emplace(simulation.step_seconds, charge);
+  Host(layout, protocol, transport, engine, &frames, lock_step ? &*lock_step : nullptr).run();
+}
+
+}  // namespace
+
+void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
+                   const Wiring& wiring, const EngineOptions& options) {
+  check_wiring(layout, wiring);
+  check(protocol);
+  check(options);
+  flush_denormals();
+  DirectedFrames frames(std::move(director), scene.grid, layout.renderers);
+  const auto engine_of = [&](int rank) {
+    const auto store = scene.stores.find(rank);
+    return make_engine(
+        scene.grid, layout, store == scene.stores.end() ? SliceStore() : std::move(store->second),
+        protocol.trace != nullptr, options,
+        [&frames](std::int64_t frame, Image&& picture) { frames.take_picture(frame, std::move(picture)); });
+  };
+  if (wiring.transport == nullptr)
+    run_loopback(layout, protocol, engine_of, frames, wiring.loopback);
+  else
+    run_on_transport(*engine_of(wiring.transport->rank()), frames, layout, protocol, *wiring.transport,
+                     options.simulation);
+}
+
+Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
+                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol,
+                   const EngineOptions& engine) {
+  // Not open_everywhere: only process 0 has the voxels, so it deals them as if it decoded a file.
+  OpenedVolume volume{grid, false, nullptr};
+  std::string error;
+  try {
+    check(grid, "the volume");
+    check(spec);
+    if (wiring.collectives.process() == 0) volume.source = memory_source(grid, voxels);
+  } catch (const InputError& e) {
+    error = e.what();
+  }
+  agree(wiring.collectives, error);
+  Scene scene = load_scene(volume, load_options(spec, grid), layout, wiring);
+  Image image;
+  bool asked = false;
+  Director director{[&]() -> std::optional<FrameSpec> {
+                      return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
+                    },
+                    [&](FrameResult&& result) { image = std::move(result.image); }};
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
+  return image;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,117 @@
+#include "ringsplat/session/wire_format.hpp"
+
+#include <fmt/format.h>
+
+#include <bit>
+#include <cstdint>
+#include <numeric>
+
+#include "session/wire_hash.hpp"
+#include "ringsplat/net/link_counts.hpp"
+#include "ringsplat/net/message.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/record/stats.hpp"
+#include "ringsplat/record/trace.hpp"
+#include "splat/splat.hpp"
+#include "splat/voxel_run.hpp"
+
+namespace ringsplat {
+namespace {
+
+void add_messages(WireHash& hash) {
+  hash.text(std::endian::native == std::endian::big ? "big" : "little");
+  hash.layout(&Header::magic, &Header::kind, &Header::source_role, &Header::destination_role,
+              &Header::counted, &Header::source, &Header::destination, &Header::frame,
+              &Header::fields, &Header::bytes);
+  hash.layout(&TokenPlace::step, &TokenPlace::renderer, &TokenPlace::sequence);
+  hash.layout(&TokenFields::place, &TokenFields::credits);
+  hash.layout(&PayloadFields::place, &PayloadFields::passes);
+  hash.layout(&AcceptFields::place, &AcceptFields::free_slots);
+  hash.layout(&FrameEndFields::payloads);
+  hash.layout(&TileFields::tile);
+  hash.layout(&CreditFields::channel, &CreditFields::slots);
+  hash.number(Header{}.magic);
+  hash.number(counted_bytes);
+  for (std::uint8_t kind = 0; kind < kinds; ++kind) hash.text(name(Kind(kind)));
+  for (auto role = std::uint8_t(Role::gp); role <= std::uint8_t(Role::host); ++role)
+    hash.text(to_string(NodeId{Role(role), 0}));
+}
+
+/// Every member has another value, so that any two that change places change the bytes.
+FrameSpec sample_frame() {
+  double next = 0;
+  const auto another = [&next] { return ++next; };
+  const auto colour = [&] { return glm::dvec3(another(), another(), another()); };
+  FrameSpec f;
+  f.frame = 101;
+  f.camera = {another(), another(), another(), another(), std::array<double, 12>{}};
+  std::iota(f.camera.matrix->begin(), f.camera.matrix->end(), 200.0);
+  f.width = 102;
+  f.height = 103;
+  f.image_plane = ImagePlane::slices;
+  f.plane_samples = 104;
+  f.region_size = 105;
+  f.dealt_to = 106;
+  f.transfer_function = {"name", {{another(), colour()}}, {{another(), another()}}, colour()};
+  f.shading = Shading::phong;
+  f.material = {another(), another(), another(), another()};
+  f.light = colour();
+  f.kernel_radius = another();
+  f.kernel = {KernelMethod::texture, 107, 108, Normalisation::exact};
+  f.opacity_correction = false;
+  f.opaque_threshold = another();
+  f.reduction = {109, true};
+  f.payload = PayloadForm::runs;
+  f.precision = Precision::u8;
+  return f;
+}
+
+void add_announcement(WireHash& hash) {
+  hash.bytes(encode(sample_frame()));
+  hash.order({ImagePlane::screen, ImagePlane::slices});
+  hash.order({Shading::none, Shading::phong});
+  hash.order({KernelMethod::qee, KernelMethod::texture});
+  hash.order({Normalisation::none, Normalisation::constant, Normalisation::exact});
+  hash.order({PayloadForm::words, PayloadForm::runs});
+  hash.order({Precision::float32, Precision::half, Precision::u8});
+}
+
+void add_payloads(WireHash& hash) {
+  hash.layout(&SplatGroup::region, &SplatGroup::base_x, &SplatGroup::base_y, &SplatGroup::count);
+  hash.layout(&Splat::a, &Splat::b, &Splat::c, &Splat::opacity, &Splat::red, &Splat::green, &Splat::blue,
+              &Splat::anchor_x, &Splat::anchor_y);
+  hash.layout(&BlockGroup::region, &BlockGroup::blocks, &BlockGroup::voxels);
+  hash.layout(&VoxelBlock::row, &VoxelBlock::first, &VoxelBlock::mask);
+  hash.layout(&FloatVoxel::opacity, &FloatVoxel::rgb);
+  hash.layout(&HalfVoxel::rgba);
+  hash.layout(&ByteVoxel::rgba);
+}
+
+void add_reports(WireHash& hash) {
+  using S = NodeStats;
+  hash.layout(&S::computing, &S::waiting_for_token, &S::sending, &S::drawing, &S::compositing, &S::delivering,
+              &S::idle, &S::splats_sent, &S::splats_drawn, &S::splats_clipped, &S::splats_hidden,
+              &S::payloads_sent, &S::payloads_drawn, &S::payload_bytes_sent, &S::payload_bytes_received,
+              &S::tokens_issued, &S::tokens_retired, &S::tokens_passed, &S::tiles, &S::tile_bytes, &S::slices,
+              &S::passes, &S::visible_voxels, &S::voxels_outside, &S::peak_memory, &S::slice_memory);
+  hash.layout(&LinkCounts::link, &LinkCounts::messages, &LinkCounts::bytes, &LinkCounts::payloads,
+              &LinkCounts::payload_bytes, &LinkCounts::shared, &LinkCounts::waited,
+              &LinkCounts::wait_seconds);
+  hash.layout<3>(&Link::from, &Link::direction);
+  hash.layout<3>(&Span::begin, &Span::end, &Span::busy, &Span::stages, &Span::frame, &Span::step,
+                 &Span::activity);
+  hash.layout<7>(&Mark::time, &Mark::frame, &Mark::step, &Mark::renderer, &Mark::moment);
+}
+
+}  // namespace
+
+std::string wire_format() {
+  WireHash hash;
+  add_messages(hash);
+  add_announcement(hash);
+  add_payloads(hash);
+  add_reports(hash);
+  return fmt::format("{:016x}", hash.value());
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,204 @@
+// A SimGrid platform made from a machine of mpi_configs/machines, for smpirun -platform. scripts/simulate.sh
+// says by environment variables which machine, how many ranks and, of a mesh, which layout.
+#include <fmt/format.h>
+#include <simgrid/s4u.hpp>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <map>
+
+#include "simulate/simgrid/link_monitor.hpp"
+#include "simulate/simgrid/payload_copies.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/model/machine.hpp"
+#include "ringsplat/net/mesh.hpp"
+#include "simulate/simgrid/route_zone.hpp"
+
+namespace ringsplat::simgrid_platform {
+namespace {
+
+namespace s4u = simgrid::s4u;
+
+/// Of a core. Charges are seconds, so the number is of no consequence.
+constexpr double speed = 1e9;
+constexpr double no_limit = 1e15;
+/// On uncontended links: times the described bandwidth, so that no transfer slows another one. What a
+/// transfer takes alone is then made a latency of its own (watch_links). SimGrid's links of unshared
+/// bandwidth will not do: there a transfer with a longer way gets less when it meets one with a shorter way.
+constexpr double ample = 1e9;
+
+std::string setting(const char* name) {
+  const char* value = std::getenv(name);
+  return value == nullptr ? "" : value;
+}
+
+int count_setting(const char* name) {
+  const std::string text = setting(name);
+  const int value = std::atoi(text.c_str());
+  if (value < 1)
+    throw InputError(fmt::format("{} is '{}', not a count", name, text), "start with scripts/simulate.sh");
+  return value;
+}
+
+struct Job {
+  Machine machine;
+  int ranks;
+  Layout layout;
+  bool uncontended = false;
+
+  double available(double bandwidth) const { return uncontended ? ample * bandwidth : bandwidth; }
+  double bandwidth() const { return available(machine.platform.bandwidth); }
+  int hosts() const {
+    const auto& platform = machine.platform;
+    return platform.hosts > 0 ? platform.hosts : (ranks + platform.cores - 1) / platform.cores;
+  }
+};
+
+Job read_job() {
+  Job job{read_machine(setting("RINGSPLAT_MACHINE")), count_setting("RINGSPLAT_RANKS"), {}};
+  job.uncontended = !setting("RINGSPLAT_UNCONTENDED").empty();
+  if (job.uncontended && job.machine.platform.latency == 0)
+    throw InputError("uncontended links need platform.latency above 0",
+                     "a nanosecond changes little: latency = 1e-9");
+  job.layout.gps = count_setting("RINGSPLAT_GPS");
+  job.layout.renderers = count_setting("RINGSPLAT_RENDERERS");
+  if (const std::string mesh = setting("RINGSPLAT_MESH"); !mesh.empty()) {
+    int columns = 0, rows = 0;
+    if (std::sscanf(mesh.c_str(), "%dx%d", &columns, &rows) != 2)
+      throw InputError(fmt::format("RINGSPLAT_MESH is '{}', not COLUMNSxROWS", mesh),
+                       "start with scripts/simulate.sh");
+    job.layout = mesh_layout(columns, rows, job.layout.renderers);
+    check(job.layout);
+  }
+  return job;
+}
+
+double or_no_limit(double bandwidth) { return bandwidth > 0 ? bandwidth : no_limit; }
+
+/// The link between ranks that share a host.
+template <class Zone>
+s4u::Link* add_local_link(Zone& zone, const std::string& name, const Job& job) {
+  const auto& platform = job.machine.platform;
+  auto* const link = zone.create_link(name, {job.available(or_no_limit(platform.local_bandwidth))});
+  link->set_latency(platform.local_latency);
+  link->set_sharing_policy(s4u::Link::SharingPolicy::FATPIPE);
+  return link;
+}
+
+RouteZone& new_zone(const Job& job) {
+  auto* const zone = new RouteZone("machine");  // SimGrid's engine owns it
+  for (int host = 0; host < job.hosts(); ++host)
+    zone->add_host(host, speed)->set_core_count(job.machine.platform.cores);
+  return *zone;
+}
+
+s4u::NetZone* backbone(const Job& job) {
+  RouteZone& zone = new_zone(job);
+  const auto& platform = job.machine.platform;
+  Links out, in;
+  for (int host = 0; host < job.hosts(); ++host) {
+    out.push_back(zone.add_link(fmt::format("n{}-out", host), job.bandwidth(), platform.latency));
+    in.push_back(zone.add_link(fmt::format("n{}-in", host), job.bandwidth(), 0));
+  }
+  s4u::Link* const shared = platform.backbone_bandwidth > 0
+                                ? zone.add_link("backbone", job.available(platform.backbone_bandwidth), 0)
+                                : nullptr;
+  s4u::Link* const local = add_local_link(zone, "local", job);
+  zone.set_way([=](int from, int to) {
+    if (from == to) return Links{local};
+    return shared != nullptr ? Links{out[std::size_t(from)], shared, in[std::size_t(to)]}
+                             : Links{out[std::size_t(from)], in[std::size_t(to)]};
+  });
+  return zone.get_iface();
+}
+
+NodeId node_on(const Layout& layout, int rank) {
+  return rank < layout.gps ? NodeId{Role::gp, rank} : NodeId{Role::renderer, rank - layout.gps};
+}
+
+s4u::NetZone* mesh(const Job& job) {
+  if (job.layout.topology != Topology::mesh || job.hosts() != job.ranks)
+    throw InputError("a mesh machine runs a mesh of ranks, one on a host",
+                     "add topology and mesh to the configuration");
+  RouteZone& zone = new_zone(job);
+  const auto& platform = job.machine.platform;
+  std::map<Link, s4u::Link*> wires;
+  for (const Link& link : links(job.layout))
+    wires[link] = zone.add_link(name(job.layout, link), job.bandwidth(), platform.latency);
+  s4u::Link* const local = add_local_link(zone, "local", job);
+  zone.set_way([layout = job.layout, wires, local](int from, int to) {
+    if (from == to) return Links{local};
+    Links way;
+    for (const Hop& hop : route(layout, node_on(layout, from), node_on(layout, to)))
+      way.push_back(wires.at(hop.link));
+    return way;
+  });
+  return zone.get_iface();
+}
+
+s4u::ClusterCallbacks cluster_hosts(const Job& job) {
+  return {[job](s4u::NetZone* zone, const std::vector<unsigned long>&, unsigned long id) {
+            auto* const host = zone->create_host(fmt::format("n{}", id), speed);
+            host->set_core_count(job.machine.platform.cores);
+            host->seal();
+            return std::make_pair(host->get_netpoint(),
+                                  static_cast<simgrid::kernel::routing::NetPoint*>(nullptr));
+          },
+          [job](s4u::NetZone* zone, const std::vector<unsigned long>&, unsigned long id) {
+            auto* const link = add_local_link(*zone, fmt::format("local{}", id), job);
+            link->seal();
+            return link;
+          },
+          {}};
+}
+
+s4u::NetZone* torus(const Job& job) {
+  const auto columns = static_cast<unsigned long>(std::ceil(std::sqrt(job.hosts())));
+  const auto rows = (static_cast<unsigned long>(job.hosts()) + columns - 1) / columns;
+  return s4u::create_torus_zone("machine", nullptr, {columns, rows}, cluster_hosts(job), job.bandwidth(),
+                                job.machine.platform.latency, s4u::Link::SharingPolicy::SPLITDUPLEX);
+}
+
+s4u::NetZone* fat_tree(const Job& job) {
+  const auto leaf = static_cast<unsigned>(std::min(job.machine.platform.leaf, job.hosts()));
+  const unsigned leaves = (static_cast<unsigned>(job.hosts()) + leaf - 1) / leaf;
+  return s4u::create_fatTree_zone("machine", nullptr, {2, {leaf, leaves}, {1, leaf}, {1, 1}},
+                                  cluster_hosts(job), job.bandwidth(), job.machine.platform.latency,
+                                  s4u::Link::SharingPolicy::SPLITDUPLEX);
+}
+
+s4u::NetZone* make_zone(const Job& job) {
+  switch (job.machine.platform.kind) {
+    case PlatformKind::mesh:
+      return mesh(job);
+    case PlatformKind::torus:
+      return torus(job);
+    case PlatformKind::fat_tree:
+      return fat_tree(job);
+    case PlatformKind::backbone:
+      break;
+  }
+  return backbone(job);
+}
+
+}  // namespace
+}  // namespace ringsplat::simgrid_platform
+
+/// SimGrid's way into a platform that is a shared object.
+extern "C" void load_platform(const simgrid::s4u::Engine&);
+void load_platform(const simgrid::s4u::Engine&) {
+  using namespace ringsplat::simgrid_platform;
+  try {
+    const Job job = read_job();
+    auto* const zone = make_zone(job);
+    zone->seal();
+    copy_only_what_counts();
+    const MonitorFiles files{setting("RINGSPLAT_LINKS"), setting("RINGSPLAT_TRANSFERS")};
+    if (job.uncontended || !files.links.empty() || !files.transfers.empty())
+      watch_links(zone, job.uncontended ? ample : 1, files);
+  } catch (const ringsplat::Error& e) {
+    std::fprintf(stderr, "ringsplat: error: %s\n", e.what());
+    std::exit(static_cast<int>(e.exit_code()));
+  }
+}

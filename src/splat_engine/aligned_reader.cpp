@@ -1,0 +1,50 @@
+#include "splat_engine/payload_reader.hpp"
+#include "splat_engine/run_cursor.hpp"
+#include "splat_engine/voxel_form.hpp"
+#include "splat/voxel_sum.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Draws runs as they are: within a slice nothing has to be placed.
+template <class Voxel>
+class AlignedReader final : public PayloadReader {
+ public:
+  AlignedReader(const FrameGeometry& geometry, const AlignedFrame& frame, SumMemory memory)
+      : cursor_(geometry.grid.slice_width(geometry.traversal.axis),
+                geometry.grid.slice_height(geometry.traversal.axis)),
+        sum_(frame, memory.largest, memory.memory) {}
+
+  std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                 const std::function<bool(int)>& owned) const override {
+    return cursor_.parts(body, owned);
+  }
+
+  void begin(int slice, const PayloadPart& part) override {
+    sum_.begin_slice(slice);
+    cursor_.begin(part);
+  }
+
+  bool more() override { return cursor_.blocks_left().count > 0; }
+
+  DrawCounts draw(std::uint32_t most) override {
+    const DrawnBlocks drawn = sum_.draw(cursor_.blocks_left(), most);
+    cursor_.skip_blocks(drawn.blocks, drawn.counts.drawn + drawn.counts.clipped);
+    return drawn.counts;
+  }
+
+  SliceSum& sum() override { return sum_; }
+
+ private:
+  RunCursor<Voxel> cursor_;
+  VoxelSum sum_;
+};
+
+}  // namespace
+
+std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                                   const AlignedFrame& frame, SumMemory memory) {
+  return make_for_voxels<PayloadReader, AlignedReader>(spec.precision, geometry, frame, memory);
+}
+
+}  // namespace ringsplat

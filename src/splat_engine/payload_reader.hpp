@@ -1,0 +1,54 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "ringsplat/frame/frame_spec.hpp"
+#include "raster/slice_buffer.hpp"
+#include "splat/aligned_slice.hpp"
+#include "splat/frame_kernel.hpp"
+#include "splat/slice_sum.hpp"
+
+namespace ringsplat {
+
+/// One region's part of a payload.
+struct PayloadPart {
+  int region = 0;
+  std::span<const std::byte> bytes;
+};
+
+/// Takes a payload apart and draws its parts, splat by splat, into a sum of its own.
+class PayloadReader {
+ public:
+  virtual ~PayloadReader() = default;
+  /// The parts of a payload, one for each region, ascending. Looks at all of it before anything is drawn, so
+  /// that a bad message leaves no half-drawn slice; throws RunError when it is no payload for the regions
+  /// that `owned` is true of.
+  virtual std::vector<PayloadPart> parts(std::span<const std::byte> body,
+                                         const std::function<bool(int region)>& owned) const = 0;
+  /// Goes to the first splat of a part that parts() gave; its bytes must stay valid until more() is false.
+  virtual void begin(int slice, const PayloadPart& part) = 0;
+  /// True when the part has splats that are not drawn.
+  virtual bool more() = 0;
+  /// Draws at least one and about `most` of the part's next splats.
+  virtual DrawCounts draw(std::uint32_t most) = 0;
+  /// What they are drawn into; it must be in the part's region.
+  virtual SliceSum& sum() = 0;
+};
+
+/// The memory that a reader's sum draws in, and the largest region it is for.
+struct SumMemory {
+  SliceBufferMemory& memory;
+  RegionSize largest;
+};
+
+/// For payloads of a frame's form and precision. `geometry` and the memory must outlive it.
+std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
+std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                               const FrameKernel& kernel, SumMemory memory);
+/// For runs in slices whose voxels lie a whole number of pixels apart.
+std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
+                                                   const AlignedFrame& frame, SumMemory memory);
+
+}  // namespace ringsplat

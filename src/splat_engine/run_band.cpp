@@ -1,0 +1,289 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/vec2.hpp>
+
+#include "splat_engine/row_band.hpp"
+#include "splat_engine/voxel_form.hpp"
+#include "ringsplat/base/bit_runs.hpp"
+#include "splat/voxel_run.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// The voxels' places in the block that lie in these columns.
+std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  constexpr std::uint32_t width = 64;
+  const std::uint32_t from = columns.first > block.first ? columns.first - block.first : 0,
+                      behind = columns.end < block.first + width ? block.first + width - columns.end : 0;
+  return from < width && behind < width ? block.mask & all << from & all >> behind : 0;
+}
+
+/// Of the block's visible voxels, how many lie before place `bit`.
+std::uint32_t voxels_before(const VisibleBlock& block, int bit) {
+  return std::uint32_t(std::popcount(block.mask & ((std::uint64_t{1} << bit) - 1)));
+}
+
+/// Runs of voxels: positions follow from the view and are found again by the Renderer.
+template <class Voxel>
+class RunBand final : public RowBand {
+ public:
+  explicit RunBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
+
+ private:
+  /// Written whole right after it grows.
+  template <class T>
+  using Buffer = std::vector<T, UninitialisedAllocator<T>>;
+  struct Part {
+    Buffer<VoxelBlock> blocks;
+    Buffer<Voxel> voxels;
+  };
+
+  /// Voxels of one of the row's blocks that go to a region.
+  struct Piece {
+    int region;
+    std::size_t block;
+    std::uint64_t mask;
+  };
+
+  /// Some of a slice's rows that lie together.
+  struct Rows {
+    int slice = -1, first = 0, end = 0;
+    int region = none;                                     ///< that takes all their voxels, if one does
+    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;  ///< of what they cover there
+    static constexpr int none = -1;
+    bool has(int of_slice, int row) const { return of_slice == slice && row >= first && row < end; }
+  };
+
+  void encode_row(int row) override {
+    if (!together_.has(rows_.slice().index, row)) together_ = rows_from(row);
+    if (together_.hidden == OpaqueCover::Cover::all) return;
+    const bool to_one = together_.region != Rows::none;
+    if (to_one && together_.hidden == OpaqueCover::Cover::none) return append_row(together_.region, row);
+    begin_row();
+    pieces_.clear();
+    if (to_one)
+      find_pieces_of(together_.region, all_columns());
+    else
+      find_pieces();
+    if (pieces_.empty()) return;
+    leave_out_unsent();
+    if (pieces_.front().region == pieces_.back().region)
+      append_row(pieces_.front().region, row);
+    else
+      append_pieces(row);
+  }
+
+  /// Few enough to lie in one region, and enough to be worth asking for once.
+  Rows rows_from(int row) {
+    constexpr int most = 8;
+    Rows rows{rows_.slice().index, row, std::min(row + most, end())};
+    PixelWindow window = window_of_rows(rows.first, rows.end);
+    window = {window.x0 - 1, window.y0 - 1, window.x1 + 1, window.y1 + 1};  // for rounding
+    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    if (touched.width() != 1 || touched.height() != 1) return rows;
+    rows.region = touched.y0 * geometry_.regions.columns() + touched.x0;
+    rows.hidden = hidden(rows.region, window);
+    return rows;
+  }
+
+  /// All the row's voxels go to the region.
+  void append_row(int region, int row) {
+    make_samples();
+    const auto samples = rows_.samples();
+    Part& part = parts_[std::size_t(region)];
+    const std::size_t at = part.voxels.size();
+    part.voxels.resize(at + samples.size());
+    pack(&samples.front().r, samples.size(), part.voxels.data() + at);
+    for (const VisibleBlock& block : rows_.blocks()) {
+      part.blocks.push_back({std::uint32_t(row), block.first, block.mask});
+      count(region, int(block.first), block.mask);
+    }
+  }
+
+  void append_pieces(int row) {
+    make_samples();
+    const auto samples = rows_.samples();
+    packed_.resize(samples.size());
+    pack(&samples.front().r, samples.size(), packed_.data());
+    kept_begin_ = kept_end_ = 0;
+    for (std::size_t k = 0; k < pieces_.size(); ++k) {
+      const Piece& piece = pieces_[k];
+      append(piece, row);
+      if (k + 1 == pieces_.size() || pieces_[k + 1].region != piece.region) copy_kept(piece.region);
+    }
+  }
+
+  /// From the first to the last visible one.
+  Columns all_columns() const {
+    const VisibleBlock &front = rows_.blocks().front(), &back = rows_.blocks().back();
+    return {front.first + std::uint32_t(std::countr_zero(front.mask)),
+            back.first + std::uint32_t(std::bit_width(back.mask))};
+  }
+
+  void find_pieces() {
+    const Columns all = all_columns();
+    const PixelWindow window = window_of(all.first, all.end - 1);
+    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    for (int y = touched.y0; y < touched.y1; ++y) {
+      const int first_region = y * geometry_.regions.columns();
+      const PixelRect& pixels = rect(first_region);
+      const Columns columns = reaching_y(pixels.y0, pixels.y1, all);
+      if (columns.empty()) continue;
+      for (int x = touched.x0; x < touched.x1; ++x) find_pieces_of(first_region + x, columns);
+    }
+  }
+
+  /// The row's visible voxels whose windows can meet the region. A voxel too many is clipped by the painter.
+  void find_pieces_of(int region, Columns columns) {
+    const PixelRect& pixels = rect(region);
+    columns = reaching_x(pixels.x0, pixels.x1, columns);
+    if (columns.empty()) return;
+    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;
+    if (cover(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
+    if (hidden == OpaqueCover::Cover::all) return;
+    for (std::size_t k = 0; k < rows_.blocks().size(); ++k) {
+      const VisibleBlock& block = rows_.blocks()[k];
+      std::uint64_t mask = in_columns(block, columns);
+      if (hidden == OpaqueCover::Cover::some) mask = seen_of(region, block.first, mask);
+      if (mask != 0) pieces_.push_back({region, k, mask});
+    }
+  }
+
+  /// What no region gets is not shaded. Pieces then speak of the blocks that are left.
+  void leave_out_unsent() {
+    const std::size_t blocks = rows_.blocks().size();
+    sent_.assign(blocks, 0);
+    for (const Piece& piece : pieces_) sent_[piece.block] |= piece.mask;
+    const auto is_whole = [](std::uint64_t sent, const VisibleBlock& block) { return sent == block.mask; };
+    if (std::equal(sent_.begin(), sent_.end(), rows_.blocks().begin(), is_whole)) return;
+    rows_.keep(sent_);
+    left_.assign(blocks, 0);
+    for (std::size_t k = 1; k < blocks; ++k) left_[k] = left_[k - 1] + (sent_[k - 1] != 0);
+    for (Piece& piece : pieces_) piece.block = left_[piece.block];
+  }
+
+  /// Of the voxels in columns first … last: positions run straight.
+  PixelWindow window_of(std::uint32_t first, std::uint32_t last) const {
+    return hull(RowBand::window_of(first), RowBand::window_of(last));
+  }
+  /// Of the windows of the voxels in columns first … last, whose positions run straight; wider by a rounding.
+  OpaqueCover::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
+    constexpr double rounding = 1e-6;
+    const PixelRect& pixels = rect(region);
+    const double x = dda_.row_start().x - pixels.x0 - 0.5, y = dda_.row_start().y - pixels.y0 - 0.5;
+    const double xa = x + dda_.steps_x()[first], xb = x + dda_.steps_x()[last];
+    const double ya = y + dda_.steps_y()[first], yb = y + dda_.steps_y()[last];
+    const double before_x = double(reach_.x) + rounding, before_y = double(reach_.y) + rounding;
+    return cover(region).of(std::min(xa, xb) - before_x, std::min(ya, yb) - before_y,
+                            std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
+  }
+
+  /// Those of the row's voxels in columns from `first` on that are not hidden.
+  std::uint64_t seen_of(int region, std::uint32_t first, std::uint64_t mask) const {
+    std::uint64_t seen = 0;
+    for_each_bit_run(mask,
+                     [&](int begin, int count) { seen |= seen_of_run(region, first, begin, begin + count); });
+    return seen;
+  }
+  /// Of a run's places begin … end − 1. Halves what is hidden in part only.
+  std::uint64_t seen_of_run(int region, std::uint32_t first, int begin, int end) const {
+    const OpaqueCover::Cover hidden =
+        cover_of(region, first + std::uint32_t(begin), first + std::uint32_t(end - 1));
+    if (hidden == OpaqueCover::Cover::all) return 0;
+    if (hidden == OpaqueCover::Cover::none || end - begin == 1)
+      return ~std::uint64_t{0} >> (64 - (end - begin)) << begin;
+    const int middle = begin + (end - begin) / 2;
+    return seen_of_run(region, first, begin, middle) | seen_of_run(region, first, middle, end);
+  }
+
+  std::uint32_t voxels_of(std::size_t block) const {
+    const auto& blocks = rows_.blocks();
+    return (block + 1 == blocks.size() ? std::uint32_t(rows_.samples().size()) : blocks[block + 1].sample) -
+           blocks[block].sample;
+  }
+
+  void append(const Piece& piece, int row) {
+    const auto [region, index, whole] = piece;
+    const VisibleBlock& block = rows_.blocks()[index];
+    std::uint64_t mask = whole;
+    parts_[std::size_t(region)].blocks.push_back({std::uint32_t(row), block.first, mask});
+    count(region, int(block.first), mask);
+    if (mask == block.mask) {
+      keep(region, block.sample, voxels_of(index));
+      return;
+    }
+    while (mask != 0) {
+      const int begin = std::countr_zero(mask);
+      // What the row has between two of its visible voxels does not part them.
+      const std::uint64_t gone = block.mask & ~mask & ~std::uint64_t{0} << begin;
+      const int end = gone == 0 ? 64 : std::countr_zero(gone);
+      const std::uint64_t here = end == 64 ? mask : mask & ((std::uint64_t{1} << end) - 1);
+      keep(region, block.sample + voxels_before(block, begin), std::uint32_t(std::popcount(here)));
+      mask &= ~here;
+    }
+  }
+
+  /// The part takes the row's voxels first … first + count − 1.
+  void keep(int region, std::uint32_t first, std::uint32_t count) {
+    if (first != kept_end_) {
+      copy_kept(region);
+      kept_begin_ = first;
+    }
+    kept_end_ = first + count;
+  }
+
+  void copy_kept(int region) {
+    if (kept_begin_ == kept_end_) return;
+    auto& voxels = parts_[std::size_t(region)].voxels;
+    const std::size_t at = voxels.size();
+    voxels.resize(at + (kept_end_ - kept_begin_));
+    std::copy(packed_.data() + kept_begin_, packed_.data() + kept_end_, voxels.data() + at);
+    kept_begin_ = kept_end_;
+  }
+
+  std::size_t part_bytes(int region) const override {
+    const Part& part = parts_[std::size_t(region)];
+    return sizeof(BlockGroup) + part.blocks.size() * sizeof(VoxelBlock) + part.voxels.size() * sizeof(Voxel);
+  }
+
+  void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
+    const auto part_of = [region](const std::unique_ptr<RowBand>& band) -> Part& {
+      return static_cast<RunBand&>(*band).parts_[std::size_t(region)];
+    };
+    BlockGroup group{region, 0, 0};
+    for (const auto& band : bands) {
+      group.blocks += std::uint32_t(part_of(band).blocks.size());
+      group.voxels += std::uint32_t(part_of(band).voxels.size());
+    }
+    ringsplat::append(payload, group);
+    for (const auto& band : bands) move_values(part_of(band).blocks, payload);
+    for (const auto& band : bands) move_values(part_of(band).voxels, payload);
+  }
+
+  static void move_values(auto& values, Bytes& payload) {
+    const auto raw = std::as_bytes(std::span(values));
+    const std::size_t at = payload.size();
+    payload.resize(at + raw.size());
+    std::copy(raw.begin(), raw.end(), payload.begin() + std::ptrdiff_t(at));
+    values.clear();
+  }
+
+  Rows together_;
+  std::vector<Part> parts_;          ///< by region
+  std::vector<Piece> pieces_;        ///< of the row, region by region
+  std::vector<std::uint64_t> sent_;  ///< by block: the voxels that any region gets
+  std::vector<std::size_t> left_;    ///< by block: how many before it have such voxels
+  Buffer<Voxel> packed_;             ///< the row's voxels
+  std::uint32_t kept_begin_ = 0,
+                kept_end_ = 0;  ///< of packed_, those that are still to be copied to a part
+};
+
+}  // namespace
+
+std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame) {
+  return make_for_voxels<RowBand, RunBand>(frame.spec.precision, frame);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "classify/empty_space.hpp"
+#include "splat_engine/row_band.hpp"
+#include "splat_engine/row_bounds.hpp"
+#include "splat_engine/splat_engine.hpp"
+#include "splat_engine/wall_share.hpp"
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Encodes slices in bands of rows, one for each thread. Payloads are the bands' parts in the order of the
+/// rows, so they do not tell how many bands there were.
+class SliceEncoder final : public Encoder {
+ public:
+  SliceEncoder(std::shared_ptr<const SplatFrame> frame, int renderers, const SliceStore& store,
+               EmptySpace& empty_space, ThreadTeam& threads, const EncoderOptions& options)
+      : announced_(std::move(frame)),
+        whole_store_(store),
+        store_(store.level(announced_->spec.reduction.factor)),
+        empty_space_(empty_space),
+        threads_(threads),
+        options_(options),
+        renderers_(renderers) {
+    if (!store_.keeps(geometry().traversal.axis))
+      throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
+                                 announced_->spec.frame, name(geometry().traversal.axis)),
+                     "load it with --axes all");
+    if (announced_->spec.shading == Shading::phong && !store_.has_normals())
+      throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->spec.frame),
+                     "load them with --shading phong");
+  }
+
+  std::vector<int> shown() override {
+    const std::vector<bool>* may_show = nullptr;
+    if (options_.skip_empty)
+      may_show = &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->spec.transfer_function);
+    std::vector<int> steps;
+    for (int step = 0; step < geometry().slices; ++step)
+      if (may_show == nullptr || (*may_show)[std::size_t(slice_at(step))]) steps.push_back(step);
+    return steps;
+  }
+
+  EncodeCounts left_out(std::size_t steps) const override {
+    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(geometry().traversal.axis));
+    return {.voxels = voxels, .outside = voxels};
+  }
+
+  void begin(int step) override {
+    if (!frame_) frame_.emplace(announced_->spec, geometry());
+    const SliceView slice = store_.slice(geometry().traversal.axis, slice_at(step));
+    voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
+    VisibleVoxels& visible = empty_space_.voxels(slice, announced_->spec.transfer_function);
+    const std::vector<int> bounds = row_bounds(visible.runs(), slice.height, threads_.size());
+    bands_in_use_ = bounds.size() - 1;
+    while (bands_.size() < bands_in_use_)
+      bands_.push_back(announced_->spec.payload == PayloadForm::words ? make_word_band(*frame_)
+                                                                      : make_run_band(*frame_));
+    pieces_.assign(bands_in_use_, {});
+    for (std::size_t k = 0; k < bands_in_use_; ++k)
+      bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
+  }
+
+  bool work() override {
+    double wall = 0;
+    {
+      const OptionalSeconds timed(options_.timed ? &wall : nullptr);
+      threads_.run(int(bands_in_use_), [this](int band) { encode_some(std::size_t(band)); });
+    }
+    if (options_.timed) divide(wall);
+    return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.complete; });
+  }
+
+  EncodedStep finish() override {
+    EncodedStep encoded;
+    encoded.parts.resize(std::size_t(renderers_));
+    encoded.counts.voxels = voxels_;
+    for (const auto& band : bands()) {
+      encoded.counts.visible += band->visible_voxels();
+      encoded.counts.outside += band->voxels_outside();
+    }
+    const std::vector<int> regions = used_regions();
+    const std::vector<std::size_t> sizes = payload_sizes(regions);
+    for (const int region : regions) {
+      EncodedPart& part = encoded.parts[owner_of(region)];
+      if (part.payload.empty()) {
+        part.payload = Message::body_buffer();
+        part.payload.reserve(part.payload.size() + sizes[owner_of(region)]);
+      }
+      bands_.front()->append_parts(region, bands(), part.payload);
+      const RegionCounts counts = counts_of(region);
+      part.items += counts.splats;
+      for (const auto bits : counts.passes) part.passes += std::uint32_t(std::popcount(bits));
+      part.tiles.push_back(region);
+    }
+    for (const auto& band : bands()) band->clear_counts();
+    return encoded;
+  }
+
+  void take_news(std::span<const std::byte> news) override {
+    if (frame_) frame_->take_opaque_news(news);
+  }
+  StageSeconds stages() const override { return stages_; }
+  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
+
+ private:
+  /// What a band's last piece of work was. Written by one thread each.
+  struct alignas(64) Piece {
+    bool complete = false;
+    double busy = 0;
+    StageSeconds stages;
+  };
+
+  /// Bounded by what costs: visible voxels, or many transparent ones. Messages wait for the end of a piece,
+  /// and threads that share it for each other.
+  void encode_some(std::size_t band) {
+    Piece& piece = pieces_[band];
+    if (piece.complete) return;
+    const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
+    const OptionalSeconds timed(options_.timed ? &piece.busy : nullptr);
+    piece.complete = bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once,
+                                        options_.timed ? &piece.stages : nullptr);
+  }
+
+  void divide(double wall) {
+    Piece sum;
+    for (Piece& piece : pieces_) {
+      sum.busy += std::exchange(piece.busy, 0);
+      const StageSeconds stages = std::exchange(piece.stages, {});
+      sum.stages.classify += stages.classify;
+      sum.stages.shade += stages.shade;
+    }
+    stages_.classify += wall_share(wall, sum.stages.classify, sum.busy);
+    stages_.shade += wall_share(wall, sum.stages.shade, sum.busy);
+  }
+
+  const FrameGeometry& geometry() const { return announced_->geometry; }
+  int slice_at(int step) const { return geometry().traversal.slice_at(step, geometry().slices); }
+  /// Of a region that a voxel reaches.
+  std::size_t owner_of(int region) const {
+    return std::size_t(announced_->plan.tiles[std::size_t(region)].renderer);
+  }
+
+  std::span<const std::unique_ptr<RowBand>> bands() const { return std::span(bands_).first(bands_in_use_); }
+
+  /// Ascending, as payloads have them.
+  std::vector<int> used_regions() const {
+    std::vector<int> regions;
+    for (const auto& band : bands())
+      regions.insert(regions.end(), band->used_regions().begin(), band->used_regions().end());
+    std::sort(regions.begin(), regions.end());
+    regions.erase(std::unique(regions.begin(), regions.end()), regions.end());
+    return regions;
+  }
+
+  std::vector<std::size_t> payload_sizes(std::span<const int> regions) const {
+    std::vector<std::size_t> sizes(std::size_t(renderers_), 0);
+    for (const int region : regions)
+      for (const auto& band : bands()) sizes[owner_of(region)] += band->part_bytes(region);
+    return sizes;
+  }
+
+  /// A pass that has splats in several bands is one pass.
+  RegionCounts counts_of(int region) const {
+    RegionCounts sum;
+    for (const auto& band : bands()) {
+      const RegionCounts& counts = band->counts(region);
+      sum.splats += counts.splats;
+      for (std::size_t k = 0; k < sum.passes.size(); ++k)
+        sum.passes[k] = std::uint16_t(sum.passes[k] | counts.passes[k]);
+    }
+    return sum;
+  }
+
+  std::shared_ptr<const SplatFrame> announced_;
+  const SliceStore& whole_store_;
+  const SliceStore& store_;  ///< of the frame's level
+  EmptySpace& empty_space_;
+  ThreadTeam& threads_;
+  EncoderOptions options_;
+  int renderers_;
+  std::optional<EncoderFrame> frame_;  ///< made for the first slice: a GP may have none
+  std::uint64_t voxels_ = 0;  ///< of the slice
+  std::vector<std::unique_ptr<RowBand>> bands_;
+  std::size_t bands_in_use_ = 0;  ///< by this slice, in the order of its rows
+  std::vector<Piece> pieces_;     ///< by band in use
+  StageSeconds stages_;
+};
+
+}  // namespace
+
+std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
+                                            const SliceStore& store, EmptySpace& empty_space, ThreadTeam& threads,
+                                            const EncoderOptions& options) {
+  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, options);
+}
+
+}  // namespace ringsplat

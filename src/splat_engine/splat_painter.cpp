@@ -1,0 +1,226 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cstring>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "splat_engine/payload_reader.hpp"
+#include "splat_engine/splat_engine.hpp"
+#include "splat_engine/wall_share.hpp"
+#include "raster/opaque_news.hpp"
+#include "raster/region_image.hpp"
+#include "ringsplat/base/clock.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
+#include "splat/aligned_slice.hpp"
+#include "splat/frame_kernel.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice
+/// behind the image.
+class SplatPainter final : public FramePainter {
+ public:
+  SplatPainter(int renderer, int renderers, ThreadTeam& threads)
+      : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
+
+  void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
+    frame_ = std::move(frame);
+    const FrameSpec& spec = frame_->spec;
+    const FrameGeometry& geometry = frame_->geometry;
+    const bool as_before = geometry_.regions == geometry.regions && geometry_.reached == geometry.reached &&
+                           geometry_.dealt_to == geometry.dealt_to;
+    geometry_ = geometry;
+    if (!as_before) lay_out();
+    const FrameKernel kernel =
+        make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
+    for (RegionImage& image : images_) image.begin_frame(static_cast<float>(spec.opaque_threshold));
+    for (Lane& lane : lanes_) {
+      lane.reader.reset();  // it leaves the memory to the next one
+      lane.reader = make_reader(spec, kernel, {lane.memory, largest_region_});
+      lane.drawing = false;
+    }
+    told_.clear();
+    counts_ = {};
+    composite_seconds_ = 0;
+  }
+
+  void begin(const PayloadToDraw& payload) override {
+    const auto& [step, passes, body] = payload;
+    if (step < 0 || step >= geometry_.slices)
+      throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
+                                 step, geometry_.slices),
+                     "all ranks must run the same build");
+    const auto owned = [this](int region) {
+      return region >= 0 && region < geometry_.regions.count() &&
+             slot_of_region_[std::size_t(region)] != not_owned;
+    };
+    try {
+      parts_ = lanes_.front().reader->parts(body, owned);
+    } catch (const RunError& e) {
+      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
+    }
+    slice_ = geometry_.traversal.slice_at(step, geometry_.slices);
+    voxel_ = voxel_of_slice();
+    next_part_ = 0;
+    // Waking a thread takes as long as some hundred splats.
+    constexpr std::size_t bytes_worth_a_thread = 4096;
+    lanes_in_use_ = int(std::clamp(std::min(parts_.size(), body.size() / bytes_worth_a_thread),
+                                   std::size_t{1}, lanes_.size()));
+    // Regions may be drawn in any order; when the largest are drawn first, threads finish at about the same
+    // time.
+    if (lanes_in_use_ > 1)
+      std::sort(parts_.begin(), parts_.end(),
+                [](const auto& one, const auto& other) { return one.bytes.size() > other.bytes.size(); });
+  }
+
+  bool work() override {
+    double wall = 0;
+    {
+      const OptionalSeconds timed(lanes_in_use_ > 1 ? &wall : nullptr);
+      threads_.run(lanes_in_use_, [this](int lane) { draw_some(lanes_[std::size_t(lane)]); });
+    }
+    bool complete = next_part_ >= parts_.size();
+    double busy = 0, compositing = 0;
+    for (int k = 0; k < lanes_in_use_; ++k) {
+      Lane& lane = lanes_[std::size_t(k)];
+      complete = complete && !lane.drawing;
+      const ItemCounts counts = std::exchange(lane.counts, {});
+      counts_.drawn += counts.drawn;
+      counts_.clipped += counts.clipped;
+      counts_.hidden += counts.hidden;
+      busy += std::exchange(lane.busy, 0);
+      compositing += std::exchange(lane.compositing, 0);
+    }
+    composite_seconds_ += lanes_in_use_ > 1 ? wall_share(wall, compositing, busy) : compositing;
+    return complete;
+  }
+
+  void news(int gp, Bytes& news) override {
+    if (images_.empty()) return;
+    auto& told = told_[gp];
+    told.resize(images_.size(), 0);
+    for (std::size_t k = 0; k < images_.size(); ++k) {
+      const OpaqueTiles& tiles = images_[k].opaque_tiles();
+      if (tiles.opaque() == std::exchange(told[k], tiles.opaque())) continue;
+      if (news.empty()) news = Message::body_buffer();
+      append_opaque_news(owned_[k], tiles, news);
+    }
+  }
+
+  ItemCounts counts() const override { return counts_; }
+  double composite_seconds() const override { return composite_seconds_; }
+
+  void finish(const std::function<void(int, Bytes)>& deliver) override {
+    for (std::size_t k = 0; k < images_.size(); ++k) {
+      if (!images_[k].touched()) continue;
+      const PixelRect& rect = images_[k].rect();
+      std::vector<float> rgba(std::size_t(4) * std::size_t(rect.width()) * std::size_t(rect.height()));
+      images_[k].read_tile(rgba);
+      Bytes body(sizeof(Header) + rgba.size() * sizeof(float));
+      std::memcpy(body.data() + sizeof(Header), rgba.data(), rgba.size() * sizeof(float));
+      deliver(owned_[k], std::move(body));
+    }
+  }
+
+ private:
+  /// What a thread draws with.
+  struct alignas(64) Lane {
+    SliceBufferMemory memory;
+    std::unique_ptr<PayloadReader> reader;  ///< sums in the memory
+    bool drawing = false;                   ///< a part that is not complete yet
+    ItemCounts counts;                      ///< and seconds, since work() last collected them
+    double busy = 0, compositing = 0;
+  };
+
+  /// Draws part after part, each whole and by this lane alone: their splats keep their order.
+  void draw_some(Lane& lane) {
+    // Messages wait for the end of a piece, and threads that share it for each other.
+    const std::int64_t splats_at_most = lanes_in_use_ > 1 ? 4096 : 1024, chunk_splats = 512;
+    const OptionalSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
+    for (std::int64_t budget = splats_at_most; budget > 0;) {
+      if (!lane.drawing && !take_part(lane)) return;
+      if (!lane.reader->more()) {
+        const ScopedSeconds composited(lane.compositing);
+        lane.reader->sum().composite(voxel_);
+        lane.drawing = false;
+        continue;
+      }
+      const DrawCounts drawn = lane.reader->draw(std::uint32_t(std::min(budget, chunk_splats)));
+      lane.counts.drawn += drawn.drawn;
+      lane.counts.clipped += drawn.clipped;
+      lane.counts.hidden += drawn.hidden;
+      budget -= std::int64_t(drawn.drawn + drawn.clipped + drawn.hidden);
+    }
+  }
+
+  bool take_part(Lane& lane) {
+    const std::size_t k = next_part_++;
+    if (k >= parts_.size()) return false;
+    lane.reader->sum().begin(images_[slot_of_region_[std::size_t(parts_[k].region)]]);
+    lane.reader->begin(slice_, parts_[k]);
+    lane.drawing = true;
+    return true;
+  }
+
+  std::unique_ptr<PayloadReader> make_reader(const FrameSpec& spec, const FrameKernel& kernel,
+                                             SumMemory memory) const {
+    if (spec.payload == PayloadForm::words) return make_word_reader(kernel, memory);
+    if (const auto aligned = AlignedFrame::of(kernel, geometry_.view, geometry_.traversal.axis))
+      return make_aligned_reader(spec, geometry_, *aligned, memory);
+    return make_run_reader(spec, geometry_, kernel, memory);
+  }
+
+  void lay_out() {
+    const Regions& regions = geometry_.regions;
+    images_.clear();
+    largest_region_ = {};
+    slot_of_region_.assign(std::size_t(regions.count()), not_owned);
+    owned_ = regions.owned(renderer_, geometry_.owners(renderers_));
+    for (const int region : owned_) {
+      const PixelRect rect = regions.rect(region);
+      slot_of_region_[std::size_t(region)] = images_.size();
+      images_.emplace_back(rect);
+      largest_region_ = {std::max(largest_region_.width, rect.width()),
+                         std::max(largest_region_.height, rect.height())};
+    }
+  }
+
+  /// Where a voxel of the slice lies in the image plane.
+  glm::dvec2 voxel_of_slice() const {
+    glm::dvec3 voxel(0.0);
+    voxel[static_cast<int>(geometry_.traversal.axis)] = slice_;
+    return geometry_.view.project(voxel);
+  }
+
+  int renderer_, renderers_;
+  std::shared_ptr<const SplatFrame> frame_;
+  FrameGeometry geometry_;
+  static constexpr std::size_t not_owned = ~std::size_t{0};
+  std::vector<int> owned_;                   ///< regions, ascending
+  std::vector<RegionImage> images_;          ///< one for each owned region
+  std::vector<std::size_t> slot_of_region_;  ///< into images_
+  RegionSize largest_region_;                ///< of those owned
+  ThreadTeam& threads_;
+  std::vector<Lane> lanes_;  ///< one for each thread
+  int lanes_in_use_ = 1;     ///< by this payload
+  std::vector<PayloadPart> parts_;
+  std::atomic<std::size_t> next_part_ = 0;
+  int slice_ = 0;
+  glm::dvec2 voxel_{0.0};                 ///< of the slice
+  std::map<int, std::vector<int>> told_;  ///< by GP: how many opaque tiles of each owned region it knows
+  ItemCounts counts_;
+  double composite_seconds_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<FramePainter> make_splat_painter(int renderer, int renderers, ThreadTeam& threads) {
+  return std::make_unique<SplatPainter>(renderer, renderers, threads);
+}
+
+}  // namespace ringsplat

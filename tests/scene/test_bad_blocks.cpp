@@ -1,0 +1,95 @@
+// What a rank makes of blocks that no rank of this build sends while a volume is dealt. tests/fuzz makes many more.
+#include <cmath>
+
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/blocks.hpp"
+#include "ringsplat/scene/load.hpp"
+#include "ringsplat/volume/slice_ranges.hpp"
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+const Grid grid = make_grid({6, 5, 4});
+
+/// Process 1 of two; process 0 says the same block whenever it broadcasts, and another when all gather.
+class OddCompany final : public Collectives {
+ public:
+  OddCompany(Block said, Block gathered) : said_(std::move(said)), gathered_(std::move(gathered)) {}
+  explicit OddCompany(const Block& all) : OddCompany(all, all) {}
+  int process() const override { return 1; }
+  int processes() const override { return 2; }
+  std::vector<Block> all_to_all(std::vector<Block> out) override {
+    out[0] = gathered_;
+    return out;
+  }
+  std::vector<Block> all_gather(const Block& mine) override { return {gathered_, mine}; }
+  Block broadcast(Block, int) override { return said_; }
+  std::vector<int> absent(double) override { return {}; }
+
+ private:
+  Block said_, gathered_;
+};
+
+std::map<int, SliceStore> one_store() {
+  std::map<int, SliceStore> stores;
+  stores.emplace(0, SliceStore(grid, 0, 1, {true, true, true}, false));
+  return stores;
+}
+
+template <class F>
+std::string run_error_of(F&& f) {
+  try {
+    f();
+  } catch (const RunError& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt") {
+  // Whoever gathers no texts agrees that there is no error.
+  OddCompany agreeing(Block(7), {});
+  CHECK_THAT(run_error_of([&] { open_everywhere(agreeing, [] { return synth_source("ball", grid); }); }),
+             Catch::Matchers::Contains("7 bytes"));
+  OddCompany short_blocks(Block(7));
+  auto stores = one_store();
+  CHECK_THAT(run_error_of([&] { share_slice_ranges(stores, short_blocks); }),
+             Catch::Matchers::Contains("too short"));
+  CHECK_THAT(run_error_of([&] { value_range(stores, short_blocks); }),
+             Catch::Matchers::Contains("too short"));
+  // The sums that process 0 sends are more than were asked for, or fewer.
+  const ValueRange range = [] {
+    ValueRange r;
+    r.low = 0;
+    r.high = 255;
+    r.finite = 1;
+    return r;
+  }();
+  CHECK_THAT(run_error_of([&] { histogram(stores, range, 64, short_blocks); }),
+             Catch::Matchers::Contains("7 bytes"));
+  OddCompany long_blocks(Block(8000));
+  CHECK_THAT(run_error_of([&] { histogram(stores, range, 64, long_blocks); }),
+             Catch::Matchers::Contains("8000 bytes"));
+}
+
+TEST_CASE("ranges of slices and values that cannot be are refused") {
+  auto stores = one_store();
+  for (const SliceRange& odd :
+       {SliceRange{Axis(7), 0, 0, 1}, SliceRange{Axis::z, 4, 0, 1}, SliceRange{Axis::x, -1, 0, 1}}) {
+    OddCompany company(block_of_value(odd));
+    CHECK_THAT(run_error_of([&] { share_slice_ranges(stores, company); }),
+               Catch::Matchers::Contains("does not have"));
+  }
+  ValueRange odd;
+  odd.finite = 3;
+  odd.low = NAN;
+  odd.high = 5;
+  OddCompany company(block_of_value(odd));
+  CHECK_THAT(run_error_of([&] { value_range(stores, company); }), Catch::Matchers::Contains("range of its"));
+}

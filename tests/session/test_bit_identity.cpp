@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+#include "support/views.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
+  const auto source = synth_source("jack", make_grid({33, 27, 30}));
+  FrameSpec spec = oblique_view(96, 80, 24);
+  for (const double azimuth : {33.0, 123.0, 213.0, 303.0}) {
+    spec.camera.azimuth = azimuth;
+    const Image alone = render_loopback(*source, spec, 1, 1).image;
+    REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
+    for (const int gps : {1, 2, 3, 5, 8, 40})
+      for (const int renderers : {1, 2, 3, 4, 20}) {
+        INFO(fmt::format("azimuth {}, {} GPs, {} Renderers", azimuth, gps, renderers));
+        REQUIRE(render_loopback(*source, spec, gps, renderers).image == alone);
+      }
+  }
+}
+
+TEST_CASE("Renderers without a region get no token, and whoever draws, the bits are the same") {
+  const auto source = synth_source("jack", make_grid({23, 27, 20}));
+  FrameSpec spec = oblique_view(96, 80, 40);
+  spec.camera.zoom = 3;  // every region sees something
+  const Image alone = render_loopback(*source, spec, 1, 1).image;
+  for (const Placement placement : {Placement::dedicated, Placement::colocated}) {
+    for (const auto& [renderers, dealt_to, drawing] :
+         {std::array{4, 0, 4}, {4, 2, 2}, {5, 3, 3}, {4, 9, 4}, {8, 0, 6}}) {
+      INFO(fmt::format("{} Renderers, regions dealt to {}", renderers, dealt_to));
+      spec.dealt_to = dealt_to;
+      const FrameResult result = render_loopback(*source, spec, 3, renderers, {}, placement);
+      CHECK(result.image == alone);
+      CHECK(result.stats.total().tokens_issued == std::uint64_t(drawing));
+      const auto draws = [](const NodeStats& stats) { return stats.payloads_drawn > 0; };
+      CHECK(std::count_if(result.stats.renderers.begin(), result.stats.renderers.end(), draws) == drawing);
+    }
+  }
+}
+
+TEST_CASE("every kernel has the same bits on any ranks, with regions of any size and in any order") {
+  const auto source = synth_source("jack", make_grid({23, 27, 20}));
+  const Image usual = render_loopback(*source, oblique_view(96, 80, 24), 1, 1).image;
+  for (const KernelOptions& kernel :
+       {KernelOptions{.normalisation = Normalisation::none},
+        KernelOptions{.normalisation = Normalisation::exact}, KernelOptions{.method = KernelMethod::texture},
+        KernelOptions{.method = KernelMethod::texture, .phases = 1}, KernelOptions{.qee_bits = 10},
+        KernelOptions{.method = KernelMethod::texture, .phases = 16, .normalisation = Normalisation::exact},
+        KernelOptions{.qee_bits = 4, .normalisation = Normalisation::exact}}) {
+    FrameSpec spec = oblique_view(96, 80, 24);
+    spec.kernel = kernel;
+    INFO(to_json_text(spec));
+    CHECK(decode_frame_spec(encode(spec)).kernel == kernel);
+    spec.region_size = 4096;
+    const Image alone = render_loopback(*source, spec, 1, 1).image;
+    REQUIRE(alone != usual);  // the option does something
+    REQUIRE(largest_difference(alone, usual) < 0.7);
+    for (const int region : {17, 64}) {
+      spec.region_size = region;
+      for (const int gps : {1, 3, 8})
+        for (const int renderers : {1, 2, 5}) {
+          const LoopbackOptions loopback{
+              .seed = std::uint64_t(gps * renderers), .reorder = true, .max_delay = 5};
+          INFO(fmt::format("regions of {}, {} GPs, {} Renderers", region, gps, renderers));
+          REQUIRE(render_loopback(*source, spec, gps, renderers, loopback).image == alone);
+        }
+    }
+  }
+}
+
+TEST_CASE("the image has the same bits whatever the order and delay of messages") {
+  const auto source = synth_source("jack", make_grid({17, 15, 16}));
+  FrameSpec spec = oblique_view(96, 80, 24);
+  spec.width = spec.height = 48;
+  spec.region_size = 16;
+  const Image alone = render_loopback(*source, spec, 1, 1).image;
+  for (std::uint64_t seed = 0; seed < 100; ++seed) {
+    const LoopbackOptions loopback{.seed = seed, .reorder = true, .max_delay = int(seed % 7)};
+    const int gps = std::array{1, 2, 3, 5, 8}[seed % 5], renderers = 1 + int(seed / 5) % 4;
+    const ProtocolOptions protocol{
+        .slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3, .send_ahead = int(seed / 2 % 4)};
+    const auto placement = seed % 2 == 0 ? Placement::dedicated : Placement::colocated;
+    INFO(fmt::format("seed {}, {} GPs, {} Renderers", seed, gps, renderers));
+    REQUIRE(render_loopback(*source, spec, gps, renderers, loopback, placement, protocol).image == alone);
+  }
+}
+
+TEST_CASE("regions leave no seam: any region size gives the same picture") {
+  const auto source = synth_source("jack", make_grid({33, 27, 30}));
+  FrameSpec spec = oblique_view(96, 80, 24);
+  spec.region_size = 4096;
+  const Image whole = render_loopback(*source, spec, 2, 1).image;
+  for (const int size : {7, 16, 24, 64, 128}) {
+    spec.region_size = size;
+    INFO("regions of " << size);
+    CHECK(largest_difference(render_loopback(*source, spec, 2, 3).image, whole) == 0.0);
+  }
+}
+
+TEST_CASE("several frames are in flight and each has the bits it has alone") {
+  const auto source = synth_source("jack", make_grid({17, 15, 16}));
+  std::vector<FrameSpec> specs;
+  std::vector<Image> alone;
+  for (int k = 0; k < 7; ++k) {
+    specs.push_back(oblique_view(96, 80, 24));
+    specs.back().camera.azimuth = 52.0 * k;
+    specs.back().width = specs.back().height = 40 + 8 * (k % 2);
+    alone.push_back(render_loopback(*source, specs.back(), 1, 1).image);
+  }
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    SoloCollectives solo;
+    const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = 4}};
+    const Layout layout{3, 2};
+    OpenedVolume volume{source->grid(), true, synth_source("jack", source->grid())};
+    Scene scene = load_scene(volume, {}, layout, wiring);
+    std::size_t asked = 0, done = 0;
+    Director director{[&]() -> std::optional<FrameSpec> {
+                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
+                      },
+                      [&](FrameResult&& r) {
+                        REQUIRE(r.spec.frame == std::int64_t(done));
+                        REQUIRE(r.image == alone[done]);
+                        ++done;
+                      }};
+    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 4)}, std::move(director),
+                  wiring);
+    REQUIRE(done == specs.size());
+  }
+}

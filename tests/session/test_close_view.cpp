@@ -1,0 +1,52 @@
+#include "support/views.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+/// The largest difference between a picture and the middle of a larger one.
+double difference_from_middle(const Image& picture, const Image& large) {
+  const int left = (large.width - picture.width) / 2, top = (large.height - picture.height) / 2;
+  double largest = 0;
+  for (int y = 0; y < picture.height; ++y)
+    for (int x = 0; x < picture.width; ++x)
+      for (int k = 0; k < 4; ++k)
+        largest = std::max(
+            largest, std::abs(double(picture.pixel(x, y)[k]) - double(large.pixel(x + left, y + top)[k])));
+  return largest;
+}
+
+}  // namespace
+
+TEST_CASE("a close view reads only the voxels that it shows, and shows what a larger picture does") {
+  const auto source = synth_source("ball", make_grid({41, 36, 38}));
+  for (const auto payload : {PayloadForm::runs, PayloadForm::words}) {
+    FrameSpec large = oblique_view(240, 210, 32);
+    large.payload = payload;
+    large.camera.zoom = 1;
+    FrameSpec close = large;
+    close.width = 48;
+    close.height = 42;
+    close.camera.zoom = 5;
+    const FrameResult whole = render_loopback(*source, large, 2, 2),
+                      part = render_loopback(*source, close, 2, 2);
+    REQUIRE(whole.stats.total().voxels_outside == 0);
+    const NodeStats seen = part.stats.total(), all = whole.stats.total();
+    CHECK(seen.voxels_outside > 0);
+    CHECK(seen.visible_voxels < all.visible_voxels / 2);
+    CHECK(seen.visible_voxels + seen.voxels_outside >= all.visible_voxels);
+    CHECK(difference_from_middle(part.image, whole.image) < 1e-5);
+  }
+}
+
+TEST_CASE("a view past the volume tells what it did not look at") {
+  const auto source = synth_source("ball", make_grid({20, 20, 20}));
+  FrameSpec spec = oblique_view(40, 40, 16);
+  spec.camera.matrix = std::array<double, 12>{1, 0, 0, 500, 0, 1, 0, 500, 0, 0, 1, 0};
+  const NodeStats total = render_loopback(*source, spec, 2, 1).stats.total();
+  CHECK(total.visible_voxels == 0);
+  CHECK(total.splats_sent == 0);
+  CHECK(total.voxels_outside > 0);
+}

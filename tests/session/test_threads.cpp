@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+
+#include "classify/empty_space.hpp"
+#include "splat_engine/row_bounds.hpp"
+#include "support/views.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
+#include "splat_engine/splat_engine.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr std::array team_sizes{1, 2, 3, 8};
+
+LoopbackOptions shuffled(int threads) {
+  return {.seed = std::uint64_t(threads), .reorder = true, .max_delay = 3};
+}
+
+bool has_something(const Image& image) {
+  return *std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F;
+}
+
+/// Everything an encoder makes of a volume, slice by slice.
+std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers,
+                                     int threads) {
+  SoloCollectives solo;
+  const Grid grid = source.grid();
+  OpenedVolume volume{grid, true, synth_source("ball", grid)};
+  auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
+  const auto frame = make_splat_frame(spec, grid, 1, renderers);
+  ThreadTeam team(threads);
+  EmptySpace empty_space;
+  const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), empty_space, team);
+  std::vector<EncodedStep> slices;
+  for (int step = 0; step < frame->geometry.slices; ++step) {
+    encoder->begin(step);
+    while (!encoder->work()) {
+    }
+    slices.push_back(encoder->finish());
+  }
+  return slices;
+}
+
+/// A payload without the room for a message's header, which holds anything.
+Bytes body_of(Bytes payload) {
+  if (!payload.empty()) payload.erase(payload.begin(), payload.begin() + sizeof(Header));
+  return payload;
+}
+
+}  // namespace
+
+TEST_CASE("rows are cut into bands of about as many voxels") {
+  const Grid grid = make_grid({128, 128, 3});
+  SoloCollectives solo;
+  OpenedVolume volume{grid, true, synth_source("ball", grid)};
+  auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
+  const SliceView slice = stores.at(0).slice(Axis::z, 1);
+  const SliceRuns runs(BlockRanges(slice), ramp(128, 255, 0.5), slice.width);
+  const auto voxels = [&](int first, int end) {
+    int sum = 0;
+    for (int row = first; row < end; ++row)
+      for (const ColumnRun& run : runs.of_row(row)) sum += run.end - run.first;
+    return sum;
+  };
+  const int all = voxels(0, 128);
+  REQUIRE(all > 3000);
+  REQUIRE(all < 128 * 128);
+  for (const int most : {1, 2, 3, 5, 12}) {
+    const auto bounds = row_bounds(runs, 128, most);
+    REQUIRE(int(bounds.size()) == most + 1);
+    CHECK(bounds.front() == 0);
+    CHECK(bounds.back() == 128);
+    for (std::size_t k = 0; k + 1 < bounds.size(); ++k) {
+      CHECK(bounds[k] < bounds[k + 1]);
+      CHECK(std::abs(voxels(bounds[k], bounds[k + 1]) - all / most) <= 128);
+    }
+  }
+  CHECK(int(row_bounds(runs, 128, 1024).size()) <= all / 256 + 1);  // too few voxels for more
+  CHECK(row_bounds(SliceRuns(BlockRanges(slice), constant_opacity(0.5, 400), slice.width), 128, 4) ==
+        std::vector<int>{0});
+}
+
+TEST_CASE("payloads are the same bytes whatever the number of threads", "[threads]") {
+  const auto source = synth_source("ball", make_grid({70, 61, 24}));
+  struct Form {
+    PayloadForm form;
+    Precision precision;
+  };
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto& [form, precision] :
+         {Form{PayloadForm::words, Precision::float32}, Form{PayloadForm::runs, Precision::float32},
+          Form{PayloadForm::runs, Precision::half}, Form{PayloadForm::runs, Precision::u8}})
+      for (const int region : {40, 4096})
+        for (const double zoom : {1.2, 8.0}) {
+          FrameSpec spec = oblique_view(300, 280, 32);
+          spec.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
+          spec.width = spec.height = 700;
+          spec.image_plane = plane;
+          spec.payload = form;
+          spec.precision = precision;
+          spec.region_size = region;
+          const auto alone = encode_all(*source, spec, 3, 1);
+          for (const int threads : {2, 3, 8}) {
+            INFO(fmt::format("plane {}, form {}, precision {}, regions of {}, zoom {}, {} threads",
+                             int(plane), int(form), int(precision), region, zoom, threads));
+            const auto shared = encode_all(*source, spec, 3, threads);
+            REQUIRE(shared.size() == alone.size());
+            std::uint64_t visible = 0;
+            for (std::size_t k = 0; k < alone.size(); ++k) {
+              for (std::size_t r = 0; r < alone[k].parts.size(); ++r) {
+                const EncodedPart &one = alone[k].parts[r], &other = shared[k].parts[r];
+                REQUIRE(body_of(other.payload) == body_of(one.payload));
+                REQUIRE(other.items == one.items);
+                REQUIRE(other.passes == one.passes);
+                REQUIRE(other.tiles == one.tiles);
+              }
+              REQUIRE(shared[k].counts.visible == alone[k].counts.visible);
+              REQUIRE(shared[k].counts.voxels == alone[k].counts.voxels);
+              visible += alone[k].counts.visible;
+            }
+            REQUIRE(visible > 1000);
+          }
+        }
+}
+
+TEST_CASE("the image and the counts are the same whatever the number of threads", "[threads]") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto form : {PayloadForm::runs, PayloadForm::words})
+      for (const int region : {9, 32, 4096}) {
+        FrameSpec spec = oblique_view(300, 280, 32);
+        spec.image_plane = plane;
+        spec.payload = form;
+        spec.region_size = region;
+        spec.opaque_threshold = 0;  // what is hidden depends on when GPs learn of it
+        const auto alone = render_loopback(*source, spec, 1, 1);
+        REQUIRE(has_something(alone.image));
+        const NodeStats counted = alone.stats.total();
+        for (const int threads : team_sizes) {
+          INFO(fmt::format("plane {}, form {}, regions of {}, {} threads", int(plane), int(form), region,
+                           threads));
+          const auto one =
+              render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {},
+                                           {.threads_per_rank = threads});
+          REQUIRE(one.image == alone.image);
+          const NodeStats total = one.stats.total();
+          CHECK(total.splats_drawn == counted.splats_drawn);
+          CHECK(total.splats_clipped == counted.splats_clipped);
+          CHECK(total.splats_sent == counted.splats_sent);
+          CHECK(total.payload_bytes_sent == counted.payload_bytes_sent);
+          CHECK(total.visible_voxels == counted.visible_voxels);
+        }
+      }
+}
+
+TEST_CASE("threads keep the bits on any layout, with messages in any order", "[threads]") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const auto precision : {Precision::float32, Precision::half, Precision::u8}) {
+      FrameSpec spec = oblique_view(300, 280, 32);
+      spec.image_plane = plane;
+      spec.precision = precision;
+      const auto alone = render_loopback(*source, spec, 1, 1);
+      REQUIRE(has_something(alone.image));
+      for (const int threads : team_sizes)
+        for (const auto& [gps, renderers] : {std::pair{1, 1}, {3, 2}, {2, 5}})
+          for (const auto placement : {Placement::dedicated, Placement::colocated}) {
+            INFO(fmt::format("plane {}, precision {}, {} threads, {} GPs, {} Renderers, {}", int(plane),
+                             int(precision), threads, gps, renderers,
+                             placement == Placement::dedicated ? "dedicated" : "colocated"));
+            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement, {},
+                                                {.threads_per_rank = threads});
+            REQUIRE(shared.image == alone.image);
+            // Seconds are those of the clock on the wall: no thread's are counted beside another's.
+            for (const NodeStats& renderer : shared.stats.renderers) {
+              CHECK(renderer.drawing >= 0);
+              CHECK(renderer.compositing >= 0);
+              CHECK(renderer.drawing + renderer.compositing <= shared.stats.seconds + 0.001);
+            }
+          }
+    }
+}
+
+TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels", "[threads]") {
+  const auto source = synth_source("ball", make_grid({65, 57, 60}));
+  for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
+    for (const KernelOptions& kernel :
+         {KernelOptions{.normalisation = Normalisation::exact},
+          KernelOptions{.method = KernelMethod::texture}, KernelOptions{.qee_bits = 10}}) {
+      FrameSpec spec = oblique_view(300, 280, 32);
+      spec.image_plane = plane;
+      spec.kernel = kernel;
+      spec.transfer_function = ramp(1, 20, 1.0);
+      const auto alone = render_loopback(*source, spec, 1, 1);
+      if (plane == ImagePlane::screen) CHECK(alone.stats.total().splats_hidden > 0);
+      for (const int threads : team_sizes)
+        REQUIRE(render_loopback(*source, spec, 2, 2, shuffled(threads), Placement::colocated, {},
+                                {.threads_per_rank = threads})
+                    .image == alone.image);
+    }
+}
+
+TEST_CASE("frames that are dropped while threads draw them leave nothing behind", "[threads]") {
+  const auto source = synth_source("ball", make_grid({33, 31, 32}));
+  std::vector<FrameSpec> specs(9, oblique_view(300, 280, 32));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    specs[k].camera.azimuth = 52.0 * double(k);
+    specs[k].image_plane = k % 2 == 0 ? ImagePlane::screen : ImagePlane::slices;
+  }
+  std::vector<Image> alone;
+  for (const auto& spec : specs) alone.push_back(render_loopback(*source, spec, 1, 1).image);
+  for (std::uint64_t seed = 0; seed < 24; ++seed) {
+    const int threads = team_sizes[seed % team_sizes.size()], patience = int(11 * seed % 120);
+    INFO(fmt::format("seed {}, {} threads", seed, threads));
+    std::size_t asked = 0, kept = 0;
+    std::map<std::int64_t, int> questions;
+    Director director{[&]() -> std::optional<FrameSpec> {
+                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
+                      },
+                      [&](FrameResult&& r) {
+                        kept += r.spec.frame % 3 != 1 ? 1 : 0;
+                        REQUIRE(r.image == alone[std::size_t(r.spec.frame)]);
+                      }};
+    director.unwanted = [&](const FrameSpec& spec) {
+      return spec.frame % 3 == 1 && ++questions[spec.frame] > patience;
+    };
+    SoloCollectives solo;
+    const Wiring wiring{solo, nullptr, {.seed = seed, .reorder = true, .max_delay = int(seed % 6)}};
+    OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
+    const Layout layout{1 + int(seed % 3), 1 + int(seed % 2)};
+    Scene scene = load_scene(volume, {}, layout, wiring);
+    render_frames(std::move(scene), layout,
+                  {.frames_in_flight = 1 + int(seed % 3)}, std::move(director), wiring,
+                  {.threads_per_rank = threads});
+    CHECK(kept == 6);
+  }
+}
+
+TEST_CASE("a number of threads that no rank can use is refused with a hint") {
+  for (const int threads : {-1, 0, 1025, 2'000'000'000}) {
+    CHECK_THROWS_AS(check(EngineOptions{.threads_per_rank = threads}), InputError);
+    CHECK_THROWS_WITH(check(EngineOptions{.threads_per_rank = threads}),
+                      Catch::Matchers::Contains("--threads-per-rank"));
+  }
+  CHECK_NOTHROW(check(EngineOptions{.threads_per_rank = 1024}));
+}

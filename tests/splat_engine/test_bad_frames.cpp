@@ -1,0 +1,76 @@
+// Frames and payloads that no rank of this build sends. tests/fuzz makes many more.
+#include "classify/empty_space.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/base/thread_team.hpp"
+#include "splat_engine/splat_engine.hpp"
+#include "support/catch.hpp"
+#include "support/scenes.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+const Grid grid = make_grid({6, 5, 4});
+
+FrameSpec small_frame() {
+  FrameSpec spec;
+  spec.width = spec.height = 32;
+  spec.region_size = 16;
+  spec.transfer_function = ramp(20, 255, 0.9);
+  spec.dealt_to = 1;
+  return spec;
+}
+
+std::map<int, SliceStore> one_store() {
+  std::map<int, SliceStore> stores;
+  stores.emplace(0, SliceStore(grid, 0, 1, {true, true, true}, false));
+  return stores;
+}
+
+template <class F>
+std::string run_error_of(F&& f) {
+  try {
+    f();
+  } catch (const RunError& e) {
+    return e.what();
+  }
+  return "none";
+}
+
+}  // namespace
+
+TEST_CASE("a Renderer refuses the payload of a step that its traversal does not have") {
+  const auto frame = make_splat_frame(small_frame(), grid, 1, 1);
+  ThreadTeam alone;
+  const auto painter = make_splat_painter(0, 1, alone);
+  painter->begin_frame(frame);
+  for (const int step : {-1, frame->geometry.slices, 1 << 30})
+    CHECK_THAT(run_error_of([&] { painter->begin({step, 0, {}}); }), Catch::Matchers::Contains("step"));
+}
+
+TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
+  const auto engine = make_splat_engine(grid, Layout{1, 1}, std::move(one_store().at(0)), 1, {}, {});
+  EmptySpace empty_space;
+  ThreadTeam alone;
+  const SliceStore only_x(grid, 0, 1, {true, false, false}, true);
+  const auto encode = [&](const FrameSpec& spec, const SliceStore& store) {
+    return run_error_of(
+        [&] { make_splat_encoder(make_splat_frame(spec, grid, 1, 1), 1, store, empty_space, alone); });
+  };
+  CHECK_THAT(encode(small_frame(), one_store().at(0)), Catch::Matchers::Contains("normals"));
+  CHECK_THAT(encode(small_frame(), only_x), Catch::Matchers::Contains("axis, whose slices were not loaded"));
+}
+
+TEST_CASE("an engine refuses a frame of another number than its message has, or that cannot be") {
+  const auto engine = make_splat_engine(grid, Layout{1, 1}, std::move(one_store().at(0)), 1, {}, {});
+  FrameSpec spec = small_frame();
+  const auto plan = [&](std::int64_t frame) {
+    return run_error_of([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });
+  };
+  CHECK(plan(0) == "none");
+  CHECK_THAT(plan(3), Catch::Matchers::Contains("frame 0 in a message about frame 3"));
+  spec.frame = 1;
+  spec.width = -5;
+  CHECK_THAT(plan(1), Catch::Matchers::Contains("that cannot be"));
+}

@@ -1,0 +1,25 @@
+#pragma once
+// Nodes by themselves: what they need to be made, and the headers of what they are sent.
+#include <map>
+#include <vector>
+
+#include "ringsplat/scene/load.hpp"
+#include "ringsplat/volume/synth.hpp"
+
+namespace ringsplat::test {
+
+/// All GPs' slices of a volume, with what is known of their values.
+inline std::map<int, SliceStore> dealt(VolumeSource& source, int gps) {
+  SoloCollectives solo;
+  std::vector<int> all;
+  for (int gp = 0; gp < gps; ++gp) all.push_back(gp);
+  const Grid grid = source.grid();
+  std::vector<std::byte> voxels(grid.bytes());
+  source.read_slices(0, grid.dims.z, voxels);
+  OpenedVolume volume{grid, true, memory_source(grid, voxels)};
+  auto stores = deal_slices(volume, {}, gps, {all}, solo);
+  share_slice_ranges(stores, solo);
+  return stores;
+}
+
+}  // namespace ringsplat::test
