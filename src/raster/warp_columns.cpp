@@ -18,9 +18,9 @@
 namespace ringsplat {
 namespace {
 
-/// Some of the picture's columns, of the plane's rows: what lies there at the columns' places. A column's
-/// pixels lie together, as the second pass needs them.
-struct Columns {
+/// The plane's rows, interpolated at the places of some of the picture's columns. A column's pixels lie
+/// together, as the second pass needs them.
+struct ColumnStrip {
   int first, end;         ///< columns of the picture
   int first_row, rows;    ///< of the plane
   float* pixels;          ///< RGBA
@@ -37,7 +37,7 @@ namespace ringsplat::HWY_NAMESPACE {
 
 #if RINGSPLAT_ONE_BY_ONE
 
-/// The weights of four pixels that lie together.
+/// The weights of four neighbouring pixels.
 struct FourWeights {
   float of[4];
   static FourWeights get(const float (*weights)[most_places], int k) {
@@ -45,12 +45,12 @@ struct FourWeights {
   }
 };
 
-/// Two of the pixels that are made.
+/// Two of the resulting pixels.
 struct Pair {
   float rgba[2][4];
 };
 
-/// (w0 p0 + w2 p2) + (w1 p1 + w3 p3) of the pixels from p on, and from q on.
+/// Returns (w0 p0 + w2 p2) + (w1 p1 + w3 p3) of the pixels from p on, and likewise from q on.
 Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
   const auto sum = [](const float* pixels, const float* of, int channel) {
     const float* c = pixels + channel;
@@ -138,8 +138,8 @@ HWY_INLINE void store(const Pair& pair, float* out) {
 
 #endif
 
-/// The plane's rows at the columns' places along them.
-void AlongRows(const WarpedRow& any_row, const Columns& columns) {
+/// First pass: interpolates the plane's rows at the columns' places.
+void AlongRows(const WarpedRow& any_row, const ColumnStrip& columns) {
   const int count = columns.end - columns.first;
   std::int32_t taps[most_places];
   float weights[4][most_places];
@@ -153,14 +153,14 @@ void AlongRows(const WarpedRow& any_row, const Columns& columns) {
     for (int k = 0; k < count; ++k) {
       const float* pixels = row + std::ptrdiff_t{4} * taps[k];
       const Pair pair = weigh(pixels, of_column[k], two ? pixels + row_floats : pixels, of_column[k]);
-      // A column's room is for an even number of pixels.
+      // A column has room for an even number of pixels.
       store(pair, columns.pixels + k * columns.stride + std::ptrdiff_t{4} * y);
     }
   }
 }
 
-/// The columns' pixels of one of the picture's rows.
-void DownColumns(const WarpedRow& row, const Columns& columns, float* screen) {
+/// Second pass: fills the columns' pixels in one of the picture's rows.
+void DownColumns(const WarpedRow& row, const ColumnStrip& columns, float* screen) {
   const int first = std::max(row.first, columns.first), count = std::min(row.end, columns.end) - first;
   if (count <= 0) return;
   std::int32_t taps[most_places];
@@ -177,7 +177,7 @@ void DownColumns(const WarpedRow& row, const Columns& columns, float* screen) {
   if (count % 2 != 0) store_first(two_from(count - 1, count - 1), out + std::ptrdiff_t{4} * (count - 1));
 }
 
-void WarpColumns(std::span<const WarpedRow> rows, const Columns& columns, Image& screen) {
+void WarpColumns(std::span<const WarpedRow> rows, const ColumnStrip& columns, Image& screen) {
   AlongRows(rows.front(), columns);
   for (std::size_t y = 0; y < rows.size(); ++y) DownColumns(rows[y], columns, screen.pixel(0, int(y)));
 }
@@ -198,7 +198,8 @@ void warp_columns(std::span<const WarpedRow> rows, int first_tap, int last_tap, 
     end = std::max(end, row.end);
   }
   if (first >= end) return;
-  // As many columns as a processor's second cache holds; a stride of whole pages would use few of its lines.
+  // As many columns as a processor's second-level cache holds. The stride avoids multiples of a page, which
+  // would use few of the cache's lines.
   constexpr int most = 32;
   const int plane_rows = last_tap - first_tap + 4;
   const std::ptrdiff_t stride = (std::ptrdiff_t{4} * plane_rows + 31) / 32 * 32 + 16;

@@ -15,10 +15,10 @@ namespace {
 
 constexpr int largest_side = 1 << 20;
 
-int pieces(int length, int size) { return (length - 1) / size + 1; }
+int regions_along(int length, int size) { return (length - 1) / size + 1; }
 
-/// The square of the shortest way, in regions, from one to another of the same Renderer in an endless
-/// picture.
+/// Square of the shortest way, in regions, from one region to another of the same Renderer in an endless
+/// image.
 std::int64_t shortest_way(std::int64_t skew, std::int64_t renderers) {
   std::int64_t shortest = renderers * renderers;
   for (std::int64_t y = 1; y * y < shortest; ++y) {
@@ -28,7 +28,7 @@ std::int64_t shortest_way(std::int64_t skew, std::int64_t renderers) {
   return shortest;
 }
 
-/// Whether all Renderers have as many regions or one fewer.
+/// Whether all Renderers have equally many regions or one fewer.
 bool is_even(int columns, int rows, std::int64_t skew, int renderers) {
   std::vector<int> owned(std::size_t(renderers), 0);
   for (int y = 0; y < rows; ++y)
@@ -38,10 +38,10 @@ bool is_even(int columns, int rows, std::int64_t skew, int renderers) {
 }
 
 std::int64_t choose_skew(int columns, int rows, int renderers) {
-  std::vector<std::pair<std::int64_t, std::int64_t>> skews;  // by shortest way, the longest first
+  std::vector<std::pair<std::int64_t, std::int64_t>> skews;  // by shortest way, longest first
   for (std::int64_t skew = 0; skew < renderers; ++skew)
     skews.emplace_back(-shortest_way(skew, renderers), skew);
-  // Enough to find one that is even, where any but the last is.
+  // So many are enough to find an even one wherever there is one besides the last.
   constexpr std::size_t most_tried = 16;
   const std::size_t tried = std::min(skews.size(), most_tried);
   std::partial_sort(skews.begin(), skews.begin() + std::ptrdiff_t(tried), skews.end());
@@ -70,8 +70,8 @@ Regions::Regions(int width, int height, int region_width, int region_height)
     throw InputError(fmt::format("region size {} is not positive", std::min(region_width, region_height)),
                      "give the pixels of a region's side, such as --region 128");
   }
-  columns_ = pieces(width, region_width);
-  rows_ = pieces(height, region_height);
+  columns_ = regions_along(width, region_width);
+  rows_ = regions_along(height, region_height);
   if (std::int64_t{columns_} * rows_ > std::numeric_limits<std::int32_t>::max()) {
     throw InputError(fmt::format("an image of {}x{} pixels has too many regions of {}x{} pixels ({} x {})",
                                  width, height, region_width, region_height, columns_, rows_),
@@ -81,8 +81,7 @@ Regions::Regions(int width, int height, int region_width, int region_height)
 
 PixelRect Regions::rect(int region) const {
   const int x0 = region % columns_ * region_width_, y0 = region / columns_ * region_height_;
-  // A region size near 2^31 is allowed, so the far corner is found by what is left, not by a sum that may
-  // overflow.
+  // Sizes near 2^31 are allowed, so the far corner is found from what is left: x0 + size may overflow.
   return {x0, y0, x0 + std::min(region_width_, width_ - x0), y0 + std::min(region_height_, height_ - y0)};
 }
 

@@ -14,33 +14,33 @@ namespace ringsplat {
 namespace {
 
 constexpr double steps_a_half_width = 512;
-/// From here on a lattice's sum is 1 to 1e-6: its Fourier series has the quartic's transform,
-/// 48 J₃(ω) / ω³, at ω = 2π · reach and beyond (Poisson's summation formula).
+/// Kernels that reach further have a lattice sum of 1 within 1e-6: its Fourier series has the quartic's
+/// transform, 48 J₃(ω) / ω³, at ω = 2π · reach and beyond (Poisson's summation formula).
 constexpr double smooth_reach = 64;
 
 int steps(double half_width) {
   return static_cast<int>(std::clamp(std::ceil(steps_a_half_width / half_width), 4.0, 2048.0));
 }
 
-/// Of `n` modulo `period`, 0 … period − 1.
+/// `n` modulo `period`, in 0 … period − 1.
 std::int64_t phase_of(std::int64_t n, int period) { return (n % period + period) % period; }
 
 }  // namespace
 
-LatticeSum::LatticeSum(const Footprint& footprint, const glm::dmat2& block)
-    : to_lattice_(glm::inverse(block)), form_(footprint.p * block) {
+LatticeSum::LatticeSum(const Footprint& footprint, const glm::dmat2& to_pixels)
+    : to_lattice_(glm::inverse(to_pixels)), form_(footprint.p * to_pixels) {
   const glm::dmat2 inverse = glm::inverse(form_);
   reach_ = {std::hypot(inverse[0][0], inverse[1][0]), std::hypot(inverse[0][1], inverse[1][1])};
   stride_ = glm::max(glm::dvec2(1.0), glm::floor(reach_ / smooth_reach));
   weight_ = footprint.weight * stride_.x * stride_.y;
-  if (const auto steps = whole_steps(block)) {
+  if (const auto steps = whole_steps(to_pixels)) {
     phases_x_ = steps->x;
     phases_y_ = steps->y;
     return;
   }
   width_ = steps(1 / glm::length(form_[0]));
   height_ = steps(1 / glm::length(form_[1]));
-  // A lattice is its own mirror image through a voxel: half of the table is enough.
+  // A lattice is its own mirror image through a voxel, so half of the table is computed.
   const std::size_t row = static_cast<std::size_t>(width_) + 1, rows = static_cast<std::size_t>(height_) + 1;
   table_.resize(rows * row);
   for (std::size_t v = 0; v <= rows / 2; ++v)
@@ -73,7 +73,7 @@ float LatticeSum::reciprocal(glm::dvec2 lattice) const {
   return factors[0];
 }
 
-/// Summed at the same pixel wherever a row begins, so that its bits are the same.
+/// Computed for the same pixel wherever a row begins, so that its bits are always the same.
 float LatticeSum::factor_of_phase(int x, int y, glm::dvec2 voxel) const {
   const glm::dvec2 lattice = to_lattice_ * (glm::dvec2(x + 0.5, y + 0.5) - voxel);
   return reciprocal(lattice - glm::floor(lattice));
@@ -81,18 +81,18 @@ float LatticeSum::factor_of_phase(int x, int y, glm::dvec2 voxel) const {
 
 void LatticeSum::fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel,
                               float (&factors)[4][16]) const {
-  float of_phase[most_whole_steps][most_whole_steps];
+  float of_phase[largest_step][largest_step];
   for (int v = 0; v < phases_y_; ++v)
     for (int u = 0; u < phases_x_; ++u) of_phase[v][u] = factor_of_phase(u, v, voxel);
-  for (int row = 0; row < most_whole_steps; ++row)
-    for (int column = 0; column < most_whole_steps; ++column)
+  for (int row = 0; row < largest_step; ++row)
+    for (int column = 0; column < largest_step; ++column)
       std::fill_n(factors[row] + std::ptrdiff_t{4} * column, 4,
                   of_phase[phase_of(y + row, phases_y_)][phase_of(x + column, phases_x_)]);
 }
 
 void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
                                   glm::dvec2 voxel) const {
-  float factors[most_whole_steps];
+  float factors[largest_step];
   for (int phase = 0; phase < phases_x_; ++phase)
     factors[phase] = factor_of_phase(phase, int(phase_of(y, phases_y_)), voxel);
   auto phase = phase_of(x, phases_x_);

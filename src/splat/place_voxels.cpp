@@ -19,7 +19,7 @@
 namespace ringsplat {
 namespace {
 
-/// The first 64 / step bits, a step apart; a step is 2 or 4.
+/// Spreads the first 64 / step bits so that they are a step apart. A step is 2 or 4.
 std::uint64_t spread(std::uint64_t bits, int step) {
   bits &= 0xFFFFFFFF;
   bits = (bits | bits << 16) & 0x0000FFFF0000FFFF;
@@ -36,7 +36,8 @@ bool reaches(const SliceBuffer& buffer, const AlignedSlice& slice, std::int64_t 
   });
 }
 
-/// Of voxels at the region's edge, one by one but for those whose columns all lie inside: they are alike.
+/// Counts the voxels of a block at the region's edge that reach one of its pixels. Those whose windows'
+/// columns all lie inside (`inside`) are alike and looked at once; the others one by one.
 std::uint64_t count_at_edge(const SliceBuffer& buffer, const AlignedSlice& slice, std::int64_t x,
                             std::int64_t y, std::uint64_t mask, std::uint64_t inside) {
   const auto x_of_first = [&](std::uint64_t bits) { return x + std::countr_zero(bits) * slice.step_x; };
@@ -55,7 +56,7 @@ std::uint64_t count_at_edge(const SliceBuffer& buffer, const AlignedSlice& slice
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-/// As a footprint's weight makes a splat's; 0 for what no footprint gives.
+/// An opacity times the footprint's weight, as in a splat; 0 for what no footprint gives.
 HWY_INLINE float weighted(float opacity, double weight) {
   const auto product = static_cast<float>(static_cast<double>(opacity) * weight);
   return std::abs(product) < largest_coefficient ? product : 0.0F;
@@ -64,11 +65,11 @@ HWY_INLINE float weighted(float opacity, double weight) {
 #if RINGSPLAT_ONE_BY_ONE
 
 template <class Voxel>
-struct Reader {};
+struct VoxelLoader {};
 
 template <class Voxel>
-void place_row(const Reader<Voxel>&, int steps, double weight, std::uint64_t mask, const Voxel* voxels, bool,
-               float* row) {
+void place_row(const VoxelLoader<Voxel>&, int steps, double weight, std::uint64_t mask, const Voxel* voxels,
+               bool, float* row) {
   for (; mask != 0; mask &= mask - 1, ++voxels) {
     const VoxelColour voxel = unpack(*voxels);
     const auto colour = premultiply(&voxel.red, weighted(voxel.opacity, weight));
@@ -83,15 +84,15 @@ using Pixel = hn::Vec<FourFloats>;
 using FourInts = hn::Full128<std::int32_t>;
 using SixteenBytes = hn::Full128<std::uint8_t>;
 
-/// Reads a voxel's colour, 65535 = 1, and its opacity.
+/// Loads a voxel: its colour, in which 65535 is 1, and its opacity.
 template <class Voxel>
-class Reader;
+class VoxelLoader;
 
-/// Reads six bytes beyond the voxel.
+/// Reads six bytes beyond the voxel too.
 template <>
-class Reader<FloatVoxel> {
+class VoxelLoader<FloatVoxel> {
  public:
-  HWY_INLINE Reader() {
+  HWY_INLINE VoxelLoader() {
     constexpr std::uint8_t low = std::endian::native == std::endian::little ? 0 : 2, none = 0x80;
     HWY_ALIGN std::uint8_t order[16];
     std::memset(order, none, sizeof order);
@@ -101,7 +102,7 @@ class Reader<FloatVoxel> {
     for (std::size_t byte = 0; byte < 4; ++byte) order[12 + byte] = std::uint8_t(byte);
     order_ = hn::Load(SixteenBytes(), order);
   }
-  HWY_INLINE Pixel read(const FloatVoxel* voxel) const {
+  HWY_INLINE Pixel load(const FloatVoxel* voxel) const {
     const FourFloats d;
     const FourInts i;
     const auto bytes = hn::LoadU(SixteenBytes(), reinterpret_cast<const std::uint8_t*>(voxel));
@@ -114,9 +115,9 @@ class Reader<FloatVoxel> {
 };
 
 template <>
-class Reader<HalfVoxel> {
+class VoxelLoader<HalfVoxel> {
  public:
-  HWY_INLINE Pixel read(const HalfVoxel* voxel) const {
+  HWY_INLINE Pixel load(const HalfVoxel* voxel) const {
     const FourFloats d;
     const hn::Rebind<hwy::float16_t, FourFloats> halves;
     const hn::Rebind<std::uint16_t, FourFloats> words;
@@ -129,9 +130,9 @@ class Reader<HalfVoxel> {
 };
 
 template <>
-class Reader<ByteVoxel> {
+class VoxelLoader<ByteVoxel> {
  public:
-  HWY_INLINE Pixel read(const ByteVoxel* voxel) const {
+  HWY_INLINE Pixel load(const ByteVoxel* voxel) const {
     const FourFloats d;
     const hn::Rebind<std::uint8_t, FourFloats> bytes;
     const auto rgba = hn::ConvertTo(d, hn::PromoteTo(FourInts(), hn::LoadU(bytes, voxel->rgba)));
@@ -148,23 +149,23 @@ HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) 
   for (int copy = 0; copy < steps; ++copy) store_pixel(colour, pixels + std::ptrdiff_t{4} * copy);
 }
 
-/// `row`: the pixel of the mask's bit 0, inside the buffer or not. `last`: nothing may be read behind these
+/// `row`: pixel of the mask's bit 0, inside the buffer or not. `last`: no byte may be read beyond these
 /// voxels.
 template <class Voxel>
-HWY_INLINE void place_row(const Reader<Voxel>& reader, int steps, double weight, std::uint64_t mask,
+HWY_INLINE void place_row(const VoxelLoader<Voxel>& loader, int steps, double weight, std::uint64_t mask,
                           const Voxel* voxels, bool last, float* row) {
   const auto to = [&] { return row + std::ptrdiff_t{4} * (std::countr_zero(mask) * steps); };
   const std::uint64_t careful = last ? std::bit_floor(mask) : 0;
-  for (; mask != careful; mask &= mask - 1, ++voxels) place_one(reader.read(voxels), weight, steps, to());
+  for (; mask != careful; mask &= mask - 1, ++voxels) place_one(loader.load(voxels), weight, steps, to());
   if (careful == 0) return;
   HWY_ALIGN std::uint8_t copy[16] = {};
   std::memcpy(copy, voxels, sizeof(Voxel));
-  place_one(reader.read(reinterpret_cast<const Voxel*>(copy)), weight, steps, to());
+  place_one(loader.load(reinterpret_cast<const Voxel*>(copy)), weight, steps, to());
 }
 
 #endif
 
-/// ORs 64 bits into a row of bits, the first at `place`; those that would lie before place 0 are not set.
+/// Sets 64 bits' ones in a row of bits from `place` on, but none before place 0.
 HWY_INLINE void put(std::uint64_t* row, std::uint64_t bits, std::int64_t place) {
   if (place < 0) {
     row[0] |= bits >> -place;
@@ -199,7 +200,7 @@ HWY_INLINE std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffe
 template <int known_steps, class Voxel>
 HWY_INLINE PlacedVoxels place(const AlignedSlice& slice, const VoxelPlaces& to,
                               const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
-  const Reader<Voxel> reader;
+  const VoxelLoader<Voxel> loader;
   const int steps = known_steps > 0 ? known_steps : slice.step_x;
   // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
   const std::int64_t least_x = -slice.reach_x - 1, most_x = to.buffer.width + slice.reach_x - 1,
@@ -217,7 +218,7 @@ HWY_INLINE PlacedVoxels place(const AlignedSlice& slice, const VoxelPlaces& to,
     const std::uint64_t within = block.mask & places_within(x, steps, least_x, most_x);
     if (within == 0) continue;
     voxels += std::popcount(block.mask & ((within & -within) - 1));
-    place_row(reader, steps, slice.opacity_weight, within, voxels, last,
+    place_row(loader, steps, slice.opacity_weight, within, voxels, last,
               to.buffer.origin + y * to.buffer.row_floats + 4 * x);
     mark(to.filled + y * to.row_words, within, x + to.left, steps);
     placed.drawn += count_drawn(slice, to.buffer, x, y, within);

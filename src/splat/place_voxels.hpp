@@ -10,7 +10,7 @@
 
 namespace ringsplat {
 
-/// Those of the 64 places x, x + step, … that lie within [low, high]; a step is 1, 2 or 4.
+/// A bit for each of the 64 places x, x + step, … that lies within [low, high]. A step is 1, 2 or 4.
 inline std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high) {
   constexpr std::uint64_t all = ~std::uint64_t{0};
   if (x >= low && x + 63 * step <= high) return all;
@@ -20,11 +20,11 @@ inline std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, s
   return first <= last ? all << first & all >> (63 - last) : 0;
 }
 
-/// A region's rows of pixels, which take the voxels of an aligned slice.
+/// Where a region takes the voxels of an aligned slice.
 struct VoxelPlaces {
   SliceBuffer buffer;
-  std::uint64_t* filled =
-      nullptr;                   ///< a bit a pixel, of the region's first row, from `left` pixels before it
+  /// A bit for each pixel of the region's first row, from `left` pixels before it on.
+  std::uint64_t* filled = nullptr;
   std::ptrdiff_t row_words = 0;  ///< from a row's bits to the next
   int left = 0;
   std::int64_t x = 0, y = 0;  ///< the anchor of voxel (0, 0), from the region's corner
@@ -32,15 +32,17 @@ struct VoxelPlaces {
 
 struct PlacedVoxels {
   std::uint32_t blocks = 0;             ///< gone through
-  std::uint64_t voxels = 0, drawn = 0;  ///< theirs; of them those with a weight above zero in the region
-  int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();  ///< rows with voxels
+  std::uint64_t voxels = 0;  ///< of these blocks
+  std::uint64_t drawn = 0;   ///< of these voxels: with a weight above zero in the region
+  /// Voxels lie in rows top … bottom − 1.
+  int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();
 };
 
-/// Writes the premultiplied RGBA in float32 of those voxels whose windows meet the region: each at its anchor
-/// and in the pixels from there to the next voxel's, whose bits are set. A voxel's colour, and its opacity
-/// times opacity_weight, are what RegionPainter::draw adds for a splat; one whose opacity is no number that a
-/// footprint can give becomes 0. Stops after `most` voxels or the block in which they end. The same bits at
-/// every vector width.
+/// Writes the voxels whose windows meet the region, as premultiplied RGBA in float32: each at its anchor and
+/// in the pixels from there up to the next voxel's anchor, and sets these pixels' bits. Colours and
+/// opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel whose opacity no
+/// footprint can give becomes 0. Stops after `most` voxels or the block in which they end. The bits are the
+/// same at every vector width.
 PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
                           const VoxelBlocks<FloatVoxel>& blocks, std::uint64_t most);
 PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,

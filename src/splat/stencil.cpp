@@ -11,7 +11,7 @@ namespace {
 
 constexpr float never = -1e30F;
 
-struct Block {
+struct PixelBlock {
   int x, y;
 };
 
@@ -20,8 +20,7 @@ double form(const Footprint& footprint, double x, double y) {
 }
 
 /// Largest Q that a kernel can have `x` pixels right of its anchor and `y` below it, over all centres in the
-/// unit square: where the pixel is not in the square itself, the concave form is largest on the square's
-/// border.
+/// unit square. For pixels outside the square the concave form is largest on the square's border.
 double largest_q(const Footprint& footprint, double x, double y) {
   if (x >= 0 && x <= 1 && y >= 0 && y <= 1) return 1;
   double best = -1e300;
@@ -34,7 +33,7 @@ double largest_q(const Footprint& footprint, double x, double y) {
   return 1 + best;
 }
 
-bool can_be_drawn(const Footprint& footprint, const Block& block) {
+bool can_be_drawn(const Footprint& footprint, const PixelBlock& block) {
   constexpr double rounding = 1e-4;
   for (int i = 0; i < block_pixels; ++i) {
     if (largest_q(footprint, block.x + i, block.y) > -rounding) return true;
@@ -42,8 +41,8 @@ bool can_be_drawn(const Footprint& footprint, const Block& block) {
   return false;
 }
 
-std::vector<Block> find_blocks(const Footprint& footprint, const Stencil& stencil) {
-  std::vector<Block> blocks;
+std::vector<PixelBlock> find_blocks(const Footprint& footprint, const Stencil& stencil) {
+  std::vector<PixelBlock> blocks;
   for (int y = -stencil.reach_y; y <= stencil.reach_y + 1; ++y) {
     for (int x = -stencil.reach_x; x <= stencil.reach_x + 1; x += block_pixels) {
       if (can_be_drawn(footprint, {x, y})) blocks.push_back({x, y});

@@ -25,19 +25,19 @@ namespace {
 
 constexpr int block_floats = 4 * block_pixels;
 
-/// Rows of anchors, a step apart, whose kernels reach a row of pixels.
-struct Reaching {
+/// The rows of anchors, a step apart, whose kernels reach a row of pixels.
+struct AnchorRows {
   int first, end, step;  ///< anchors' y, from the region's corner
   int count() const { return (end - first + step - 1) / step; }
 };
 
-Reaching reaching(const PlacedVoxelRows& voxels, const AlignedSlice& slice, int y) {
+AnchorRows rows_reaching(const PlacedVoxelRows& voxels, const AlignedSlice& slice, int y) {
   const int least = y + slice.reach_y - slice.end_row + 1, step = slice.step_y;
   const int steps = std::max(least - voxels.top + step - 1, 0) / step;
   return {voxels.top + steps * step, std::min(y + slice.reach_y - slice.first_row + 1, voxels.bottom), step};
 }
 
-/// Of every four bits, of a word's first ones on: all are set where any was.
+/// Sets all four bits of each group of four in which any is set.
 std::uint64_t whole_blocks(std::uint64_t bits) {
   bits |= bits >> 1;
   return ((bits | bits >> 2) & 0x1111111111111111) * 15;
@@ -47,20 +47,20 @@ std::uint64_t* filled_row(const PlacedVoxelRows& voxels, int y) {
   return voxels.filled + y * std::ptrdiff_t(voxels.row_words);
 }
 
-/// Blocks of a row of pixels and the voxels whose kernels cover them.
+/// Neighbouring pixel blocks of a row, and the voxels whose kernels cover them.
 struct BlockSums {
-  const float* voxels;            ///< the first block's leftmost voxel of the topmost row that reaches it
+  const float* voxels;            ///< leftmost voxel for the first block, in the topmost row of anchors
   std::ptrdiff_t row_floats;      ///< from one of these rows to the next
   const float* weights;           ///< of the topmost row
-  std::ptrdiff_t weights_floats;  ///< from a row's weights to those of the row above
+  std::ptrdiff_t weights_floats;  ///< from a row of anchors' weights back to the next row's
   int rows, taps, voxel_floats;   ///< voxel_floats: from a voxel to the next
   int blocks;
 };
 
-BlockSums block_sums(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows, int x,
+BlockSums block_sums(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows, int x,
                      int y, int blocks) {
   const int leftmost = x + slice.first_tap_x;
-  // Steps are powers of two: a remainder of negative numbers too.
+  // Steps are powers of two, so this is the remainder of negative numbers too.
   const int phase = (x + slice.reach_x - voxels.phase_x) & (slice.step_x - 1);
   const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
   const int row = y - rows.first + slice.reach_y;
@@ -83,9 +83,9 @@ namespace ringsplat::HWY_NAMESPACE {
 
 using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
 
-/// The blocks that kernels of those rows can cover, but for what `opaque` has. Of the pixels from an anchor
-/// on, a voxel fills those up to the next.
-void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const Reaching& rows,
+/// Finds the pixel blocks that the kernels of these rows can cover and that are not opaque yet. Each voxel
+/// has set the bits of the pixels from its anchor up to the next.
+void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows,
                   const std::uint64_t* opaque, std::uint64_t* covered) {
   const Words d;
   const int pixels_before = slice.reach_x - slice.first_column,
@@ -167,8 +167,9 @@ HWY_INLINE void convolve_any(const BlockSums& in, const Take& take) {
   }
 }
 
-/// The same for so many rows and taps, of `blocks` blocks: sums of their own, so that no addition waits for
-/// the one before. `alike`: at one pixel a voxel a tap has one weight in all pixels.
+/// The same for `blocks` blocks and known numbers of rows and taps. Each block has sums of its own, so that
+/// no addition waits for the one before. `alike`: voxels are one pixel apart, so a tap has the same weight in
+/// all pixels.
 template <bool alike, int taps, int rows, int blocks, class Take>
 HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) {
   const Floats d;
@@ -190,49 +191,49 @@ HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) 
 }
 
 template <bool alike, int taps, int rows, class Take>
-HWY_INLINE void convolve_rows(const BlockSums& in, const Take& take) {
+void convolve_rows(const BlockSums& in, const Take& take) {
   int block = 0;
   for (; block + 2 <= in.blocks; block += 2) convolve_some<alike, taps, rows, 2>(in, block, take);
   if (block < in.blocks) convolve_some<alike, taps, rows, 1>(in, block, take);
 }
 
-template <bool alike, int taps, class Take>
-HWY_INLINE void convolve_taps(const BlockSums& in, const Take& take) {
-  switch (in.rows) {
-    case 1:
-      return convolve_rows<alike, taps, 1>(in, take);
-    case 2:
-      return convolve_rows<alike, taps, 2>(in, take);
-    case 3:
-      return convolve_rows<alike, taps, 3>(in, take);
-    case 4:
-      return convolve_rows<alike, taps, 4>(in, take);
-    default:
-      return convolve_any(in, take);
-  }
-}
+/// Most kernels have few taps (two at radius 1, two or three at 1.1, three or four at 1.6) and reach a pixel
+/// from few rows. There is code of its own for each number of these.
+constexpr int fewest_taps = 2, most_taps = 4, most_rows = 4;
 
-/// As most kernels have: two taps at radius 1, two or three at 1.1, three or four at 1.6.
-template <bool alike, class Take>
-HWY_INLINE void convolve_some_taps(const BlockSums& in, const Take& take) {
-  switch (in.taps) {
-    case 2:
-      return convolve_taps<alike, 2>(in, take);
-    case 3:
-      return convolve_taps<alike, 3>(in, take);
-    case 4:
-      return convolve_taps<alike, 4>(in, take);
-    default:
-      return convolve_any(in, take);
-  }
+template <class Take>
+using Convolve = void (*)(const BlockSums&, const Take&);
+template <class Take>
+struct ConvolveTable {
+  Convolve<Take> of[2][most_taps - fewest_taps + 1][most_rows];  ///< [alike][taps − fewest_taps][rows − 1]
+};
+
+template <class Take, bool alike, int taps, std::size_t... row>
+constexpr void fill_rows(Convolve<Take> (&by_rows)[most_rows], std::index_sequence<row...>) {
+  ((by_rows[row] = &convolve_rows<alike, taps, int(row) + 1, Take>), ...);
+}
+template <class Take, bool alike, std::size_t... tap>
+constexpr void fill_taps(ConvolveTable<Take>& table, std::index_sequence<tap...>) {
+  constexpr std::make_index_sequence<most_rows> rows;
+  (fill_rows<Take, alike, fewest_taps + int(tap)>(table.of[alike][tap], rows), ...);
+}
+template <class Take>
+constexpr ConvolveTable<Take> convolve_table() {
+  ConvolveTable<Take> table{};
+  fill_taps<Take, false>(table, std::make_index_sequence<most_taps - fewest_taps + 1>());
+  fill_taps<Take, true>(table, std::make_index_sequence<most_taps - fewest_taps + 1>());
+  return table;
 }
 
 template <class Take>
 HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
-  if (in.voxel_floats == 4)
-    convolve_some_taps<true>(in, take);
-  else
-    convolve_some_taps<false>(in, take);
+  static constexpr ConvolveTable<Take> table = convolve_table<Take>();
+  if (in.taps < fewest_taps || in.taps > most_taps || in.rows < 1 || in.rows > most_rows) {
+    convolve_any(in, take);
+    return;
+  }
+  const bool alike = in.voxel_floats == 4;
+  table.of[alike][in.taps - fewest_taps][in.rows - 1](in, take);
 }
 
 HWY_INLINE void multiply(BlockOfSums& sums, const float* factors) {
@@ -240,7 +241,7 @@ HWY_INLINE void multiply(BlockOfSums& sums, const float* factors) {
   for (int i = 0; i < parts; ++i) sums[i] = hn::Mul(sums[i], hn::LoadU(d, factors + i * int(lanes)));
 }
 
-/// True when all pixels of the image are opaque then.
+/// Returns whether all of the image's pixels are opaque now.
 HWY_INLINE bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
   const Floats d;
   auto all = hn::FirstN(d, lanes);
@@ -251,8 +252,8 @@ HWY_INLINE bool composite_block(const BlockOfSums& sums, float opaque, float* im
 
 #endif
 
-/// Calls use(row of anchors, x, y, blocks) for runs of blocks, row by row; when a row of anchors reaches no
-/// further ones, its voxels are taken out, while they are still near.
+/// Calls use(rows of anchors, x, y, blocks) for each run of covered pixel blocks, row by row. Takes the
+/// voxels of a row of anchors out as soon as it reaches no further rows, while they are still in the cache.
 template <class Use>
 HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* opaque,
                       std::uint64_t* covered, const Use& use) {
@@ -260,16 +261,16 @@ HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, 
             end = std::min(voxels.bottom + slice.reach_y + 1, voxels.buffer.height);
   int taken_out = voxels.top;
   for (int y = begin; y < end; ++y) {
-    const Reaching rows = reaching(voxels, slice, y);
-    // Beyond the last row of anchors none has voxels.
+    const AnchorRows rows = rows_reaching(voxels, slice, y);
+    // Rows of anchors beyond the last one hold no voxels.
     const int done = std::min(rows.first, voxels.bottom);
     if (done > taken_out) take_out(voxels, std::exchange(taken_out, done), done);
     find_covered(voxels, slice, rows, opaque + std::size_t(y) * voxels.row_words, covered);
-    int x = 0, x_end = 0;  // covered pixels that are not summed yet
+    int x = 0, x_end = 0;  // run of covered pixels that is not summed yet
     for (std::size_t word = 0; word < voxels.row_words; ++word) {
       for_each_bit_run(covered[word], [&](int first, int count) {
         first += int(word) * 64 - voxels.left;
-        // A block between two runs costs less than beginning anew.
+        // Summing one uncovered block costs less than beginning a new run.
         if (x < x_end && first - x_end > block_pixels) {
           use(rows, x, y, (x_end - x) / block_pixels);
           x_end = x;
@@ -285,10 +286,10 @@ HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, 
 
 void CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
                      std::uint64_t* covered) {
-  sweep(voxels, slice, image.opaque, covered, [&](const Reaching& rows, int x, int y, int blocks) {
+  sweep(voxels, slice, image.opaque, covered, [&](const AnchorRows& rows, int x, int y, int blocks) {
     float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
     std::uint64_t* opaque = image.opaque + std::size_t(y) * voxels.row_words;
-    const float* factors = image.factors != nullptr ? image.factors[y % most_whole_steps] : nullptr;
+    const float* factors = image.factors != nullptr ? image.factors[y % largest_step] : nullptr;
     convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, BlockOfSums& sums) {
       if (factors != nullptr) multiply(sums, factors);
       if (!composite_block(sums, image.opaque_threshold, to + block * block_floats)) return;
@@ -318,8 +319,8 @@ void take_out(const PlacedVoxelRows& voxels, int first, int end) {
       for_each_bit_run(whole_blocks(std::exchange(filled[word], 0)), [&](int first_pixel, int count) {
         float* pixels = voxels.buffer.origin + y * voxels.buffer.row_floats +
                         std::ptrdiff_t{4} * (int(word) * 64 + first_pixel - voxels.left);
-        // Few at a time: a length that is not known here would be a call, or a slow instruction for long
-        // ones.
+        // Block by block: for a length that is not known here, compilers call memset or use a string
+        // instruction that is slow to start.
         for (int block = 0; block < count / block_pixels; ++block, pixels += block_floats)
           std::memset(pixels, 0, sizeof(float) * block_floats);
       });

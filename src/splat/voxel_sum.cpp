@@ -18,11 +18,12 @@ VoxelSum::VoxelSum(AlignedFrame frame, RegionSize largest, SliceBufferMemory& me
   above_ = int(reach.y) + 1;
   buffer_ = make_slice_buffer(margins, largest, memory_);
 
-  const int inside = int(in_whole_blocks(largest.width)), behind = int(2 * reach.x) + 1 + most_whole_steps;
+  const int inside = int(in_whole_blocks(largest.width)), behind = int(2 * reach.x) + 1 + largest_step;
   const std::size_t needed = std::size_t(left_ + inside + behind) / 64 + 2;  // the last one is 0
   words_ = (needed + words_a_vector - 1) / words_a_vector * words_a_vector;
   // Vectors reach a word beyond the rows on both sides.
-  filled_.assign((std::size_t(largest.height) + 2 * std::size_t(reach.y) + 1) * words_ + 2 * words_a_vector, 0);
+  const std::size_t rows_of_anchors = std::size_t(largest.height) + 2 * std::size_t(reach.y) + 1;
+  filled_.assign(rows_of_anchors * words_ + 2 * words_a_vector, 0);
   covered_.assign(words_, 0);
   forget_rows();
 }
