@@ -7,8 +7,9 @@
 
 namespace ringsplat {
 
-/// How much of any block of a region's pixels is under opaque tiles, in four look-ups and without a loop: the
-/// number of opaque tiles above and to the left of every tile's corner (summed areas, Crow 1984).
+/// Tells how much of a rectangle of a region's pixels is under opaque tiles, in four look-ups without a loop:
+/// it keeps the number of opaque tiles above and to the left of every tile's corner (summed areas, Crow
+/// 1984).
 class OpaqueCover {
  public:
   enum class Cover { none, some, all };
@@ -32,8 +33,8 @@ class OpaqueCover {
   int opaque() const { return opaque_; }
   bool worth_asking() const { return worth_asking_; }
 
-  /// Of the tiles under pixels x0 … x1, y0 … y1 (from the region's corner, x0 ≤ x1 and y0 ≤ y1), those inside
-  /// the region; none when the pixels are wholly outside.
+  /// How many of the region's tiles under pixels x0 … x1, y0 … y1 are opaque. Pixels count from the region's
+  /// corner, x0 ≤ x1 and y0 ≤ y1; none when they are wholly outside.
   Cover of(double x0, double y0, double x1, double y1) const {
     if (!(x1 >= 0 && y1 >= 0 && x0 < width_ && y0 < height_)) return Cover::none;
     const std::size_t left = tile(x0, width_), right = tile(x1, width_) + 1, top = tile(y0, height_),
@@ -50,7 +51,8 @@ class OpaqueCover {
            OpaqueTiles::tile_size;
   }
 
-  int opaque_ = 0, width_ = 0, height_ = 0;  ///< pixels of whole tiles
+  int opaque_ = 0;               ///< tiles
+  int width_ = 0, height_ = 0;  ///< of all tiles, in pixels
   bool worth_asking_ = false;
   std::size_t stride_ = 0;
   std::vector<std::int32_t> sums_;

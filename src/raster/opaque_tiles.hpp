@@ -5,8 +5,8 @@
 
 namespace ringsplat {
 
-/// Which 16 × 16 pixel tiles of a region are opaque, counted from the region's corner; those at its right and
-/// lower edge may be smaller. Tiles only become opaque in the course of a frame, never transparent again.
+/// Which tiles of a region are opaque: squares of 16 × 16 pixels from the region's corner on, of which those
+/// at its right and lower edge may be smaller. In the course of a frame tiles become opaque and stay so.
 class OpaqueTiles {
  public:
   static constexpr int tile_size = 16;  ///< pixels
@@ -19,8 +19,9 @@ class OpaqueTiles {
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  int opaque() const { return count_; }  ///< how many are
-  /// False while so few are opaque that asking for every splat takes longer than drawing what they hide.
+  int opaque() const { return count_; }  ///< number of opaque tiles
+  /// False while so few tiles are opaque that asking about every splat takes longer than drawing what they
+  /// hide.
   bool worth_asking() const { return count_ > 0 && 8 * count_ >= columns_ * rows_; }
   bool is_opaque(int column, int row) const { return opaque_[at(column, row)] != 0; }
   void set_opaque(int column, int row) {
@@ -32,8 +33,8 @@ class OpaqueTiles {
     count_ = 0;
   }
 
-  /// True when the part of these pixels (inclusive, from the region's corner) inside the region is under
-  /// opaque tiles; pixels wholly outside are not hidden.
+  /// Whether opaque tiles hide all of these pixels that lie inside the region. Pixels count from the region's
+  /// corner, x1 and y1 included; a window wholly outside is not hidden.
   bool hides(std::int64_t x0, std::int64_t y0, std::int64_t x1, std::int64_t y1) const {
     if (count_ == 0) return false;
     const std::int64_t left = std::max<std::int64_t>(x0 >> shift, 0),

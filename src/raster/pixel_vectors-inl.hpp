@@ -36,7 +36,7 @@ HWY_INLINE void add_to(float* pixel, float weight, const Colour& colour) {
   for (int i = 0; i < 4; ++i) pixel[i] = std::fma(weight, colour.rgba[i], pixel[i]);
 }
 
-/// Composites a slice's sums behind a pixel of the image; true when that is opaque then.
+/// Composites a slice's sums behind a pixel of the image. Returns whether the pixel is opaque now.
 HWY_INLINE bool composite_pixel(const float* sums, float opaque, float* image) {
   const float opacity = std::min(std::max(sums[3], 0.0F), 1.0F), left = 1.0F - image[3];
   const float transmittance = left < opaque ? 0.0F : left;
@@ -47,7 +47,7 @@ HWY_INLINE bool composite_pixel(const float* sums, float opaque, float* image) {
 
 #else
 
-/// As many floats as the processor adds at once, four pixels at most.
+/// As many floats as the processor adds at once, but at most four pixels.
 using Floats = hn::CappedTag<float, 16>;
 using FloatVector = hn::Vec<Floats>;
 using FourFloats = hn::Full128<float>;
@@ -55,7 +55,8 @@ using Colour = FloatVector;
 inline constexpr std::size_t lanes = HWY_LANES(float) < 16 ? HWY_LANES(float) : 16;
 inline constexpr std::size_t pixels_a_vector = lanes / 4;
 
-/// Spreads one value a pixel over RGBA pixels: of `lanes` values, the `part`-th quarter, each four times.
+/// Spreads one value for each pixel over RGBA pixels: get<part>() takes the part-th quarter of `lanes` values
+/// and repeats each four times.
 class Spread {
  public:
 #if HWY_MAX_BYTES == 16
@@ -83,7 +84,7 @@ class Spread {
 #endif
 };
 
-/// Premultiplied (red, green, blue, opacity). `rgb`: followed by two more bytes that may be read.
+/// Premultiplied (red, green, blue, opacity). Reads two bytes beyond `rgb`'s three words.
 HWY_INLINE hn::Vec<FourFloats> premultiply(const std::uint16_t* rgb, float opacity) {
   const FourFloats d;
   const hn::Rebind<std::int32_t, FourFloats> d32;
@@ -96,7 +97,7 @@ HWY_INLINE void store_pixel(hn::Vec<FourFloats> colour, float* pixel) {
   hn::StoreU(colour, FourFloats(), pixel);
 }
 
-/// Composites a slice's sums behind pixels of the image; which of these are opaque then.
+/// Composites a slice's sums behind pixels of the image. Returns which of these are opaque now.
 HWY_INLINE hn::Mask<Floats> composite_pixels(FloatVector sums, FloatVector opaque, float* image) {
   const Floats d;
   const auto zero = hn::Zero(d), one = hn::Set(d, 1.0F);

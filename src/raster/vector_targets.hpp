@@ -8,10 +8,11 @@ namespace ringsplat {
 /// The vector instruction set in use ("AVX3", "AVX2", "SSE4", "NEON", "SCALAR" ...), for the log.
 const char* vector_target();
 
-/// The instruction sets this program has and this processor supports, best first; for tests that compare
+/// The instruction sets that both this program and the processor have, best first; for tests that compare
 /// them.
 std::vector<std::string> vector_targets();
-/// Uses only the named one from now on; all again when empty. Not for use while another thread draws.
+/// Uses only the named instruction set from now on, or the best one again when `name` is empty or unknown. Do
+/// not call while another thread draws.
 void use_vector_target(const std::string& name);
 
 }  // namespace ringsplat

@@ -32,7 +32,7 @@ bool is_clear(const float* pixel) {
   return std::all_of(pixel, pixel + 4, [](float value) { return value == 0; });
 }
 
-/// The smallest window with all pixels of `window` that are not 0; empty when none is.
+/// The smallest part of `window` with all of its pixels that are not 0; empty when all are.
 PixelWindow not_clear(const Image& plane, const PixelWindow& window) {
   PixelWindow found{plane.width, plane.height, -1, -1};
   for (std::int64_t y = window.y0; y <= window.y1; ++y) {
@@ -49,7 +49,7 @@ PixelWindow not_clear(const Image& plane, const PixelWindow& window) {
 /// The screen's row y, narrowed to the pixels whose first taps lie in `firsts`.
 WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const PlaneWarp& warp, int y,
                       int width) {
-  // The first tap's centre lies between one and two pixels before the place.
+  // The first tap's centre lies between one and two pixels before the position.
   const glm::dvec2 start = warp.from_screen({0.5, y + 0.5}) - 1.5;
   WarpedRow row{plane.rgba.data(),
                 std::ptrdiff_t{4} * plane.width,
@@ -66,7 +66,7 @@ WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const Plane
   if (!(first < end)) return row;
   row.first = static_cast<int>(first);
   row.end = static_cast<int>(end);
-  // Rounding may have let in a column too many at either end.
+  // Rounding may have left a column too many at either end.
   while (row.first < row.end && !lies_within(row, row.first, firsts)) ++row.first;
   while (row.first < row.end && !lies_within(row, row.end - 1, firsts)) --row.end;
   return row;
@@ -77,8 +77,8 @@ WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const Plane
 Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, int width,
                  int height) {
   const PixelWindow filled = not_clear(plane, window);
-  // The first of a place's four taps along each axis: those that see a filled pixel and whose four lie in the
-  // image.
+  // The first of a position's four taps along each axis: one of the four must see a filled pixel, and all
+  // must lie in the image.
   const PixelWindow firsts{std::max<std::int64_t>(filled.x0 - 3, 0), std::max<std::int64_t>(filled.y0 - 3, 0),
                            std::min<std::int64_t>(filled.x1, plane.width - 4),
                            std::min<std::int64_t>(filled.y1, plane.height - 4)};

@@ -5,17 +5,18 @@
 
 namespace ringsplat {
 
-/// The picture of width × height pixels of the image in the slices' plane (Lacroute and Levoy 1994, section
-/// 2): every pixel takes what lies at its centre's place, interpolated with Catmull and Rom's cubic (Keys
-/// 1981, a = −½) in premultiplied colours and opacity; what the cubic's lobes bring below 0 or above is
-/// clamped, opacity to [0, 1] and colours to [0, opacity].
+/// Warps the image in the slices' plane to a picture of width × height pixels (Lacroute and Levoy 1994,
+/// section 2). Each pixel takes the plane's value at its centre, interpolated with Catmull and Rom's cubic
+/// (Keys 1981, a = −½) in premultiplied colours and opacity. The cubic has negative lobes, so the result is
+/// clamped: opacity to [0, 1] and colours to [0, opacity].
 ///
-/// Where the picture's columns lie in columns of the plane, along its rows first and then down the columns,
-/// of four pixels each (Catmull and Smith 1980); otherwise of sixteen at once. Sums differ by roundings.
+/// Where the picture's columns lie in columns of the plane, the plane is interpolated along its rows first
+/// and then down the columns, from four pixels each time (Catmull and Smith 1980); otherwise from sixteen at
+/// once. The two differ by roundings only.
 ///
-/// `window`: the pixels of `plane` that are not transparent lie in it. Pixels that see none of them are
-/// transparent. A pixel's operations are the same whatever the vector width, so its bits do not
-/// depend on the processor.
+/// `window` holds all pixels of `plane` that are not transparent. Pixels of the picture that see none of them
+/// are transparent. A pixel's operations are the same whatever the vector width, so its bits do not depend on
+/// the processor.
 Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, int width, int height);
 
 }  // namespace ringsplat

@@ -14,13 +14,13 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-/// Where some of a row's pixels lie: their first tap, and by tap the pixels' weights along both axes.
+/// Some of a row's pixels: their first taps, and [tap][pixel] weights along both axes.
 struct Places {
-  std::ptrdiff_t tap[most_places];  ///< floats from the plane's first
+  std::ptrdiff_t tap[most_places];  ///< in floats from the plane's first
   float wx[4][most_places], wy[4][most_places];
 };
 
-/// Of pixels first … first + count − 1.
+/// Finds the places of pixels first … first + count − 1.
 HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& places) {
   std::int32_t columns[most_places], rows[most_places];
   find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
@@ -48,7 +48,7 @@ void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& pla
 
 #else
 
-/// The weights of the columns in the `part`-th vector of a row of taps, each over its pixel's floats.
+/// The columns' weights in the `part`-th vector of a row of taps, each repeated over its pixel's floats.
 template <int part>
 HWY_INLINE FloatVector column_weights(const Places& places, int k) {
   const auto one = [&](std::size_t column) { return hn::Set(FourFloats(), places.wx[column][k]); };
@@ -62,7 +62,7 @@ HWY_INLINE FloatVector column_weights(const Places& places, int k) {
 #endif
 }
 
-/// The `part`-th vector of columns: sums of four taps, weighted.
+/// The `part`-th vector of columns: each is the weighted sum of four taps.
 template <int part>
 HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k) {
   const Floats d;
@@ -73,7 +73,7 @@ HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, con
   return hn::Mul(column_weights<part>(places, k), sum);
 }
 
-/// (c0 + c1) + (c2 + c3) of the columns c.
+/// Returns (c0 + c1) + (c2 + c3) of the columns c.
 HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row_floats, const Places& places,
                                            int k) {
 #if HWY_MAX_BYTES >= 64
@@ -94,7 +94,7 @@ HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row
 #endif
 }
 
-/// `taps`: the first of four pixels in the first of four rows; their weights are the k-th.
+/// `taps`: the first of four pixels in the first of four rows. `k`: which of the places' weights they have.
 HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k,
                             float* out) {
   const FourFloats d;

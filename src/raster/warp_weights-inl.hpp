@@ -18,7 +18,7 @@ namespace ringsplat::HWY_NAMESPACE {
 /// Pixels whose places are found at a time.
 inline constexpr int most_places = 64;
 
-/// Of the four taps, by tap and pixel. In a plain loop, of which a compiler makes vectors of pixels.
+/// Finds the weights of the four taps, [tap][pixel]. Compilers make vectors of pixels of the plain loop.
 HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, float (*weights)[most_places]) {
   for (int tap = 0; tap < 4; ++tap) {
     float* HWY_RESTRICT w = weights[tap];
@@ -29,8 +29,8 @@ HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, floa
   }
 }
 
-/// Along one axis, of places start + k · step from k = first on, which lie above 0, where truncation is
-/// floor: their first taps and weights.
+/// Finds first taps and weights along one axis, of places start + k · step from k = first on. Places are
+/// positive, so that truncation is floor.
 HWY_INLINE void find_taps(double start, double step, int first, int count, std::int32_t* HWY_RESTRICT taps,
                           float (*weights)[most_places]) {
   float fraction[most_places];
@@ -52,7 +52,7 @@ HWY_INLINE void store_clamped(const float* rgba, float* out) {
 
 #else
 
-/// What the cubic's lobes bring out of range is clamped.
+/// Clamps what the cubic's negative lobes bring out of range.
 template <class D>
 HWY_INLINE hn::Vec<D> clamp_pixels(D d, hn::Vec<D> rgba) {
   const auto zero = hn::Zero(d);

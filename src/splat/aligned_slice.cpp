@@ -11,8 +11,8 @@
 namespace ringsplat {
 namespace {
 
-/// The pixels of all windows round their anchors, row by row: their weights for one place of the voxel
-/// between the pixels.
+/// The weights of the pixels in a kernel's window, row by row, for one position of the voxel between the
+/// pixels.
 class Window {
  public:
   Window(const Footprint& footprint, KernelReach reach, double dx, double dy)
@@ -58,8 +58,8 @@ void take_weights(const Window& window, AlignedSlice& slice) {
       slice.end_row = row + 1;
     }
   }
-  // Steps from the window's first column to those of the rightmost and of the leftmost voxel. There are such:
-  // no kernel is so narrow that it lies between pixels (narrowest_half_width).
+  // How many steps the window's first column is from the rightmost and from the leftmost voxel that reaches
+  // it. Both exist: no kernel is so narrow that it lies between pixels (narrowest_half_width).
   const int least = slice.first_column / slice.step_x, most = (slice.end_column - 1) / slice.step_x;
   slice.taps = most - least + 1;
   slice.first_tap_x = slice.reach_x - most * slice.step_x;

@@ -8,32 +8,30 @@
 
 namespace ringsplat {
 
-/// What the kernels of a slice have in common where its voxels lie a whole number of pixels apart, as in an
-/// image in the slices' plane: all cover the pixels round their anchors with the same weights, so that
-/// drawing a row of voxels is a convolution, as resampling a scanline is in Lacroute and Levoy 1994
-/// (section 3.1).
+/// The kernels' weights in a slice whose voxels lie a whole number of pixels apart, as in an image in the
+/// slices' plane. All kernels cover the pixels round their anchors with the same weights, so drawing a row of
+/// voxels is a convolution, like resampling a scanline in Lacroute and Levoy 1994 (section 3.1).
 struct AlignedSlice {
-  /// Pixels from voxel to voxel, along u, which is right, and along v, which is down: 1, 2 or 4.
+  /// Pixels from voxel to voxel: to the right along u, down along v. Each is 1, 2 or 4.
   int step_x = 1, step_y = 1;
-  std::int64_t anchor_x = 0, anchor_y = 0;  ///< of voxel (0, 0), a pixel of the plane
+  std::int64_t anchor_x = 0, anchor_y = 0;  ///< of voxel (0, 0), in pixels of the image plane
   int reach_x = 1, reach_y = 1;             ///< as in KernelReach
-  /// Columns and rows with a weight above zero, of those from reach before the anchor on. A kernel covers the
-  /// whole window only where its voxel lies half-way between pixels.
+  /// Columns and rows of the window that have a weight above zero, counted from its first. A kernel fills the
+  /// window only where its voxel lies half-way between pixels.
   int first_column = 0, end_column = 4, first_row = 0, end_row = 4;
   int taps = 4;         ///< voxels of a row that can reach one pixel
-  int first_tap_x = 0;  ///< from a pixel to the leftmost of them, in pixels
-  /// [rows][taps][7 pixels][4]: the tap-th voxel's weight (the leftmost is the first) in each pixel from
-  /// reach_x before an anchor on, which is again what it is a step further; each weight four times, once for
-  /// each channel.
+  int first_tap_x = 0;  ///< offset from a pixel to the leftmost of them, in pixels
+  /// [rows][taps][7 pixels][4 channels]: weight of the tap-th voxel, counted from the leftmost, in each pixel
+  /// from reach_x before an anchor on. Weights repeat after a step, and each is there once a channel.
   std::vector<float> weights;
   double opacity_weight = 1;  ///< Footprint::weight
   struct Offset {
     int x, y;
   };
-  std::vector<Offset> covered;  ///< pixels with a weight above zero, from the anchor
+  std::vector<Offset> covered;  ///< pixels with a weight above zero, as offsets from the anchor
 };
 
-/// A frame whose voxels lie so in every slice, and whose kernels are drawn with a stencil.
+/// A frame whose slices are all aligned, and whose kernels are drawn with a stencil.
 class AlignedFrame {
  public:
   /// Empty for all other frames. `view`: of the lattice to the image plane.

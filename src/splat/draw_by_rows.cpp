@@ -20,7 +20,7 @@ struct OffsetRun {
   bool empty() const { return first >= end; }
 };
 
-/// A row's part of a splat that is the same in all its pixels.
+/// What is the same for all pixels of a splat's row.
 struct RowConstants {
   float p00, p10, u0, v0, a, linear;
 };
@@ -59,7 +59,7 @@ class RowAdder {
  public:
   // An implicit constructor would be compiled without the target's instructions.
   HWY_INLINE RowAdder() {}
-  /// Returns whether Q > 0 in one of the pixels; `pixels` is the extent's first.
+  /// Returns whether Q > 0 in any of the pixels. `pixels`: the extent's first.
   HWY_INLINE bool add(float* pixels, const RowConstants& row, const Colour& colour,
                       const OffsetRun& extent) const {
     const Floats d;
@@ -93,9 +93,10 @@ class RowAdder {
 
 #endif
 
-/// Where the quadratic of the splat's row `dy` is positive. NaN cannot come: the coefficients are finite and
-/// D < 0.
-OffsetRun positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat, std::int64_t row) {
+/// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
+/// and D < 0.
+OffsetRun positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat,
+                          std::int64_t row) {
   const auto dy = static_cast<double>(row);
   const double b = static_cast<double>(splat.a) + footprint.e * dy;
   const double c = static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint.f * dy * dy;

@@ -10,10 +10,10 @@ namespace ringsplat {
 namespace {
 
 constexpr int guard_bits = 14;
-/// No footprint has larger ones, since its semi-axes are a pixel or more.
+/// No footprint has larger coefficients, since its semi-axes are a pixel or more.
 constexpr float largest_a_or_b = 4.5F, largest_c = 8;
 
-/// A frame's evaluator.
+/// Evaluates Q with a frame's footprint.
 class FixedPointQuadratic {
  public:
   FixedPointQuadratic(const Footprint& footprint, int bits)

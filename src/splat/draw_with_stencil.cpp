@@ -61,7 +61,7 @@ struct SplatVectors {
   FloatVector a, b, c, colour;
 };
 
-/// Keeps a kernel at the border inside the region and finds out whether it reaches a pixel there.
+/// Clips a kernel at the region's border and finds out whether it reaches a pixel inside.
 class Border {
  public:
   HWY_INLINE Border(const SliceBuffer& slice, int x, int y) {
@@ -88,7 +88,7 @@ class Border {
   FloatVector left_, right_, top_, bottom_, largest_;
 };
 
-/// For kernels whose whole window is in the region. Their ellipse holds a pixel centre wherever it lies: its
+/// For kernels whose whole window is in the region. Wherever their ellipse lies, it holds a pixel centre: its
 /// semi-axes are a pixel or more (footprint.hpp).
 struct NoBorder {
   HWY_INLINE NoBorder(const SliceBuffer&, int, int) {}
@@ -96,7 +96,7 @@ struct NoBorder {
   HWY_INLINE bool reached() const { return true; }
 };
 
-/// `fixed_vectors`: the stencil's length in vectors where it is so short that it stays in registers, else 0.
+/// `fixed_vectors`: the stencil's length in vectors if it is short enough to stay in registers, else 0.
 template <std::size_t fixed_vectors>
 class KernelAdder {
  public:
@@ -130,7 +130,8 @@ class KernelAdder {
   }
 
  private:
-  /// Four vectors of pixels from one of weights; a block is 4 / pixels_a_vector of them.
+  /// Adds to four vectors of pixels, whose weights are one vector. A pixel block is 4 / pixels_a_vector
+  /// vectors.
   template <class Clip>
   HWY_INLINE void add_vector(float* anchor, const std::ptrdiff_t* offset, const StencilVectors& at,
                              const SplatVectors& splat, Clip& border) const {

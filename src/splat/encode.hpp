@@ -8,8 +8,8 @@
 
 namespace ringsplat {
 
-/// How far kernels reach from their anchor pixel, the same for all of a frame: the anchor is the pixel at or
-/// before the centre, so pixels anchor − before … anchor + before + 1 may have Q > 0 and no others.
+/// How far a frame's kernels reach from their anchor, the pixel at or before the centre: only the pixels
+/// anchor − reach … anchor + reach + 1 can have Q > 0.
 struct KernelReach {
   std::int64_t x, y;  ///< whole pixels before the anchor; one more after it
 };
@@ -17,8 +17,8 @@ inline KernelReach kernel_reach(const Footprint& footprint) {
   return {static_cast<std::int64_t>(footprint.half.x), static_cast<std::int64_t>(footprint.half.y)};
 }
 
-/// A window meets a region when its anchor is at most reach + 1 before it or reach behind it, and starts reach
-/// before its anchor. On both sides there is also the rest of a pixel block.
+/// A window meets a region when its anchor is at most reach + 1 before it or reach behind it, and starts
+/// reach before its anchor. On both sides there is also the rest of a pixel block.
 inline Margins window_margins(KernelReach reach) {
   const std::ptrdiff_t x = 2 * reach.x + 1, y = 2 * reach.y + 1;
   return {x + block_pixels, x + block_pixels, y, y};
@@ -29,8 +29,7 @@ inline PixelWindow pixel_window(const Anchored& at, KernelReach reach) {
 
 /// [0, 1] to [0, 65535], rounded to nearest; values outside, and NaN, go to the nearer end or 0.
 inline std::uint16_t quantise_colour(float value) {
-  // Adding a half and truncating takes one instruction where lround is a call; the value is not negative
-  // here.
+  // The value is not negative, so adding a half and truncating rounds; lround would be a call.
   const float inside = std::min(std::max(0.0F, value), 1.0F);
   return static_cast<std::uint16_t>(
       static_cast<std::int32_t>(inside * 65535.0F + 0.5F));  // NOLINT(bugprone-incorrect-roundings)

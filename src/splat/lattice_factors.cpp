@@ -15,7 +15,7 @@ using Doubles = hn::CappedTag<double, 8>;
 using HalfFloats = hn::Rebind<float, Doubles>;
 using HalfInts = hn::Rebind<std::int32_t, Doubles>;
 
-/// Where positions fall in a table of `size` steps a period: the step and the rest, in [0, 1].
+/// Positions in a table of `size` steps a period: the step, and the rest in [0, 1].
 struct Steps {
   hn::Vec<HalfInts> index;
   hn::Vec<HalfFloats> rest;

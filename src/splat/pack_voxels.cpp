@@ -22,10 +22,10 @@ void PackFloats(const float* rgba, std::size_t count, FloatVoxel* voxels) {
   }
 }
 
-/// Of 0 and numbers from 2⁻¹²⁶ to 65504, rounded to nearest even (Giesen 2012, "Float->half variants").
+/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants").
 HWY_INLINE std::uint16_t to_half(float value) {
   if (value < 0x1p-14F) {
-    // The sum's last place is the half's: adding rounds.
+    // The sum has the half's last place, so that adding rounds.
     return static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(value + 0.5F) -
                                       std::bit_cast<std::uint32_t>(0.5F));
   }
@@ -53,7 +53,7 @@ using FourFloats = hn::Full128<float>;
 using FourInts = hn::Full128<std::int32_t>;
 using Voxel = hn::Vec<FourFloats>;
 
-/// A voxel's colour in 3 × 16 bits behind its opacity, in the first 10 bytes.
+/// Packs a voxel into the first 10 bytes: its opacity, then its colour in 3 × 16 bits.
 class FloatPacker {
  public:
   HWY_INLINE FloatPacker() {
@@ -82,7 +82,7 @@ void PackFloats(const float* rgba, std::size_t count, FloatVoxel* voxels) {
   const FourFloats d;
   const FloatPacker packer;
   auto* out = reinterpret_cast<std::uint8_t*>(voxels);
-  // Stores reach beyond their voxel; the next one's puts that right.
+  // A store reaches beyond its voxel, and the next one overwrites that.
   for (std::size_t k = 0; k + 1 < count; ++k)
     hn::StoreU(packer.pack(hn::LoadU(d, rgba + 4 * k)), bytes, out + k * sizeof(FloatVoxel));
   HWY_ALIGN std::uint8_t last[16];

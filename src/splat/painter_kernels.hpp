@@ -6,11 +6,11 @@
 
 namespace ringsplat {
 
-/// What of a run of splats to draw into a region.
+/// Consecutive splats to draw into a region.
 struct SplatRun {
   const std::byte* bytes = nullptr;  ///< any alignment
   std::size_t count = 0;
-  std::int64_t base_x = 0, base_y = 0;  ///< of the anchors, from the region's corner
+  std::int64_t base_x = 0, base_y = 0;  ///< pixel from which anchors count, from the region's corner
 };
 
 /// Adds splats to the slice buffer. In every pixel, in float32 and in this order, rounded once for each fma
@@ -22,10 +22,10 @@ struct SplatRun {
 DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
                              PixelRun* anchors);
 
-/// The same for kernels of any size, row by row within the region; K = −fma(u, u, v²) with (u, v) = P (dx,
-/// dy) is made on the way (u = fma(P00, dx, u0), v = fma(P10, dx, v0); u0 and v0 are rounded once a row). A
-/// row takes part where its quadratic, solved in double precision, is positive; that depends on the splat
-/// alone, not on the region.
+/// The same for kernels of any size, row by row within the region. K = −fma(u, u, v²) is computed on the way,
+/// with (u, v) = P (dx, dy), u = fma(P00, dx, u0) and v = fma(P10, dx, v0), where u0 and v0 are rounded once
+/// a row. A row is drawn where its quadratic, solved in double precision, is positive; that depends on the
+/// splat alone, not on the region.
 ///
 /// `written`: [height], takes the pixels written in each row.
 DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
@@ -39,11 +39,11 @@ DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& tab
 
 /// The same with Q in fixed point, as Pixel-Planes 5 evaluated it (Neumann 1992, sections 2.2 and 4.1).
 ///
-/// The six coefficients are rounded to bits + 14 binary places, the sum of their products with the whole
-/// offsets (dx, dy) is exact, and the last 14 places are cut off as a bit-serial evaluator does. So Q is a
-/// multiple of 2^−bits, not above the true one but for the coefficients' rounding, and 1 itself becomes
-/// 1 − 2^−bits. 14 guard bits are what the squares of offsets within a region of 128 pixels need: the rounded
-/// D, E and F then err by half of the result's last place at most. Q² and the sums are float32.
+/// The six coefficients are rounded to bits + 14 binary places. The sum of their products with the whole
+/// offsets (dx, dy) is exact, and its last 14 places are cut off, as a bit-serial evaluator does. So Q is a
+/// multiple of 2^−bits that is not above the true Q but for the coefficients' rounding, and 1 becomes 1 −
+/// 2^−bits. The squares of offsets within a region of 128 pixels need 14 guard bits: the rounded D, E and F
+/// then err by at most half of the result's last place. Q² and the sums are float32.
 DrawCounts draw_fixed_point(const SliceBuffer& slice, const Footprint& footprint, int bits,
                             const SplatRun& run, PixelRun* written);
 

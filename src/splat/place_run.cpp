@@ -15,7 +15,8 @@ using Doubles = hn::CappedTag<double, 8>;
 using HalfFloats = hn::Rebind<float, Doubles>;
 using HalfInts = hn::Rebind<std::int32_t, Doubles>;
 
-/// Where voxels lie along one screen axis: the anchor's pixel minus the base, and the offset from it.
+/// Voxels' positions along one axis of the image plane: the anchor's pixel minus the base, and the offset
+/// from it.
 struct Offsets {
   hn::Vec<Doubles> anchor, offset;
 };
@@ -35,7 +36,7 @@ void PlaceRun(const Footprint& footprint, const SliceDda& dda, std::uint32_t fir
   const auto a_x = hn::Set(d, -2 * footprint.d), e = hn::Set(d, footprint.e),
              minus_e = hn::Set(d, -footprint.e), b_y = hn::Set(d, 2 * footprint.f), half = hn::Set(d, 0.5),
              one = hn::Set(d, 1.0);
-  // Vectors may read behind the row's last voxel and write behind the last place: both have room.
+  // The last vector may read beyond the row's voxels and write beyond the last place; both have room.
   for (int k = 0; k < count; k += int(hn::Lanes(d))) {
     const Offsets x = offsets(dda.steps_x() + first + k, dda.row_start().x, static_cast<double>(base_x));
     const Offsets y = offsets(dda.steps_y() + first + k, dda.row_start().y, static_cast<double>(base_y));

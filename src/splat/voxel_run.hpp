@@ -9,8 +9,8 @@
 
 namespace ringsplat {
 
-/// Visible voxels of a slice's row, among 64 neighbouring columns. Their positions follow from the view,
-/// which every rank knows, so a bit each says where they are and only their colours and opacities travel.
+/// The visible voxels among 64 neighbouring columns of a slice's row. Every rank knows the view, from which
+/// their positions follow, so only a bit for each voxel, its colour and its opacity travel.
 struct VoxelBlock {
   std::uint32_t row, first;  ///< first: column, a multiple of 64
   std::uint64_t mask;        ///< bit i: the voxel of column first + i; never 0
@@ -22,8 +22,9 @@ struct BlockGroup {
   std::uint32_t blocks, voxels;
 };
 
-/// A voxel's straight linear colour and its opacity, corrected and not yet weighted, as they travel.
-struct FloatVoxel {  ///< what a Splat carries of them, so it draws the same bits
+/// Voxels as they travel: straight linear colour, and the opacity, corrected and not yet weighted. This one
+/// has the numbers that a Splat has, so it draws the same bits.
+struct FloatVoxel {
   std::uint16_t opacity[2];
   std::uint16_t rgb[3];
 };
@@ -35,7 +36,7 @@ struct ByteVoxel {  ///< 255 = 1
   std::uint8_t rgba[4];
 };
 
-/// A region's blocks as they travel: VoxelBlock at any alignment, and the voxels of all in their order.
+/// A region's blocks as they travel: VoxelBlocks at any alignment, and the voxels of all blocks in order.
 template <class Voxel>
 struct VoxelBlocks {
   const std::byte* blocks;
@@ -43,9 +44,9 @@ struct VoxelBlocks {
   const Voxel* voxels;
 };
 
-/// Makes them of `count` voxels' (red, green, blue, opacity), straight and within [0, 1], into `count`
-/// places. The same bits at every vector width: FloatVoxel's colours by quantise_colour, halves rounded to
-/// nearest even, bytes to nearest.
+/// Packs `count` voxels, given as (red, green, blue, opacity), straight and within [0, 1]. The bits are the
+/// same at every vector width: FloatVoxel's colours are rounded by quantise_colour, halves to nearest even,
+/// bytes to nearest.
 void pack(const float* rgba, std::size_t count, FloatVoxel* voxels);
 void pack(const float* rgba, std::size_t count, HalfVoxel* voxels);
 void pack(const float* rgba, std::size_t count, ByteVoxel* voxels);

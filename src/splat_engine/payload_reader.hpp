@@ -18,22 +18,22 @@ struct PayloadPart {
   std::span<const std::byte> bytes;
 };
 
-/// Takes a payload apart and draws its parts, splat by splat, into a sum of its own.
+/// Splits a payload into its regions' parts, and draws a part, splat by splat, into a sum of its own.
 class PayloadReader {
  public:
   virtual ~PayloadReader() = default;
-  /// The parts of a payload, one for each region, ascending. Looks at all of it before anything is drawn, so
-  /// that a bad message leaves no half-drawn slice; throws RunError when it is no payload for the regions
-  /// that `owned` is true of.
+  /// The parts of a payload, one for each region, in ascending order. Checks all of it before anything is
+  /// drawn, so that a bad message leaves no half-drawn slice. Throws RunError when it is no payload for
+  /// regions of which `owned` is true.
   virtual std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                          const std::function<bool(int region)>& owned) const = 0;
-  /// Goes to the first splat of a part that parts() gave; its bytes must stay valid until more() is false.
+  /// Goes to the first splat of a part from parts(). Its bytes must stay valid until more() is false.
   virtual void begin(int slice, const PayloadPart& part) = 0;
-  /// True when the part has splats that are not drawn.
+  /// Whether the part has splats that are not drawn yet.
   virtual bool more() = 0;
   /// Draws at least one and about `most` of the part's next splats.
   virtual DrawCounts draw(std::uint32_t most) = 0;
-  /// What they are drawn into; it must be in the part's region.
+  /// What the splats are drawn into. Its begin() must have been given the part's region.
   virtual SliceSum& sum() = 0;
 };
 

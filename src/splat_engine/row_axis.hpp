@@ -17,7 +17,7 @@ class RowAxis {
   /// `step`: from column to column.
   explicit RowAxis(double step) : inverse_(1 / step) {}
   void begin_row(double start) { start_ = start; }
-  /// Those of the columns whose positions lie within [low, high].
+  /// The columns among `columns` whose positions lie within [low, high].
   Columns within(double low, double high, Columns columns) const {
     if (!std::isfinite(inverse_)) return start_ >= low && start_ <= high ? columns : Columns{0, 0};
     const double a = (low - start_) * inverse_, b = (high - start_) * inverse_;

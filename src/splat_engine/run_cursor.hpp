@@ -14,15 +14,15 @@
 
 namespace ringsplat {
 
-/// Takes a payload of runs apart and goes through a part of it, block by block or run by run.
+/// Splits a payload of runs into parts, and goes through a part of it block by block or run by run.
 template <class Voxel>
 class RunCursor {
  public:
   /// `width`, `height`: of the slice, in voxels.
   RunCursor(int width, int height) : width_(std::uint32_t(width)), height_(std::uint32_t(height)) {}
 
-  /// Throws RunError when `body` is no payload of runs in such a slice for regions, ascending, that `owned`
-  /// is true of.
+  /// Throws RunError unless `body` is a payload of runs in such a slice, for regions in ascending order of
+  /// which `owned` is true.
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const {
     std::vector<PayloadPart> parts;
@@ -47,7 +47,7 @@ class RunCursor {
     voxel_at_ = at_ + blocks_left_ * sizeof(VoxelBlock);
   }
 
-  /// Goes to a block with voxels left; false at the part's end.
+  /// Goes to the next block that has voxels left. Returns false at the part's end.
   bool find() {
     if (block_.mask != 0) return true;
     if (blocks_left_ == 0) return false;
@@ -55,11 +55,11 @@ class RunCursor {
     return take(body_, at_, block_);
   }
 
-  /// The part's blocks that find() has not gone to.
+  /// The part's blocks to which find() has not gone yet.
   VoxelBlocks<Voxel> blocks_left() const {
     return {body_.data() + at_, blocks_left_, reinterpret_cast<const Voxel*>(body_.data() + voxel_at_)};
   }
-  /// `voxels`: how many those blocks have.
+  /// `voxels`: how many voxels those blocks have.
   void skip_blocks(std::uint32_t blocks, std::uint64_t voxels) {
     blocks_left_ -= blocks;
     at_ += blocks * sizeof(VoxelBlock);
@@ -67,7 +67,7 @@ class RunCursor {
   }
 
   std::uint32_t row() const { return block_.row; }
-  /// The first of the block's voxels that are left, and how many follow each other from there.
+  /// Column of the first of the block's voxels that are left, and how many follow each other from there.
   std::uint32_t first() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
   std::uint32_t count() const {
     return std::uint32_t(std::countr_one(block_.mask >> std::countr_zero(block_.mask)));
@@ -83,7 +83,7 @@ class RunCursor {
   }
 
  private:
-  /// Moves `at` behind the group; false when it is not whole or a block leaves the slice.
+  /// Moves `at` behind the group. Returns false when the group is not whole or a block leaves the slice.
   bool check_blocks(const BlockGroup& group, std::span<const std::byte> body, std::size_t& at) const {
     if (group.blocks == 0 || (body.size() - at) / sizeof(VoxelBlock) < group.blocks) return false;
     std::uint64_t voxels = 0;

@@ -12,7 +12,7 @@
 namespace ringsplat {
 namespace {
 
-/// Makes the same splats of runs that the GP would have made of the voxels.
+/// Makes splats of runs: the same ones that the GP would have made of the voxels.
 template <class Voxel>
 class RunReader final : public PayloadReader {
  public:
@@ -58,8 +58,7 @@ class RunReader final : public PayloadReader {
   SliceSum& sum() override { return sum_; }
 
  private:
-  /// Places the columns round the run's next voxel, unless they are placed: runs are short, and rows have
-  /// several.
+  /// Places the 64 columns round the run's next voxel unless that is done: a row has several short runs.
   void place_block() {
     if (std::exchange(row_, cursor_.row()) != cursor_.row()) {
       dda_.begin_row(slice_, int(cursor_.row()));
@@ -71,10 +70,10 @@ class RunReader final : public PayloadReader {
     place_run(geometry_.footprint, dda_, first, count, corner_x_, corner_y_, places_);
   }
 
-  /// Appends at most `wanted` of the run's voxels; false when the next one needs another base.
+  /// Appends at most `wanted` of the run's voxels. Returns false when the next one needs another base.
   ///
-  /// Bases lie on a lattice of 256 pixels that begins before the region's corner by the kernels' reach, so
-  /// that regions of up to 250 pixels have one.
+  /// Bases are 256 pixels apart, and the first lies before the region's corner by the kernels' reach, so that
+  /// regions of up to 250 pixels need only one.
   bool append_splats(std::uint32_t wanted) {
     place_block();
     const std::uint32_t first = cursor_.first() - placed_,
@@ -115,16 +114,16 @@ class RunReader final : public PayloadReader {
   std::uint32_t width_;
   RunCursor<Voxel> cursor_;
   SliceDda dda_;
-  int slice_ = -1;                            ///< that the DDA is in
+  int slice_ = -1;                            ///< in which the DDA is
   std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< where the bases' lattice begins
   static constexpr std::uint32_t nothing = ~0U;
-  std::uint32_t row_ = nothing;     ///< that the DDA is at, in the slice
+  std::uint32_t row_ = nothing;     ///< of the slice, at which the DDA is
   std::uint32_t placed_ = nothing;  ///< first of the columns in places_
   RunPlaces places_;
   std::int32_t base_x_ = 0, base_y_ = 0;  ///< of the splats, from the corner
   std::vector<Splat> splats_;
-  std::uint64_t filled_ = 0,
-                off_screen_ = 0;  ///< of splats_; voxels so far from the region that they cannot reach it
+  std::uint64_t filled_ = 0;      ///< of splats_
+  std::uint64_t off_screen_ = 0;  ///< voxels too far from the region to reach it
 };
 
 }  // namespace

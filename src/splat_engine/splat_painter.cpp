@@ -137,9 +137,9 @@ class SplatPainter final : public FramePainter {
     double busy = 0, compositing = 0;
   };
 
-  /// Draws part after part, each whole and by this lane alone: their splats keep their order.
+  /// Draws part after part. One lane draws all of a part, so its splats keep their order.
   void draw_some(Lane& lane) {
-    // Messages wait for the end of a piece, and threads that share it for each other.
+    // Few enough: messages wait until work() returns, and threads wait for each other.
     const std::int64_t splats_at_most = lanes_in_use_ > 1 ? 4096 : 1024, chunk_splats = 512;
     const OptionalSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
     for (std::int64_t budget = splats_at_most; budget > 0;) {
@@ -207,12 +207,12 @@ class SplatPainter final : public FramePainter {
   RegionSize largest_region_;                ///< of those owned
   ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
-  int lanes_in_use_ = 1;     ///< by this payload
+  int lanes_in_use_ = 1;     ///< for this payload
   std::vector<PayloadPart> parts_;
   std::atomic<std::size_t> next_part_ = 0;
   int slice_ = 0;
-  glm::dvec2 voxel_{0.0};                 ///< of the slice
-  std::map<int, std::vector<int>> told_;  ///< by GP: how many opaque tiles of each owned region it knows
+  glm::dvec2 voxel_{0.0};                 ///< where one of the slice lies in the image plane
+  std::map<int, std::vector<int>> told_;  ///< by GP: opaque tiles of each owned region that it knows
   ItemCounts counts_;
   double composite_seconds_ = 0;
 };

@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// `Made` for the voxels in which runs of that precision travel.
+/// Makes a `Made` for the kind of voxel in which runs of this precision travel.
 template <class Base, template <class Voxel> class Made, class... Arguments>
 std::unique_ptr<Base> make_for_voxels(Precision precision, const Arguments&... arguments) {
   switch (precision) {

@@ -4,7 +4,7 @@
 
 namespace ringsplat {
 
-/// Half-open rectangle of pixels.
+/// Half-open rectangle of pixels: x0 … x1 − 1, y0 … y1 − 1.
 struct PixelRect {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   int width() const { return x1 - x0; }
@@ -15,17 +15,18 @@ struct PixelRect {
 
 /// Which Renderer owns a region: the one map from regions to Renderers, used by all.
 ///
-/// Only the regions of a block are dealt, those that a frame's volume reaches; the others are nobody's. The
-/// region in the block's column x and row y is Renderer x + skew · y's, modulo their number, so that all have
-/// as many regions or one fewer. Of the skews that keep that, the one with the longest way from a region to
-/// the nearest one of the same Renderer is taken (the lattices of Korobov 1959): what lies together in the
-/// picture is dealt to many. Dealing in turn is the skew of a row's length, which gives a Renderer whole
-/// columns when their numbers have a common divisor. In Neumann 1992 (section 3) a Renderer has one region.
+/// Only a rectangle of regions is dealt, those that a frame's volume reaches; nobody owns the others. The
+/// region in the rectangle's column x and row y belongs to Renderer x + skew · y, modulo their number, so
+/// that all have equally many regions or one fewer. Among the skews that keep this, the constructor takes the
+/// one with the longest way from a region to the nearest one of the same Renderer (the lattices of Korobov
+/// 1959), which deals neighbouring regions to many Renderers. Dealing in turn would be a skew of the row's
+/// length and give a Renderer whole columns when the two numbers have a common divisor. In Neumann 1992
+/// (section 3) a Renderer has one region.
 class RegionOwners {
  public:
   static constexpr int nobody = -1;
-  /// `columns`: of the picture's regions; `block`: those to deal, in columns and rows of regions.
-  /// `dealt_to`: how many of the Renderers get any, at even distances among them all.
+  /// `columns`: of all regions. `block`: the regions to deal, in columns and rows of regions. `dealt_to`: how
+  /// many of the Renderers get any, spread evenly among them.
   RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to);
   int of(int region) const {
     const int column = static_cast<int>(region % columns_), row = static_cast<int>(region / columns_);
@@ -39,8 +40,8 @@ class RegionOwners {
   PixelRect block_;
 };
 
-/// The screen cut into regions of one size, numbered row by row; those at the right and lower edge may be
-/// smaller.
+/// The image plane cut into regions of one size, numbered row by row. Those at the right and lower edge may
+/// be smaller.
 class Regions {
  public:
   Regions() = default;
@@ -53,10 +54,10 @@ class Regions {
   int count() const { return columns_ * rows_; }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  /// Of the region with this number, in pixels.
+  /// The region's pixels.
   PixelRect rect(int region) const;
 
-  /// The block of all regions, in columns and rows of them.
+  /// All regions, in columns and rows of regions.
   PixelRect all() const { return {0, 0, columns_, rows_}; }
   RegionOwners owners(int renderers) const { return owners(all(), renderers, renderers); }
   RegionOwners owners(const PixelRect& block, int renderers, int dealt_to) const {
@@ -64,8 +65,8 @@ class Regions {
   }
   std::vector<int> owned(int renderer, const RegionOwners& owners) const;
 
-  /// The block of regions that pixels [x0, x1] × [y0, y1] (inclusive) touch, clipped to the screen, in
-  /// columns and rows of regions; empty when off the screen.
+  /// The regions that the pixels from (x0, y0) to (x1, y1), both included, touch, in columns and rows of
+  /// regions. Clipped to the image plane; empty when outside it.
   PixelRect touched(long long x0, long long y0, long long x1, long long y1) const;
 
  private:

@@ -7,12 +7,12 @@
 
 namespace ringsplat {
 
-/// No kernel's ellipse is narrower than this on the screen, in pixels from its centre: below it, a voxel
-/// between pixel centres would vanish and flicker (Swan 1997; Zwicker 2001). One pixel is the smallest radius
-/// at which the quartic's sum over the pixels stays within 10 % wherever the voxel lies.
+/// Smallest semi-axis of a kernel's ellipse in the image plane, in pixels. With a smaller one a voxel between
+/// pixel centres would vanish and flicker (Swan 1997; Zwicker 2001). One pixel is the smallest radius at
+/// which the quartic's sum over the pixels stays within 10 % wherever the voxel lies.
 inline constexpr double narrowest_half_width = 1.0;
 
-/// The kernel's shape on the screen, constant over a frame because the view is affine.
+/// The kernel's shape in the image plane, constant over a frame because the view is affine.
 ///
 /// Q(p) = 1 − |P(p − p0)|², kernel Q² where Q > 0 (Neumann 1992, section 2.3, with P as in the errata:
 /// the inverse of the 2×2 block that takes lattice (u, v) to pixels, divided by the radius).
@@ -29,11 +29,11 @@ struct Footprint {
   double weight = 1;
 };
 
-/// Throws InputError for a radius that is not in [0.5, 8], a view that is not finite, and kernels of more
-/// than 2^28 pixels.
+/// `radius`: in voxels. Throws InputError for a radius that is not in [0.5, 8], a view that is not finite,
+/// and kernels wider than 2^28 pixels.
 Footprint make_footprint(const ViewTransform& view, Axis axis, double radius);
 
-/// A, B, C of a kernel whose centre lies at (x0, y0) from the pixel centre that is the origin.
+/// A, B and C of a kernel whose centre lies at (x0, y0) from the origin, a pixel centre.
 struct Coefficients {
   double a, b, c;
 };
