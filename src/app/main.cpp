@@ -3,5 +3,5 @@
 
 int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();
-  return ringsplat::app::exit_code_after_printing(ringsplat::app::run_program(argc, argv));
+  return ringsplat::app::run_program(argc, argv);
 }

@@ -3,12 +3,7 @@
 #include <signal.h>
 
 #include <array>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 
-#include "ringsplat/base/error.hpp"
-#include "ringsplat/base/log.hpp"
 #include "ringsplat/base/output_file.hpp"
 
 namespace ringsplat::app {
@@ -35,15 +30,6 @@ void prepare_for_signals() {
     sigaction(number, nullptr, &before);
     if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
   }
-}
-
-int exit_code_after_printing(int code) {
-  const bool flushed = std::fflush(stdout) == 0;
-  // A run that has failed has said why, be it this.
-  if ((flushed && std::ferror(stdout) == 0) || code == static_cast<int>(ExitCode::run_failed)) return code;
-  log_error("standard output cannot be written{}{}; hint: is its disk full?", flushed ? "" : ": ",
-            flushed ? "" : std::strerror(errno));
-  return static_cast<int>(ExitCode::run_failed);
 }
 
 }  // namespace ringsplat::app

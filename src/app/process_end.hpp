@@ -7,7 +7,4 @@ namespace ringsplat::app {
 /// of files' sizes is an error of writing, not a signal.
 void prepare_for_signals();
 
-/// `code`, or that of a failed run, with a message, when not all that was printed could be.
-int exit_code_after_printing(int code);
-
 }  // namespace ringsplat::app

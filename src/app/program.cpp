@@ -45,7 +45,7 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
     return {std::move(outcome), everywhere};
   }
   const auto work = [&] {
-    const ExitCode code = std::visit(
+    return std::visit(
         Overloaded{[](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
                    [](const CompareOptions& o) { return run_compare(o); },
                    [](const SynthOptions& o) { return run_synth(o); },
@@ -53,20 +53,31 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
                    [](const StudyOptions& o) { return run_study(o); },
                    [](const auto&) { return ExitCode::bad_input; }},
         line.command);
-    flush_stdout();
-    return code;
   };
   return {launch.run_on_rank_0(work), true};
 }
 
-int finish(const Ending& ending, Launch& launch) {
+ExitCode finish(const Ending& ending, Launch& launch) {
   const auto& [outcome, on_all_ranks] = ending;
   if (!outcome.error.empty() && (launch.rank() == 0 || !on_all_ranks)) {
     const bool name_rank = !on_all_ranks && launch.ranks() > 1 && launch.rank() == 0;
     log_error("{}{}", name_rank ? "rank 0: " : "", outcome.error);
   }
   if (!on_all_ranks && launch.ranks() > 1) launch.abort(outcome.code);
-  return static_cast<int>(outcome.code);
+  return outcome.code;
+}
+
+/// `code`, or that of a failed run when not all that was printed could be written. A run that has failed has
+/// said why, be it this.
+ExitCode after_printing(ExitCode code) {
+  if (code == ExitCode::run_failed) return code;
+  const Outcome printed = guarded([] {
+    flush_stdout();
+    return ExitCode::done;
+  });
+  if (printed.code == ExitCode::done) return code;
+  log_error("{}", printed.error);
+  return printed.code;
 }
 
 TransportChoice transport_of(const CommandLine& line) {
@@ -90,7 +101,7 @@ int run_program(int argc, char** argv) {
     return static_cast<int>(started.code);
   }
   set_log_rank(launch->rank(), line.verbose);
-  return finish(dispatch(line, *launch), *launch);
+  return static_cast<int>(after_printing(finish(dispatch(line, *launch), *launch)));
 }
 
 }  // namespace ringsplat::app

@@ -119,6 +119,7 @@ TEST_CASE("a stdout that is full fails the run") {
   const Files files;
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"info", files.volume},
+           {"render", "--help"},
            {"render", files.volume, "--stats", "-", "--size", "32"},
            {"render", files.volume, "-o", files.folder / "x.png", "--size", "32"}})
     CHECK(run_redirected(arguments, ">/dev/full 2>" + quoted(files.folder / "err")) == 3);
