@@ -211,67 +211,95 @@ void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& la
   }
 }
 
-}  // namespace
+/// A run of which all is decided and checked, before a voxel is read.
+struct Job {
+  RenderOptions options;
+  Layout layout;
+  Plan plan;
+  OpenedVolume volume;
+  LoadOptions load;
+  SliceMemory memory;
+};
 
-ExitCode run_render(const RenderOptions& given, Launch& launch) {
-  RenderOptions o = given;
+OpenedVolume open(const RenderOptions& o, Launch& launch) {
+  return open_everywhere(
+      launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); }, o.volume.path);
+}
+
+Job prepare(const RenderOptions& given, Launch& launch) {
+  Job job;
+  RenderOptions& o = job.options = given;
   prepare_simulation(o.run, launch);
-  Layout layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
+  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(o.run.protocol);
   check(o.run.engine);
   warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
-  Plan plan;
-  launch.check_on_rank_0([&] { plan = make_plan(o); });
-  const auto open = [&] {
-    return open_everywhere(
-        launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); }, o.volume.path);
-  };
-  OpenedVolume volume = open();
-  launch.check_on_rank_0([&] { check_frames(o, plan, volume.grid); });
-  const LoadOptions options = load_options(o, agree_on_axes(o, plan, volume.grid, launch));
-  if (o.run.choose_roles) layout = choose_roles(o, plan.cameras, volume.grid, options, launch);
-  o.frame.dealt_to = drawing_renderers(layout, launch);
-  const SliceMemory memory = predict_memory(volume.grid, options, layout.gps);
-  launch.check_on_all_ranks([&] { check_memory(o, plan.cameras.size(), memory, layout, launch); });
+  launch.check_on_rank_0([&] { job.plan = make_plan(o); });
+  job.volume = open(o, launch);
+  const Grid& grid = job.volume.grid;
+  launch.check_on_rank_0([&] { check_frames(o, job.plan, grid); });
+  job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
+  if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
+  o.frame.dealt_to = drawing_renderers(job.layout, launch);
+  job.memory = predict_memory(grid, job.load, job.layout.gps);
+  launch.check_on_all_ranks(
+      [&] { check_memory(o, job.plan.cameras.size(), job.memory, job.layout, launch); });
+  log_roles(job.layout, job.memory, launch);
+  return job;
+}
 
-  log_roles(layout, memory, launch);
+/// The scene again, for which the same volume is read once more.
+Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
+  const Facts before = std::exchange(job.volume, open(job.options, launch)).facts;
+  launch.check_on_rank_0([&] {
+    if (job.volume.facts != before)
+      throw InputError(fmt::format("{} has changed since it was first read", job.options.volume.path),
+                       "start again when nobody writes to it any more");
+  });
+  return load(job.volume, job.load, job.layout, wiring, progress);
+}
 
+/// What all frames have in common: the transfer function and, with --max-error, the shortcuts are chosen for
+/// the loaded scene.
+FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch) {
+  const RenderOptions& o = job.options;
+  FrameSpec frame = o.frame;
+  launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, job.plan, scene); });
+  if (o.budget.max_error && keep_budget(o, job.plan.cameras, job.load.kept_axes, job.layout, scene, frame,
+                                        progress, launch))
+    scene = reload(job, wiring, progress, launch);
+  return frame;
+}
+
+}  // namespace
+
+ExitCode run_render(const RenderOptions& given, Launch& launch) {
+  Job job = prepare(given, launch);
+  const RenderOptions& o = job.options;
   // Ahead of simulated time nothing can be said.
   Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
   const Wiring wiring = launch.wiring(o.run.loopback);
-  Scene scene = load(volume, options, layout, wiring, progress);
-  FrameSpec frame = o.frame;
-  launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, plan, scene); });
-  if (o.budget.max_error &&
-      keep_budget(o, plan.cameras, options.kept_axes, layout, scene, frame, progress, launch)) {
-    const Facts before = std::exchange(volume, open()).facts;
-    launch.check_on_rank_0([&] {
-      if (volume.facts != before)
-        throw InputError(fmt::format("{} has changed since it was first read", o.volume.path),
-                         "start again when nobody writes to it any more");
-    });
-    scene = load(volume, options, layout, wiring, progress);
-  }
+  Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
+  const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);
 
   const ValueRange range = scene.range;
-  FrameOutput output(o, layout, range, memory, progress);
+  FrameOutput output(o, job.layout, range, job.memory, progress);
   const bool reads_stdin = o.path == "-";
   Browsing browsing(
-      frame, plan.cameras,
-      reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, volume.grid, progress) : nullptr,
+      frame, job.plan.cameras,
+      reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, job.volume.grid, progress) : nullptr,
       o.progressive);
-  progress.begin("rendering", double(plan.cameras.size()));
+  progress.begin("rendering", double(job.plan.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;
-  render_all(std::move(scene), layout, protocol,
+  render_all(std::move(scene), job.layout, protocol,
              launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring, o.run.engine);
   progress.end();
   if (launch.rank() == 0) output.finish();
   launch.take_leave(protocol.stall_timeout);
-  if (!o.trace.empty()) write_trace(trace, o.trace, layout, launch);
+  if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
   if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);
-  flush_stdout();
   if (reads_stdin) launch.check_on_rank_0([&] { browsing.check_stream(); });
   return ExitCode::done;
 }
