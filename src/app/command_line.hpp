@@ -1,21 +1,13 @@
 #pragma once
 #include <string>
-#include <variant>
 
-#include "app/reference_options.hpp"
+#include "app/subcommands.hpp"
+#include "ringsplat/base/fact.hpp"
 
 namespace ringsplat::app {
 
-/// Print this on stdout and be done (--help, --version).
-struct Say {
-  std::string text;
-};
-
 struct CommandLine {
-  /// What to do; nothing when the command line was wrong.
-  std::variant<std::monostate, Say, RenderOptions, InfoOptions, CompareOptions, SynthOptions,
-               ReferenceOptions, StudyOptions>
-      command;
+  Command command;
   bool verbose = false;
   Facts options;      ///< what was said (settled_options)
   std::string error;  ///< one line with a hint, or empty

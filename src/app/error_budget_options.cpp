@@ -4,33 +4,37 @@
 
 #include <cmath>
 
+#include "app/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
+namespace {
 
-void add_error_budget_options(CLI::App& app, ErrorBudgetOptions& o) {
-  const auto take = [&o](const double& value) {
+using Budget = ErrorBudgetOptions;
+
+Binding error_above_zero(std::optional<double>& target) {
+  return handed<double>([&target](const double& value) {
     if (!(std::isfinite(value) && value > 0))
       throw InputError(fmt::format("--max-error {} is no error that a picture could keep", value),
                        "give an RMSE above 0 in 1/255, for instance --max-error 0.5");
-    o.max_error = value;
-  };
-  app.add_option_function<double>(
-         "--max-error", take,
-         "Choose the cheapest --opaque-threshold, --precision, --radius, --image-plane and "
-         "--undersample whose RMSE against the method's truth stays within this, in 1/255; those given are "
-         "kept")
-      ->type_name("RMSE")
-      ->group("Error");
+    target = value;
+  });
 }
+
+constexpr OptionRow<Budget> error_budget_rows[] = {
+    {"--max-error", "RMSE", nullptr,
+     "Choose the cheapest --opaque-threshold, --precision, --radius, --image-plane and --undersample whose "
+     "RMSE against the method's truth stays within this, in 1/255; those given are kept",
+     [](Budget& o) { return error_above_zero(o.max_error); }},
+};
+
+}  // namespace
+
+constexpr OptionGroup<Budget> error_budget_options{"Error", error_budget_rows};
 
 void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& o) {
   const auto given = [&](const char* name) { return app.get_option(name)->count() > 0; };
   if (!o.max_error) return;
-  if (given("--error"))
-    throw InputError(
-        "--max-error and --error contradict each other",
-        "--max-error measures each picture against the method's truth itself: leave out --error");
   o.fixed_opaque_threshold = given("--opaque-threshold");
   o.fixed_precision = given("--precision");
   o.fixed_radius = given("--radius");

@@ -1,6 +1,9 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <optional>
+
+namespace CLI {
+class App;
+}
 
 namespace ringsplat::app {
 
@@ -11,10 +14,7 @@ struct ErrorBudgetOptions {
        fixed_image_plane = false, fixed_undersample = false;
 };
 
-void add_error_budget_options(CLI::App& app, ErrorBudgetOptions& options);
-
-/// Takes down which settings a parsed subcommand's user has fixed. Throws InputError when another option
-/// leaves the budget without effect.
+/// Takes down which settings a parsed subcommand's user has fixed.
 void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& options);
 
 }  // namespace ringsplat::app

@@ -1,5 +1,4 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
@@ -14,7 +13,7 @@
 #include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/source.hpp"
 
-/// The one table of options: names, values, help and defaults. A subcommand is made of the groups it needs.
+/// What subcommands are told. The options that tell it: option_tables.hpp.
 namespace ringsplat::app {
 
 enum class TransportChoice { automatic, mpi, loopback };
@@ -80,18 +79,5 @@ struct SynthOptions {
   glm::dvec3 spacing{1.0};
   bool no_compression = false, list = false;
 };
-
-void add_volume_options(CLI::App& app, VolumeOptions& options);
-void add_run_options(CLI::App& app, RunOptions& options);
-void add_view_options(CLI::App& app, RenderOptions& options);
-void add_picture_options(CLI::App& app, RenderOptions& options);
-void add_shortcut_options(CLI::App& app, RenderOptions& options);
-void add_render_output_options(CLI::App& app, RenderOptions& options);
-void add_info_options(CLI::App& app, InfoOptions& options);
-void add_compare_options(CLI::App& app, CompareOptions& options);
-void add_synth_options(CLI::App& app, SynthOptions& options);
-
-/// Throws InputError when two options of a parsed subcommand contradict each other, with the way out.
-void refuse_contradictions(const CLI::App& app);
 
 }  // namespace ringsplat::app

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -17,47 +18,57 @@ TruthKind truth_from(const std::string& name, const std::string& option) {
                    fmt::format("use {} method|field|analytic", option));
 }
 
-void add_error_options(CLI::App& app, ErrorOptions& o) {
-  const auto choose = [&o](const std::string& text) {
-    o.truth = truth_from(text, "--error");
-    if (o.truth == TruthKind::analytic)
-      throw InputError("--error analytic needs a formula, which a picture's volume does not name",
-                       "use ringsplat reference --truth analytic --formula NAME, then ringsplat compare");
-  };
-  app.add_option_function<std::string>(
-         "--error", choose,
-         "Measure the picture against a double-precision truth: the method's own, or the field's integral")
-      ->type_name("method|field")
-      ->group("Error");
-  app.add_option("--error-pixels", o.pixels,
-                 "Pixels at which the truth is evaluated, drawn at random where the volume may show")
-      ->type_name("N")
-      ->check(CLI::Range(std::size_t(1), std::size_t(1) << 30))
-      ->capture_default_str()
-      ->group("Error");
-  app.add_option("--error-seed", o.seed, "Seed of that draw")->capture_default_str()->group("Error");
-}
+namespace {
 
-void add_reference_options(CLI::App& app, ReferenceOptions& o) {
-  app.add_option_function<std::string>(
-         "--truth", [&o](const std::string& text) { o.truth = truth_from(text, "--truth"); },
-         "The splatting method's own picture, the integral of the interpolated volume, or that of the "
-         "formula it was made from")
-      ->type_name("method|field|analytic")
-      ->default_str("field")
-      ->group("Truth");
-  app.add_option("--tolerance", o.tolerance, "Error of the integral that is allowed in a final colour")
-      ->capture_default_str()
-      ->check(CLI::Range(1e-12, 0.1))
-      ->group("Truth");
-  app.add_option("--formula", o.formula, "Analytic truth: the test volume's name (ringsplat synth --list)")
-      ->type_name("NAME")
-      ->group("Truth");
-  app.add_option("-o,--output", o.picture.output, "The picture: .exr (linear float32), or an 8-bit format")
-      ->type_name("FILE")
-      ->required()
-      ->group("Output");
-}
+using Error = ErrorOptions;
+constexpr OptionRow<Error> error_rows[] = {
+    {"--error", "method|field", nullptr,
+     "Measure the picture against a double-precision truth: the method's own, or the field's integral",
+     [](Error& o) { return parsed(o.truth, truth_from); }},
+    {"--error-pixels", "N", initial,
+     "Pixels at which the truth is evaluated, drawn at random where the volume may show",
+     [](Error& o) { return value(o.pixels, CLI::Range(std::size_t(1), std::size_t(1) << 30)); }},
+    {"--error-seed", nullptr, initial, "Seed of that draw", [](Error& o) { return value(o.seed); }},
+};
+
+using Reference = ReferenceOptions;
+constexpr OptionRow<Reference> truth_rows[] = {
+    {"--truth", "method|field|analytic", "field",
+     "The splatting method's own picture, the integral of the interpolated volume, or that of the formula it "
+     "was made from",
+     [](Reference& o) { return parsed(o.truth, truth_from); }},
+    {"--tolerance", nullptr, initial, "Error of the integral that is allowed in a final colour",
+     [](Reference& o) { return value(o.tolerance, CLI::Range(1e-12, 0.1)); }},
+    {"--formula", "NAME", nullptr, "Analytic truth: the test volume's name (ringsplat synth --list)",
+     [](Reference& o) { return value(o.formula); }},
+};
+
+constexpr OptionRow<Reference> reference_output_rows[] = {
+    {"-o,--output", "FILE", nullptr, "The picture: .exr (linear float32), or an 8-bit format",
+     [](Reference& o) { return value(o.picture.output); }, true},
+};
+
+using Study = StudyOptions;
+constexpr OptionRow<Study> study_rows[] = {
+    {"list", "LIST.toml", nullptr,
+     "TOML file of scenes, views and settings; without one, the list that --list prints",
+     [](Study& o) { return value(o.list); }},
+    {"-o,--output", "FILE.csv", nullptr,
+     "Table of results, one line each measurement; a .json is written beside it",
+     [](Study& o) { return value(o.output); }},
+    {"--keep-images", "FOLDER", nullptr,
+     "Keep every picture, and the whole truths but the method's, as PNG over black; the table names them",
+     [](Study& o) { return value(o.pictures); }},
+    {"--list", nullptr, nullptr, "Print the default list and be done",
+     [](Study& o) { return flag(o.show_list); }},
+};
+
+}  // namespace
+
+constexpr OptionGroup<Error> error_options{"Error", error_rows};
+constexpr OptionGroup<Reference> truth_options{"Truth", truth_rows};
+constexpr OptionGroup<Reference> reference_output_options{"Output", reference_output_rows};
+constexpr OptionGroup<Study> study_options{"Output", study_rows};
 
 void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
   // A truth has no tables and no regions, and that of a field no kernel and no slices.
@@ -68,22 +79,6 @@ void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
     unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction"});
   for (const char* name : unknown)
     if (app.get_option(name)->count() > 0) o.without_effect.emplace_back(name);
-}
-
-void add_study_options(CLI::App& app, StudyOptions& o) {
-  app.add_option("list", o.list,
-                 "TOML file of scenes, views and settings; without one, the list that --list prints")
-      ->type_name("LIST.toml");
-  app.add_option("-o,--output", o.output,
-                 "Table of results, one line each measurement; a .json is written beside it")
-      ->type_name("FILE.csv")
-      ->group("Output");
-  app.add_option(
-         "--keep-images", o.pictures,
-         "Keep every picture, and the whole truths but the method's, as PNG over black; the table names them")
-      ->type_name("FOLDER")
-      ->group("Output");
-  app.add_flag("--list", o.show_list, "Print the default list and be done")->group("Output");
 }
 
 }  // namespace ringsplat::app

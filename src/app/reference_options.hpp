@@ -1,7 +1,12 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "app/options.hpp"
+
+namespace CLI {
+class App;
+}
 
 namespace ringsplat::app {
 
@@ -20,11 +25,8 @@ struct StudyOptions {
   bool show_list = false;
 };
 
-void add_error_options(CLI::App& app, ErrorOptions& options);
-void add_reference_options(CLI::App& app, ReferenceOptions& options);
 /// Takes down which of a parsed subcommand's options change nothing: of render's, with which a truth is asked
 /// for, not all concern it.
 void note_options_without_effect(const CLI::App& app, ReferenceOptions& options);
-void add_study_options(CLI::App& app, StudyOptions& options);
 
 }  // namespace ringsplat::app

@@ -1,0 +1,22 @@
+#pragma once
+#include "app/option_row.hpp"
+#include "app/reference_options.hpp"
+
+/// All options of subcommands as data. Which subcommand has which groups: subcommands.cpp; what options have
+/// to do with each other: contradictions.hpp.
+namespace ringsplat::app {
+
+extern const OptionGroup<VolumeOptions> volume_options;
+extern const OptionGroup<RunOptions> rank_options, protocol_options, machine_options;
+/// In the order of --help, where size, transfer function and the rest of a picture are below one heading.
+extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,
+    picture_options, shortcut_options;
+extern const OptionGroup<ErrorOptions> error_options;
+extern const OptionGroup<ErrorBudgetOptions> error_budget_options;
+extern const OptionGroup<InfoOptions> info_output_options, prediction_options;
+extern const OptionGroup<CompareOptions> compare_options;
+extern const OptionGroup<ReferenceOptions> truth_options, reference_output_options;
+extern const OptionGroup<StudyOptions> study_options;
+extern const OptionGroup<SynthOptions> synth_options;
+
+}  // namespace ringsplat::app

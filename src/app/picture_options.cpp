@@ -1,0 +1,193 @@
+// The options of a picture: here alone are they bound to the description of a frame.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "app/option_values.hpp"
+#include "app/option_tables.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+using Render = RenderOptions;
+using Numbers = std::vector<double>;
+
+Binding matrix(Camera& camera) {
+  const auto take = [&camera](const Numbers& m) {
+    camera.matrix.emplace();
+    std::copy_n(m.begin(), camera.matrix->size(), camera.matrix->begin());
+  };
+  return handed<Numbers>(take, 12);
+}
+
+Binding direction(glm::dvec3& target) {
+  return handed<Numbers>([&target](const Numbers& v) { target = {v.at(0), v.at(1), v.at(2)}; }, 3);
+}
+
+Binding image_size(FrameSpec& frame) {
+  return handed<std::string>([&frame](const std::string& text) {
+    const Size s = parse_size(text, "--size");
+    frame.width = s.width;
+    frame.height = s.height;
+  });
+}
+
+/// A number whose default is shown as "1/512".
+Binding one_part(double& target) {
+  return [&target](CLI::App& app, const std::string& names, const std::string& help) {
+    return app.add_option(names, target, help)->default_function([&target] {
+      return fmt::format("1/{:g}", 1 / target);
+    });
+  };
+}
+
+CLI::Validator up_to_a_million_frames() {
+  const auto check = [](const std::string& text) {
+    const bool number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
+    return number && text.size() <= 7 && std::stoi(text) >= 1 && std::stoi(text) <= 1'000'000
+               ? std::string()
+               : "needs 1 to 1000000 frames, not '" + text + "'";
+  };
+  return {check, ""};
+}
+
+constexpr OptionRow<Render> render_output_rows[] = {
+    {"-o,--output", "FILE", nullptr,
+     "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga; not needed with --stats or "
+     "--count-only",
+     [](Render& o) { return value(o.output); }},
+    {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
+     [](Render& o) { return parsed(o.background, parse_colour); }},
+    {"--stats", "FILE", nullptr,
+     "What each node did in each frame: a JSON array, or JSON lines in a .jsonl; of --stats, --trace and "
+     "--tf-out one may be -, stdout, and lines of results then go to stderr",
+     [](Render& o) { return value(o.stats); }},
+    {"--trace", "FILE", nullptr,
+     "What each node did when, as Chrome trace-event JSON, which opens in Perfetto",
+     [](Render& o) { return value(o.trace); }},
+    {"--axes", nullptr, initial, "Slice sets that are kept in memory: those the views traverse, or all three",
+     [](Render& o) {
+       return choice(o.keep_all_axes, {{"needed", false}, {"all", true}});
+     }},
+};
+
+constexpr OptionRow<Render> view_rows[] = {
+    {"--azimuth", nullptr, initial, "Degrees the viewer walks around the volume; 0 is in front",
+     [](Render& o) { return value(o.frame.camera.azimuth); }},
+    {"--elevation", nullptr, initial, "Degrees the viewer climbs; 90 looks straight down",
+     [](Render& o) { return value(o.frame.camera.elevation); }},
+    {"--roll", nullptr, initial, "Degrees the picture is turned clockwise",
+     [](Render& o) { return value(o.frame.camera.roll); }},
+    {"--zoom", nullptr, initial, "1 fits the volume's bounding sphere to the image",
+     [](Render& o) { return value(o.frame.camera.zoom); }},
+    {"--matrix", "M11 ... M34", nullptr,
+     "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
+     [](Render& o) { return matrix(o.frame.camera); }},
+    {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
+     [](Render& o) { return value(o.orbit, up_to_a_million_frames()); }},
+    {"--path", "FILE", nullptr,
+     "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, or as JSON; -: "
+     "for each line that comes on stdin",
+     [](Render& o) { return value(o.path); }},
+};
+
+constexpr OptionRow<Render> size_rows[] = {
+    {"--size", "WxH", "512x512", "Pixels of the image", [](Render& o) { return image_size(o.frame); }},
+    {"--no-opacity-correction", nullptr, nullptr,
+     "Take opacities per slice, whatever the distance between slices along the ray",
+     [](Render& o) { return clearing_flag(o.frame.opacity_correction); }},
+    {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
+     [](Render& o) { return direction(o.frame.light); }},
+    {"--tf", "NAME|FILE", initial,
+     "Transfer function: a preset (ringsplat info --presets) or a ParaView JSON file",
+     [](Render& o) { return value(o.transfer_function); }},
+};
+
+constexpr OptionRow<Render> tf_output_rows[] = {
+    {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
+     [](Render& o) { return value(o.transfer_function_out); }},
+};
+
+constexpr OptionRow<Render> picture_rows[] = {
+    {"--shading", nullptr, initial, "Lit by gradients, or the transfer function's colours as they are",
+     [](Render& o) {
+       return choice(o.frame.shading, {{"phong", Shading::phong}, {"none", Shading::none}});
+     }},
+    {"--ambient", nullptr, initial, "Phong: light from everywhere",
+     [](Render& o) { return value(o.frame.material.ambient); }},
+    {"--diffuse", nullptr, initial, "Phong: light by the angle to it",
+     [](Render& o) { return value(o.frame.material.diffuse); }},
+    {"--specular", nullptr, initial, "Phong: highlights",
+     [](Render& o) { return value(o.frame.material.specular); }},
+    {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
+     [](Render& o) { return value(o.frame.material.exponent); }},
+    {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
+     [](Render& o) { return value(o.frame.kernel_radius); }},
+    {"--kernel", nullptr, initial,
+     "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
+     [](Render& o) {
+       return choice(o.frame.kernel.method, {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
+     }},
+    {"--phases", nullptr, initial,
+     "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
+     [](Render& o) { return value(o.frame.kernel.phases); }},
+    {"--qee-bits", nullptr, initial,
+     "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32",
+     [](Render& o) { return value(o.frame.kernel.qee_bits); }},
+    {"--normalisation", nullptr, initial,
+     "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
+     [](Render& o) {
+       return choice(o.frame.kernel.normalisation, {{"none", Normalisation::none},
+                                                    {"constant", Normalisation::constant},
+                                                    {"exact", Normalisation::exact}});
+     }},
+    {"--region", "N", nullptr,
+     "Pixels of the side of a Renderer's region; without it 128, or 64 or 32 where the volume covers too few "
+     "of those, and strips in the slices' plane",
+     [](Render& o) { return value(o.frame.region_size, CLI::Range(1, 1 << 20)); }},
+};
+
+constexpr OptionRow<Render> shortcut_rows[] = {
+    {"--progressive", nullptr, nullptr,
+     "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
+     "newer view on --path - ends it",
+     [](Render& o) { return flag(o.progressive); }},
+    {"--undersample", "1|2|4", initial, "Render a volume of every 2nd or 4th voxel along each axis",
+     [](Render& o) { return value(o.frame.reduction.factor); }},
+    {"--prefilter", nullptr, nullptr,
+     "Undersampled voxels are filtered from those that they stand for, not picked",
+     [](Render& o) { return flag(o.frame.reduction.prefilter); }},
+    {"--image-plane", nullptr, initial,
+     "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end",
+     [](Render& o) {
+       return choice(o.frame.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
+     }},
+    {"--samples", "1|2|4", initial, "In the slices' plane: pixels a voxel along each axis",
+     [](Render& o) { return value(o.frame.plane_samples); }},
+    {"--opaque-threshold", nullptr, initial,
+     "Nothing is added to a pixel through which less light than this comes; 0: everything is",
+     [](Render& o) { return one_part(o.frame.opaque_threshold); }},
+    {"--payload", nullptr, initial,
+     "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
+     [](Render& o) {
+       return choice(o.frame.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
+     }},
+    {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
+     [](Render& o) {
+       return choice(o.frame.precision,
+                     {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}});
+     }},
+};
+
+}  // namespace
+
+constexpr OptionGroup<Render> render_output_options{"Output", render_output_rows};
+constexpr OptionGroup<Render> view_options{"View", view_rows};
+constexpr OptionGroup<Render> size_options{"Picture", size_rows};
+constexpr OptionGroup<Render> tf_output_options{"Picture", tf_output_rows};
+constexpr OptionGroup<Render> picture_options{"Picture", picture_rows};
+constexpr OptionGroup<Render> shortcut_options{"Shortcuts", shortcut_rows};
+
+}  // namespace ringsplat::app

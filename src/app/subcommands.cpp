@@ -1,0 +1,136 @@
+#include "app/subcommands.hpp"
+
+#include <fmt/format.h>
+
+#include "app/option_tables.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+void require_volume(const CLI::App& app, const VolumeOptions& volume) {
+  if (volume.path.empty())
+    throw InputError("the VOLUME to work on is missing",
+                     fmt::format("for instance ringsplat {} head.nrrd", app.get_name()));
+}
+
+void add_render_options(CLI::App& app, AllOptions& all) {
+  RenderOptions& o = all.render;
+  add_options(app, volume_options, o.volume);
+  add_options(app, render_output_options, o);
+  add_options(app, view_options, o);
+  add_options(app, size_options, o);
+  add_options(app, tf_output_options, o);
+  add_options(app, picture_options, o);
+  add_options(app, shortcut_options, o);
+  add_options(app, rank_options, o.run);
+  add_options(app, protocol_options, o.run);
+  add_options(app, machine_options, o.run);
+  add_options(app, error_options, o.error);
+  add_options(app, error_budget_options, o.budget);
+}
+
+Command settle_render(const CLI::App& app, AllOptions& all) {
+  RenderOptions& o = all.render;
+  require_volume(app, o.volume);
+  // A run that only counts has no picture, and one that is only timed needs none.
+  if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
+    throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
+                     fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
+  note_fixed_shortcuts(app, o.budget);
+  if (o.budget.max_error) o.error.truth = TruthKind::method;
+  return o;
+}
+
+void add_info_options(CLI::App& app, AllOptions& all) {
+  InfoOptions& o = all.info;
+  add_options(app, volume_options, o.volume);
+  add_options(app, info_output_options, o);
+  add_options(app, prediction_options, o);
+  add_options(app, view_options, o.picture);
+  add_options(app, size_options, o.picture);
+  add_options(app, picture_options, o.picture);
+  add_options(app, shortcut_options, o.picture);
+}
+
+Command settle_info(const CLI::App& app, AllOptions& all) {
+  if (!all.info.presets) require_volume(app, all.info.volume);
+  return all.info;
+}
+
+void add_compare_options(CLI::App& app, AllOptions& all) { add_options(app, compare_options, all.compare); }
+
+Command settle_compare(const CLI::App&, AllOptions& all) { return all.compare; }
+
+void add_synth_options(CLI::App& app, AllOptions& all) { add_options(app, synth_options, all.synth); }
+
+Command settle_synth(const CLI::App&, AllOptions& all) { return all.synth; }
+
+void add_reference_options(CLI::App& app, AllOptions& all) {
+  ReferenceOptions& o = all.reference;
+  add_options(app, volume_options, o.picture.volume);
+  add_options(app, truth_options, o);
+  add_options(app, reference_output_options, o);
+  add_options(app, view_options, o.picture);
+  add_options(app, size_options, o.picture);
+  add_options(app, tf_output_options, o.picture);
+  add_options(app, picture_options, o.picture);
+}
+
+Command settle_reference(const CLI::App& app, AllOptions& all) {
+  require_volume(app, all.reference.picture.volume);
+  note_options_without_effect(app, all.reference);
+  return all.reference;
+}
+
+void add_study_options(CLI::App& app, AllOptions& all) { add_options(app, study_options, all.study); }
+
+Command settle_study(const CLI::App&, AllOptions& all) { return all.study; }
+
+constexpr const char* render_examples =
+    R"(  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
+  mpirun -n 6 ringsplat render head.nrrd -o turn.png --gps 4 --renderers 2 --orbit 36 --elevation 15
+  ringsplat render ct_512x512x300_int16.raw -o bone.exr --spacing 0.7x0.7x1 --tf ct-bone --stats bone.json)";
+
+constexpr const char* info_examples = R"(  ringsplat info head.nrrd
+  ringsplat info ct_512x512x300_int16.raw --gps 12 --json
+  ringsplat info head.nrrd --ranks 6 --size 1024 --tf mr-surface
+  ringsplat info --presets)";
+
+constexpr const char* compare_examples = R"(  ringsplat compare face.png before.png
+  ringsplat compare face.exr truth.exr --fail-above 2.5 --diff difference.png --diff-scale 10)";
+
+constexpr const char* synth_examples = R"(  ringsplat synth --list
+  ringsplat synth shell -o shell.nrrd --dims 128
+  ringsplat synth marschner-lobb -o ml.raw --dims 41x41x41 --type float32)";
+
+constexpr const char* reference_examples =
+    R"(  ringsplat reference head.nrrd -o truth.exr --tf mr-soft --size 256
+  ringsplat reference ml_41x41x41_float32.raw -o truth.exr --truth analytic --formula marschner-lobb
+  ringsplat reference head.nrrd -o turn.exr --truth method --orbit 4)";
+
+constexpr const char* study_examples = R"(  ringsplat study -o study.csv
+  ringsplat study --list
+  ringsplat study list.toml -o study.csv --keep-images pictures)";
+
+constexpr Subcommand all_subcommands[] = {
+    {"render", "Render a volume: one view, an orbit or a path of views",
+     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, add_render_options,
+     settle_render},
+    {"info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest",
+     "gps = 4 or size = \"640x480\"", info_examples, add_info_options, settle_info},
+    {"compare", "Compare two pictures; exit with 1 when they differ too much", "threshold = 2",
+     compare_examples, add_compare_options, settle_compare},
+    {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, add_synth_options,
+     settle_synth},
+    {"reference", "Compute the true picture in double precision, to compare with",
+     "size = \"640x480\" or truth = \"field\"", reference_examples, add_reference_options, settle_reference},
+    {"study", "Measure speed and error of many settings", "output = \"study.csv\"", study_examples,
+     add_study_options, settle_study},
+};
+
+}  // namespace
+
+std::span<const Subcommand> subcommands() { return all_subcommands; }
+
+}  // namespace ringsplat::app

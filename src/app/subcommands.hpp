@@ -1,0 +1,44 @@
+#pragma once
+#include <CLI/CLI.hpp>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "app/reference_options.hpp"
+
+namespace ringsplat::app {
+
+/// Print this on stdout and be done (--help, --version, --man).
+struct Say {
+  std::string text;
+};
+
+/// What to do; nothing when the command line was wrong.
+using Command = std::variant<std::monostate, Say, RenderOptions, InfoOptions, CompareOptions, SynthOptions,
+                             ReferenceOptions, StudyOptions>;
+
+/// What the options of all subcommands are bound to.
+struct AllOptions {
+  RenderOptions render;
+  InfoOptions info;
+  CompareOptions compare;
+  SynthOptions synth;
+  ReferenceOptions reference;
+  StudyOptions study;
+};
+
+struct Subcommand {
+  const char* name;
+  const char* description;
+  const char* config;    ///< what lines of a --config file may be
+  const char* examples;  ///< command lines, indented
+  void (*add_options)(CLI::App& app, AllOptions& options);
+  /// When `app` was parsed: completes the options and hands them over. Throws InputError when something is
+  /// missing.
+  Command (*settle)(const CLI::App& app, AllOptions& options);
+};
+
+/// In the order of --help.
+std::span<const Subcommand> subcommands();
+
+}  // namespace ringsplat::app
