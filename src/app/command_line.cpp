@@ -5,8 +5,9 @@
 #include <algorithm>
 
 #include "app/contradictions.hpp"
-#include "app/program_texts.hpp"
+#include "app/man_page.hpp"
 #include "app/option_values.hpp"
+#include "app/program_texts.hpp"
 #include "app/settled_options.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -25,6 +26,9 @@ constexpr ProgramTexts texts{
               "What the command line says comes first. --verbose says more, on every rank.",
     .exit_codes =
         "0 done, 1 a comparison failed, 2 wrong usage or bad input, 3 a failure while running."};
+
+/// Thrown by --man.
+struct CallForMan {};
 
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
@@ -113,6 +117,10 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
 void add_program_options(CLI::App& program, bool& verbose) {
   program.set_version_flag("--version", "ringsplat " RINGSPLAT_VERSION);
   program.set_help_flag("-h,--help", "Print this help");
+  program
+      .add_flag_callback(
+          "--man", [] { throw CallForMan(); }, "Print the manual page, which man -l - shows")
+      ->configurable(false);
   program.add_flag("--verbose", verbose, "Say more, on every rank");
   program.set_config("--config", "", "A TOML file with options")->type_name("FILE");
   program.config_formatter(std::make_shared<SubcommandToml>(program));
@@ -160,6 +168,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     program.parse(argc, argv);
     line.options = settled_options(program);
     line.command = command_of(program, options);
+  } catch (const CallForMan&) {
+    line.command = Say{man_page(program, texts)};
   } catch (const CLI::CallForHelp&) {
     const auto chosen = program.get_subcommands();
     line.command = Say{chosen.empty() ? program.help() : chosen.front()->help("ringsplat")};

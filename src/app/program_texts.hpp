@@ -2,7 +2,7 @@
 
 namespace ringsplat::app {
 
-/// What is said of the program as a whole.
+/// What is said of the program as a whole, in --help and in the manual page.
 struct ProgramTexts {
   const char* summary;      ///< begins with the program's name
   const char* description;  ///< goes on from there

@@ -120,6 +120,7 @@ TEST_CASE("a stdout that is full fails the run") {
   for (const auto& arguments : std::vector<std::vector<std::string>>{
            {"info", files.volume},
            {"render", "--help"},
+           {"--man"},
            {"render", files.volume, "--stats", "-", "--size", "32"},
            {"render", files.volume, "-o", files.folder / "x.png", "--size", "32"}})
     CHECK(run_redirected(arguments, ">/dev/full 2>" + quoted(files.folder / "err")) == 3);
