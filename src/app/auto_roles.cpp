@@ -56,7 +56,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
     Progress progress;
     progress.begin("measuring a frame", 0);
     const auto source = open_volume(o.volume.path, o.volume.raw);
-    const auto views = probe_views(cameras.empty() ? std::vector{o.frame.camera} : cameras);
+    const auto views = probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras);
     const FrameCosts costs =
         measure_frame_costs(*source, o.frame, TransferFunctionChoice(o.transfer_function), views, load);
     progress.end();

@@ -10,8 +10,8 @@
 namespace ringsplat::app {
 
 std::vector<Reduction> Browsing::levels(const FrameSpec& frame, bool progressive) {
-  if (!progressive) return {frame.reduction};
-  const bool prefilter = frame.reduction.prefilter;
+  if (!progressive) return {frame.shown.reduction};
+  const bool prefilter = frame.shown.reduction.prefilter;
   return {{4, prefilter}, {2, prefilter}, {1, prefilter}};
 }
 
@@ -57,8 +57,8 @@ std::optional<FrameSpec> Browsing::next() {
     asked_[shown_views_++] = now_seconds();
   }
   FrameSpec spec = frame_;
-  spec.camera = *current_;
-  spec.reduction = levels_[next_level_];
+  spec.shown.camera = *current_;
+  spec.shown.reduction = levels_[next_level_];
   steps_[next_frame_++] = {shown_views_ - 1, next_level_++};
   return spec;
 }
@@ -97,7 +97,7 @@ void Browsing::take(FrameResult&& result, FrameOutput& output, Progress& progres
     if (full)
       compare_with_full(step, result.image, seconds, output, progress);
     else
-      coarse_[step.view].push_back({result.spec.reduction, result.image, result.spec.frame, seconds});
+      coarse_[step.view].push_back({result.spec.shown.reduction, result.image, result.spec.frame, seconds});
   }
   output.take(std::move(result), step.view, full ? 1 : levels_[step.level].factor);
   if (!full) return;

@@ -68,7 +68,7 @@ std::optional<FrameSpec> Calibration::next_frame() {
   if (asked < first_measured()) {
     ++frames_asked_;
     FrameSpec frame = reference_;
-    frame.camera = views_[asked % views_.size()];
+    frame.shown.camera = views_[asked % views_.size()];
     return frame;
   }
   if (asked == first_measured()) {
@@ -81,13 +81,13 @@ std::optional<FrameSpec> Calibration::next_frame() {
     return std::nullopt;
   ++frames_asked_;
   FrameSpec frame = with(reference_, settings_[in_pass % settings_.size()]);
-  frame.camera = views_[in_pass / settings_.size()];
+  frame.shown.camera = views_[in_pass / settings_.size()];
   return frame;
 }
 
 void Calibration::evaluate_truths() {
   for (std::size_t v = 0; v < views_.size(); ++v) {
-    reference_.camera = views_[v];
+    reference_.shown.camera = views_[v];
     set_frame(scene_, reference_);
     truths_.push_back(
         sample_truth(pictures_[v], scene_, {.truth = TruthKind::method}, error_.pixels, error_.seed));

@@ -38,7 +38,7 @@ json views_json(const FrameSpec& reference, const std::vector<Camera>& views) {
   json all = json::array();
   for (const Camera& camera : views) {
     FrameSpec frame = reference;
-    frame.camera = camera;
+    frame.shown.camera = camera;
     all.push_back(json::parse(to_json_text(frame)).at("camera"));
   }
   return all;

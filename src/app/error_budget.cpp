@@ -26,16 +26,16 @@ const char* word(Precision precision) {
 
 /// Radii, image planes and levels that go together.
 std::vector<Shortcuts> geometries(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  const Shortcuts given{frame.opaque_threshold, frame.precision,     frame.kernel_radius,
-                        frame.image_plane,      frame.plane_samples, frame.reduction.factor};
+  const Shortcuts given{frame.shown.opaque_threshold, frame.as<Splats>().precision,     frame.as<Splats>().kernel_radius,
+                        frame.as<Splats>().image_plane,      frame.as<Splats>().plane_samples, frame.shown.reduction.factor};
   std::vector<Shortcuts> all{given};
   const auto add = [&](auto Shortcuts::*what, auto value) {
     all.push_back(all.front());
     all.back().*what = value;
   };
-  if (!o.fixed_radius && frame.image_plane == ImagePlane::screen) {
+  if (!o.fixed_radius && frame.as<Splats>().image_plane == ImagePlane::screen) {
     for (const double radius : smaller_radii)
-      if (radius < frame.kernel_radius) add(&Shortcuts::radius, radius);
+      if (radius < frame.as<Splats>().kernel_radius) add(&Shortcuts::radius, radius);
   }
   Shortcuts coarsest = given;
   if (!o.fixed_image_plane) {
@@ -57,12 +57,12 @@ std::vector<Shortcuts> geometries(const FrameSpec& frame, const ErrorBudgetOptio
 }  // namespace
 
 FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
-  frame.opaque_threshold = shortcuts.opaque_threshold;
-  frame.precision = shortcuts.precision;
-  frame.kernel_radius = shortcuts.radius;
-  frame.image_plane = shortcuts.plane;
-  frame.plane_samples = shortcuts.samples;
-  frame.reduction.factor = shortcuts.undersample;
+  frame.shown.opaque_threshold = shortcuts.opaque_threshold;
+  frame.as<Splats>().precision = shortcuts.precision;
+  frame.as<Splats>().kernel_radius = shortcuts.radius;
+  frame.as<Splats>().image_plane = shortcuts.plane;
+  frame.as<Splats>().plane_samples = shortcuts.samples;
+  frame.shown.reduction.factor = shortcuts.undersample;
   return frame;
 }
 
@@ -81,11 +81,11 @@ std::string to_text(const Shortcuts& s) {
 }
 
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  std::vector<double> thresholds{frame.opaque_threshold};
-  std::vector<Precision> forms{frame.precision};
+  std::vector<double> thresholds{frame.shown.opaque_threshold};
+  std::vector<Precision> forms{frame.as<Splats>().precision};
   if (!o.fixed_opaque_threshold)
     thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
-  if (!o.fixed_precision && frame.payload == PayloadForm::runs)
+  if (!o.fixed_precision && frame.as<Splats>().payload == PayloadForm::runs)
     forms.assign(std::begin(precisions), std::end(precisions));
   std::vector<Shortcuts> all;
   for (Shortcuts s : geometries(frame, o)) {

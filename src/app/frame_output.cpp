@@ -90,7 +90,7 @@ void FrameOutput::measure_kept() {
     const auto& [result, file] = frame;
     set_frame(scene, result.spec);
     scene.radius =
-        options_.frame.kernel_radius;  // as asked for: an error budget may have chosen a smaller one
+        options_.frame.as<Splats>().kernel_radius;  // as asked for: an error budget may have chosen a smaller one
     const MeasuredError error = measure(result.image, scene, options_.error);
     write(frame, &error);
     progress_.print(to_text(error));
@@ -116,7 +116,7 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
     log_warning("{}: {}", label,
-                why_nothing_is_visible(result.spec.transfer_function, range_,
+                why_nothing_is_visible(result.spec.shown.transfer_function, range_,
                                        sum.visible_voxels + sum.voxels_outside));
   }
   const std::string after =
@@ -178,9 +178,9 @@ fs::path output_file(const RenderOptions& options, std::size_t view) {
 }
 
 std::vector<Camera> views_of(const RenderOptions& o) {
-  if (o.orbit > 0) return orbit(o.frame.camera, o.orbit);
+  if (o.orbit > 0) return orbit(o.frame.shown.camera, o.orbit);
   if (o.path == "-") return {};
-  return o.path.empty() ? std::vector{o.frame.camera} : read_path(o.path, o.frame.camera);
+  return o.path.empty() ? std::vector{o.frame.shown.camera} : read_path(o.path, o.frame.shown.camera);
 }
 
 }  // namespace ringsplat::app

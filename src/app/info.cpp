@@ -187,7 +187,7 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
     throw InputError("info takes no views from stdin", "write them into a file for --path");
   const auto cameras = views_of(o.picture);
   const FrameSpec& frame = o.picture.frame;
-  const auto axes = needed_axes(cameras, source.grid(), frame.width, frame.height);
+  const auto axes = needed_axes(cameras, source.grid(), frame.shown.width, frame.shown.height);
   const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
   Forecast f;
   if (!o.machine.empty()) f.machine = read_machine(o.machine);

@@ -19,10 +19,10 @@ bool agree_on(bool mine, Launch& launch) {
 /// What could be given up for more exactness.
 std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
   std::vector<std::string> fixed;
-  if (o.fixed_opaque_threshold && frame.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
-  if (o.fixed_undersample && frame.reduction.factor > 1) fixed.push_back("--undersample");
-  if (o.fixed_image_plane && frame.image_plane == ImagePlane::slices) fixed.push_back("--image-plane");
-  if (o.fixed_precision && frame.precision != Precision::float32) fixed.push_back("--precision");
+  if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
+  if (o.fixed_undersample && frame.shown.reduction.factor > 1) fixed.push_back("--undersample");
+  if (o.fixed_image_plane && frame.as<Splats>().image_plane == ImagePlane::slices) fixed.push_back("--image-plane");
+  if (o.fixed_precision && frame.as<Splats>().precision != Precision::float32) fixed.push_back("--precision");
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
 }
@@ -72,7 +72,7 @@ bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
   std::optional<std::vector<MeasuredShortcuts>> measured;
   Place place;
   if (launch.rank() == 0) {
-    views = calibration_views(cameras, kept_axes, scene.grid, frame.width, frame.height);
+    views = calibration_views(cameras, kept_axes, scene.grid, frame.shown.width, frame.shown.height);
     place.key = calibration_key(o, frame, layout, scene.histogram, views);
     if (const auto folder = cache_folder()) {
       place.file = calibration_file(*folder, place.key);

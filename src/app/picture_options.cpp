@@ -29,8 +29,8 @@ Binding direction(glm::dvec3& target) {
 Binding image_size(FrameSpec& frame) {
   return handed<std::string>([&frame](const std::string& text) {
     const Size s = parse_size(text, "--size");
-    frame.width = s.width;
-    frame.height = s.height;
+    frame.shown.width = s.width;
+    frame.shown.height = s.height;
   });
 }
 
@@ -75,16 +75,16 @@ constexpr OptionRow<Render> render_output_rows[] = {
 
 constexpr OptionRow<Render> view_rows[] = {
     {"--azimuth", nullptr, initial, "Degrees the viewer walks around the volume; 0 is in front",
-     [](Render& o) { return value(o.frame.camera.azimuth); }},
+     [](Render& o) { return value(o.frame.shown.camera.azimuth); }},
     {"--elevation", nullptr, initial, "Degrees the viewer climbs; 90 looks straight down",
-     [](Render& o) { return value(o.frame.camera.elevation); }},
+     [](Render& o) { return value(o.frame.shown.camera.elevation); }},
     {"--roll", nullptr, initial, "Degrees the picture is turned clockwise",
-     [](Render& o) { return value(o.frame.camera.roll); }},
+     [](Render& o) { return value(o.frame.shown.camera.roll); }},
     {"--zoom", nullptr, initial, "1 fits the volume's bounding sphere to the image",
-     [](Render& o) { return value(o.frame.camera.zoom); }},
+     [](Render& o) { return value(o.frame.shown.camera.zoom); }},
     {"--matrix", "M11 ... M34", nullptr,
      "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
-     [](Render& o) { return matrix(o.frame.camera); }},
+     [](Render& o) { return matrix(o.frame.shown.camera); }},
     {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
      [](Render& o) { return value(o.orbit, up_to_a_million_frames()); }},
     {"--path", "FILE", nullptr,
@@ -97,9 +97,9 @@ constexpr OptionRow<Render> size_rows[] = {
     {"--size", "WxH", "512x512", "Pixels of the image", [](Render& o) { return image_size(o.frame); }},
     {"--no-opacity-correction", nullptr, nullptr,
      "Take opacities per slice, whatever the distance between slices along the ray",
-     [](Render& o) { return clearing_flag(o.frame.opacity_correction); }},
+     [](Render& o) { return clearing_flag(o.frame.shown.opacity_correction); }},
     {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
-     [](Render& o) { return direction(o.frame.light); }},
+     [](Render& o) { return direction(o.frame.shown.light); }},
     {"--tf", "NAME|FILE", initial,
      "Transfer function: a preset (ringsplat info --presets) or a ParaView JSON file",
      [](Render& o) { return value(o.transfer_function); }},
@@ -113,40 +113,40 @@ constexpr OptionRow<Render> tf_output_rows[] = {
 constexpr OptionRow<Render> picture_rows[] = {
     {"--shading", nullptr, initial, "Lit by gradients, or the transfer function's colours as they are",
      [](Render& o) {
-       return choice(o.frame.shading, {{"phong", Shading::phong}, {"none", Shading::none}});
+       return choice(o.frame.shown.shading, {{"phong", Shading::phong}, {"none", Shading::none}});
      }},
     {"--ambient", nullptr, initial, "Phong: light from everywhere",
-     [](Render& o) { return value(o.frame.material.ambient); }},
+     [](Render& o) { return value(o.frame.shown.material.ambient); }},
     {"--diffuse", nullptr, initial, "Phong: light by the angle to it",
-     [](Render& o) { return value(o.frame.material.diffuse); }},
+     [](Render& o) { return value(o.frame.shown.material.diffuse); }},
     {"--specular", nullptr, initial, "Phong: highlights",
-     [](Render& o) { return value(o.frame.material.specular); }},
+     [](Render& o) { return value(o.frame.shown.material.specular); }},
     {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
-     [](Render& o) { return value(o.frame.material.exponent); }},
+     [](Render& o) { return value(o.frame.shown.material.exponent); }},
     {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
-     [](Render& o) { return value(o.frame.kernel_radius); }},
+     [](Render& o) { return value(o.frame.as<Splats>().kernel_radius); }},
     {"--kernel", nullptr, initial,
      "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
      [](Render& o) {
-       return choice(o.frame.kernel.method, {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
+       return choice(o.frame.as<Splats>().kernel.method, {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
      }},
     {"--phases", nullptr, initial,
      "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
-     [](Render& o) { return value(o.frame.kernel.phases); }},
+     [](Render& o) { return value(o.frame.as<Splats>().kernel.phases); }},
     {"--qee-bits", nullptr, initial,
      "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32",
-     [](Render& o) { return value(o.frame.kernel.qee_bits); }},
+     [](Render& o) { return value(o.frame.as<Splats>().kernel.qee_bits); }},
     {"--normalisation", nullptr, initial,
      "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
      [](Render& o) {
-       return choice(o.frame.kernel.normalisation, {{"none", Normalisation::none},
+       return choice(o.frame.as<Splats>().kernel.normalisation, {{"none", Normalisation::none},
                                                     {"constant", Normalisation::constant},
                                                     {"exact", Normalisation::exact}});
      }},
     {"--region", "N", nullptr,
      "Pixels of the side of a Renderer's region; without it 128, or 64 or 32 where the volume covers too few "
      "of those, and strips in the slices' plane",
-     [](Render& o) { return value(o.frame.region_size, CLI::Range(1, 1 << 20)); }},
+     [](Render& o) { return value(o.frame.division.region_size, CLI::Range(1, 1 << 20)); }},
 };
 
 constexpr OptionRow<Render> shortcut_rows[] = {
@@ -155,28 +155,28 @@ constexpr OptionRow<Render> shortcut_rows[] = {
      "newer view on --path - ends it",
      [](Render& o) { return flag(o.progressive); }},
     {"--undersample", "1|2|4", initial, "Render a volume of every 2nd or 4th voxel along each axis",
-     [](Render& o) { return value(o.frame.reduction.factor); }},
+     [](Render& o) { return value(o.frame.shown.reduction.factor); }},
     {"--prefilter", nullptr, nullptr,
      "Undersampled voxels are filtered from those that they stand for, not picked",
-     [](Render& o) { return flag(o.frame.reduction.prefilter); }},
+     [](Render& o) { return flag(o.frame.shown.reduction.prefilter); }},
     {"--image-plane", nullptr, initial,
      "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end",
      [](Render& o) {
-       return choice(o.frame.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
+       return choice(o.frame.as<Splats>().image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
      }},
     {"--samples", "1|2|4", initial, "In the slices' plane: pixels a voxel along each axis",
-     [](Render& o) { return value(o.frame.plane_samples); }},
+     [](Render& o) { return value(o.frame.as<Splats>().plane_samples); }},
     {"--opaque-threshold", nullptr, initial,
      "Nothing is added to a pixel through which less light than this comes; 0: everything is",
-     [](Render& o) { return one_part(o.frame.opaque_threshold); }},
+     [](Render& o) { return one_part(o.frame.shown.opaque_threshold); }},
     {"--payload", nullptr, initial,
      "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
      [](Render& o) {
-       return choice(o.frame.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
+       return choice(o.frame.as<Splats>().payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
      }},
     {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
      [](Render& o) {
-       return choice(o.frame.precision,
+       return choice(o.frame.as<Splats>().precision,
                      {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}});
      }},
 };

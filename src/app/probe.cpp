@@ -1,3 +1,4 @@
+#include "frame/frame_geometry.hpp"
 #include "app/probe.hpp"
 
 #include <sched.h>
@@ -197,9 +198,9 @@ void add_regions(FrameCosts& costs, const FrameGeometry& geometry, const std::ve
 
 /// The frame cut so finely that the costs of regions say what any number of Renderers gets.
 FrameSpec cut_finely(FrameSpec frame, const Grid& grid) {
-  frame.dealt_to = probed_renderers;
-  if (frame.image_plane == ImagePlane::screen && frame.region_size == 0)
-    frame.region_size = make_geometry(frame, grid).regions.rect(0).width();
+  frame.division.dealt_to = probed_renderers;
+  if (frame.as<Splats>().image_plane == ImagePlane::screen && frame.division.region_size == 0)
+    frame.division.region_size = make_geometry(frame, grid).regions.rect(0).width();
   return frame;
 }
 
@@ -215,22 +216,22 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
                                const Machine* machine) {
   const Grid grid = source.grid();
   const std::vector<Slab> slabs = read_slabs(source);
-  frame.transfer_function = make_for(slabs, choice);
+  frame.shown.transfer_function = make_for(slabs, choice);
   check(frame);
   FrameCosts costs;
   costs.slices = 0;
-  frame.camera = views.front();
+  frame.shown.camera = views.front();
   FrameSpec finely = cut_finely(frame, grid);
-  frame.dealt_to = 1;
+  frame.division.dealt_to = 1;
   std::vector<FrameSpec> whole, cut;
   int regions = 1;
   for (const Camera& camera : views) {
-    finely.camera = camera;
+    finely.shown.camera = camera;
     const FrameGeometry geometry = make_geometry(finely, grid);
     costs.slices += double(geometry.slices) / double(views.size());
     regions = std::max(regions, geometry.regions.count());
     costs.columns = geometry.regions.columns();
-    frame.camera = finely.camera = fixed_to_world(camera, grid, frame.width, frame.height);
+    frame.shown.camera = finely.shown.camera = fixed_to_world(camera, grid, frame.shown.width, frame.shown.height);
     whole.push_back(frame);
     cut.push_back(finely);
   }

@@ -61,19 +61,19 @@ ExitCode run_reference(const ReferenceOptions& o) {
   const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = o.picture.frame;
-  spec.transfer_function = choice.make(volume.histogram);
+  spec.shown.transfer_function = choice.make(volume.histogram);
   check(spec);
   if (!o.picture.transfer_function_out.empty())
-    write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.transfer_function));
+    write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.shown.transfer_function));
   truth::Scene scene = make_scene(std::move(volume));
-  const auto pixels = truth::all_pixels(spec.width, spec.height);
+  const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
   std::FILE* const results = is_stdout(o.picture.transfer_function_out) ? stderr : stdout;
   for (std::size_t k = 0; k < cameras.size(); ++k) {
-    spec.camera = cameras[k];
+    spec.shown.camera = cameras[k];
     set_frame(scene, spec);
     const double start = now_seconds();
     const Image image =
-        truth::to_image(spec.width, spec.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
+        truth::to_image(spec.shown.width, spec.shown.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
     write_image(image, output_file(o.picture, k), std::nullopt, settings_text(spec, o));
     fmt::print(results, "{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start,
                to_string(o.truth));

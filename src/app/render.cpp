@@ -1,3 +1,4 @@
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/session/render.hpp"
 
 #include <fmt/format.h>
@@ -57,7 +58,7 @@ Plan make_plan(const RenderOptions& o) {
 /// Throws InputError when the frame's view, in any of its levels, cannot be rendered.
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   for (const Reduction& level : Browsing::levels(spec, o.progressive)) {
-    spec.reduction = level;
+    spec.shown.reduction = level;
     static_cast<void>(make_geometry(spec, grid));
   }
 }
@@ -66,11 +67,11 @@ void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
 void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
   FrameSpec spec = o.frame;
   // The transfer function proper may need the histogram of a volume that is not loaded yet.
-  spec.transfer_function = {
+  spec.shown.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
   check(spec);
   for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
-    spec.camera = plan.cameras[k];
+    spec.shown.camera = plan.cameras[k];
     try {
       check_view(o, spec, grid);
     } catch (const InputError& e) {
@@ -84,7 +85,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
                                   Launch& launch) {
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
-  if (launch.rank() == 0) axes = needed_axes(plan.cameras, grid, o.frame.width, o.frame.height);
+  if (launch.rank() == 0) axes = needed_axes(plan.cameras, grid, o.frame.shown.width, o.frame.shown.height);
   const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
   return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }
@@ -111,7 +112,7 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
       held += double(slices.predicted[std::size_t(gp)]);
   const std::size_t kept = FrameOutput::most_held(o, frames_in_all);
   const double frames =
-      launch.rank() == 0 ? 4.0 * sizeof(float) * o.frame.width * o.frame.height * double(kept) : 0;
+      launch.rank() == 0 ? 4.0 * sizeof(float) * o.frame.shown.width * o.frame.shown.height * double(kept) : 0;
   if (held + frames <= machine) return;
   throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
                                "but the machine has {:.1f} GiB",
@@ -123,7 +124,7 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
 }  // namespace
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  LoadOptions load{axes, o.frame.shading == Shading::phong, {}, o.frame.reduction.prefilter};
+  LoadOptions load{axes, o.frame.shown.shading == Shading::phong, {}, o.frame.shown.reduction.prefilter};
   for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
     load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
@@ -150,14 +151,14 @@ std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSp
                                            Progress& progress) {
   const auto check = [&](const Camera& camera) {
     FrameSpec spec = frame;
-    spec.camera = camera;
+    spec.shown.camera = camera;
     check_view(o, std::move(spec), grid);
   };
   const auto warn = [&progress](const std::string& text) {
     progress.clear();
     log_warning("{}", text);
   };
-  return std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.camera,
+  return std::make_unique<ViewStream>(STDIN_FILENO, "--path -", o.frame.shown.camera,
                                       ViewStream::Hooks{check, warn});
 }
 
@@ -240,7 +241,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   launch.check_on_rank_0([&] { check_frames(o, job.plan, grid); });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
-  o.frame.dealt_to = drawing_renderers(job.layout, launch);
+  o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
   job.memory = predict_memory(grid, job.load, job.layout.gps);
   launch.check_on_all_ranks(
       [&] { check_memory(o, job.plan.cameras.size(), job.memory, job.layout, launch); });
@@ -264,7 +265,7 @@ Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch)
 FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch) {
   const RenderOptions& o = job.options;
   FrameSpec frame = o.frame;
-  launch.check_on_rank_0([&] { frame.transfer_function = make_transfer_function(o, job.plan, scene); });
+  launch.check_on_rank_0([&] { frame.shown.transfer_function = make_transfer_function(o, job.plan, scene); });
   if (o.budget.max_error && keep_budget(o, job.plan.cameras, job.load.kept_axes, job.layout, scene, frame,
                                         progress, launch))
     scene = reload(job, wiring, progress, launch);

@@ -43,16 +43,16 @@ std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
 
 FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, const TransferFunction& tf) {
   FrameSpec spec;
-  spec.width = list.width;
-  spec.height = list.height;
-  spec.transfer_function = tf;
-  spec.kernel_radius = setting.radius;
-  spec.kernel = setting.kernel;
-  spec.opacity_correction = setting.opacity_correction;
-  spec.shading = setting.shading;
-  spec.region_size = setting.region_size;
-  spec.image_plane = setting.image_plane;
-  spec.plane_samples = setting.samples;
+  spec.shown.width = list.width;
+  spec.shown.height = list.height;
+  spec.shown.transfer_function = tf;
+  spec.as<Splats>().kernel_radius = setting.radius;
+  spec.as<Splats>().kernel = setting.kernel;
+  spec.shown.opacity_correction = setting.opacity_correction;
+  spec.shown.shading = setting.shading;
+  spec.division.region_size = setting.region_size;
+  spec.as<Splats>().image_plane = setting.image_plane;
+  spec.as<Splats>().plane_samples = setting.samples;
   check(spec);
   return spec;
 }
@@ -64,7 +64,7 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const Layout layout{1, 1};
   OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
   Scene scene = load_scene(
-      volume, {needed_axes(list.views, volume.grid, list.width, list.height), spec.shading == Shading::phong},
+      volume, {needed_axes(list.views, volume.grid, list.width, list.height), spec.shown.shading == Shading::phong},
       layout, wiring);
   std::vector<Timed> timed(list.views.size());
   std::size_t next = 0, done = 0;
@@ -72,7 +72,7 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   Director director{[&]() -> std::optional<FrameSpec> {
                       if (next == frames) return std::nullopt;
                       FrameSpec frame = spec;
-                      frame.camera = list.views[next++ % list.views.size()];
+                      frame.shown.camera = list.views[next++ % list.views.size()];
                       return frame;
                     },
                     [&](FrameResult&& result) {
@@ -166,7 +166,7 @@ class SceneStudy {
 
  private:
   Evaluation show(TruthKind kind, FrameSpec spec, std::size_t view) {
-    spec.camera = list_.views[view];
+    spec.shown.camera = list_.views[view];
     set_frame(scene_, spec);
     return {.truth = kind, .formula = scene_list_.synth};
   }
@@ -175,7 +175,7 @@ class SceneStudy {
   KeptPictures keep(const StudyList::Setting& setting, const FrameSpec& spec, const Timed& timed,
                     TruthKind kind, std::size_t view) {
     if (!pictures_.kept() || kind == TruthKind::method) return {};
-    const bool lit = spec.shading == Shading::phong;
+    const bool lit = spec.shown.shading == Shading::phong;
     return {pictures_.keep(scene_list_.name, setting.name, view, timed.image),
             pictures_.keep_truth(scene_list_.name, to_string(kind) + (lit ? "-phong" : ""), view, [&] {
               const Evaluation whole = show(kind, spec, view);
@@ -192,7 +192,7 @@ class SceneStudy {
           sample_truth(image, scene_, evaluation, list_.error_pixels, list_.seed));
     };
     if (kind == TruthKind::method) return sampled();
-    auto& known = known_[std::tuple(kind, spec.shading, view)];
+    auto& known = known_[std::tuple(kind, spec.shown.shading, view)];
     if (!known) known = sampled();
     return known;
   }

@@ -4,7 +4,7 @@
 
 #include "ringsplat/classify/classifier.hpp"
 #include "ringsplat/classify/phong.hpp"
-#include "ringsplat/frame/frame_spec.hpp"
+#include "frame/frame_geometry.hpp"
 
 namespace ringsplat {
 
@@ -12,29 +12,29 @@ namespace ringsplat {
 class FrameShading {
  public:
   /// Both must outlive it.
-  FrameShading(const FrameSpec& spec, const FrameGeometry& geometry)
-      : spec_(spec),
+  FrameShading(const Shown& shown, const FrameGeometry& geometry)
+      : shown_(shown),
         geometry_(geometry),
         classifier_(
-            spec.transfer_function, geometry.grid.type,
-            spec.opacity_correction ? geometry.traversal.slice_distance : double(spec.reduction.factor)) {}
+            shown.transfer_function, geometry.grid.type,
+            shown.opacity_correction ? geometry.traversal.slice_distance : double(shown.reduction.factor)) {}
 
   const Classifier& classifier() const { return classifier_; }
-  bool lit() const { return spec_.shading == Shading::phong; }
+  bool lit() const { return shown_.shading == Shading::phong; }
 
   /// Made when first asked for: a frame with nothing visible does without.
   const PhongTable& phong() const {
     std::call_once(once_, [this] {
       const ViewTransform& view = geometry_.view;
-      phong_.emplace(spec_.material,
-                     view.right * spec_.light.x + view.up * spec_.light.y + view.to_viewer * spec_.light.z,
+      phong_.emplace(shown_.material,
+                     view.right * shown_.light.x + view.up * shown_.light.y + view.to_viewer * shown_.light.z,
                      view.to_viewer);
     });
     return *phong_;
   }
 
  private:
-  const FrameSpec& spec_;
+  const Shown& shown_;
   const FrameGeometry& geometry_;
   Classifier classifier_;
   mutable std::once_flag once_;

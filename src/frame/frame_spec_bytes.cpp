@@ -1,8 +1,11 @@
+#include <concepts>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "base/counted_values.hpp"
@@ -71,22 +74,51 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-/// All that a FrameSpec (const or not) holds, one by one: structs have padding. A member that is added does
-/// not fit the names here.
-template <class Wire, class Spec>
-bool pass(Wire& wire, Spec& spec) {
-  const auto all = [&wire](auto&... parts) { return (wire(parts) && ...); };
-  auto& [frame, camera, width, height, image_plane, plane_samples, region_size, dealt_to, transfer_function,
-         shading, material, light, kernel_radius, kernel, opacity_correction, opaque_threshold, reduction,
-         payload, precision] = spec;
+// All that a FrameSpec (const or not) holds, one by one: structs have padding. A member that is added does not fit
+// the names here.
+
+template <class Wire, class... Parts>
+bool pass_all(Wire& wire, Parts&... parts) {
+  return (wire(parts) && ...);
+}
+
+template <class Wire, class S>
+  requires std::same_as<std::remove_const_t<S>, Shown>
+bool pass(Wire& wire, S& shown) {
+  auto& [camera, width, height, transfer_function, shading, material, light, opacity_correction,
+         opaque_threshold, reduction] = shown;
   auto& [azimuth, elevation, roll, zoom, matrix] = camera;
   auto& [name, colours, opacities, nan_srgb] = transfer_function;
-  auto& [method, phases, qee_bits, normalisation] = kernel;
   auto& [factor, prefilter] = reduction;
-  return all(frame, azimuth, elevation, roll, zoom, matrix, width, height, image_plane, plane_samples) &&
-         all(region_size, dealt_to, name, colours, opacities, nan_srgb, shading, material, light) &&
-         all(kernel_radius, method, phases, qee_bits, normalisation, opacity_correction, opaque_threshold) &&
-         all(factor, prefilter, payload, precision);
+  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, width, height, name, colours, opacities,
+                  nan_srgb, shading, material, light, opacity_correction, opaque_threshold, factor,
+                  prefilter);
+}
+
+template <class Wire, class S>
+  requires std::same_as<std::remove_const_t<S>, Splats>
+bool pass(Wire& wire, S& splats) {
+  auto& [image_plane, plane_samples, kernel_radius, kernel, payload, precision] = splats;
+  auto& [method, phases, qee_bits, normalisation] = kernel;
+  return pass_all(wire, image_plane, plane_samples, kernel_radius, method, phases, qee_bits, normalisation,
+                  payload, precision);
+}
+
+template <class Wire, class Spec>
+bool pass(Wire& wire, Spec& spec) {
+  auto& [frame, shown, how, division] = spec;
+  auto& [region_size, dealt_to] = division;
+  return pass_all(wire, frame, region_size, dealt_to) && pass(wire, shown) &&
+         std::visit([&wire](auto& method) { return pass(wire, method); }, how);
+}
+
+/// Which method comes: its number among Method's.
+bool take_method(Reader& reader, Method& how) {
+  std::uint8_t index = 0;
+  if (!reader(index)) return false;
+  return [&]<std::size_t... I>(std::index_sequence<I...>) {
+    return ((index == I && (how.emplace<I>(), true)) || ...);
+  }(std::make_index_sequence<std::variant_size_v<Method>>());
 }
 
 template <class Enum>
@@ -94,27 +126,45 @@ bool is_one_of(Enum value, Enum last) {
   return static_cast<int>(value) >= 0 && value <= last;
 }
 
-/// Every enumeration has one of its values.
+// Whether every enumeration has one of its values.
+
+bool has_names(const Splats& splats) {
+  return is_one_of(splats.image_plane, ImagePlane::slices) &&
+         is_one_of(splats.kernel.method, KernelMethod::texture) &&
+         is_one_of(splats.kernel.normalisation, Normalisation::exact) &&
+         is_one_of(splats.payload, PayloadForm::runs) && is_one_of(splats.precision, Precision::u8);
+}
+
 bool has_names(const FrameSpec& spec) {
-  return is_one_of(spec.image_plane, ImagePlane::slices) && is_one_of(spec.shading, Shading::phong) &&
-         is_one_of(spec.kernel.method, KernelMethod::texture) &&
-         is_one_of(spec.kernel.normalisation, Normalisation::exact) &&
-         is_one_of(spec.payload, PayloadForm::runs) && is_one_of(spec.precision, Precision::u8);
+  return is_one_of(spec.shown.shading, Shading::phong) &&
+         std::visit([](const auto& how) { return has_names(how); }, spec.how);
+}
+
+RunError unreadable() {
+  return RunError("a frame announcement cannot be read", "all ranks must run the same build");
 }
 
 }  // namespace
 
 Bytes encode(const FrameSpec& spec) {
   Writer writer;
+  writer(std::uint8_t(spec.how.index()));
   pass(writer, spec);
   return writer.take();
+}
+
+std::string method_of(std::span<const std::byte> bytes) {
+  Method how;
+  Reader reader(bytes);
+  if (!take_method(reader, how)) throw unreadable();
+  return name(how);
 }
 
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes) {
   FrameSpec spec;
   Reader reader(bytes);
-  if (!pass(reader, spec) || !reader.ended() || !has_names(spec))
-    throw RunError("a frame announcement cannot be read", "all ranks must run the same build");
+  if (!take_method(reader, spec.how) || !pass(reader, spec) || !reader.ended() || !has_names(spec))
+    throw unreadable();
   return spec;
 }
 

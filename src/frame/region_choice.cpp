@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <vector>
 
-#include "splat/encode.hpp"
+#include "screen/pixel_window.hpp"
 
 namespace ringsplat {
 namespace {
@@ -22,9 +22,8 @@ PixelWindow reached_pixels(const FrameGeometry& g) {
     low = glm::min(low, at);
     high = glm::max(high, at);
   }
-  const KernelReach reach = kernel_reach(g.footprint);
   // GPs step from voxel to voxel, and round windows outwards.
-  const glm::dvec2 around = glm::dvec2(reach.x, reach.y) + 3.0;
+  const glm::dvec2 around = glm::trunc(g.reach) + 3.0;
   const glm::dvec2 before(-1.0), behind(g.width, g.height);
   low = glm::clamp(glm::floor(low - around), before, behind);
   high = glm::clamp(glm::ceil(high + around), before, behind);
@@ -35,7 +34,7 @@ PixelRect touched(const Regions& regions, const PixelWindow& pixels) {
   return regions.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
 }
 
-/// How much of the volume lies behind a pixel, reckoned as the ellipsoid that fills its box: what is scanned
+/// How much of the volume lies behind a pixel, estimated from the ellipsoid that fills its box: what is scanned
 /// or simulated stands in the middle more often than in the corners.
 class Thickness {
  public:
@@ -72,7 +71,7 @@ class Thickness {
   glm::dmat2 to_circle_;
 };
 
-/// What the Renderer draws that has most.
+/// The busiest Renderer's load.
 double most_drawn(const Regions& regions, const PixelRect& block, const Thickness& thickness, int renderers) {
   const RegionOwners owners = regions.owners(block, renderers, renderers);
   std::vector<double> drawn(std::size_t(renderers), 0.0);
@@ -98,7 +97,7 @@ Regions screen_regions(const FrameGeometry& g, const PixelWindow& reached, int r
   double least = INFINITY;
   for (int side = largest; side >= smallest; side /= 2) {
     const Regions regions(g.width, g.height, side);
-    const glm::dvec2 cut = 1.0 + 2.0 * g.footprint.half / double(side);
+    const glm::dvec2 cut = 1.0 + 2.0 * g.reach / double(side);
     const double most = cut.x * cut.y * most_drawn(regions, touched(regions, reached), thickness, renderers);
     if (most >= worth_more_regions * least) continue;
     least = most;
@@ -123,17 +122,17 @@ Regions strips(int renderers, int width, int height) {
 
 }  // namespace
 
-void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
-  const int renderers = std::clamp(spec.dealt_to, 1, 1 << 16);
+void lay_regions(FrameGeometry& g, const Division& division) {
+  const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
-  if (spec.region_size > 0)
-    g.regions = {g.width, g.height, spec.region_size};
-  else if (spec.image_plane == ImagePlane::screen)
+  if (division.region_size > 0)
+    g.regions = {g.width, g.height, division.region_size};
+  else if (!g.warp)
     g.regions = screen_regions(g, reached, renderers);
   else
     g.regions = strips(renderers, g.width, g.height);
   g.reached = touched(g.regions, reached);
-  g.dealt_to = spec.dealt_to;
+  g.dealt_to = division.dealt_to;
 }
 
 }  // namespace ringsplat

@@ -1,3 +1,4 @@
+#include "frame/frame_geometry.hpp"
 #include "session/directed_frames.hpp"
 
 #include <utility>
@@ -11,7 +12,7 @@ std::optional<Bytes> DirectedFrames::next(std::int64_t frame) {
   auto spec = director_.next_frame();
   if (!spec) return std::nullopt;
   spec->frame = frame;
-  if (spec->dealt_to == 0) spec->dealt_to = renderers_;
+  if (spec->division.dealt_to == 0) spec->division.dealt_to = renderers_;
   Bytes body = encode(*spec);
   frames_[frame].spec = std::move(*spec);
   return body;
@@ -24,7 +25,7 @@ bool DirectedFrames::unwanted(std::int64_t frame) {
 void DirectedFrames::done(FrameStats&& stats) {
   auto [spec, image] = std::move(frames_.extract(stats.frame).mapped());
   if (stats.dropped) return;
-  const Axis axis = traversed_axis(spec.camera, grid_, spec.width, spec.height);
+  const Axis axis = traversed_axis(spec.shown.camera, grid_, spec.shown.width, spec.shown.height);
   director_.frame_done({std::move(spec), std::move(image), std::move(stats), axis});
 }
 

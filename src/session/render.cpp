@@ -1,3 +1,4 @@
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/session/render.hpp"
 
 #include <fmt/format.h>
@@ -5,7 +6,7 @@
 #include <algorithm>
 
 #include "session/directed_frames.hpp"
-#include "splat_engine/splat_engine.hpp"
+#include "session/engines.hpp"
 #include "protocol/host.hpp"
 #include "protocol/loopback_run.hpp"
 #include "ringsplat/base/error.hpp"
@@ -82,10 +83,10 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 }
 
 LoadOptions load_options(const FrameSpec& spec, const Grid& grid) {
-  return {needed_axes({spec.camera}, grid, spec.width, spec.height),
-          spec.shading == Shading::phong,
-          {spec.reduction.factor},
-          spec.reduction.prefilter};
+  return {needed_axes({spec.shown.camera}, grid, spec.shown.width, spec.shown.height),
+          spec.shown.shading == Shading::phong,
+          {spec.shown.reduction.factor},
+          spec.shown.reduction.prefilter};
 }
 
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
@@ -129,8 +130,16 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, Slic
   // A mesh goes through all slices: that tokens visit GPs in their order is what keeps its payloads from meeting
   // (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
-  auto engine = make_splat_engine(grid, layout, std::move(slices), options.threads_per_rank, {skip_empty, timed},
-                                  std::move(take));
+  auto engine = make_engines(std::move(slices), [&](const SliceStore& kept) {
+    return EngineSetup{.grid = grid,
+                       .gps = layout.gps,
+                       .renderers = layout.renderers,
+                       .slices = kept,
+                       .threads = options.threads_per_rank,
+                       .skip_empty = skip_empty,
+                       .timed = timed,
+                       .take = std::move(take)};
+  });
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
   if (machine) engine = make_charged_engine(std::move(engine), *machine);
   return engine;

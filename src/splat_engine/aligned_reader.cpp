@@ -10,10 +10,10 @@ namespace {
 template <class Voxel>
 class AlignedReader final : public PayloadReader {
  public:
-  AlignedReader(const FrameGeometry& geometry, const AlignedFrame& frame, SumMemory memory)
-      : cursor_(geometry.grid.slice_width(geometry.traversal.axis),
-                geometry.grid.slice_height(geometry.traversal.axis)),
-        sum_(frame, memory.largest, memory.memory) {}
+  AlignedReader(const SplatFrame& frame, const AlignedFrame& aligned, SumMemory memory)
+      : cursor_(frame.geometry.grid.slice_width(frame.geometry.traversal.axis),
+                frame.geometry.grid.slice_height(frame.geometry.traversal.axis)),
+        sum_(aligned, memory.largest, memory.memory) {}
 
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const override {
@@ -42,9 +42,9 @@ class AlignedReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
-                                                   const AlignedFrame& frame, SumMemory memory) {
-  return make_for_voxels<PayloadReader, AlignedReader>(spec.precision, geometry, frame, memory);
+std::unique_ptr<PayloadReader> make_aligned_reader(const SplatFrame& frame, const AlignedFrame& aligned,
+                                                   SumMemory memory) {
+  return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, aligned, memory);
 }
 
 }  // namespace ringsplat

@@ -4,13 +4,13 @@
 
 namespace ringsplat {
 
-EncoderFrame::EncoderFrame(const FrameSpec& frame_spec, const FrameGeometry& frame_geometry)
-    : spec(frame_spec),
-      geometry(frame_geometry),
-      shading(frame_spec, frame_geometry),
-      reach(kernel_reach(frame_geometry.footprint)),
-      stride(pass_stride(frame_spec.kernel_radius)),
-      covers(std::size_t(frame_geometry.regions.count())) {
+EncoderFrame::EncoderFrame(const SplatFrame& splat_frame)
+    : frame(splat_frame),
+      geometry(frame.geometry),
+      shading(frame.shown, geometry),
+      reach(kernel_reach(frame.footprint)),
+      stride(pass_stride(frame.splats.kernel_radius)),
+      covers(std::size_t(geometry.regions.count())) {
   opaque.reserve(covers.size());
   rects.reserve(covers.size());
   for (int region = 0; region < geometry.regions.count(); ++region) {

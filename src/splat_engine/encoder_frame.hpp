@@ -5,18 +5,19 @@
 #include "frame/frame_shading.hpp"
 #include "raster/opaque_cover.hpp"
 #include "splat/encode.hpp"
+#include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
 
 /// What the bands of one frame's slices share. It does not change while they work.
 struct EncoderFrame {
-  /// Both must outlive it.
-  EncoderFrame(const FrameSpec& frame_spec, const FrameGeometry& frame_geometry);
+  /// `splat_frame` must outlive it.
+  explicit EncoderFrame(const SplatFrame& splat_frame);
 
   /// News from a Renderer's Painter::opaque_news. Throws RunError when the bytes are no such news.
   void take_opaque_news(std::span<const std::byte> news);
 
-  const FrameSpec& spec;
+  const SplatFrame& frame;
   const FrameGeometry& geometry;
   FrameShading shading;
   KernelReach reach;

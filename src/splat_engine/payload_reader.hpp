@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/frame/frame_spec.hpp"
+#include "splat_engine/splat_frame.hpp"
 #include "raster/slice_buffer.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
@@ -43,12 +43,11 @@ struct SumMemory {
   RegionSize largest;
 };
 
-/// For payloads of a frame's form and precision. `geometry` and the memory must outlive it.
+/// For payloads of a frame's form and precision. `frame` and the memory must outlive it.
 std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
-std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry,
-                                               const FrameKernel& kernel, SumMemory memory);
+std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory);
 /// For runs in slices whose voxels lie a whole number of pixels apart.
-std::unique_ptr<PayloadReader> make_aligned_reader(const FrameSpec& spec, const FrameGeometry& geometry,
-                                                   const AlignedFrame& frame, SumMemory memory);
+std::unique_ptr<PayloadReader> make_aligned_reader(const SplatFrame& frame, const AlignedFrame& aligned,
+                                                   SumMemory memory);
 
 }  // namespace ringsplat

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <utility>
 
+#include "frame/frame_geometry.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "raster/warp_image.hpp"
 #include "splat/encode.hpp"
@@ -30,9 +31,10 @@ class PictureCanvas final : public Canvas {
 
   void finish() override {
     clear_where_no_tile_came();
-    const FrameSpec& spec = frame_->spec;
-    if (const auto& warp = geometry().warp) image_ = warp_image(image_, filled_, *warp, spec.width, spec.height);
-    take_(spec.frame, std::move(image_));
+    const Shown& shown = frame_->shown;
+    if (const auto& warp = geometry().warp)
+      image_ = warp_image(image_, filled_, *warp, shown.width, shown.height);
+    take_(frame_->number, std::move(image_));
   }
 
  private:

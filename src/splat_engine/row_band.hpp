@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "frame/frame_geometry.hpp"
 #include "splat_engine/encoder_frame.hpp"
 #include "splat_engine/row_axis.hpp"
 #include "splat_engine/row_classifier.hpp"

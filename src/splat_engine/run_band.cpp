@@ -283,7 +283,7 @@ class RunBand final : public RowBand {
 }  // namespace
 
 std::unique_ptr<RowBand> make_run_band(const EncoderFrame& frame) {
-  return make_for_voxels<RowBand, RunBand>(frame.spec.precision, frame);
+  return make_for_voxels<RowBand, RunBand>(frame.frame.splats.precision, frame);
 }
 
 }  // namespace ringsplat

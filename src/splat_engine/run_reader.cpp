@@ -2,6 +2,7 @@
 #include <utility>
 #include <vector>
 
+#include "frame/frame_geometry.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/run_cursor.hpp"
 #include "splat_engine/voxel_form.hpp"
@@ -16,12 +17,13 @@ namespace {
 template <class Voxel>
 class RunReader final : public PayloadReader {
  public:
-  RunReader(const FrameGeometry& geometry, const FrameKernel& kernel, SumMemory memory)
+  RunReader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory)
       : sum_(kernel, memory.largest, memory.memory),
-        geometry_(geometry),
-        width_(std::uint32_t(geometry.grid.slice_width(geometry.traversal.axis))),
-        cursor_(int(width_), geometry.grid.slice_height(geometry.traversal.axis)),
-        dda_(geometry.view, geometry.traversal.axis, int(width_)) {}
+        geometry_(frame.geometry),
+        footprint_(frame.footprint),
+        width_(std::uint32_t(geometry_.grid.slice_width(geometry_.traversal.axis))),
+        cursor_(int(width_), geometry_.grid.slice_height(geometry_.traversal.axis)),
+        dda_(geometry_.view, geometry_.traversal.axis, int(width_)) {}
 
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const override {
@@ -32,7 +34,7 @@ class RunReader final : public PayloadReader {
     if (std::exchange(slice_, slice) != slice) row_ = nothing;
     placed_ = nothing;
     const PixelRect rect = geometry_.regions.rect(part.region);
-    const KernelReach reach = kernel_reach(geometry_.footprint);
+    const KernelReach reach = kernel_reach(footprint_);
     corner_x_ = rect.x0 - reach.x - 1;
     corner_y_ = rect.y0 - reach.y - 1;
     cursor_.begin(part);
@@ -67,7 +69,7 @@ class RunReader final : public PayloadReader {
     const std::uint32_t first = cursor_.first() / RunPlaces::capacity * RunPlaces::capacity;
     if (std::exchange(placed_, first) == first) return;
     const int count = int(std::min<std::uint32_t>(RunPlaces::capacity, width_ - first));
-    place_run(geometry_.footprint, dda_, first, count, corner_x_, corner_y_, places_);
+    place_run(footprint_, dda_, first, count, corner_x_, corner_y_, places_);
   }
 
   /// Appends at most `wanted` of the run's voxels. Returns false when the next one needs another base.
@@ -95,7 +97,7 @@ class RunReader final : public PayloadReader {
       splats_[filled_++] = {places_.a[k],
                             places_.b[k],
                             places_.c[k],
-                            weighted_opacity(geometry_.footprint, colour.opacity),
+                            weighted_opacity(footprint_, colour.opacity),
                             colour.red,
                             colour.green,
                             colour.blue,
@@ -111,6 +113,7 @@ class RunReader final : public PayloadReader {
 
   SplatSum sum_;
   const FrameGeometry& geometry_;
+  const Footprint& footprint_;
   std::uint32_t width_;
   RunCursor<Voxel> cursor_;
   SliceDda dda_;
@@ -128,9 +131,8 @@ class RunReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_run_reader(const FrameSpec& spec, const FrameGeometry& geometry,
-                                               const FrameKernel& kernel, SumMemory memory) {
-  return make_for_voxels<PayloadReader, RunReader>(spec.precision, geometry, kernel, memory);
+std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory) {
+  return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel, memory);
 }
 
 }  // namespace ringsplat

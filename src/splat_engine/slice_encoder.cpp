@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "frame/frame_geometry.hpp"
 #include "classify/empty_space.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/row_bounds.hpp"
@@ -24,27 +25,28 @@ namespace {
 class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(std::shared_ptr<const SplatFrame> frame, int renderers, const SliceStore& store,
-               EmptySpace& empty_space, ThreadTeam& threads, const EncoderOptions& options)
+               EmptySpace& empty_space, ThreadTeam& threads, bool skip_empty, bool timed)
       : announced_(std::move(frame)),
         whole_store_(store),
-        store_(store.level(announced_->spec.reduction.factor)),
+        store_(store.level(announced_->shown.reduction.factor)),
         empty_space_(empty_space),
         threads_(threads),
-        options_(options),
+        skip_empty_(skip_empty),
+        timed_(timed),
         renderers_(renderers) {
     if (!store_.keeps(geometry().traversal.axis))
       throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
-                                 announced_->spec.frame, name(geometry().traversal.axis)),
+                                 announced_->number, name(geometry().traversal.axis)),
                      "load it with --axes all");
-    if (announced_->spec.shading == Shading::phong && !store_.has_normals())
-      throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->spec.frame),
+    if (announced_->shown.shading == Shading::phong && !store_.has_normals())
+      throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->number),
                      "load them with --shading phong");
   }
 
   std::vector<int> shown() override {
     const std::vector<bool>* may_show = nullptr;
-    if (options_.skip_empty)
-      may_show = &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->spec.transfer_function);
+    if (skip_empty_)
+      may_show = &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->shown.transfer_function);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
       if (may_show == nullptr || (*may_show)[std::size_t(slice_at(step))]) steps.push_back(step);
@@ -57,14 +59,14 @@ class SliceEncoder final : public Encoder {
   }
 
   void begin(int step) override {
-    if (!frame_) frame_.emplace(announced_->spec, geometry());
+    if (!frame_) frame_.emplace(*announced_);
     const SliceView slice = store_.slice(geometry().traversal.axis, slice_at(step));
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
-    VisibleVoxels& visible = empty_space_.voxels(slice, announced_->spec.transfer_function);
+    VisibleVoxels& visible = empty_space_.voxels(slice, announced_->shown.transfer_function);
     const std::vector<int> bounds = row_bounds(visible.runs(), slice.height, threads_.size());
     bands_in_use_ = bounds.size() - 1;
     while (bands_.size() < bands_in_use_)
-      bands_.push_back(announced_->spec.payload == PayloadForm::words ? make_word_band(*frame_)
+      bands_.push_back(announced_->splats.payload == PayloadForm::words ? make_word_band(*frame_)
                                                                       : make_run_band(*frame_));
     pieces_.assign(bands_in_use_, {});
     for (std::size_t k = 0; k < bands_in_use_; ++k)
@@ -74,10 +76,10 @@ class SliceEncoder final : public Encoder {
   bool work() override {
     double wall = 0;
     {
-      const OptionalSeconds timed(options_.timed ? &wall : nullptr);
+      const OptionalSeconds timed(timed_ ? &wall : nullptr);
       threads_.run(int(bands_in_use_), [this](int band) { encode_some(std::size_t(band)); });
     }
-    if (options_.timed) divide(wall);
+    if (timed_) divide(wall);
     return std::all_of(pieces_.begin(), pieces_.end(), [](const Piece& piece) { return piece.complete; });
   }
 
@@ -127,9 +129,9 @@ class SliceEncoder final : public Encoder {
     Piece& piece = pieces_[band];
     if (piece.complete) return;
     const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
-    const OptionalSeconds timed(options_.timed ? &piece.busy : nullptr);
+    const OptionalSeconds timed(timed_ ? &piece.busy : nullptr);
     piece.complete = bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once,
-                                        options_.timed ? &piece.stages : nullptr);
+                                        timed_ ? &piece.stages : nullptr);
   }
 
   void divide(double wall) {
@@ -187,7 +189,7 @@ class SliceEncoder final : public Encoder {
   const SliceStore& store_;  ///< of the frame's level
   EmptySpace& empty_space_;
   ThreadTeam& threads_;
-  EncoderOptions options_;
+  bool skip_empty_, timed_;
   int renderers_;
   std::optional<EncoderFrame> frame_;  ///< made for the first slice: a GP may have none
   std::uint64_t voxels_ = 0;  ///< of the slice
@@ -201,8 +203,8 @@ class SliceEncoder final : public Encoder {
 
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
                                             const SliceStore& store, EmptySpace& empty_space, ThreadTeam& threads,
-                                            const EncoderOptions& options) {
-  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, options);
+                                            bool skip_empty, bool timed) {
+  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, skip_empty, timed);
 }
 
 }  // namespace ringsplat

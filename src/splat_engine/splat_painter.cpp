@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "frame/frame_geometry.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "splat_engine/wall_share.hpp"
@@ -29,19 +30,16 @@ class SplatPainter final : public FramePainter {
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
+    // They refer to the frame before, and leave their memory to the next.
+    for (Lane& lane : lanes_) lane.reader.reset();
+    const bool as_before = frame_ && same_regions(frame_->geometry, frame->geometry);
     frame_ = std::move(frame);
-    const FrameSpec& spec = frame_->spec;
-    const FrameGeometry& geometry = frame_->geometry;
-    const bool as_before = geometry_.regions == geometry.regions && geometry_.reached == geometry.reached &&
-                           geometry_.dealt_to == geometry.dealt_to;
-    geometry_ = geometry;
     if (!as_before) lay_out();
-    const FrameKernel kernel =
-        make_frame_kernel(geometry.footprint, geometry.view, geometry.traversal.axis, spec.kernel);
-    for (RegionImage& image : images_) image.begin_frame(static_cast<float>(spec.opaque_threshold));
+    const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view, geometry().traversal.axis,
+                                                 frame_->splats.kernel);
+    for (RegionImage& image : images_) image.begin_frame(static_cast<float>(frame_->shown.opaque_threshold));
     for (Lane& lane : lanes_) {
-      lane.reader.reset();  // it leaves the memory to the next one
-      lane.reader = make_reader(spec, kernel, {lane.memory, largest_region_});
+      lane.reader = make_reader(kernel, {lane.memory, largest_region_});
       lane.drawing = false;
     }
     told_.clear();
@@ -51,12 +49,12 @@ class SplatPainter final : public FramePainter {
 
   void begin(const PayloadToDraw& payload) override {
     const auto& [step, passes, body] = payload;
-    if (step < 0 || step >= geometry_.slices)
+    if (step < 0 || step >= geometry().slices)
       throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
-                                 step, geometry_.slices),
+                                 step, geometry().slices),
                      "all ranks must run the same build");
     const auto owned = [this](int region) {
-      return region >= 0 && region < geometry_.regions.count() &&
+      return region >= 0 && region < geometry().regions.count() &&
              slot_of_region_[std::size_t(region)] != not_owned;
     };
     try {
@@ -64,7 +62,7 @@ class SplatPainter final : public FramePainter {
     } catch (const RunError& e) {
       throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
     }
-    slice_ = geometry_.traversal.slice_at(step, geometry_.slices);
+    slice_ = geometry().traversal.slice_at(step, geometry().slices);
     voxel_ = voxel_of_slice();
     next_part_ = 0;
     // Waking a thread takes as long as some hundred splats.
@@ -167,20 +165,25 @@ class SplatPainter final : public FramePainter {
     return true;
   }
 
-  std::unique_ptr<PayloadReader> make_reader(const FrameSpec& spec, const FrameKernel& kernel,
-                                             SumMemory memory) const {
-    if (spec.payload == PayloadForm::words) return make_word_reader(kernel, memory);
-    if (const auto aligned = AlignedFrame::of(kernel, geometry_.view, geometry_.traversal.axis))
-      return make_aligned_reader(spec, geometry_, *aligned, memory);
-    return make_run_reader(spec, geometry_, kernel, memory);
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+
+  static bool same_regions(const FrameGeometry& one, const FrameGeometry& other) {
+    return one.regions == other.regions && one.reached == other.reached && one.dealt_to == other.dealt_to;
+  }
+
+  std::unique_ptr<PayloadReader> make_reader(const FrameKernel& kernel, SumMemory memory) const {
+    if (frame_->splats.payload == PayloadForm::words) return make_word_reader(kernel, memory);
+    if (const auto aligned = AlignedFrame::of(kernel, geometry().view, geometry().traversal.axis))
+      return make_aligned_reader(*frame_, *aligned, memory);
+    return make_run_reader(*frame_, kernel, memory);
   }
 
   void lay_out() {
-    const Regions& regions = geometry_.regions;
+    const Regions& regions = geometry().regions;
     images_.clear();
     largest_region_ = {};
     slot_of_region_.assign(std::size_t(regions.count()), not_owned);
-    owned_ = regions.owned(renderer_, geometry_.owners(renderers_));
+    owned_ = regions.owned(renderer_, geometry().owners(renderers_));
     for (const int region : owned_) {
       const PixelRect rect = regions.rect(region);
       slot_of_region_[std::size_t(region)] = images_.size();
@@ -193,13 +196,12 @@ class SplatPainter final : public FramePainter {
   /// Where a voxel of the slice lies in the image plane.
   glm::dvec2 voxel_of_slice() const {
     glm::dvec3 voxel(0.0);
-    voxel[static_cast<int>(geometry_.traversal.axis)] = slice_;
-    return geometry_.view.project(voxel);
+    voxel[static_cast<int>(geometry().traversal.axis)] = slice_;
+    return geometry().view.project(voxel);
   }
 
   int renderer_, renderers_;
   std::shared_ptr<const SplatFrame> frame_;
-  FrameGeometry geometry_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
   std::vector<int> owned_;                   ///< regions, ascending
   std::vector<RegionImage> images_;          ///< one for each owned region

@@ -26,7 +26,8 @@ struct WordPart {
 /// section 3).
 class WordBand final : public RowBand {
  public:
-  explicit WordBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
+  explicit WordBand(const EncoderFrame& frame)
+      : RowBand(frame), footprint_(frame.frame.footprint), parts_(frame.rects.size()) {}
 
  private:
   void encode_row(int) override {
@@ -67,7 +68,7 @@ class WordBand final : public RowBand {
       return dx >= 0 && dx <= 255 && dy >= 0 && dy <= 255;
     };
     if (!used(region) || !fits()) open_group(region, at);
-    const Splat splat = make_splat(geometry_.footprint, at.dx, at.dy, sample.r, sample.g, sample.b,
+    const Splat splat = make_splat(footprint_, at.dx, at.dy, sample.r, sample.g, sample.b,
                                    sample.opacity, static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
     std::memcpy(part.grow(sizeof splat), &splat, sizeof splat);
@@ -126,6 +127,7 @@ class WordBand final : public RowBand {
     return true;
   }
 
+  const Footprint& footprint_;
   std::vector<WordPart> parts_;  ///< by region
   PixelRect inside_{};           ///< the region of the last splat: most voxels stay in it
   int inside_region_ = 0;

@@ -166,10 +166,10 @@ TEST_CASE("slabs of a large volume stand for the whole") {
   for (std::size_t at = 0; at < voxels.size(); at += 8) voxels[at] = std::byte{100};
   const auto source = memory_source(grid, voxels);
   FrameSpec frame;
-  frame.width = frame.height = 64;
-  frame.region_size = 32;
-  frame.shading = Shading::none;
-  frame.opaque_threshold = 0;
+  frame.shown.width = frame.shown.height = 64;
+  frame.division.region_size = 32;
+  frame.shown.shading = Shading::none;
+  frame.shown.opaque_threshold = 0;
   for (const double elevation : {0.0, 90.0}) {
     const std::vector<Camera> views{{.azimuth = 10, .elevation = elevation, .zoom = 1}};
     const auto axes = needed_axes(views, grid, 64, 64);

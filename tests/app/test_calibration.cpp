@@ -3,6 +3,7 @@
 #include <functional>
 #include <glm/vec3.hpp>
 
+#include "frame/frame_geometry.hpp"
 #include "app/calibration.hpp"
 #include "app/calibration_cache.hpp"
 #include "app/program_runner.hpp"
@@ -38,10 +39,10 @@ class Bench {
     const std::string volume = folder_ / "volume.nrrd";
     REQUIRE(app_test::run_program({"synth", "ball", "--dims", "8x8x8", "-o", volume}).code == 0);
     FrameSpec reference;
-    reference.width = width;
-    reference.height = height;
-    reference.shading = Shading::none;
-    reference.transfer_function = constant_opacity(0);
+    reference.shown.width = width;
+    reference.shown.height = height;
+    reference.shown.shading = Shading::none;
+    reference.shown.transfer_function = constant_opacity(0);
     Shortcuts exact, coarse;
     coarse.undersample = 4;
     VolumeOptions options;
@@ -58,7 +59,7 @@ class Bench {
     const Director director = calibration_->director();
     std::map<std::pair<bool, bool>, int> times;
     for (bool first = true; const auto spec = director.next_frame(); first = false) {
-      const bool coarse = spec->reduction.factor == 4, oblique = spec->camera.azimuth > 0;
+      const bool coarse = spec->shown.reduction.factor == 4, oblique = spec->shown.camera.azimuth > 0;
       FrameResult result;
       result.spec = *spec;
       result.image = Image(width, height);
@@ -166,13 +167,13 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
     std::string key() const { return calibration_key(options, reference, layout, values, views); }
   };
   Asked asked;
-  asked.reference.transfer_function = constant_opacity(0.5);
+  asked.reference.shown.transfer_function = constant_opacity(0.5);
   const std::string key = asked.key();
   const std::vector<std::pair<const char*, std::function<void(Asked&)>>> changes{
-      {"width", [](Asked& a) { ++a.reference.width; }},
-      {"transfer function", [](Asked& a) { a.reference.transfer_function = constant_opacity(0.4); }},
-      {"radius", [](Asked& a) { a.reference.kernel_radius = 1.5; }},
-      {"light", [](Asked& a) { a.reference.light.x = 0.3; }},
+      {"width", [](Asked& a) { ++a.reference.shown.width; }},
+      {"transfer function", [](Asked& a) { a.reference.shown.transfer_function = constant_opacity(0.4); }},
+      {"radius", [](Asked& a) { a.reference.as<Splats>().kernel_radius = 1.5; }},
+      {"light", [](Asked& a) { a.reference.shown.light.x = 0.3; }},
       {"volume", [](Asked& a) { a.options.volume.path = "another.nrrd"; }},
       {"values' range", [](Asked& a) { a.values.high = 2; }},
       {"values", [](Asked& a) { ++a.values.counts[2]; }},
@@ -197,7 +198,7 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
   }
   Asked later = asked;  // which frame of a run asks, and how it looks at the volume, does not matter
   later.reference.frame = 7;
-  later.reference.camera.azimuth = 77;
+  later.reference.shown.camera.azimuth = 77;
   CHECK(later.key() == key);
 }
 

@@ -91,42 +91,42 @@ TEST_CASE("what takes the same time up to its measurement is chosen by its error
 TEST_CASE("only what the user left open is to be chosen") {
   FrameSpec frame;
   const auto all = candidates(frame, {});
-  CHECK(all.front() == Shortcuts{0, Precision::float32, frame.kernel_radius});
+  CHECK(all.front() == Shortcuts{0, Precision::float32, frame.as<Splats>().kernel_radius});
   // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
   CHECK(all.size() == 4 * 3 * (4 + 2 + 2));
   ErrorBudgetOptions options;
   options.fixed_radius = options.fixed_precision = options.fixed_opaque_threshold =
       options.fixed_image_plane = options.fixed_undersample = true;
-  frame.kernel_radius = 1.3;
-  frame.precision = Precision::half;
-  frame.opaque_threshold = 0.25;
+  frame.as<Splats>().kernel_radius = 1.3;
+  frame.as<Splats>().precision = Precision::half;
+  frame.shown.opaque_threshold = 0.25;
   CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, Precision::half, 1.3}});
   options.fixed_opaque_threshold = false;
   CHECK(candidates(frame, options).size() == 4);
   FrameSpec words;
-  words.payload = PayloadForm::words;
+  words.as<Splats>().payload = PayloadForm::words;
   for (const Shortcuts& s : candidates(words, {})) {
     CHECK(s.precision == Precision::float32);
-    CHECK_NOTHROW(check(with(words, s).kernel, s.radius));
+    CHECK_NOTHROW(check(with(words, s).as<Splats>().kernel, s.radius));
   }
 }
 
 TEST_CASE("a fixed image plane or level is the only one") {
   FrameSpec frame;
-  frame.image_plane = ImagePlane::slices;
-  frame.plane_samples = 2;
+  frame.as<Splats>().image_plane = ImagePlane::slices;
+  frame.as<Splats>().plane_samples = 2;
   ErrorBudgetOptions options;
   options.fixed_image_plane = true;
   for (const Shortcuts& s : candidates(frame, options)) {
     CHECK(s.plane == ImagePlane::slices);
     CHECK(s.samples == 2);
-    CHECK(s.radius == frame.kernel_radius);
+    CHECK(s.radius == frame.as<Splats>().kernel_radius);
   }
   options.fixed_undersample = true;
-  frame.reduction.factor = 2;
+  frame.shown.reduction.factor = 2;
   for (const Shortcuts& s : candidates(frame, options)) {
     CHECK(s.undersample == 2);
-    CHECK(with(FrameSpec{}, s).reduction.factor == 2);
+    CHECK(with(FrameSpec{}, s).shown.reduction.factor == 2);
   }
 }
 

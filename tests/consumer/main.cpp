@@ -25,11 +25,11 @@ ringsplat::Grid slab() {
 
 ringsplat::FrameSpec red_view() {
   ringsplat::FrameSpec spec;
-  spec.width = spec.height = 160;
-  spec.region_size = 64;
-  spec.shading = ringsplat::Shading::none;
-  spec.transfer_function.colours = {{0, {1, 0, 0}}, {255, {1, 0, 0}}};
-  spec.transfer_function.opacities = {{0, opacity_per_voxel}, {255, opacity_per_voxel}};
+  spec.shown.width = spec.shown.height = 160;
+  spec.division.region_size = 64;
+  spec.shown.shading = ringsplat::Shading::none;
+  spec.shown.transfer_function.colours = {{0, {1, 0, 0}}, {255, {1, 0, 0}}};
+  spec.shown.transfer_function.opacities = {{0, opacity_per_voxel}, {255, opacity_per_voxel}};
   return spec;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/volume/synth.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
@@ -20,15 +21,15 @@ FrameSpec placed(double scale, glm::dvec2 centre, int side) {
   const glm::dvec3 right{0.8, 0.6, 0}, down{0.36, -0.48, -0.8}, away{-0.48, 0.64, -0.6};
   const glm::dvec3 middle = 0.5 * glm::dvec3(dims - 1);
   FrameSpec spec;
-  spec.width = spec.height = side;
-  spec.transfer_function = ramp(0, 255, 0.4);
-  spec.camera.matrix.emplace();
+  spec.shown.width = spec.shown.height = side;
+  spec.shown.transfer_function = ramp(0, 255, 0.4);
+  spec.shown.camera.matrix.emplace();
   const glm::dvec3 rows[] = {right * scale, down * scale, away * scale};
   const double offsets[] = {centre.x, centre.y, 0};
   for (std::size_t row = 0; row < 3; ++row) {
     for (int column = 0; column < 3; ++column)
-      (*spec.camera.matrix)[4 * row + std::size_t(column)] = rows[row][column];
-    (*spec.camera.matrix)[4 * row + 3] = offsets[row] - glm::dot(rows[row], middle);
+      (*spec.shown.camera.matrix)[4 * row + std::size_t(column)] = rows[row][column];
+    (*spec.shown.camera.matrix)[4 * row + 3] = offsets[row] - glm::dot(rows[row], middle);
   }
   return spec;
 }
@@ -47,7 +48,7 @@ TEST_CASE("regions are dealt evenly over what the volume covers of the screen, w
     for (const double scale : {0.5, 3.0, 9.0}) {
       for (const int renderers : {1, 2, 3, 8, 16, 60}) {
         FrameSpec spec = placed(scale, centre, 512);
-        spec.dealt_to = renderers;
+        spec.division.dealt_to = renderers;
         const FrameGeometry geometry = make_geometry(spec, make_grid(dims));
         std::size_t least = geometry.regions.owned(0, geometry.owners(renderers)).size(), most = least,
                     sum = 0;
@@ -61,7 +62,7 @@ TEST_CASE("regions are dealt evenly over what the volume covers of the screen, w
         CHECK(sum == std::size_t(geometry.reached.width() * geometry.reached.height()));
         CHECK(most <= least + 1);
         CHECK((renderers > 1 || geometry.regions == Regions(512, 512, 128)));
-        spec.region_size = 100;
+        spec.division.region_size = 100;
         CHECK(make_geometry(spec, make_grid(dims)).regions == Regions(512, 512, 100));
       }
     }
@@ -73,7 +74,7 @@ TEST_CASE("regions are small where large ones would leave Renderers idle") {
   const auto most_of_large = [&](glm::dvec2 centre, int renderers) {
     FrameSpec spec = placed(4, centre, 256);
     const double chosen = most_splats(render_loopback(*source, spec, 1, renderers));
-    spec.region_size = 128;
+    spec.division.region_size = 128;
     return chosen / most_splats(render_loopback(*source, spec, 1, renderers));
   };
   for (const int renderers : {2, 3, 4, 8}) {
@@ -92,19 +93,19 @@ TEST_CASE("where the volume lies in the picture changes who draws it, and no bit
     for (const double scale : {0.3, 1.0, 2.2}) {
       for (const ImagePlane plane : {ImagePlane::screen, ImagePlane::slices}) {
         FrameSpec spec = placed(scale, centre, 150);
-        spec.image_plane = plane;
+        spec.as<Splats>().image_plane = plane;
         for (const double radius : {0.5, 1.6, 3.0}) {
-          spec.kernel_radius = radius;
-          spec.payload = PayloadForm::runs;
+          spec.as<Splats>().kernel_radius = radius;
+          spec.as<Splats>().payload = PayloadForm::runs;
           const Image alone = render_loopback(*source, spec, 1, 1).image;
           const int renderers = 2 + int(radius * 2);
           INFO(fmt::format("centre {}, {}, scale {}, {}, radius {}, {} Renderers", centre.x, centre.y, scale,
                            name(plane), radius, renderers));
           for (const int region : {0, 7}) {
-            spec.region_size = region;
+            spec.division.region_size = region;
             REQUIRE(render_loopback(*source, spec, 2, renderers).image == alone);
           }
-          spec.payload = PayloadForm::words;
+          spec.as<Splats>().payload = PayloadForm::words;
           REQUIRE(render_loopback(*source, spec, 3, renderers, {}, Placement::colocated).image == alone);
         }
       }
@@ -116,7 +117,7 @@ TEST_CASE("a volume beside the picture costs no message, and the picture is empt
   const auto source = synth_source("jack", make_grid(dims));
   for (const ImagePlane plane : {ImagePlane::screen, ImagePlane::slices}) {
     FrameSpec spec = placed(1, {400, 75}, 150);
-    spec.image_plane = plane;
+    spec.as<Splats>().image_plane = plane;
     const FrameResult result = render_loopback(*source, spec, 2, 3);
     CHECK(result.stats.total().tokens_issued == 0);
     CHECK(result.stats.total().payloads_sent == 0);

@@ -1,6 +1,7 @@
 // What ranks send each other while they render: headers, announcements, payloads, news and reports.
 #include <stdexcept>
 
+#include "frame/frame_geometry.hpp"
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "fuzz/small_scene.hpp"
@@ -42,7 +43,7 @@ void run_frame_spec(std::span<const std::byte> input) {
   check(spec);
   // A rank that announces a picture holds it.
   constexpr std::int64_t most_pixels = 1 << 16;
-  if (std::int64_t{spec.width} * spec.height > most_pixels) return;
+  if (std::int64_t{spec.shown.width} * spec.shown.height > most_pixels) return;
   const FrameGeometry geometry = make_geometry(spec, small_grid());
   if (std::int64_t{geometry.width} * geometry.height > most_pixels) return;
   SmallRun run(spec, small_grid());
@@ -56,9 +57,9 @@ std::vector<Input> frame_spec_seeds() {
   for (unsigned choice = 0; choice < frame_choices; ++choice)
     seeds.push_back(input_of(encode(small_frame(choice))));
   FrameSpec other = small_frame(0);
-  other.camera.matrix = {4, 0, 0, 20, 0, 4, 0, 18, 0, 0, 1, 0};
-  other.reduction = {.factor = 2, .prefilter = true};
-  other.shading = Shading::none;
+  other.shown.camera.matrix = {4, 0, 0, 20, 0, 4, 0, 18, 0, 0, 1, 0};
+  other.shown.reduction = {.factor = 2, .prefilter = true};
+  other.shown.shading = Shading::none;
   seeds.push_back(input_of(encode(other)));
   return seeds;
 }
@@ -123,7 +124,7 @@ std::vector<Input> opaque_news_seeds() {
   std::vector<Input> seeds;
   for (const unsigned choice : {0U, 3U, 4U, 12U}) {
     FrameSpec spec = small_frame(choice);
-    spec.opaque_threshold = 0.9;
+    spec.shown.opaque_threshold = 0.9;
     SmallRun run(spec, small_grid());
     Input seed(1, char(choice));
     for (int step = 0; step < run.geometry().slices; ++step) {

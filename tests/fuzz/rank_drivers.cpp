@@ -10,7 +10,7 @@
 #include "fuzz/other_process.hpp"
 #include "session/directed_frames.hpp"
 #include "classify/empty_space.hpp"
-#include "splat_engine/splat_engine.hpp"
+#include "session/engines.hpp"
 #include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/scene/load.hpp"
@@ -31,12 +31,12 @@ struct Job {
 
 FrameSpec frame_of_ranks() {
   FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21};
-  spec.width = 48;
-  spec.height = 40;
-  spec.region_size = 16;
-  spec.transfer_function = test::ramp(20, 255, 0.9);
-  spec.shading = Shading::none;
+  spec.shown.camera = {.azimuth = 33, .elevation = 21};
+  spec.shown.width = 48;
+  spec.shown.height = 40;
+  spec.division.region_size = 16;
+  spec.shown.transfer_function = test::ramp(20, 255, 0.9);
+  spec.shown.shading = Shading::none;
   return spec;
 }
 
@@ -44,9 +44,9 @@ const std::vector<Job>& jobs() {
   static const std::vector<Job> all = [] {
     const FrameSpec spec = frame_of_ranks();
     FrameSpec words = spec, shaded = spec;
-    words.payload = PayloadForm::words;
-    shaded.shading = Shading::phong;
-    shaded.image_plane = ImagePlane::slices;
+    words.as<Splats>().payload = PayloadForm::words;
+    shaded.shown.shading = Shading::phong;
+    shaded.as<Splats>().image_plane = ImagePlane::slices;
     ProtocolOptions ahead;
     ahead.send_ahead = ahead.look_ahead = 3;
     return std::vector<Job>{{Layout{2, 2}, {}, spec},
@@ -95,9 +95,15 @@ class Rank {
  private:
   std::unique_ptr<Engine> engine_of(std::size_t job, int rank) {
     const Layout& layout = jobs()[job].layout;
-    auto engine = make_splat_engine(
-        scene_of(job).grid, layout, rank < layout.gps ? scene_of(job).stores.at(rank) : SliceStore(), 1, {},
-        [this](std::int64_t frame, Image&& picture) { frames_.take_picture(frame, std::move(picture)); });
+    auto engine = make_engines(
+        rank < layout.gps ? scene_of(job).stores.at(rank) : SliceStore(), [&](const SliceStore& slices) {
+          return EngineSetup{
+              .grid = scene_of(job).grid,
+              .gps = layout.gps,
+              .renderers = layout.renderers,
+              .slices = slices,
+              .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }};
+        });
     return jobs()[job].count_only ? make_counting_engine(std::move(engine), 1) : std::move(engine);
   }
   bool asked_ = false;

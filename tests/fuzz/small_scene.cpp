@@ -12,32 +12,32 @@ Grid small_grid() { return test::make_grid({12, 10, 9}); }
 
 FrameSpec small_frame(unsigned choice) {
   FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = 48;
-  spec.height = 40;
-  spec.region_size = 16;
-  spec.transfer_function = test::ramp(20, 255, 0.9);
-  spec.dealt_to = small_renderers;
+  spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.shown.width = 48;
+  spec.shown.height = 40;
+  spec.division.region_size = 16;
+  spec.shown.transfer_function = test::ramp(20, 255, 0.9);
+  spec.division.dealt_to = small_renderers;
   if (choice % 4 == 3)
-    spec.payload = PayloadForm::words;
+    spec.as<Splats>().payload = PayloadForm::words;
   else
-    spec.precision = static_cast<Precision>(choice % 4);
+    spec.as<Splats>().precision = static_cast<Precision>(choice % 4);
   switch (choice / 4 % 4) {
     case 1:
-      spec.image_plane = ImagePlane::slices;
-      spec.plane_samples = 1 << choice % 3;
+      spec.as<Splats>().image_plane = ImagePlane::slices;
+      spec.as<Splats>().plane_samples = 1 << choice % 3;
       break;
     case 2:
-      spec.kernel.method = KernelMethod::texture;
+      spec.as<Splats>().kernel.method = KernelMethod::texture;
       break;
     case 3:
-      spec.camera.zoom = 8;
-      spec.region_size = 37;
-      if (choice % 2 == 0) spec.kernel.qee_bits = 10;
+      spec.shown.camera.zoom = 8;
+      spec.division.region_size = 37;
+      if (choice % 2 == 0) spec.as<Splats>().kernel.qee_bits = 10;
       break;
     default:
-      spec.kernel.normalisation = Normalisation::exact;
-      spec.opaque_threshold = 0.1;
+      spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+      spec.shown.opaque_threshold = 0.1;
   }
   return spec;
 }
@@ -66,7 +66,7 @@ SliceStore slices_with_level(const Grid& grid, const Reduction& reduction) {
 
 SmallRun::SmallRun(const FrameSpec& spec, const Grid& grid)
     : frame_(make_splat_frame(spec, grid, 1, small_renderers)),
-      slices_(slices_with_level(grid, spec.reduction)),
+      slices_(slices_with_level(grid, spec.shown.reduction)),
       encoder_(make_splat_encoder(frame_, small_renderers, slices_, empty_space_, alone_)),
       painter_(make_splat_painter(0, small_renderers, alone_)) {
   painter_->begin_frame(frame_);

@@ -1,6 +1,7 @@
 #pragma once
 #include <memory>
 
+#include "frame/frame_geometry.hpp"
 #include "classify/empty_space.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "ringsplat/base/thread_team.hpp"

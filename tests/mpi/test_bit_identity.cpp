@@ -12,11 +12,11 @@ namespace {
 
 FrameSpec oblique_view(double azimuth) {
   FrameSpec spec;
-  spec.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = 96;
-  spec.height = 80;
-  spec.region_size = 24;
-  spec.transfer_function = ramp(20, 255, 0.3);
+  spec.shown.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.shown.width = 96;
+  spec.shown.height = 80;
+  spec.division.region_size = 24;
+  spec.shown.transfer_function = ramp(20, 255, 0.3);
   return spec;
 }
 
@@ -97,11 +97,11 @@ TEST_CASE("threads that share the work of ranks keep the bits") {
   if (ranks > 3) return;
   const auto source = synth_source("jack", make_grid({65, 62, 64}));
   FrameSpec spec = oblique_view(33);
-  spec.width = spec.height = 300;
+  spec.shown.width = spec.shown.height = 300;
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto payload : {PayloadForm::runs, PayloadForm::words}) {
-      spec.image_plane = plane;
-      spec.payload = payload;
+      spec.as<Splats>().image_plane = plane;
+      spec.as<Splats>().payload = payload;
       Image alone;
       if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
       for (const Layout& layout : {Layout{1, 1}, Layout{2, 2, Placement::colocated}})

@@ -15,10 +15,10 @@ namespace {
 
 FrameSpec view(int frame) {
   FrameSpec spec;
-  spec.camera = {.azimuth = 33 + 90.0 * frame, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = spec.height = 64;
-  spec.region_size = 16;
-  spec.transfer_function = ramp(20, 255, 0.3);
+  spec.shown.camera = {.azimuth = 33 + 90.0 * frame, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.shown.width = spec.shown.height = 64;
+  spec.division.region_size = 16;
+  spec.shown.transfer_function = ramp(20, 255, 0.3);
   return spec;
 }
 

@@ -11,8 +11,8 @@ TEST_CASE("a process that is given another grid, layout or view to load is named
   constexpr glm::ivec3 dims{8, 8, 12};
   const std::string bytes(std::size_t(dims.x * dims.y * dims.z), 'v');
   FrameSpec spec;
-  spec.width = spec.height = 32;
-  spec.transfer_function = ringsplat::test::constant_opacity(0.5);
+  spec.shown.width = spec.shown.height = 32;
+  spec.shown.transfer_function = ringsplat::test::constant_opacity(0.5);
   const auto refusal_of = [&](const auto& change) {
     const auto thrown = run_as_processes(2, [&](ThreadCollectives& collectives) {
       const bool first = collectives.process() == 0;
@@ -34,6 +34,6 @@ TEST_CASE("a process that is given another grid, layout or view to load is named
                                 "8 x 8 x 12"));
   CHECK_THAT(refusal_of([](Grid&, Layout& layout, FrameSpec&) { layout.gps = 3; }),
              Catch::Matchers::Contains("GPs 3, rank 0 has 2"));
-  CHECK_THAT(refusal_of([](Grid&, Layout&, FrameSpec& frame) { frame.shading = Shading::none; }),
+  CHECK_THAT(refusal_of([](Grid&, Layout&, FrameSpec& frame) { frame.shown.shading = Shading::none; }),
              Catch::Matchers::Contains("normals left out, rank 0 has kept"));
 }

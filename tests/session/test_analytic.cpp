@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "support/catch.hpp"
+#include "frame/frame_geometry.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;
@@ -13,14 +14,14 @@ TEST_CASE("a constant slab's opacity is 1 - (1 - a)^d, at any angle") {
   const double alpha = 0.05;
   const auto source = synth_source("constant", make_grid({65, 65, 9}));
   FrameSpec spec;
-  spec.shading = Shading::none;
-  spec.transfer_function = constant_opacity(alpha);
-  spec.width = spec.height = 384;
-  spec.camera.zoom = 2;
+  spec.shown.shading = Shading::none;
+  spec.shown.transfer_function = constant_opacity(alpha);
+  spec.shown.width = spec.shown.height = 384;
+  spec.shown.camera.zoom = 2;
   const double cos3 = 1 / std::sqrt(3.0);
   for (const double angle : {0.0, 30.0, std::acos(cos3) * 180 / M_PI}) {
-    spec.camera.azimuth = 45;  // so that at 54.7 degrees all three axes tie and z is taken
-    spec.camera.elevation = 90 - angle;
+    spec.shown.camera.azimuth = 45;  // so that at 54.7 degrees all three axes tie and z is taken
+    spec.shown.camera.elevation = 90 - angle;
     const FrameResult result = render_loopback(*source, spec, 2, 2);
     REQUIRE(result.axis == Axis::z);
     const double distance = 9 / std::cos(angle * M_PI / 180);
@@ -38,20 +39,21 @@ TEST_CASE("a constant slab's opacity is 1 - (1 - a)^d, at any angle") {
 TEST_CASE("one voxel gives exactly the quartic") {
   const auto source = synth_source("point", make_grid({9, 9, 9}, ScalarType::float32));
   FrameSpec spec;
-  spec.shading = Shading::none;
-  spec.transfer_function = constant_opacity(0.5, 0.5);
-  spec.width = spec.height = 256;
-  spec.camera = {.azimuth = 25, .elevation = 35, .roll = 10, .zoom = 1};
+  spec.shown.shading = Shading::none;
+  spec.shown.transfer_function = constant_opacity(0.5, 0.5);
+  spec.shown.width = spec.shown.height = 256;
+  spec.shown.camera = {.azimuth = 25, .elevation = 35, .roll = 10, .zoom = 1};
   const FrameResult result = render_loopback(*source, spec, 1, 1);
   const FrameGeometry g = make_geometry(spec, source->grid());
+  const Footprint footprint = make_footprint(spec.as<Splats>(), g);
   const glm::dvec3 centre = g.view.project(glm::dvec3(4));
   const double opacity = 1 - std::pow(0.5, g.traversal.slice_distance);
   double largest = 0, peak = 0;
   for (int y = 0; y < 256; ++y)
     for (int x = 0; x < 256; ++x) {
-      const glm::dvec2 r = g.footprint.p * (glm::dvec2(x + 0.5, y + 0.5) - glm::dvec2(centre));
+      const glm::dvec2 r = footprint.p * (glm::dvec2(x + 0.5, y + 0.5) - glm::dvec2(centre));
       const double q = std::max(0.0, 1 - glm::dot(r, r));
-      const double expected = q * q * opacity * g.footprint.weight;
+      const double expected = q * q * opacity * footprint.weight;
       largest = std::max(largest, std::abs(double(result.image.pixel(x, y)[3]) - expected));
       peak = std::max(peak, expected);
     }
@@ -66,9 +68,9 @@ TEST_CASE("the picture is right-handed") {
   voxels[8 + 9 * (4 + 9 * std::size_t(6))] = std::byte{255};  // x = 8 (far right), y = 4, z = 6 (upper)
   const auto source = memory_source(grid, voxels);
   FrameSpec spec;
-  spec.shading = Shading::none;
-  spec.transfer_function = constant_opacity(0.9, 100);
-  spec.width = spec.height = 90;
+  spec.shown.shading = Shading::none;
+  spec.shown.transfer_function = constant_opacity(0.9, 100);
+  spec.shown.width = spec.shown.height = 90;
   const Image image = render_loopback(*source, spec, 1, 1).image;
   double x_sum = 0, y_sum = 0, sum = 0;
   for (int y = 0; y < 90; ++y)
@@ -87,8 +89,8 @@ TEST_CASE("the picture is right-handed") {
 TEST_CASE("nothing visible gives a background image and no payloads") {
   const auto source = synth_source("ball", make_grid({16, 16, 16}));
   FrameSpec spec;
-  spec.transfer_function = constant_opacity(0.5, 1000);
-  spec.width = spec.height = spec.region_size = 64;
+  spec.shown.transfer_function = constant_opacity(0.5, 1000);
+  spec.shown.width = spec.shown.height = spec.division.region_size = 64;
   const FrameResult result = render_loopback(*source, spec, 3, 2);
   CHECK(result.image == Image(64, 64));
   const NodeStats total = result.stats.total();
@@ -102,9 +104,9 @@ TEST_CASE("a volume of odd shape is drawn: single voxel, line, plane") {
        {glm::ivec3(1, 1, 1), glm::ivec3(1, 20, 20), glm::ivec3(20, 1, 1), glm::ivec3(20, 20, 1)}) {
     const auto source = synth_source("constant", make_grid(dims));
     FrameSpec spec;
-    spec.transfer_function = constant_opacity(0.5);
-    spec.width = spec.height = 64;
-    spec.camera = {.azimuth = 40, .elevation = 20, .roll = 0, .zoom = 1};
+    spec.shown.transfer_function = constant_opacity(0.5);
+    spec.shown.width = spec.shown.height = 64;
+    spec.shown.camera = {.azimuth = 40, .elevation = 20, .roll = 0, .zoom = 1};
     const FrameResult result = render_loopback(*source, spec, 3, 2);
     INFO(dims.x << " x " << dims.y << " x " << dims.z);
     CHECK(*std::max_element(result.image.rgba.begin(), result.image.rgba.end()) > 0.1F);

@@ -13,7 +13,7 @@ TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
   const auto source = synth_source("jack", make_grid({33, 27, 30}));
   FrameSpec spec = oblique_view(96, 80, 24);
   for (const double azimuth : {33.0, 123.0, 213.0, 303.0}) {
-    spec.camera.azimuth = azimuth;
+    spec.shown.camera.azimuth = azimuth;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
     REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
     for (const int gps : {1, 2, 3, 5, 8, 40})
@@ -27,13 +27,13 @@ TEST_CASE("the image has the same bits for any number of GPs and Renderers") {
 TEST_CASE("Renderers without a region get no token, and whoever draws, the bits are the same") {
   const auto source = synth_source("jack", make_grid({23, 27, 20}));
   FrameSpec spec = oblique_view(96, 80, 40);
-  spec.camera.zoom = 3;  // every region sees something
+  spec.shown.camera.zoom = 3;  // every region sees something
   const Image alone = render_loopback(*source, spec, 1, 1).image;
   for (const Placement placement : {Placement::dedicated, Placement::colocated}) {
     for (const auto& [renderers, dealt_to, drawing] :
          {std::array{4, 0, 4}, {4, 2, 2}, {5, 3, 3}, {4, 9, 4}, {8, 0, 6}}) {
       INFO(fmt::format("{} Renderers, regions dealt to {}", renderers, dealt_to));
-      spec.dealt_to = dealt_to;
+      spec.division.dealt_to = dealt_to;
       const FrameResult result = render_loopback(*source, spec, 3, renderers, {}, placement);
       CHECK(result.image == alone);
       CHECK(result.stats.total().tokens_issued == std::uint64_t(drawing));
@@ -53,15 +53,15 @@ TEST_CASE("every kernel has the same bits on any ranks, with regions of any size
         KernelOptions{.method = KernelMethod::texture, .phases = 16, .normalisation = Normalisation::exact},
         KernelOptions{.qee_bits = 4, .normalisation = Normalisation::exact}}) {
     FrameSpec spec = oblique_view(96, 80, 24);
-    spec.kernel = kernel;
+    spec.as<Splats>().kernel = kernel;
     INFO(to_json_text(spec));
-    CHECK(decode_frame_spec(encode(spec)).kernel == kernel);
-    spec.region_size = 4096;
+    CHECK(decode_frame_spec(encode(spec)).as<Splats>().kernel == kernel);
+    spec.division.region_size = 4096;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
     REQUIRE(alone != usual);  // the option does something
     REQUIRE(largest_difference(alone, usual) < 0.7);
     for (const int region : {17, 64}) {
-      spec.region_size = region;
+      spec.division.region_size = region;
       for (const int gps : {1, 3, 8})
         for (const int renderers : {1, 2, 5}) {
           const LoopbackOptions loopback{
@@ -76,8 +76,8 @@ TEST_CASE("every kernel has the same bits on any ranks, with regions of any size
 TEST_CASE("the image has the same bits whatever the order and delay of messages") {
   const auto source = synth_source("jack", make_grid({17, 15, 16}));
   FrameSpec spec = oblique_view(96, 80, 24);
-  spec.width = spec.height = 48;
-  spec.region_size = 16;
+  spec.shown.width = spec.shown.height = 48;
+  spec.division.region_size = 16;
   const Image alone = render_loopback(*source, spec, 1, 1).image;
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     const LoopbackOptions loopback{.seed = seed, .reorder = true, .max_delay = int(seed % 7)};
@@ -93,10 +93,10 @@ TEST_CASE("the image has the same bits whatever the order and delay of messages"
 TEST_CASE("regions leave no seam: any region size gives the same picture") {
   const auto source = synth_source("jack", make_grid({33, 27, 30}));
   FrameSpec spec = oblique_view(96, 80, 24);
-  spec.region_size = 4096;
+  spec.division.region_size = 4096;
   const Image whole = render_loopback(*source, spec, 2, 1).image;
   for (const int size : {7, 16, 24, 64, 128}) {
-    spec.region_size = size;
+    spec.division.region_size = size;
     INFO("regions of " << size);
     CHECK(largest_difference(render_loopback(*source, spec, 2, 3).image, whole) == 0.0);
   }
@@ -108,8 +108,8 @@ TEST_CASE("several frames are in flight and each has the bits it has alone") {
   std::vector<Image> alone;
   for (int k = 0; k < 7; ++k) {
     specs.push_back(oblique_view(96, 80, 24));
-    specs.back().camera.azimuth = 52.0 * k;
-    specs.back().width = specs.back().height = 40 + 8 * (k % 2);
+    specs.back().shown.camera.azimuth = 52.0 * k;
+    specs.back().shown.width = specs.back().shown.height = 40 + 8 * (k % 2);
     alone.push_back(render_loopback(*source, specs.back(), 1, 1).image);
   }
   for (std::uint64_t seed = 0; seed < 10; ++seed) {

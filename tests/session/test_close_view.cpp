@@ -24,12 +24,12 @@ TEST_CASE("a close view reads only the voxels that it shows, and shows what a la
   const auto source = synth_source("ball", make_grid({41, 36, 38}));
   for (const auto payload : {PayloadForm::runs, PayloadForm::words}) {
     FrameSpec large = oblique_view(240, 210, 32);
-    large.payload = payload;
-    large.camera.zoom = 1;
+    large.as<Splats>().payload = payload;
+    large.shown.camera.zoom = 1;
     FrameSpec close = large;
-    close.width = 48;
-    close.height = 42;
-    close.camera.zoom = 5;
+    close.shown.width = 48;
+    close.shown.height = 42;
+    close.shown.camera.zoom = 5;
     const FrameResult whole = render_loopback(*source, large, 2, 2),
                       part = render_loopback(*source, close, 2, 2);
     REQUIRE(whole.stats.total().voxels_outside == 0);
@@ -44,7 +44,7 @@ TEST_CASE("a close view reads only the voxels that it shows, and shows what a la
 TEST_CASE("a view past the volume tells what it did not look at") {
   const auto source = synth_source("ball", make_grid({20, 20, 20}));
   FrameSpec spec = oblique_view(40, 40, 16);
-  spec.camera.matrix = std::array<double, 12>{1, 0, 0, 500, 0, 1, 0, 500, 0, 0, 1, 0};
+  spec.shown.camera.matrix = std::array<double, 12>{1, 0, 0, 500, 0, 1, 0, 500, 0, 0, 1, 0};
   const NodeStats total = render_loopback(*source, spec, 2, 1).stats.total();
   CHECK(total.visible_voxels == 0);
   CHECK(total.splats_sent == 0);

@@ -34,10 +34,10 @@ std::vector<FrameSpec> turning_views(int count) {
   specs.resize(std::size_t(count));
   for (int k = 0; k < count; ++k) {
     FrameSpec& spec = specs[std::size_t(k)];
-    spec.camera = {.azimuth = 52.0 * k, .elevation = 21};
-    spec.width = spec.height = 48 + 8 * (k % 2);
-    spec.region_size = 16;
-    spec.transfer_function = ramp(20, 255, 0.5);
+    spec.shown.camera = {.azimuth = 52.0 * k, .elevation = 21};
+    spec.shown.width = spec.shown.height = 48 + 8 * (k % 2);
+    spec.division.region_size = 16;
+    spec.shown.transfer_function = ramp(20, 255, 0.5);
   }
   return specs;
 }

@@ -34,10 +34,10 @@ Volume slices_of(ScalarType type, const Value& value) {
 
 FrameSpec from_above() {
   FrameSpec spec;
-  spec.width = spec.height = spec.region_size = 40;
-  spec.transfer_function = ramp(100, 200, 0.5);
-  spec.camera.elevation = 75;
-  spec.camera.azimuth = 20;
+  spec.shown.width = spec.shown.height = spec.division.region_size = 40;
+  spec.shown.transfer_function = ramp(100, 200, 0.5);
+  spec.shown.camera.elevation = 75;
+  spec.shown.camera.azimuth = 20;
   return spec;
 }
 
@@ -50,7 +50,7 @@ TEST_CASE("a token goes through the slices only that may have something visible"
   const auto source = volume.source();
   FrameSpec spec = from_above();
   for (const double elevation : {75.0, -75.0}) {
-    spec.camera.elevation = elevation;
+    spec.shown.camera.elevation = elevation;
     const FrameResult alone = render_loopback(*source, spec, 1, 1);
     CHECK(alone.stats.total().slices == 3);
     CHECK(alone.stats.total().payloads_sent == 3);
@@ -85,9 +85,9 @@ TEST_CASE("other transfer functions and undersampled frames go through other sli
   const auto source = volume.source();
   const auto slices = [&](double low, double high, int factor) {
     FrameSpec spec = from_above();
-    spec.transfer_function = ramp(low, high, 0.5);
-    spec.transfer_function.opacities.push_back({high, 0.0});
-    spec.reduction.factor = factor;
+    spec.shown.transfer_function = ramp(low, high, 0.5);
+    spec.shown.transfer_function.opacities.push_back({high, 0.0});
+    spec.shown.reduction.factor = factor;
     return render_loopback(*source, spec, 2, 1).stats.total().slices;
   };
   CHECK(slices(0, 100, 1) == 4);
@@ -104,8 +104,8 @@ TEST_CASE("frames with other transfer functions may be in flight together") {
   const auto spec_of = [](std::size_t k) {
     const double low = std::array{0, 100, 225, 0, 150}[k % 5];
     FrameSpec spec = from_above();
-    spec.transfer_function = ramp(low, low + 20, 0.5);
-    spec.transfer_function.opacities.push_back({low + 25, 0.0});
+    spec.shown.transfer_function = ramp(low, low + 20, 0.5);
+    spec.shown.transfer_function.opacities.push_back({low + 25, 0.0});
     return spec;
   };
   std::vector<Image> alone;

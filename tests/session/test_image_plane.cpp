@@ -10,12 +10,12 @@ namespace {
 
 FrameSpec sheared_view(double azimuth, double elevation = 21) {
   FrameSpec spec;
-  spec.camera = {.azimuth = azimuth, .elevation = elevation, .roll = 8, .zoom = 1.2};
-  spec.width = 120;
-  spec.height = 104;
-  spec.image_plane = ImagePlane::slices;
-  spec.region_size = 16;
-  spec.transfer_function = ramp(20, 255, 0.9);
+  spec.shown.camera = {.azimuth = azimuth, .elevation = elevation, .roll = 8, .zoom = 1.2};
+  spec.shown.width = 120;
+  spec.shown.height = 104;
+  spec.as<Splats>().image_plane = ImagePlane::slices;
+  spec.division.region_size = 16;
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
   return spec;
 }
 
@@ -29,17 +29,17 @@ TEST_CASE("a picture drawn in the slices' plane has the same bits for any ranks,
   for (const double azimuth : {0.0, 33.0, 123.0, 303.0}) {
     for (const int samples : {1, 2}) {
       FrameSpec spec = sheared_view(azimuth, azimuth > 300 ? 70 : 21);
-      spec.plane_samples = samples;
+      spec.as<Splats>().plane_samples = samples;
       const Image alone = render_loopback(*source, spec, 1, 1).image;
-      REQUIRE(alone.width == spec.width);
-      REQUIRE(alone.height == spec.height);
+      REQUIRE(alone.width == spec.shown.width);
+      REQUIRE(alone.height == spec.shown.height);
       REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
       for (const auto& [gps, renderers] : {std::pair{3, 2}, {2, 5}, {8, 4}}) {
         for (const int region : {5, 64}) {
           INFO(fmt::format("azimuth {}, {} samples, {} + {} nodes, regions of {}", azimuth, samples, gps,
                            renderers, region));
-          spec.region_size = region;
-          spec.payload = region == 5 ? PayloadForm::words : PayloadForm::runs;
+          spec.division.region_size = region;
+          spec.as<Splats>().payload = region == 5 ? PayloadForm::words : PayloadForm::runs;
           CHECK(render_loopback(*source, spec, gps, renderers, shuffled).image == alone);
         }
       }
@@ -52,18 +52,18 @@ TEST_CASE("exact kernels in the slices' plane: words draw the bits of runs, in r
   for (const double azimuth : {33.0, 123.0})
     for (const int samples : {1, 2, 4}) {
       FrameSpec spec = sheared_view(azimuth);
-      spec.width = spec.height = 240;
-      spec.plane_samples = samples;
-      spec.kernel.normalisation = Normalisation::exact;
-      spec.region_size = 4096;
+      spec.shown.width = spec.shown.height = 240;
+      spec.as<Splats>().plane_samples = samples;
+      spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+      spec.division.region_size = 4096;
       const Image alone = render_loopback(*source, spec, 1, 1).image;
       REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
       for (const PayloadForm form : {PayloadForm::runs, PayloadForm::words})
         for (const int region : {5, 18, 64, 4096}) {
           INFO(fmt::format("azimuth {}, {} samples, regions of {}, {}", azimuth, samples, region,
                            form == PayloadForm::runs ? "runs" : "words"));
-          spec.payload = form;
-          spec.region_size = region;
+          spec.as<Splats>().payload = form;
+          spec.division.region_size = region;
           REQUIRE(render_loopback(*source, spec, 2, 3).image == alone);
         }
     }
@@ -76,14 +76,14 @@ TEST_CASE("exact kernels draw an even slice even in the slices' plane") {
     for (const PayloadForm form : {PayloadForm::runs, PayloadForm::words})
       for (const int region : {0, 5, 18}) {
         FrameSpec spec = sheared_view(10, 70);
-        spec.width = spec.height = 320;
-        spec.camera.zoom = 1;
-        spec.plane_samples = samples;
-        spec.region_size = region;
-        spec.payload = form;
-        spec.kernel.normalisation = Normalisation::exact;
-        spec.transfer_function = constant_opacity(0.3);
-        spec.opacity_correction = false;
+        spec.shown.width = spec.shown.height = 320;
+        spec.shown.camera.zoom = 1;
+        spec.as<Splats>().plane_samples = samples;
+        spec.division.region_size = region;
+        spec.as<Splats>().payload = form;
+        spec.as<Splats>().kernel.normalisation = Normalisation::exact;
+        spec.shown.transfer_function = constant_opacity(0.3);
+        spec.shown.opacity_correction = false;
         const Image image = render_loopback(*source, spec, 2, 3).image;
         float least = 1, most = 0;
         for (int y = 110; y < 210; ++y)
@@ -102,15 +102,15 @@ TEST_CASE("more samples a voxel bring the picture to the one drawn on the screen
   const auto source = synth_source("ball", make_grid({33, 27, 30}));
   for (const double azimuth : {0.0, 33.0, 123.0}) {
     FrameSpec spec = sheared_view(azimuth);
-    spec.camera.zoom = 1;
-    spec.width = spec.height = 400;
-    spec.opaque_threshold = 0;
-    spec.image_plane = ImagePlane::screen;
+    spec.shown.camera.zoom = 1;
+    spec.shown.width = spec.shown.height = 400;
+    spec.shown.opaque_threshold = 0;
+    spec.as<Splats>().image_plane = ImagePlane::screen;
     const Image screen = render_loopback(*source, spec, 1, 1).image;
-    spec.image_plane = ImagePlane::slices;
+    spec.as<Splats>().image_plane = ImagePlane::slices;
     double before = 1;
     for (const int samples : {1, 2, 4}) {
-      spec.plane_samples = samples;
+      spec.as<Splats>().plane_samples = samples;
       const double error = rms_difference(render_loopback(*source, spec, 1, 1).image, screen);
       INFO(fmt::format("azimuth {}, {} samples: {}", azimuth, samples, error));
       CHECK(error < (samples == 1 ? 0.01 : before / 1.6));
@@ -122,9 +122,9 @@ TEST_CASE("more samples a voxel bring the picture to the one drawn on the screen
 TEST_CASE("the slices' plane draws fewer pixels and sends as many voxels") {
   const auto source = synth_source("ball", make_grid({33, 27, 30}));
   FrameSpec spec = sheared_view(33);
-  spec.width = spec.height = 400;
+  spec.shown.width = spec.shown.height = 400;
   const NodeStats slices = render_loopback(*source, spec, 1, 1).stats.total();
-  spec.image_plane = ImagePlane::screen;
+  spec.as<Splats>().image_plane = ImagePlane::screen;
   const NodeStats screen = render_loopback(*source, spec, 1, 1).stats.total();
   CHECK(slices.visible_voxels == screen.visible_voxels);
   CHECK(10 * slices.tile_bytes < screen.tile_bytes);
@@ -134,20 +134,20 @@ TEST_CASE("undersampled, mirrored, tiny and empty views are drawn in the slices'
   const auto source = synth_source("ball", make_grid({33, 27, 30}));
   FrameSpec spec = sheared_view(33);
   const auto error = [&] {
-    spec.image_plane = ImagePlane::screen;
+    spec.as<Splats>().image_plane = ImagePlane::screen;
     const Image screen = render_loopback(*source, spec, 2, 2).image;
-    spec.image_plane = ImagePlane::slices;
+    spec.as<Splats>().image_plane = ImagePlane::slices;
     return rms_difference(render_loopback(*source, spec, 2, 2).image, screen);
   };
-  spec.reduction = {2, true};
+  spec.shown.reduction = {2, true};
   CHECK(error() < 0.02);
-  spec.reduction = {};
-  spec.camera.zoom = 0.1;
+  spec.shown.reduction = {};
+  spec.shown.camera.zoom = 0.1;
   CHECK(error() < 0.02);
-  spec.camera.zoom = 20;
+  spec.shown.camera.zoom = 20;
   CHECK(error() < 0.02);
-  spec.camera.matrix = {{-2, 0.3, 0.1, 130, 0.2, 0.1, -2, 100, 0.1, 2, 0.1, 0}};
+  spec.shown.camera.matrix = {{-2, 0.3, 0.1, 130, 0.2, 0.1, -2, 100, 0.1, 2, 0.1, 0}};
   CHECK(error() < 0.02);
-  spec.camera.matrix = {{1, 0, 0, 5000, 0, 0, -1, 5000, 0, 1, 0, 0}};
+  spec.shown.camera.matrix = {{1, 0, 0, 5000, 0, 0, -1, 5000, 0, 1, 0, 0}};
   CHECK(error() == 0);
 }

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "session/directed_frames.hpp"
-#include "splat_engine/splat_engine.hpp"
+#include "session/engines.hpp"
 #include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -22,10 +22,10 @@ std::string shape(const Layout& mesh) {
 
 FrameSpec small_view(int size) {
   FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = spec.height = size;
-  spec.region_size = 8;
-  spec.transfer_function = ramp(20, 255, 0.3);
+  spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.shown.width = spec.shown.height = size;
+  spec.division.region_size = 8;
+  spec.shown.transfer_function = ramp(20, 255, 0.3);
   return spec;
 }
 
@@ -54,7 +54,7 @@ TEST_CASE("a mesh gives the bits of the ring and of one process, with hop by hop
   const auto source = synth_source("jack", make_grid({23, 19, 21}));
   FrameSpec spec = small_view(48);
   for (const double azimuth : {33.0, 213.0}) {
-    spec.camera.azimuth = azimuth;
+    spec.shown.camera.azimuth = azimuth;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
     REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
     for (const auto routing : {Routing::manhattan, Routing::direct})
@@ -73,10 +73,10 @@ TEST_CASE("a mesh gives the bits of the ring and of one process, with hop by hop
 TEST_CASE("a mesh gives the same bits for 1,000 seeds of delay and reordering") {
   const auto source = synth_source("jack", make_grid({9, 8, 7}));
   FrameSpec spec = small_view(20);
-  spec.shading = Shading::none;
+  spec.shown.shading = Shading::none;
   std::map<double, Image> alone;
   for (const double azimuth : {33.0, 213.0}) {
-    spec.camera.azimuth = azimuth;
+    spec.shown.camera.azimuth = azimuth;
     const Image& image = alone[azimuth] = render_loopback(*source, spec, 1, 1).image;
     REQUIRE(*std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F);
   }
@@ -87,9 +87,9 @@ TEST_CASE("a mesh gives the same bits for 1,000 seeds of delay and reordering") 
     const ProtocolOptions protocol{
         .slots = 1 + int(seed % 3), .link_slots = 1 + int(seed / 3 % 3), .look_ahead = 1 + int(seed / 9 % 2)};
     const Layout& mesh = meshes[seed % meshes.size()];
-    spec.camera.azimuth = seed / 5 % 2 == 0 ? 33.0 : 213.0;
+    spec.shown.camera.azimuth = seed / 5 % 2 == 0 ? 33.0 : 213.0;
     INFO(shape(mesh) << ", seed " << seed);
-    REQUIRE(render_loopback(*source, spec, mesh, loopback, protocol).image == alone[spec.camera.azimuth]);
+    REQUIRE(render_loopback(*source, spec, mesh, loopback, protocol).image == alone[spec.shown.camera.azimuth]);
   }
 }
 
@@ -110,11 +110,11 @@ TEST_CASE(
     std::set<std::uint64_t> sizes;
     const auto spec = [&](int frame) {
       FrameSpec s = small_view(8);
-      s.shading = Shading::none;
-      s.region_size = 4;
-      s.camera.azimuth = 90.0 * double(frame % 4) + 7;
-      s.camera.zoom = 0.3 + double(random() % 16) / 10.0;
-      s.transfer_function = ramp(double(random() % 250), 255, 0.5);
+      s.shown.shading = Shading::none;
+      s.division.region_size = 4;
+      s.shown.camera.azimuth = 90.0 * double(frame % 4) + 7;
+      s.shown.camera.zoom = 0.3 + double(random() % 16) / 10.0;
+      s.shown.transfer_function = ramp(double(random() % 250), 255, 0.5);
       return s;
     };
     INFO(shape(meshes[k]));
@@ -167,7 +167,7 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
   for (const double azimuth : {33.0, 123.0, 213.0, 303.0})
     for (const Layout& mesh : {mesh_layout(2, 2, 2), mesh_layout(2, 2, 4), mesh_layout(3, 3, 3),
                                mesh_layout(3, 3, 6), mesh_layout(4, 4, 8)}) {
-      spec.camera.azimuth = azimuth;
+      spec.shown.camera.azimuth = azimuth;
       std::map<std::pair<std::int64_t, Link>, int> uses;
       std::map<std::int64_t, std::set<int>> senders;
       // By step and column, the row of the GP that sends to the left and of the one that sends to the right.
@@ -214,7 +214,7 @@ TEST_CASE("in step, a frame begins when the one before it is over") {
       *source, mesh, {.frames_in_flight = 3}, loopback, 4,
       [](int frame) {
         FrameSpec spec = small_view(48);
-        spec.camera.azimuth = 90.0 * frame + 33;
+        spec.shown.camera.azimuth = 90.0 * frame + 33;
         return spec;
       },
       [&](FrameResult&&) { ++done; });
@@ -261,8 +261,14 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   std::vector<std::unique_ptr<Engine>> engines;
   std::vector<std::unique_ptr<Host>> hosts;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
-    engines.push_back(make_splat_engine(
-        scene.grid, mesh, rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore(), 1, {}, {}));
+    engines.push_back(make_engines(rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore(),
+                                   [&](const SliceStore& slices) {
+                                     return EngineSetup{.grid = scene.grid,
+                                                        .gps = mesh.gps,
+                                                        .renderers = mesh.renderers,
+                                                        .slices = slices,
+                                                        .take = {}};
+                                   }));
     hosts.push_back(std::make_unique<Host>(
         mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05}, network.transport(rank),
         *engines.back(), &frames));

@@ -96,12 +96,12 @@ TEST_CASE("payloads are the same bytes whatever the number of threads", "[thread
       for (const int region : {40, 4096})
         for (const double zoom : {1.2, 8.0}) {
           FrameSpec spec = oblique_view(300, 280, 32);
-          spec.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
-          spec.width = spec.height = 700;
-          spec.image_plane = plane;
-          spec.payload = form;
-          spec.precision = precision;
-          spec.region_size = region;
+          spec.shown.camera = {.azimuth = 33, .elevation = 21, .zoom = zoom};
+          spec.shown.width = spec.shown.height = 700;
+          spec.as<Splats>().image_plane = plane;
+          spec.as<Splats>().payload = form;
+          spec.as<Splats>().precision = precision;
+          spec.division.region_size = region;
           const auto alone = encode_all(*source, spec, 3, 1);
           for (const int threads : {2, 3, 8}) {
             INFO(fmt::format("plane {}, form {}, precision {}, regions of {}, zoom {}, {} threads",
@@ -132,10 +132,10 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
     for (const auto form : {PayloadForm::runs, PayloadForm::words})
       for (const int region : {9, 32, 4096}) {
         FrameSpec spec = oblique_view(300, 280, 32);
-        spec.image_plane = plane;
-        spec.payload = form;
-        spec.region_size = region;
-        spec.opaque_threshold = 0;  // what is hidden depends on when GPs learn of it
+        spec.as<Splats>().image_plane = plane;
+        spec.as<Splats>().payload = form;
+        spec.division.region_size = region;
+        spec.shown.opaque_threshold = 0;  // what is hidden depends on when GPs learn of it
         const auto alone = render_loopback(*source, spec, 1, 1);
         REQUIRE(has_something(alone.image));
         const NodeStats counted = alone.stats.total();
@@ -161,8 +161,8 @@ TEST_CASE("threads keep the bits on any layout, with messages in any order", "[t
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto precision : {Precision::float32, Precision::half, Precision::u8}) {
       FrameSpec spec = oblique_view(300, 280, 32);
-      spec.image_plane = plane;
-      spec.precision = precision;
+      spec.as<Splats>().image_plane = plane;
+      spec.as<Splats>().precision = precision;
       const auto alone = render_loopback(*source, spec, 1, 1);
       REQUIRE(has_something(alone.image));
       for (const int threads : team_sizes)
@@ -191,9 +191,9 @@ TEST_CASE("threads keep the bits of exact kernels, tables and opaque pixels", "[
          {KernelOptions{.normalisation = Normalisation::exact},
           KernelOptions{.method = KernelMethod::texture}, KernelOptions{.qee_bits = 10}}) {
       FrameSpec spec = oblique_view(300, 280, 32);
-      spec.image_plane = plane;
-      spec.kernel = kernel;
-      spec.transfer_function = ramp(1, 20, 1.0);
+      spec.as<Splats>().image_plane = plane;
+      spec.as<Splats>().kernel = kernel;
+      spec.shown.transfer_function = ramp(1, 20, 1.0);
       const auto alone = render_loopback(*source, spec, 1, 1);
       if (plane == ImagePlane::screen) CHECK(alone.stats.total().splats_hidden > 0);
       for (const int threads : team_sizes)
@@ -207,8 +207,8 @@ TEST_CASE("frames that are dropped while threads draw them leave nothing behind"
   const auto source = synth_source("ball", make_grid({33, 31, 32}));
   std::vector<FrameSpec> specs(9, oblique_view(300, 280, 32));
   for (std::size_t k = 0; k < specs.size(); ++k) {
-    specs[k].camera.azimuth = 52.0 * double(k);
-    specs[k].image_plane = k % 2 == 0 ? ImagePlane::screen : ImagePlane::slices;
+    specs[k].shown.camera.azimuth = 52.0 * double(k);
+    specs[k].as<Splats>().image_plane = k % 2 == 0 ? ImagePlane::screen : ImagePlane::slices;
   }
   std::vector<Image> alone;
   for (const auto& spec : specs) alone.push_back(render_loopback(*source, spec, 1, 1).image);

@@ -30,9 +30,9 @@ Traced trace_loopback(const Layout& layout, LoopbackOptions loopback, int look_a
   const Wiring wiring{solo, nullptr, loopback};
   OpenedVolume volume{source->grid(), true, synth_source("ball", make_grid({20, 22, 18}))};
   FrameSpec spec;
-  spec.width = spec.height = 64;
-  spec.region_size = 16;
-  spec.transfer_function = ramp(20, 255, 0.3);
+  spec.shown.width = spec.shown.height = 64;
+  spec.division.region_size = 16;
+  spec.shown.transfer_function = ramp(20, 255, 0.3);
   Scene scene = load_scene(volume, {}, layout, wiring);
   Traced traced;
   Trace trace;
@@ -41,7 +41,7 @@ Traced trace_loopback(const Layout& layout, LoopbackOptions loopback, int look_a
   protocol.trace = &trace;
   Director director{[&, next = 0]() mutable -> std::optional<FrameSpec> {
                       if (next == 3) return std::nullopt;
-                      spec.camera.azimuth = 50.0 * next++;
+                      spec.shown.camera.azimuth = 50.0 * next++;
                       return spec;
                     },
                     [&](FrameResult&& r) { traced.stats.push_back(std::move(r.stats)); }};

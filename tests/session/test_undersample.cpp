@@ -10,12 +10,12 @@ namespace {
 
 FrameSpec oblique_view() {
   FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.1};
-  spec.width = spec.height = 96;
-  spec.region_size = 40;
-  spec.opaque_threshold = 0;
-  spec.shading = Shading::none;
-  spec.transfer_function = ramp(10, 255, 0.15);
+  spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.1};
+  spec.shown.width = spec.shown.height = 96;
+  spec.division.region_size = 40;
+  spec.shown.opaque_threshold = 0;
+  spec.shown.shading = Shading::none;
+  spec.shown.transfer_function = ramp(10, 255, 0.15);
   return spec;
 }
 
@@ -27,14 +27,14 @@ TEST_CASE("an undersampled picture shows the same volume at the same place, as o
   const auto full = render_loopback(*source, spec, 2, 2);
   REQUIRE(*std::max_element(full.image.rgba.begin(), full.image.rgba.end()) > 0.5F);
   for (const double azimuth : {33.0, 123.0}) {
-    spec.camera.azimuth = azimuth;
-    spec.reduction = {};
+    spec.shown.camera.azimuth = azimuth;
+    spec.shown.reduction = {};
     const auto whole = render_loopback(*source, spec, 2, 2);
     for (const int factor : {2, 4}) {
       INFO(fmt::format("azimuth {}, factor {}", azimuth, factor));
-      spec.reduction = {factor, false};
+      spec.shown.reduction = {factor, false};
       const auto skipped = render_loopback(*source, spec, 2, 2);
-      spec.reduction = {factor, true};
+      spec.shown.reduction = {factor, true};
       const auto means = render_loopback(*source, spec, 2, 2);
       const auto splats = [](const FrameResult& r) { return double(r.stats.total().visible_voxels); };
       CHECK(splats(skipped) < 1.3 * splats(whole) / (factor * factor * factor));
@@ -49,11 +49,11 @@ TEST_CASE("an undersampled picture shows the same volume at the same place, as o
 TEST_CASE("an even slab is as opaque undersampled as in full") {
   const auto source = synth_source("constant", make_grid({40, 40, 40}));
   FrameSpec spec = oblique_view();
-  spec.camera = {.elevation = 90, .zoom = 3};
-  spec.transfer_function = constant_opacity(0.02);
+  spec.shown.camera = {.elevation = 90, .zoom = 3};
+  spec.shown.transfer_function = constant_opacity(0.02);
   const float full = render_loopback(*source, spec, 1, 1).image.pixel(48, 48)[3];
   for (const bool prefilter : {false, true}) {
-    spec.reduction = {4, prefilter};
+    spec.shown.reduction = {4, prefilter};
     // The kernel's own ripple is 3 % of the opacity at most.
     CHECK(render_loopback(*source, spec, 1, 1).image.pixel(48, 48)[3] == Approx(full).epsilon(0.03));
   }
@@ -62,16 +62,16 @@ TEST_CASE("an even slab is as opaque undersampled as in full") {
 TEST_CASE("undersampled pictures have the same bits for any number of ranks and either payload") {
   const auto source = synth_source("jack", make_grid({33, 27, 30}));
   FrameSpec spec = oblique_view();
-  spec.shading = Shading::phong;
-  spec.transfer_function = ramp(20, 255, 0.9);
-  spec.opaque_threshold = 1.0 / 512;
+  spec.shown.shading = Shading::phong;
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  spec.shown.opaque_threshold = 1.0 / 512;
   for (const int factor : {2, 4}) {
-    spec.reduction = {factor, factor == 2};
+    spec.shown.reduction = {factor, factor == 2};
     const Image alone = render_loopback(*source, spec, 1, 1).image;
     REQUIRE(*std::max_element(alone.rgba.begin(), alone.rgba.end()) > 0.1F);
     CHECK(render_loopback(*source, spec, 5, 3).image == alone);
-    spec.payload = PayloadForm::words;
+    spec.as<Splats>().payload = PayloadForm::words;
     CHECK(render_loopback(*source, spec, 8, 2).image == alone);
-    spec.payload = PayloadForm::runs;
+    spec.as<Splats>().payload = PayloadForm::runs;
   }
 }

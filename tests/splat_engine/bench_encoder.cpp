@@ -39,7 +39,7 @@ struct View {
 View make_view_of(const FrameSpec& orbit, const Grid& grid, int view) {
   View v;
   FrameSpec spec = orbit;
-  spec.camera.azimuth = 360.0 * view / views;
+  spec.shown.camera.azimuth = 360.0 * view / views;
   v.frame = make_splat_frame(spec, grid, 1, 1);
   return v;
 }
@@ -114,11 +114,11 @@ double median(const std::vector<View>& all, const Figure& figure) {
 FrameSpec orbit_from(const std::string& form, const std::string& transfer_function,
                      const Histogram& histogram) {
   FrameSpec spec;
-  spec.camera.elevation = 25;
-  spec.transfer_function = preset(transfer_function, histogram);
-  if (form == "words") spec.payload = PayloadForm::words;
-  if (form == "half") spec.precision = Precision::half;
-  if (form == "u8") spec.precision = Precision::u8;
+  spec.shown.camera.elevation = 25;
+  spec.shown.transfer_function = preset(transfer_function, histogram);
+  if (form == "words") spec.as<Splats>().payload = PayloadForm::words;
+  if (form == "half") spec.as<Splats>().precision = Precision::half;
+  if (form == "u8") spec.as<Splats>().precision = Precision::u8;
   return spec;
 }
 
@@ -133,7 +133,7 @@ int main(int argc, char** argv) try {
   const Scene scene = load_scene(volume, {}, Layout{1, 1, Placement::dedicated}, {solo});
   const SliceStore& store = scene.stores.at(0);
   FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.histogram);
-  if (argc > 5 && std::string(argv[5]) == "slices") orbit.image_plane = ImagePlane::slices;
+  if (argc > 5 && std::string(argv[5]) == "slices") orbit.as<Splats>().image_plane = ImagePlane::slices;
   const int repetitions = argc > 4 ? std::max(1, std::atoi(argv[4])) : 5;
   EmptySpace empty_space;
   std::vector<View> all;

@@ -15,10 +15,10 @@ const Grid grid = make_grid({6, 5, 4});
 
 FrameSpec small_frame() {
   FrameSpec spec;
-  spec.width = spec.height = 32;
-  spec.region_size = 16;
-  spec.transfer_function = ramp(20, 255, 0.9);
-  spec.dealt_to = 1;
+  spec.shown.width = spec.shown.height = 32;
+  spec.division.region_size = 16;
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  spec.division.dealt_to = 1;
   return spec;
 }
 
@@ -50,7 +50,6 @@ TEST_CASE("a Renderer refuses the payload of a step that its traversal does not 
 }
 
 TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
-  const auto engine = make_splat_engine(grid, Layout{1, 1}, std::move(one_store().at(0)), 1, {}, {});
   EmptySpace empty_space;
   ThreadTeam alone;
   const SliceStore only_x(grid, 0, 1, {true, false, false}, true);
@@ -63,7 +62,8 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
 }
 
 TEST_CASE("an engine refuses a frame of another number than its message has, or that cannot be") {
-  const auto engine = make_splat_engine(grid, Layout{1, 1}, std::move(one_store().at(0)), 1, {}, {});
+  const auto stores = one_store();
+  const auto engine = make_splat_engine({.grid = grid, .slices = stores.at(0), .take = {}});
   FrameSpec spec = small_frame();
   const auto plan = [&](std::int64_t frame) {
     return run_error_of([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });
@@ -71,6 +71,6 @@ TEST_CASE("an engine refuses a frame of another number than its message has, or 
   CHECK(plan(0) == "none");
   CHECK_THAT(plan(3), Catch::Matchers::Contains("frame 0 in a message about frame 3"));
   spec.frame = 1;
-  spec.width = -5;
+  spec.shown.width = -5;
   CHECK_THAT(plan(1), Catch::Matchers::Contains("that cannot be"));
 }

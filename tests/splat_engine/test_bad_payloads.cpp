@@ -4,6 +4,7 @@
 #include <cstring>
 #include <set>
 
+#include "frame/frame_geometry.hpp"
 #include "classify/empty_space.hpp"
 #include "support/dealt.hpp"
 #include "raster/opaque_news.hpp"
@@ -32,12 +33,12 @@ class Sent {
  public:
   explicit Sent(PayloadForm form) : threads_(1) {
     const Grid grid = make_grid({70, 20, 5});
-    spec_.camera = {.azimuth = 10, .elevation = 75};
-    spec_.width = spec_.height = 96;
-    spec_.region_size = 16;
-    spec_.dealt_to = 2;
-    spec_.payload = form;
-    spec_.transfer_function = constant_opacity(0.4);
+    spec_.shown.camera = {.azimuth = 10, .elevation = 75};
+    spec_.shown.width = spec_.shown.height = 96;
+    spec_.division.region_size = 16;
+    spec_.division.dealt_to = 2;
+    spec_.as<Splats>().payload = form;
+    spec_.shown.transfer_function = constant_opacity(0.4);
     frame_ = make_splat_frame(spec_, grid, 1, 2);
     REQUIRE(geometry().traversal.axis == Axis::z);
     const auto source = synth_source("constant", grid);
@@ -218,8 +219,8 @@ TEST_CASE("every frame tells anew which tiles are opaque, and a GP each of them 
   const auto source = synth_source("constant", grid);
   const auto stores = dealt(*source, 1);
   FrameSpec spec = oblique_view(96, 96, 48);
-  spec.transfer_function = constant_opacity(1.0);
-  spec.dealt_to = 1;
+  spec.shown.transfer_function = constant_opacity(1.0);
+  spec.division.dealt_to = 1;
   const auto frame = make_splat_frame(spec, grid, 1, 1);
   ThreadTeam threads(1);
   EmptySpace empty_space;

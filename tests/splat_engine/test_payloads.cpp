@@ -10,11 +10,11 @@ namespace {
 
 FrameSpec solid_view(double azimuth = 33) {
   FrameSpec spec;
-  spec.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = 120;
-  spec.height = 104;
-  spec.region_size = 32;
-  spec.transfer_function = ramp(20, 255, 0.9);
+  spec.shown.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.shown.width = 120;
+  spec.shown.height = 104;
+  spec.division.region_size = 32;
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
   return spec;
 }
 
@@ -29,10 +29,10 @@ TEST_CASE("runs of voxels draw the same bits as the paper's words, in less than 
       for (const int region : {7, 32, 4096}) {
         INFO(fmt::format("azimuth {}, zoom {}, regions of {}", azimuth, zoom, region));
         FrameSpec spec = solid_view(azimuth);
-        spec.camera.zoom = zoom;
-        spec.region_size = region;
+        spec.shown.camera.zoom = zoom;
+        spec.division.region_size = region;
         const auto runs = render_loopback(*source, spec, 3, 2);
-        spec.payload = PayloadForm::words;
+        spec.as<Splats>().payload = PayloadForm::words;
         const auto words = render_loopback(*source, spec, 3, 2);
         REQUIRE(*std::max_element(words.image.rgba.begin(), words.image.rgba.end()) > 0.1F);
         REQUIRE(runs.image == words.image);
@@ -45,11 +45,11 @@ TEST_CASE("runs of voxels draw the same bits as the paper's words, in less than 
 TEST_CASE("fewer bytes a voxel cost a known error") {
   const auto source = synth_source("ball", make_grid({33, 27, 30}));
   FrameSpec spec = solid_view();
-  spec.opaque_threshold = 0;
+  spec.shown.opaque_threshold = 0;
   const auto exact = render_loopback(*source, spec, 2, 2);
-  spec.precision = Precision::half;
+  spec.as<Splats>().precision = Precision::half;
   const auto half = render_loopback(*source, spec, 2, 2);
-  spec.precision = Precision::u8;
+  spec.as<Splats>().precision = Precision::u8;
   const auto bytes = render_loopback(*source, spec, 2, 2);
   CHECK(payload_bytes(half) < payload_bytes(exact));
   CHECK(payload_bytes(bytes) < payload_bytes(half));
@@ -66,15 +66,15 @@ TEST_CASE("fewer bytes a voxel cost a known error") {
 TEST_CASE("opacities too faint for a byte vanish, and half precision keeps them") {
   const auto source = synth_source("constant", make_grid({8, 8, 200}));
   FrameSpec spec;
-  spec.camera = {.elevation = 90};
-  spec.width = spec.height = 64;
-  spec.shading = Shading::none;
-  spec.transfer_function = constant_opacity(1e-4);
+  spec.shown.camera = {.elevation = 90};
+  spec.shown.width = spec.shown.height = 64;
+  spec.shown.shading = Shading::none;
+  spec.shown.transfer_function = constant_opacity(1e-4);
   const Image exact = render_loopback(*source, spec, 1, 1).image;
   REQUIRE(*std::max_element(exact.rgba.begin(), exact.rgba.end()) > 0.015F);
-  spec.precision = Precision::half;
+  spec.as<Splats>().precision = Precision::half;
   CHECK(largest_difference(render_loopback(*source, spec, 1, 1).image, exact) < 0.02 / 2048);
-  spec.precision = Precision::u8;
+  spec.as<Splats>().precision = Precision::u8;
   const Image bytes = render_loopback(*source, spec, 1, 1).image;
   CHECK(*std::max_element(bytes.rgba.begin(), bytes.rgba.end()) == 0.0F);
 }
@@ -83,9 +83,9 @@ TEST_CASE(
     "opaque pixels: GPs leave out what they hide, and the bits do not depend on when they learn of it") {
   const auto source = synth_source("ball", make_grid({65, 57, 60}));
   FrameSpec spec = solid_view();
-  spec.transfer_function = ramp(1, 20, 1.0);
+  spec.shown.transfer_function = ramp(1, 20, 1.0);
   const auto alone = render_loopback(*source, spec, 1, 1);
-  spec.opaque_threshold = 0;
+  spec.shown.opaque_threshold = 0;
   const auto whole = render_loopback(*source, spec, 1, 1);
   CHECK(whole.stats.total().splats_hidden == 0);
   CHECK(alone.stats.total().splats_sent < whole.stats.total().splats_sent);
@@ -93,13 +93,13 @@ TEST_CASE(
   CHECK(error > 0);
   CHECK(error <= 1.0 / 512);
 
-  spec.opaque_threshold = 1.0 / 512;
+  spec.shown.opaque_threshold = 1.0 / 512;
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const LoopbackOptions loopback{.seed = seed, .reorder = true, .max_delay = int(seed % 7)};
     const ProtocolOptions protocol{
         .slots = 1 + int(seed % 3), .look_ahead = 1 + int(seed / 3) % 3, .send_ahead = int(seed / 2 % 4)};
-    spec.region_size = std::array{32, 7, 100, 4096}[seed % 4];
-    spec.payload = seed % 5 == 0 ? PayloadForm::words : PayloadForm::runs;
+    spec.division.region_size = std::array{32, 7, 100, 4096}[seed % 4];
+    spec.as<Splats>().payload = seed % 5 == 0 ? PayloadForm::words : PayloadForm::runs;
     INFO("seed " << seed);
     REQUIRE(render_loopback(*source, spec, 1 + int(seed % 6), 1 + int(seed % 4), loopback,
                             Placement::dedicated, protocol)
@@ -110,7 +110,7 @@ TEST_CASE(
 TEST_CASE("a volume with nothing to see sends no payload and gives the background") {
   const auto source = synth_source("ball", make_grid({33, 27, 30}));
   FrameSpec spec = solid_view();
-  spec.transfer_function = constant_opacity(0.5, 400);
+  spec.shown.transfer_function = constant_opacity(0.5, 400);
   const auto result = render_loopback(*source, spec, 3, 2);
   const NodeStats total = result.stats.total();
   CHECK(total.payloads_sent == 0);

@@ -8,11 +8,11 @@ namespace ringsplat::test {
 /// A body seen from an angle that no axis is parallel to.
 inline FrameSpec oblique_view(int width, int height, int region_size) {
   FrameSpec spec;
-  spec.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.width = width;
-  spec.height = height;
-  spec.region_size = region_size;
-  spec.transfer_function = ramp(20, 255, 0.3);
+  spec.shown.camera = {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
+  spec.shown.width = width;
+  spec.shown.height = height;
+  spec.division.region_size = region_size;
+  spec.shown.transfer_function = ramp(20, 255, 0.3);
   return spec;
 }
 

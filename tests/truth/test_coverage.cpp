@@ -110,8 +110,8 @@ void check_coverage(bool by_method) {
   for (const TestedScene& s : tested_scenes())
     for (const double zoom : {1.0, 0.3, 0.15}) {
       FrameSpec spec = plain_spec(s.transfer_function, size, s.camera);
-      spec.camera.zoom = zoom;
-      spec.shading = s.shading;
+      spec.shown.camera.zoom = zoom;
+      spec.shown.shading = s.shading;
       const auto source = memory_source(s.volume.grid, s.volume.bytes);
       const Image picture = render_loopback(*source, spec, 1, 1).image;  // with the default opaque threshold
       const truth::Scene scene = scene_of(s.volume, spec);

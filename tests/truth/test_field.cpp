@@ -18,7 +18,7 @@ const Camera oblique{.azimuth = 31, .elevation = 17, .roll = 9, .zoom = 1.1};
 double largest_error(const Volume& volume, const FrameSpec& spec,
                      const std::function<double(const truth::CubeRay&)>& depth, double tolerance = 1e-6) {
   const auto scene = scene_of(volume, spec);
-  const auto pixels = truth::all_pixels(spec.width, spec.height);
+  const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
   const auto colours = truth::field_truth(scene, pixels, tolerance);
   double largest = 0;
   for (std::size_t p = 0; p < pixels.size(); ++p) {
@@ -154,7 +154,7 @@ TEST_CASE("a narrow peak up to opacity 1 has its own depth, and is no opaque she
 TEST_CASE("space beside a voxel that is not a number is empty, and is not read as zero") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   FrameSpec spec = plain_spec(constant_opacity(0.3), 9, {.zoom = 2});  // zero is opaque, too
-  spec.kernel.normalisation = Normalisation::exact;
+  spec.as<Splats>().kernel.normalisation = Normalisation::exact;
   const std::vector<truth::Pixel> middle{{4, 4}};
   // Seen along y. A missing slice costs the field the cells on both sides, or at the face one cell and half a
   // voxel.
@@ -181,7 +181,7 @@ TEST_CASE("the field's truth keeps its tolerance") {
   tf.colours = {{0.3, {1, 0.2, 0.1}}, {0.5, {0.2, 1, 0.3}}, {0.7, {0.1, 0.3, 1}}};
   tf.opacities = {{0.45, 0.0}, {0.5, 0.9}, {0.5, 0.2}, {0.65, 0.6}};
   FrameSpec spec = plain_spec(tf, 24, oblique);
-  spec.shading = Shading::phong;
+  spec.shown.shading = Shading::phong;
   const auto scene = scene_of(volume, spec);
   const auto pixels = truth::all_pixels(24, 24);
   const auto fine = truth::field_truth(scene, pixels, 1e-11);

@@ -59,11 +59,11 @@ TEST_CASE("hard values travel as halves and as bytes") {
     for (const Shading shading : {Shading::none, Shading::phong}) {
       INFO(hard.name << (shading == Shading::phong ? ", shaded" : ""));
       FrameSpec spec = plain_spec(hard.transfer_function, 40, {.azimuth = 27, .elevation = 18});
-      spec.shading = shading;
+      spec.shown.shading = shading;
       const Image exact = rendered(hard.volume, spec);
-      spec.precision = Precision::half;
+      spec.as<Splats>().precision = Precision::half;
       const double half = largest_difference(rendered(hard.volume, spec), exact);
-      spec.precision = Precision::u8;
+      spec.as<Splats>().precision = Precision::u8;
       const double bytes = largest_difference(rendered(hard.volume, spec), exact);
       UNSCOPED_INFO(fmt::format("half {:.3g}, bytes {:.3g} of 255", 255 * half, 255 * bytes));
       CHECK(half < 1.0 / 4096);

@@ -16,7 +16,7 @@ const Camera oblique{.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
 
 FrameSpec spec_of(const TransferFunction& tf, Shading shading = Shading::phong) {
   FrameSpec spec = plain_spec(tf, 56, oblique);
-  spec.shading = shading;
+  spec.shown.shading = shading;
   return spec;
 }
 

@@ -2,6 +2,7 @@
 // values in 0..1 from the method's own truth.
 #include <fmt/format.h>
 
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/view/slice_dda.hpp"
 #include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
@@ -26,7 +27,7 @@ Volume lumpy(glm::ivec3 dims, glm::dvec3 spacing = glm::dvec3(1.0)) {
 
 FrameSpec spec_of(const Camera& camera, int size = 64) {
   FrameSpec spec = plain_spec(ramp(0.2, 1.0, 0.35), size, camera);
-  spec.shading = Shading::phong;
+  spec.shown.shading = Shading::phong;
   return spec;
 }
 
@@ -143,7 +144,7 @@ TEST_CASE("fifty voxels a pixel, and a voxel wider than a region") {
   const Volume few = lumpy({8, 8, 8});
   for (const double azimuth : {0.0, 27.0}) {
     FrameSpec large = spec_of({.azimuth = azimuth, .elevation = 20, .roll = 3, .zoom = 500}, 96);
-    large.region_size = 32;
+    large.division.region_size = 32;
     REQUIRE(brightest(rendered(few, large)) > 0.1F);
     CHECK(numerical_error(few, large) < 1e-5);
   }
@@ -161,8 +162,8 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
     return camera;
   };
   FrameSpec small = spec_of(at(20, 70), 96), large = small;
-  large.camera = at(20 + far, 70 + far);
-  large.width = large.height = 16384;
+  large.shown.camera = at(20 + far, 70 + far);
+  large.shown.width = large.shown.height = 16384;
   const auto pixels = truth::all_pixels(96, 96);
   std::vector<truth::Pixel> far_pixels;
   for (const auto& p : pixels) far_pixels.push_back({p.x + far, p.y + far});
@@ -179,7 +180,8 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
                       far_geometry = make_geometry(large, volume.grid);
   const auto paint = [&](const FrameGeometry& geometry, int corner) {
     RegionPainter painter(corner, corner, 96, 96);
-    painter.begin_frame(geometry.footprint);
+    const Footprint footprint = make_footprint(large.as<Splats>(), geometry);
+    painter.begin_frame(footprint);
     const auto plane = in_plane(geometry.traversal.axis);
     for (int step = 0; step < geometry.slices; ++step) {
       const int slice = geometry.traversal.slice_at(step, geometry.slices);
@@ -190,7 +192,7 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
           const auto position = dda.position(std::uint32_t(u));
           const Anchored a = anchor(position.x, position.y);
           const auto base_x = std::int32_t(a.anchor_x), base_y = std::int32_t(a.anchor_y);
-          const Splat splat = make_splat(geometry.footprint, a.dx, a.dy, 0.7F, 0.5F, 0.3F, 0.02F);
+          const Splat splat = make_splat(footprint, a.dx, a.dy, 0.7F, 0.5F, 0.3F, 0.02F);
           painter.draw(base_x, base_y, std::as_bytes(std::span(&splat, 1)));
         }
       }

@@ -22,7 +22,7 @@ Volume lumpy(glm::ivec3 dims, glm::dvec3 spacing = glm::dvec3(1.0)) {
 FrameSpec spec_of(const KernelOptions& kernel,
                   const Camera& camera = {.azimuth = 33, .elevation = 21, .roll = 8}, int size = 64) {
   FrameSpec spec = plain_spec(ramp(0.2, 1.0, 0.35), size, camera);
-  spec.kernel = kernel;
+  spec.as<Splats>().kernel = kernel;
   return spec;
 }
 
@@ -40,7 +40,7 @@ Ripple ripple_of(double radius, const KernelOptions& kernel, double tilt) {
   const double c = std::cos(turn) * scale, s = std::sin(turn) * scale, flat = std::cos(tilt),
                deep = std::sin(tilt);
   FrameSpec spec = plain_spec(constant_opacity(opacity), size);
-  spec.camera.matrix = {c,
+  spec.shown.camera.matrix = {c,
                         -s,
                         0,
                         size / 2 - (c - s) * n / 2,
@@ -52,9 +52,9 @@ Ripple ripple_of(double radius, const KernelOptions& kernel, double tilt) {
                         c * deep,
                         flat * scale,
                         0};
-  spec.kernel_radius = radius;
-  spec.kernel = kernel;
-  spec.opacity_correction = false;
+  spec.as<Splats>().kernel_radius = radius;
+  spec.as<Splats>().kernel = kernel;
+  spec.shown.opacity_correction = false;
   const Image image = rendered(volume, spec);
   Ripple ripple{0, 1e9, -1e9};
   int count = 0;
@@ -83,7 +83,7 @@ TEST_CASE("raw, averaged and exactly normalised kernels agree with the method's 
       for (const Normalisation normalisation :
            {Normalisation::none, Normalisation::constant, Normalisation::exact}) {
         FrameSpec spec = spec_of({.normalisation = normalisation}, camera, 72);
-        spec.kernel_radius = radius;
+        spec.as<Splats>().kernel_radius = radius;
         INFO(fmt::format("azimuth {}, radius {}, {}", camera.azimuth, radius, name(normalisation)));
         // The lattice sum's table errs by 8e-6 of the sum at most; the transmittance behind reduces that.
         CHECK(numerical_error(volume, spec) < 1e-5);
@@ -106,11 +106,11 @@ TEST_CASE("exact normalisation on hard cases") {
         1e-4);
   // A voxel wider than a region.
   FrameSpec large = spec_of(exact, {.azimuth = 27, .elevation = 20, .roll = 3, .zoom = 500}, 96);
-  large.region_size = 32;
+  large.division.region_size = 32;
   CHECK(numerical_error(lumpy({8, 8, 8}), large) < 1e-5);
   // Opaque voxels: sums above 1 must not be clamped before the division.
   FrameSpec opaque = spec_of(exact);
-  opaque.transfer_function = constant_opacity(1.0, 0.5);
+  opaque.shown.transfer_function = constant_opacity(1.0, 0.5);
   CHECK(numerical_error(lumpy({20, 21, 22}), opaque) < 1e-5);
 }
 

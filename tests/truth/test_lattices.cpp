@@ -68,7 +68,7 @@ TEST_CASE("slices that are shifted against each other lie nearer together than t
   const glm::dvec3 spacing{1.0, 0.8, 2.0};
   for (const double tilt : {0.0, 25.0}) {
     FrameSpec spec = plain_spec(constant_opacity(0.2), 33, tilted(Axis::z, tilt));
-    spec.kernel.normalisation = Normalisation::exact;
+    spec.as<Splats>().kernel.normalisation = Normalisation::exact;
     const Volume volume = even_volume({31, 37, 3}, spacing, direction);
     const auto scene = scene_of(volume, spec);
     const double units = 3 * spacing.z * direction[2].z / 0.8 / std::cos(tilt * degrees),
@@ -93,7 +93,7 @@ TEST_CASE("oblique lattices: the renderer agrees with the method's truth") {
         Camera{.azimuth = 20, .elevation = 70}})
     for (const Shading shading : {Shading::none, Shading::phong}) {
       FrameSpec spec = plain_spec(ramp(0.2, 1.0, 0.35), 56, camera);
-      spec.shading = shading;
+      spec.shown.shading = shading;
       INFO(fmt::format("azimuth {}, elevation {}", camera.azimuth, camera.elevation));
       REQUIRE(brightest(rendered(volume, spec)) > 0.1F);
       CHECK(numerical_error(volume, spec) < 1e-5);
@@ -121,9 +121,9 @@ TEST_CASE("a field that is linear in the world has one normal everywhere, at the
       for (int k = 0; k < 3; ++k) REQUIRE(glm::dot(gradient, edges[k]) == Approx(slopes[k]));
 
       FrameSpec spec = plain_spec(constant_opacity(0.3), 33);
-      spec.shading = Shading::phong;
-      spec.light = {-0.4, 0.6, 0.7};
-      spec.material = {.ambient = 0.2, .diffuse = 0.7, .specular = 0, .exponent = 1};
+      spec.shown.shading = Shading::phong;
+      spec.shown.light = {-0.4, 0.6, 0.7};
+      spec.shown.material = {.ambient = 0.2, .diffuse = 0.7, .specular = 0, .exponent = 1};
       const double brightness = 0.2 + 0.7 * std::abs(glm::dot(glm::normalize(gradient), light));
       const auto worst = [&](const std::vector<truth::Rgba>& colours) {
         double largest = 0;

@@ -24,7 +24,7 @@ Volume body(glm::ivec3 dims, ScalarType type = ScalarType::uint16) {
 FrameSpec spec_of(double opacity, int size, const Camera& camera, ScalarType type = ScalarType::uint16) {
   FrameSpec spec =
       plain_spec(ramp(0.05 * truth::synth_scale(type), truth::synth_scale(type), opacity), size, camera);
-  spec.shading = Shading::phong;
+  spec.shown.shading = Shading::phong;
   return spec;
 }
 
@@ -52,9 +52,9 @@ TEST_CASE("the renderer agrees with the method's own truth to float precision") 
       for (const double radius : {1.0, 1.6, 2.5})
         for (const bool correction : {true, false}) {
           FrameSpec spec = spec_of(0.3, 72, camera);
-          spec.shading = shading;
-          spec.kernel_radius = radius;
-          spec.opacity_correction = correction;
+          spec.shown.shading = shading;
+          spec.as<Splats>().kernel_radius = radius;
+          spec.shown.opacity_correction = correction;
           INFO(fmt::format("azimuth {} elevation {}, {}, radius {}, correction {}", camera.azimuth,
                            camera.elevation, shading == Shading::phong ? "phong" : "unlit", radius,
                            correction));
@@ -109,7 +109,7 @@ TEST_CASE(
   const Volume volume = head();
   for (const auto& [name, most] : {std::pair{"mr-soft", 0.04}, {"mr-skin", 0.045}, {"mr-surface", 0.085}}) {
     FrameSpec spec = plain_spec(head_preset(name), 128, {.azimuth = 20, .elevation = 10});
-    spec.shading = Shading::phong;
+    spec.shown.shading = Shading::phong;
     const Image exact = method_image(volume, spec, truth::Normals::exact);
     const truth::ErrorFigures rounding = truth::compare(method_image(volume, spec), exact).total;
     const truth::ErrorFigures whole = truth::compare(rendered(volume, spec), exact).total;

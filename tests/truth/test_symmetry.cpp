@@ -15,7 +15,7 @@ double lopsided(int x, int y, int z) {
 
 FrameSpec spec_of(const Camera& camera) {
   FrameSpec spec = plain_spec(ramp(20, 255, 0.25), 64, camera);
-  spec.shading = Shading::phong;
+  spec.shown.shading = Shading::phong;
   return spec;
 }
 
@@ -77,11 +77,11 @@ TEST_CASE("integers, whose gradients often lie half-way between two normals, tur
     FrameSpec spec = spec_of({.azimuth = azimuth, .elevation = 25, .roll = 6, .zoom = 1});
     const Image before = rendered(volume, spec);
     REQUIRE(brightest(before) > 0.2F);
-    spec.camera.azimuth += 90;
+    spec.shown.camera.azimuth += 90;
     CHECK(largest_difference(before, rendered(turned, spec)) < 1e-5);
-    spec.camera.azimuth = -azimuth;
-    spec.camera.roll = -spec.camera.roll;
-    spec.light.x = -spec.light.x;
+    spec.shown.camera.azimuth = -azimuth;
+    spec.shown.camera.roll = -spec.shown.camera.roll;
+    spec.shown.light.x = -spec.shown.light.x;
     CHECK(largest_difference(mirrored(before), rendered(mirror, spec)) < 1e-5);
   }
 }
@@ -103,9 +103,9 @@ TEST_CASE("a turned head is the same picture but at 45 degrees and in the slices
                                     [&](int x, int y, int z) { return value(y, n - 1 - x, z); });
   const auto apart = [&](const char* name, ImagePlane plane, double azimuth) {
     FrameSpec spec = plain_spec(head_preset(name), 256, {.azimuth = azimuth, .elevation = 25});
-    spec.image_plane = plane;
+    spec.as<Splats>().image_plane = plane;
     const Image before = rendered(volume, spec);
-    spec.camera.azimuth += 90;
+    spec.shown.camera.azimuth += 90;
     return truth::compare(rendered(turned, spec), before).total;
   };
   for (const auto& [name, least, most] : {std::tuple{"mr-soft", 0.4, 2.0}, {"mr-surface", 1.2, 7.0}}) {
@@ -166,9 +166,9 @@ TEST_CASE("a mirrored volume gives the mirrored picture") {
     for (const double azimuth : {0.0, 25.0, 70.0}) {
       FrameSpec spec = spec_of({.azimuth = azimuth, .elevation = 15, .roll = 4, .zoom = 1});
       const Image before = r.render(volume, spec);
-      spec.camera.azimuth = -azimuth;
-      spec.camera.roll = -spec.camera.roll;
-      spec.light.x = -spec.light.x;
+      spec.shown.camera.azimuth = -azimuth;
+      spec.shown.camera.roll = -spec.shown.camera.roll;
+      spec.shown.light.x = -spec.shown.light.x;
       INFO(r.name << ", azimuth " << azimuth);
       CHECK(largest_difference(mirrored(before), r.render(mirror, spec)) < r.bound);
     }

@@ -69,7 +69,7 @@ inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
 /// The renderer's picture, every slice composited to the end as in the truths.
 inline Image rendered(const Volume& volume, const FrameSpec& frame) {
   FrameSpec spec = frame;
-  spec.opaque_threshold = 0;
+  spec.shown.opaque_threshold = 0;
   const auto source = memory_source(volume.grid, volume.bytes);
   return render_loopback(*source, spec, 1, 1).image;
 }
@@ -91,14 +91,14 @@ inline std::vector<truth::Pixel> random_pixels(int width, int height, std::size_
 inline Image method_image(const Volume& volume, const FrameSpec& spec,
                           truth::Normals normals = truth::Normals::quantised) {
   return truth::to_image(
-      spec.width, spec.height,
-      truth::method_truth(scene_of(volume, spec), truth::all_pixels(spec.width, spec.height), normals));
+      spec.shown.width, spec.shown.height,
+      truth::method_truth(scene_of(volume, spec), truth::all_pixels(spec.shown.width, spec.shown.height), normals));
 }
 
 inline Image field_image(const Volume& volume, const FrameSpec& spec) {
   return truth::to_image(
-      spec.width, spec.height,
-      truth::field_truth(scene_of(volume, spec), truth::all_pixels(spec.width, spec.height)));
+      spec.shown.width, spec.shown.height,
+      truth::field_truth(scene_of(volume, spec), truth::all_pixels(spec.shown.width, spec.shown.height)));
 }
 
 /// Largest difference between the renderer's picture and the method's own truth, of values in 0..1.
@@ -111,10 +111,10 @@ inline float brightest(const Image& image) { return *std::max_element(image.rgba
 /// A picture of `size` pixels a side without shading.
 inline FrameSpec plain_spec(const TransferFunction& tf, int size, const Camera& camera = {}) {
   FrameSpec spec;
-  spec.transfer_function = tf;
-  spec.width = spec.height = size;
-  spec.camera = camera;
-  spec.shading = Shading::none;
+  spec.shown.transfer_function = tf;
+  spec.shown.width = spec.shown.height = size;
+  spec.shown.camera = camera;
+  spec.shown.shading = Shading::none;
   return spec;
 }
 

@@ -2,15 +2,14 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
-#include <vector>
+#include <variant>
 
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/classify/phong.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
-#include "ringsplat/screen/regions.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
-#include "ringsplat/view/slice_plane.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/reduced.hpp"
@@ -30,30 +29,63 @@ enum class Precision { float32, half, u8 };
 enum class ImagePlane { screen, slices };
 std::string name(ImagePlane plane);
 
-/// Everything that decides a frame's pixels, announced by rank 0 to all ranks.
-struct FrameSpec {
-  std::int64_t frame = 0;
+/// What a picture shows, whatever draws it.
+struct Shown {
   Camera camera;
   int width = 512, height = 512;  ///< pixels
-  ImagePlane image_plane = ImagePlane::screen;
-  int plane_samples =
-      1;  ///< in the slices' plane: pixels a voxel along either axis, where the screen has so many
-  int region_size = 0;  ///< of a side, in pixels of the image plane; 0: on the screen 128, or 64 or 32 where
-                        ///< the volume covers too few of those for the Renderers; strips in the slices' plane
-  int dealt_to = 0;     ///< how many Renderers get regions; 0: the frame buffer puts in how many there are
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
-  double kernel_radius = 1.6;        ///< in lattice distances
-  KernelOptions kernel;
   bool opacity_correction = true;
-  double opaque_threshold =
-      1.0 / 512;  ///< a pixel with less transmittance takes nothing more; 0: all are composited to the end
+  /// A pixel with less transmittance takes nothing more; 0: all slices are composited.
+  double opaque_threshold = 1.0 / 512;
   Reduction reduction;  ///< of the volume; opacities are corrected for the larger voxels
+  bool operator==(const Shown&) const = default;
+};
+
+/// The paper's method: voxels are classified, then splatted (Neumann 1992).
+struct Splats {
+  static constexpr const char* name = "splats";
+  ImagePlane image_plane = ImagePlane::screen;
+  int plane_samples = 1;       ///< in the slices' plane: pixels a voxel along either axis, at most
+  double kernel_radius = 1.6;  ///< in lattice distances
+  KernelOptions kernel;
   PayloadForm payload = PayloadForm::runs;
   Precision precision = Precision::float32;
+  bool operator==(const Splats&) const = default;
+};
+
+/// How voxels become pixels: the method, with its own options.
+using Method = std::variant<Splats>;
+const char* name(const Method& method);
+
+/// How Renderers share the image plane; never changes a bit of the picture.
+struct Division {
+  /// Of a region's side, in pixels of the image plane. 0: on the screen 128, or 64 or 32 where the volume covers
+  /// too few of those for the Renderers; in the slices' plane strips.
+  int region_size = 0;
+  int dealt_to = 0;  ///< how many Renderers get regions; 0: rank 0 puts in how many there are
+  bool operator==(const Division&) const = default;
+};
+
+/// A frame, as rank 0 announces it to all ranks.
+struct FrameSpec {
+  std::int64_t frame = 0;
+  Shown shown;
+  Method how;
+  Division division;
   bool operator==(const FrameSpec&) const = default;
+
+  /// The options of a method that is known to be this frame's; throws std::bad_variant_access otherwise.
+  template <class How>
+  How& as() {
+    return std::get<How>(how);
+  }
+  template <class How>
+  const How& as() const {
+    return std::get<How>(how);
+  }
 };
 
 /// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero, a
@@ -64,32 +96,9 @@ void check(const FrameSpec& spec);
 /// sense is check()'s to say.
 Bytes encode(const FrameSpec& spec);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
+/// The name of an encoded frame's method.
+std::string method_of(std::span<const std::byte> bytes);
 /// As JSON text, for --stats and image metadata.
 std::string to_json_text(const FrameSpec& spec);
-
-/// What follows from a FrameSpec and a volume's grid; the same on every rank.
-struct FrameGeometry {
-  Grid grid;           ///< of the volume as it is rendered: reduced when undersampled
-  ViewTransform view;  ///< of that grid's lattice to the image plane
-  Traversal traversal;
-  Footprint footprint;
-  int width = 0, height = 0;      ///< of the image plane, in pixels
-  Regions regions;                ///< of the image plane
-  PixelRect reached;              ///< the block of regions that voxels can reach, in columns and rows of them
-  int dealt_to = 0;               ///< how many Renderers get any of them; 0: all
-  int slices = 0;                 ///< in the traversed set
-  std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
-
-  /// Of the regions reached. `renderers`: how many there are.
-  RegionOwners owners(int renderers) const {
-    return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
-  }
-  /// For each of `renderers` Renderers, whether it has a region.
-  std::vector<bool> drawing(int renderers) const;
-};
-LatticeFrame lattice_frame(const Grid& grid);
-/// Of the slice set that a view traverses.
-Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height);
-FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
 
 }  // namespace ringsplat

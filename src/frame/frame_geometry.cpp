@@ -1,0 +1,88 @@
+#include "frame/frame_geometry.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <variant>
+
+#include "frame/region_choice.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+
+LatticeFrame lattice_frame(const Grid& grid) {
+  return {grid.dims, grid.spacing, grid.origin, grid.direction};
+}
+
+Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height) {
+  const LatticeFrame lattice = lattice_frame(grid);
+  return choose_traversal(make_view(camera, lattice, width, height), lattice).axis;
+}
+
+namespace {
+
+/// The view of a reduced volume's lattice that shows it where the volume is.
+ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
+  const double middle = reduction.prefilter ? 0.5 * (reduction.factor - 1) : 0.0;
+  view.offset = view.project(glm::dvec3(middle));
+  view.linear *= double(reduction.factor);
+  return view;
+}
+
+void lay_into_slices(FrameGeometry& g, const Shown& shown, int samples, double reach_in_voxels) {
+  const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, samples, reach_in_voxels,
+                                            shown.width, shown.height);
+  g.view = plane.view;
+  g.warp = plane.warp;
+  g.width = plane.width;
+  g.height = plane.height;
+}
+
+/// The volume as the screen shows it.
+FrameGeometry screen_geometry(const Shown& shown, const Grid& grid) {
+  const LatticeFrame lattice = lattice_frame(grid);
+  FrameGeometry g;
+  g.view = make_view(shown.camera, lattice, shown.width, shown.height);
+  g.traversal = choose_traversal(g.view, lattice);
+  g.grid = grid;
+  if (shown.reduction.factor > 1) {
+    g.grid = reduced_grid(grid, shown.reduction);
+    g.view = reduced_view(g.view, shown.reduction);
+    g.traversal.slice_distance *= shown.reduction.factor;
+  }
+  g.width = shown.width;
+  g.height = shown.height;
+  g.slices = g.grid.slices(g.traversal.axis);
+  return g;
+}
+
+/// Chooses the image plane, and says how far a voxel's splat reaches in it.
+void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
+  if (splats.image_plane == ImagePlane::slices)
+    lay_into_slices(g, shown, splats.plane_samples, splats.kernel_radius);
+  const Footprint footprint = make_footprint(splats, g);
+  g.reach = footprint.half;
+  constexpr double widest = 1 << 20;
+  const double half = std::max(g.reach.x, g.reach.y);
+  if (!(half < widest))
+    throw InputError(fmt::format("a voxel's kernel would be {:.3g} pixels wide", 2 * half),
+                     "use a smaller --zoom or --size");
+  check(splats.kernel, footprint);
+}
+
+}  // namespace
+
+FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
+  FrameGeometry g = screen_geometry(spec.shown, grid);
+  std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
+  lay_regions(g, spec.division);
+  return g;
+}
+
+Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
+  Footprint footprint = make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
+  if (splats.kernel.normalisation == Normalisation::none) footprint.weight = 1;
+  return footprint;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,39 @@
+#pragma once
+#include <algorithm>
+#include <optional>
+
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/screen/regions.hpp"
+#include "ringsplat/splat/footprint.hpp"
+#include "ringsplat/view/slice_plane.hpp"
+#include "ringsplat/view/view.hpp"
+
+namespace ringsplat {
+
+/// What follows from a FrameSpec and a volume's grid; the same on every rank.
+struct FrameGeometry {
+  Grid grid;           ///< of the volume as it is rendered: reduced when undersampled
+  ViewTransform view;  ///< of that grid's lattice to the image plane
+  Traversal traversal;
+  glm::dvec2 reach{0.0};          ///< of what is drawn of a voxel around its centre, in pixels of the image plane
+  int width = 0, height = 0;      ///< of the image plane, in pixels
+  Regions regions;                ///< of the image plane
+  PixelRect reached;              ///< the block of regions that voxels can reach, in columns and rows of them
+  int dealt_to = 0;               ///< how many Renderers get any of them; 0: all
+  int slices = 0;                 ///< in the traversed set
+  std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
+
+  /// Of the regions reached. `renderers`: how many there are.
+  RegionOwners owners(int renderers) const {
+    return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
+  }
+};
+LatticeFrame lattice_frame(const Grid& grid);
+/// The axis of the slice set that a view traverses.
+Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height);
+/// Throws InputError when a view cannot be drawn by the frame's method.
+FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
+/// Of all voxels of a frame whose geometry this is.
+Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);
+
+}  // namespace ringsplat

@@ -1,0 +1,24 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "frame/frame_geometry.hpp"
+#include "protocol/engine.hpp"
+
+namespace ringsplat {
+
+/// A frame as the nodes of a rank share it: what was announced, and what follows from it.
+struct SplatFrame {
+  std::int64_t number = 0;
+  Shown shown;
+  Splats splats;
+  FrameGeometry geometry;
+  Footprint footprint;
+  FramePlan plan;
+};
+
+/// `spec` must be of this method. Throws InputError when its view cannot be drawn.
+std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
+                                                   int renderers);
+
+}  // namespace ringsplat
