@@ -15,7 +15,7 @@ install(TARGETS ringsplat_cli)
 install(TARGETS ringsplat_library ringsplat_flags ringsplat_itk ringsplat_openimageio ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} 
-  FILES_MATCHING PATTERN "*.hpp" PATTERN app EXCLUDE)
+  FILES_MATCHING PATTERN "*.hpp")
 
 # The package asks ITK for the modules that dependencies.cmake asked for.
 list(JOIN ITK_MODULES_REQUESTED " " RINGSPLAT_ITK_COMPONENTS)

@@ -8,10 +8,10 @@
 
 #include "app/probe.hpp"
 #include "app/progress.hpp"
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/model/charge.hpp"
-#include "ringsplat/net/blocks.hpp"
-#include "ringsplat/volume/slice_store.hpp"
+#include "base/log.hpp"
+#include "model/charge.hpp"
+#include "net/blocks.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "app/launch.hpp"
 #include "app/options.hpp"
-#include "ringsplat/scene/load.hpp"
+#include "scene/load.hpp"
 
 namespace ringsplat::app {
 

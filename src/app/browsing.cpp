@@ -4,8 +4,8 @@
 
 #include <utility>
 
-#include "ringsplat/base/clock.hpp"
-#include "ringsplat/truth/metrics.hpp"
+#include "base/clock.hpp"
+#include "truth/metrics.hpp"
 
 namespace ringsplat::app {
 

@@ -6,7 +6,7 @@
 
 #include "app/frame_output.hpp"
 #include "app/view_stream.hpp"
-#include "ringsplat/session/director.hpp"
+#include "session/director.hpp"
 
 namespace ringsplat::app {
 

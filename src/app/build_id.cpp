@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/session/wire_format.hpp"
+#include "session/wire_format.hpp"
 
 namespace ringsplat::app {
 

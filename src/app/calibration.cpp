@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "ringsplat/base/clock.hpp"
-#include "ringsplat/session/render.hpp"
+#include "base/clock.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -4,7 +4,7 @@
 #include "app/error_budget.hpp"
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
-#include "ringsplat/session/director.hpp"
+#include "session/director.hpp"
 
 namespace ringsplat::app {
 

@@ -8,8 +8,8 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/base/output_file.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
 
 namespace ringsplat::app {
 

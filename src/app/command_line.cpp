@@ -16,16 +16,17 @@ namespace {
 
 constexpr ProgramTexts texts{
     .summary = "ringsplat renders volumes on one process or on many MPI ranks",
-    .description = "GPs hold slices and make splats,\n"
-                   "Renderers own parts of the screen, tokens keep the slices in order.",
+    .description =
+        "GPs hold slices and make splats,\n"
+        "Renderers own parts of the screen, tokens keep the slices in order.",
     .examples = R"(  ringsplat render head.nrrd -o head.png
   mpirun -n 6 ringsplat render head.nrrd -o head.png --gps 4 --renderers 2 --tf mr-surface --azimuth 30
   ringsplat info head_256x256x128_uint8.raw
   ringsplat render --help)",
-    .config = "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
-              "What the command line says comes first. --verbose says more, on every rank.",
-    .exit_codes =
-        "0 done, 1 a comparison failed, 2 wrong usage or bad input, 3 a failure while running."};
+    .config =
+        "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
+        "What the command line says comes first. --verbose says more, on every rank.",
+    .exit_codes = "0 done, 1 a comparison failed, 2 wrong usage or bad input, 3 a failure while running."};
 
 /// Thrown by --man.
 struct CallForMan {};

@@ -3,6 +3,7 @@
 #include "app/options.hpp"
 #include "app/reference_options.hpp"
 #include "ringsplat/base/error.hpp"
+#include "session/render_frames.hpp"
 
 /// One function a subcommand. All throw InputError and RunError.
 namespace ringsplat::app {

@@ -6,12 +6,12 @@
 
 #include "app/commands.hpp"
 #include "app/difference_image.hpp"
+#include "app/image_io.hpp"
 #include "app/json_text.hpp"
 #include "app/output_names.hpp"
-#include "ringsplat/app/image_io.hpp"
-#include "ringsplat/base/output_file.hpp"
-#include "ringsplat/base/printable.hpp"
-#include "ringsplat/truth/metrics.hpp"
+#include "base/output_file.hpp"
+#include "base/printable.hpp"
+#include "truth/metrics.hpp"
 
 namespace ringsplat::app {
 namespace {

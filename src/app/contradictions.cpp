@@ -70,10 +70,7 @@ const Rule all_rules[] = {
      {},
      "use ringsplat reference --truth analytic --formula NAME, then ringsplat compare",
      "--error analytic needs a formula, which a picture's volume does not name"},
-    {{{"--error-pixels"}, {"--error-seed"}},
-     needs,
-     {{"--error"}, {"--max-error"}},
-     "add --error method"},
+    {{{"--error-pixels"}, {"--error-seed"}}, needs, {{"--error"}, {"--max-error"}}, "add --error method"},
     {{{"--prefilter"}},
      needs,
      {{"--undersample"}, {"--progressive"}, {"--max-error"}},
@@ -136,12 +133,11 @@ const CLI::Option* find_given(const CLI::App& app, const Which& which) {
 }
 
 [[noreturn]] void refuse(const Rule& rule, const CLI::Option& option, const std::string& others) {
-  const char* const usual = rule.relation == excludes ? "{0} and {1} contradict each other"
-                                                      : "{0} has no effect without {1}";
+  const char* const usual =
+      rule.relation == excludes ? "{0} and {1} contradict each other" : "{0} has no effect without {1}";
   const std::string name = option.get_name();
-  throw InputError(
-      fmt::format(fmt::runtime(rule.problem != nullptr ? rule.problem : usual), name, others),
-      fmt::format(fmt::runtime(rule.way_out), name));
+  throw InputError(fmt::format(fmt::runtime(rule.problem != nullptr ? rule.problem : usual), name, others),
+                   fmt::format(fmt::runtime(rule.way_out), name));
 }
 
 /// Throws InputError when `option`, which is given, breaks the rule.

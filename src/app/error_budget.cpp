@@ -26,8 +26,9 @@ const char* word(Precision precision) {
 
 /// Radii, image planes and levels that go together.
 std::vector<Shortcuts> geometries(const FrameSpec& frame, const ErrorBudgetOptions& o) {
-  const Shortcuts given{frame.shown.opaque_threshold, frame.as<Splats>().precision,     frame.as<Splats>().kernel_radius,
-                        frame.as<Splats>().image_plane,      frame.as<Splats>().plane_samples, frame.shown.reduction.factor};
+  const Shortcuts given{frame.shown.opaque_threshold,     frame.as<Splats>().precision,
+                        frame.as<Splats>().kernel_radius, frame.as<Splats>().image_plane,
+                        frame.as<Splats>().plane_samples, frame.shown.reduction.factor};
   std::vector<Shortcuts> all{given};
   const auto add = [&](auto Shortcuts::*what, auto value) {
     all.push_back(all.front());

@@ -5,14 +5,14 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "app/image_io.hpp"
 #include "app/json_text.hpp"
 #include "app/option_values.hpp"
 #include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
-#include "ringsplat/app/image_io.hpp"
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/base/output_file.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
 
 namespace ringsplat::app {
 
@@ -89,8 +89,8 @@ void FrameOutput::measure_kept() {
   for (const FinishedFrame& frame : kept_) {
     const auto& [result, file] = frame;
     set_frame(scene, result.spec);
-    scene.radius =
-        options_.frame.as<Splats>().kernel_radius;  // as asked for: an error budget may have chosen a smaller one
+    scene.radius = options_.frame.as<Splats>()
+                       .kernel_radius;  // as asked for: an error budget may have chosen a smaller one
     const MeasuredError error = measure(result.image, scene, options_.error);
     write(frame, &error);
     progress_.print(to_text(error));

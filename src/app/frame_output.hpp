@@ -10,8 +10,8 @@
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
 #include "app/progress.hpp"
-#include "ringsplat/session/director.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "session/director.hpp"
 
 namespace ringsplat::app {
 

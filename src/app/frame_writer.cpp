@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "ringsplat/base/process.hpp"
+#include "base/process.hpp"
 
 namespace ringsplat::app {
 

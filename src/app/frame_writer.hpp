@@ -7,7 +7,7 @@
 #include <mutex>
 #include <thread>
 
-#include "ringsplat/session/director.hpp"
+#include "session/director.hpp"
 
 namespace ringsplat::app {
 

@@ -1,4 +1,4 @@
-#include "ringsplat/app/image_io.hpp"
+#include "app/image_io.hpp"
 
 #include <fmt/format.h>
 
@@ -11,9 +11,9 @@
 #include <limits>
 #include <utility>
 
+#include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/images/image_file.hpp"
-#include "ringsplat/images/srgb.hpp"
 
 namespace ringsplat {
 

@@ -13,10 +13,10 @@
 #include "app/progress.hpp"
 #include "app/role_choice.hpp"
 #include "app/watched_source.hpp"
-#include "ringsplat/base/printable.hpp"
+#include "base/printable.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
-#include "ringsplat/volume/slice_store.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "ringsplat/base/printable.hpp"
+#include "base/printable.hpp"
 
 namespace ringsplat::app {
 

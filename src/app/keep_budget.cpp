@@ -7,7 +7,7 @@
 #include "app/calibration.hpp"
 #include "app/calibration_cache.hpp"
 #include "app/option_values.hpp"
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -21,7 +21,8 @@ std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double
   std::vector<std::string> fixed;
   if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
   if (o.fixed_undersample && frame.shown.reduction.factor > 1) fixed.push_back("--undersample");
-  if (o.fixed_image_plane && frame.as<Splats>().image_plane == ImagePlane::slices) fixed.push_back("--image-plane");
+  if (o.fixed_image_plane && frame.as<Splats>().image_plane == ImagePlane::slices)
+    fixed.push_back("--image-plane");
   if (o.fixed_precision && frame.as<Splats>().precision != Precision::float32) fixed.push_back("--precision");
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);

@@ -4,6 +4,7 @@
 #include "app/launch.hpp"
 #include "app/options.hpp"
 #include "app/progress.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::app {
 

@@ -9,8 +9,8 @@
 #include "app/build_id.hpp"
 #include "app/option_values.hpp"
 #include "app/role_choice.hpp"
-#include "ringsplat/model/charge.hpp"
-#include "ringsplat/net/same_facts.hpp"
+#include "model/charge.hpp"
+#include "net/same_facts.hpp"
 
 namespace ringsplat::app {
 namespace {

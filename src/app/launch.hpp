@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "app/options.hpp"
+#include "mpi/session.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/mpi/session.hpp"
 #include "ringsplat/session/render.hpp"
 
 namespace ringsplat::app {

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
+#include "base/printable.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/printable.hpp"
-#include "ringsplat/truth/analytic.hpp"
-#include "ringsplat/truth/field.hpp"
-#include "ringsplat/truth/method.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "truth/analytic.hpp"
+#include "truth/field.hpp"
+#include "truth/method.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::app {
 namespace {

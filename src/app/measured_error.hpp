@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "app/options.hpp"
-#include "ringsplat/app/truth_scene.hpp"
-#include "ringsplat/truth/sampling.hpp"
+#include "app/truth_scene.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "truth/sampling.hpp"
 
 namespace ringsplat::app {
 

@@ -12,8 +12,7 @@
 namespace ringsplat::app {
 
 /// Adds one option of CLI11's, with these names and this help, that fills a target.
-using Binding =
-    std::function<CLI::Option*(CLI::App& app, const std::string& names, const std::string& help)>;
+using Binding = std::function<CLI::Option*(CLI::App& app, const std::string& names, const std::string& help)>;
 
 /// A row's fallback where --help is to show the value that the target has to begin with.
 inline constexpr char initial[] = "";
@@ -21,10 +20,10 @@ inline constexpr char initial[] = "";
 /// One option of those that fill an `Options`.
 template <class Options>
 struct OptionRow {
-  const char* names;  ///< with commas between; a name without dashes: an argument by its position
-  const char* form;   ///< what --help shows for the value; null: the type's name, or a choice's words
-  const char* fallback;  ///< what --help shows as the default; null: nothing
-  const char* help;      ///< no full stop
+  const char* names;          ///< with commas between; a name without dashes: an argument by its position
+  const char* form;           ///< what --help shows for the value; null: the type's name, or a choice's words
+  const char* fallback;       ///< what --help shows as the default; null: nothing
+  const char* help;           ///< no full stop
   Binding (*bind)(Options&);  ///< to a member that must outlive the parsing
   bool required = false;
 };

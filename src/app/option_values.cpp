@@ -10,8 +10,8 @@
 #include <numeric>
 #include <utility>
 
+#include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/images/srgb.hpp"
 
 namespace ringsplat::app {
 namespace {

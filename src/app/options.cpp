@@ -49,8 +49,7 @@ constexpr OptionRow<Run> rank_rows[] = {
     {"--roles", nullptr, nullptr,
      "GPs and Renderers on ranks of their own, or GP p and Renderer p together on rank p",
      [](Run& o) {
-       return choice(o.placement,
-                     {{"dedicated", Placement::dedicated}, {"colocated", Placement::colocated}});
+       return choice(o.placement, {{"dedicated", Placement::dedicated}, {"colocated", Placement::colocated}});
      }},
     {"--topology", nullptr, initial, "How the GPs are linked",
      [](Run& o) {
@@ -92,8 +91,7 @@ constexpr OptionRow<Run> protocol_rows[] = {
      [](Run& o) { return value(o.protocol.send_ahead); }},
     {"--stall-timeout", "SECONDS", initial, "Seconds without any progress until a run is given up",
      [](Run& o) { return value(o.protocol.stall_timeout); }},
-    {"--shuffle", nullptr, nullptr,
-     "Loopback: messages overtake each other and ranks take turns at random",
+    {"--shuffle", nullptr, nullptr, "Loopback: messages overtake each other and ranks take turns at random",
      [](Run& o) { return flag(o.loopback.reorder); }},
     {"--max-delay", nullptr, initial, "Loopback: turns by which a message may be late",
      [](Run& o) { return value(o.loopback.max_delay, CLI::NonNegativeNumber); }},
@@ -128,8 +126,7 @@ constexpr OptionRow<Info> info_output_rows[] = {
 };
 
 constexpr OptionRow<Info> prediction_rows[] = {
-    {"--ranks", "N", nullptr,
-     "Measure a frame here and predict its time for all ways to give N ranks roles",
+    {"--ranks", "N", nullptr, "Measure a frame here and predict its time for all ways to give N ranks roles",
      [](Info& o) { return value(o.ranks, CLI::Range(1, 4096)); }},
     {"--cores", "C", nullptr, "Cores that the ranks share; without it this machine's",
      [](Info& o) { return value(o.cores, CLI::Range(1, 1 << 24)); }},

@@ -7,9 +7,9 @@
 #include "app/error_budget_options.hpp"
 #include "app/option_values.hpp"
 #include "app/truth_options.hpp"
-#include "ringsplat/net/layout.hpp"
-#include "ringsplat/net/loopback.hpp"
+#include "net/loopback.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/net/layout.hpp"
 #include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/source.hpp"
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "app/option_values.hpp"
 #include "app/option_tables.hpp"
+#include "app/option_values.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -128,7 +128,8 @@ constexpr OptionRow<Render> picture_rows[] = {
     {"--kernel", nullptr, initial,
      "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().kernel.method, {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
+       return choice(o.frame.as<Splats>().kernel.method,
+                     {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
      }},
     {"--phases", nullptr, initial,
      "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
@@ -140,8 +141,8 @@ constexpr OptionRow<Render> picture_rows[] = {
      "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
      [](Render& o) {
        return choice(o.frame.as<Splats>().kernel.normalisation, {{"none", Normalisation::none},
-                                                    {"constant", Normalisation::constant},
-                                                    {"exact", Normalisation::exact}});
+                                                                 {"constant", Normalisation::constant},
+                                                                 {"exact", Normalisation::exact}});
      }},
     {"--region", "N", nullptr,
      "Pixels of the side of a Renderer's region; without it 128, or 64 or 32 where the volume covers too few "
@@ -162,7 +163,8 @@ constexpr OptionRow<Render> shortcut_rows[] = {
     {"--image-plane", nullptr, initial,
      "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
+       return choice(o.frame.as<Splats>().image_plane,
+                     {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
      }},
     {"--samples", "1|2|4", initial, "In the slices' plane: pixels a voxel along each axis",
      [](Render& o) { return value(o.frame.as<Splats>().plane_samples); }},
@@ -172,7 +174,8 @@ constexpr OptionRow<Render> shortcut_rows[] = {
     {"--payload", nullptr, initial,
      "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
+       return choice(o.frame.as<Splats>().payload,
+                     {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
      }},
     {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
      [](Render& o) {

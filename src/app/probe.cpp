@@ -1,5 +1,5 @@
-#include "frame/frame_geometry.hpp"
 #include "app/probe.hpp"
+#include "frame/frame_geometry.hpp"
 
 #include <sched.h>
 #include <time.h>
@@ -12,11 +12,11 @@
 #include <string>
 #include <utility>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
+#include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/blocks.hpp"
-#include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -231,7 +231,8 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
     costs.slices += double(geometry.slices) / double(views.size());
     regions = std::max(regions, geometry.regions.count());
     costs.columns = geometry.regions.columns();
-    frame.shown.camera = finely.shown.camera = fixed_to_world(camera, grid, frame.shown.width, frame.shown.height);
+    frame.shown.camera = finely.shown.camera =
+        fixed_to_world(camera, grid, frame.shown.width, frame.shown.height);
     whole.push_back(frame);
     cut.push_back(finely);
   }

@@ -3,12 +3,12 @@
 
 #include "app/role_choice.hpp"
 #include "app/transfer_function_option.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/model/machine.hpp"
 #include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/transport.hpp"
-#include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/scene/load.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "scene/load.hpp"
 
 /// What layouts are chosen by, measured.
 namespace ringsplat::app {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "ringsplat/base/output_file.hpp"
+#include "base/output_file.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -13,7 +13,8 @@ constexpr std::array handled{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGPIPE}
 
 extern "C" void remove_files_and_end(int number) {
   remove_unfinished_files();
-  // The exit status is the signal's. A handler that a library has set before may return instead, as UCX's does.
+  // The exit status is the signal's. A handler that a library has set before may return instead, as UCX's
+  // does.
   signal(number, SIG_DFL);
   raise(number);
 }

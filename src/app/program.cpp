@@ -6,9 +6,9 @@
 #include "app/commands.hpp"
 #include "app/launch.hpp"
 #include "app/text_output.hpp"
-#include "ringsplat/base/huge_pages.hpp"
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/base/process.hpp"
+#include "base/huge_pages.hpp"
+#include "base/log.hpp"
+#include "base/process.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -8,7 +8,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 
 namespace ringsplat::app {
 namespace {

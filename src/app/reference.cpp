@@ -5,6 +5,7 @@
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
+#include "app/image_io.hpp"
 #include "app/json_text.hpp"
 #include "app/measured_error.hpp"
 #include "app/option_values.hpp"
@@ -12,11 +13,10 @@
 #include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
-#include "ringsplat/app/image_io.hpp"
-#include "ringsplat/base/clock.hpp"
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/base/output_file.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "base/clock.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -72,8 +72,8 @@ ExitCode run_reference(const ReferenceOptions& o) {
     spec.shown.camera = cameras[k];
     set_frame(scene, spec);
     const double start = now_seconds();
-    const Image image =
-        truth::to_image(spec.shown.width, spec.shown.height, evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
+    const Image image = truth::to_image(spec.shown.width, spec.shown.height,
+                                        evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));
     write_image(image, output_file(o.picture, k), std::nullopt, settings_text(spec, o));
     fmt::print(results, "{}  {:.2f} s  {} truth\n", output_file(o.picture, k).string(), now_seconds() - start,
                to_string(o.truth));

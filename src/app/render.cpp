@@ -1,5 +1,5 @@
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/session/render.hpp"
+#include "session/render_frames.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -14,6 +14,7 @@
 #include "app/commands.hpp"
 #include "app/error_budget.hpp"
 #include "app/frame_output.hpp"
+#include "app/image_io.hpp"
 #include "app/keep_budget.hpp"
 #include "app/output_names.hpp"
 #include "app/simulation_options.hpp"
@@ -22,12 +23,11 @@
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "app/watched_source.hpp"
-#include "ringsplat/app/image_io.hpp"
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/base/output_file.hpp"
-#include "ringsplat/model/charge.hpp"
-#include "ringsplat/net/blocks.hpp"
-#include "ringsplat/record/trace_json.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "model/charge.hpp"
+#include "net/blocks.hpp"
+#include "record/trace_json.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -111,8 +111,9 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
     if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
       held += double(slices.predicted[std::size_t(gp)]);
   const std::size_t kept = FrameOutput::most_held(o, frames_in_all);
-  const double frames =
-      launch.rank() == 0 ? 4.0 * sizeof(float) * o.frame.shown.width * o.frame.shown.height * double(kept) : 0;
+  const double frames = launch.rank() == 0
+                            ? 4.0 * sizeof(float) * o.frame.shown.width * o.frame.shown.height * double(kept)
+                            : 0;
   if (held + frames <= machine) return;
   throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
                                "but the machine has {:.1f} GiB",
@@ -266,8 +267,8 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   const RenderOptions& o = job.options;
   FrameSpec frame = o.frame;
   launch.check_on_rank_0([&] { frame.shown.transfer_function = make_transfer_function(o, job.plan, scene); });
-  if (o.budget.max_error && keep_budget(o, job.plan.cameras, job.load.kept_axes, job.layout, scene, frame,
-                                        progress, launch))
+  if (o.budget.max_error &&
+      keep_budget(o, job.plan.cameras, job.load.kept_axes, job.layout, scene, frame, progress, launch))
     scene = reload(job, wiring, progress, launch);
   return frame;
 }

@@ -7,8 +7,8 @@
 #include <numeric>
 #include <tuple>
 
-#include "ringsplat/net/mesh.hpp"
-#include "ringsplat/screen/regions.hpp"
+#include "net/mesh.hpp"
+#include "screen/regions.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <limits>
 
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/model/charge.hpp"
+#include "base/log.hpp"
+#include "model/charge.hpp"
 
 namespace ringsplat::app {
 

@@ -16,9 +16,9 @@
 #include "app/study_list.hpp"
 #include "app/study_pictures.hpp"
 #include "app/transfer_function_option.hpp"
-#include "ringsplat/base/output_file.hpp"
-#include "ringsplat/session/render.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "base/output_file.hpp"
+#include "session/render_frames.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -64,7 +64,8 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const Layout layout{1, 1};
   OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
   Scene scene = load_scene(
-      volume, {needed_axes(list.views, volume.grid, list.width, list.height), spec.shown.shading == Shading::phong},
+      volume,
+      {needed_axes(list.views, volume.grid, list.width, list.height), spec.shown.shading == Shading::phong},
       layout, wiring);
   std::vector<Timed> timed(list.views.size());
   std::size_t next = 0, done = 0;

@@ -1,7 +1,7 @@
 #include "app/study_list.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 
 #include "app/option_values.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::app {
 

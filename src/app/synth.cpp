@@ -5,9 +5,9 @@
 #include "app/commands.hpp"
 #include "app/progress.hpp"
 #include "app/watched_source.hpp"
-#include "ringsplat/base/output_file.hpp"
-#include "ringsplat/volume/synth.hpp"
-#include "ringsplat/volume/write.hpp"
+#include "base/output_file.hpp"
+#include "volume/synth.hpp"
+#include "volume/write.hpp"
 
 namespace ringsplat::app {
 namespace {

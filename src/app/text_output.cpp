@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <cstring>
 
+#include "base/output_file.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/output_file.hpp"
 
 namespace ringsplat::app {
 

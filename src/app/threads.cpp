@@ -4,9 +4,9 @@
 
 #include <algorithm>
 
-#include "ringsplat/base/log.hpp"
-#include "ringsplat/base/process.hpp"
-#include "ringsplat/net/blocks.hpp"
+#include "base/log.hpp"
+#include "base/process.hpp"
+#include "net/blocks.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -6,8 +6,8 @@
 #include <filesystem>
 
 #include "app/option_values.hpp"
+#include "base/printable.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/printable.hpp"
 
 namespace ringsplat::app {
 namespace {

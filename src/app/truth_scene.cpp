@@ -1,4 +1,4 @@
-#include "ringsplat/app/truth_scene.hpp"
+#include "app/truth_scene.hpp"
 
 namespace ringsplat::app {
 

@@ -9,8 +9,8 @@
 #include <sstream>
 
 #include "app/option_values.hpp"
+#include "base/printable.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/printable.hpp"
 
 namespace ringsplat::app {
 namespace {

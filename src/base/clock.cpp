@@ -1,4 +1,4 @@
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 
 #include <chrono>
 

@@ -1,4 +1,4 @@
-#include "ringsplat/base/huge_pages.hpp"
+#include "base/huge_pages.hpp"
 
 #include <malloc.h>
 #include <sys/mman.h>

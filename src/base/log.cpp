@@ -1,4 +1,4 @@
-#include "ringsplat/base/log.hpp"
+#include "base/log.hpp"
 
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -6,7 +6,7 @@
 #include <mutex>
 #include <set>
 
-#include "ringsplat/base/printable.hpp"
+#include "base/printable.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ringsplat/base/output_file.hpp"
+#include "base/output_file.hpp"
 
 #include <fmt/format.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "ringsplat/base/process.hpp"
+#include "base/process.hpp"
 
 #include <fcntl.h>
 #include <sched.h>

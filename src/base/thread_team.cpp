@@ -1,4 +1,4 @@
-#include "ringsplat/base/thread_team.hpp"
+#include "base/thread_team.hpp"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
@@ -8,8 +8,8 @@
 #include <atomic>
 #include <optional>
 
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
 
 namespace ringsplat {
 namespace {

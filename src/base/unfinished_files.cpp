@@ -13,7 +13,7 @@
 #include <cstring>
 #include <mutex>
 
-#include "ringsplat/base/output_file.hpp"
+#include "base/output_file.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ringsplat/classify/classifier.hpp"
+#include "classify/classifier.hpp"
 
 #include <fmt/format.h>
 

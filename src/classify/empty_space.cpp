@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "ringsplat/volume/slice_ranges.hpp"
+#include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
 

@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/classify/classifier.hpp"
-#include "ringsplat/volume/block_ranges.hpp"
-#include "ringsplat/volume/slice_store.hpp"
+#include "classify/classifier.hpp"
+#include "volume/block_ranges.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 

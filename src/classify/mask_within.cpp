@@ -1,6 +1,6 @@
 #include "classify/mask_within.hpp"
 
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "classify/mask_within.cpp"

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "ringsplat/classify/normals.hpp"
+#include "classify/normals.hpp"
 
 namespace ringsplat {
 

@@ -1,4 +1,4 @@
-#include "ringsplat/classify/normals.hpp"
+#include "classify/normals.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "ringsplat/classify/phong.hpp"
+#include "classify/phong.hpp"
 
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "classify/phong.cpp"

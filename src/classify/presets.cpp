@@ -21,7 +21,8 @@ struct PresetTable {
 };
 
 // The MR shares suit a T1-weighted head whose air is near 0: skin from 0.1, grey matter about 0.3, white
-// matter about 0.44, fat above.
+// matter about 0.44, fat above. The skin's slopes are gentle: voxels are classified before interpolation, and
+// steep slopes show the lattice as rings.
 const std::vector<PresetTable>& tables() {
   static const std::vector<PresetTable> all{
       {{"mr-soft", "MR head, soft: fat, white and grey matter glow through each other"},
@@ -45,8 +46,6 @@ const std::vector<PresetTable>& tables() {
         {0.15, {0.84, 0.62, 0.50}},
         {0.40, {0.95, 0.78, 0.66}},
         {1.0, {1.0, 0.92, 0.84}}},
-       // Gentle slopes: voxels are classified before interpolation, and steep slopes show the lattice as
-       // rings.
        {{0.0, 0.0}, {0.04, 0.0}, {0.24, 0.25}, {0.48, 0.35}, {1.0, 0.4}}},
       {{"ct-bone", "CT in Hounsfield units: bone alone"},
        Scale::hounsfield,

@@ -1,6 +1,6 @@
-#include "ringsplat/classify/sample_row.hpp"
+#include "classify/sample_row.hpp"
 
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "classify/sample_row.cpp"

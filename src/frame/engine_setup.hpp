@@ -4,7 +4,7 @@
 
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/volume/grid.hpp"
-#include "ringsplat/volume/slice_store.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 

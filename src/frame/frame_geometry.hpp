@@ -3,10 +3,10 @@
 #include <optional>
 
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/screen/regions.hpp"
-#include "ringsplat/splat/footprint.hpp"
-#include "ringsplat/view/slice_plane.hpp"
 #include "ringsplat/view/view.hpp"
+#include "screen/regions.hpp"
+#include "splat/footprint.hpp"
+#include "view/slice_plane.hpp"
 
 namespace ringsplat {
 
@@ -15,12 +15,12 @@ struct FrameGeometry {
   Grid grid;           ///< of the volume as it is rendered: reduced when undersampled
   ViewTransform view;  ///< of that grid's lattice to the image plane
   Traversal traversal;
-  glm::dvec2 reach{0.0};          ///< of what is drawn of a voxel around its centre, in pixels of the image plane
-  int width = 0, height = 0;      ///< of the image plane, in pixels
-  Regions regions;                ///< of the image plane
-  PixelRect reached;              ///< the block of regions that voxels can reach, in columns and rows of them
-  int dealt_to = 0;               ///< how many Renderers get any of them; 0: all
-  int slices = 0;                 ///< in the traversed set
+  glm::dvec2 reach{0.0};      ///< of what is drawn of a voxel around its centre, in pixels of the image plane
+  int width = 0, height = 0;  ///< of the image plane, in pixels
+  Regions regions;            ///< of the image plane
+  PixelRect reached;          ///< the block of regions that voxels can reach, in columns and rows of them
+  int dealt_to = 0;           ///< how many Renderers get any of them; 0: all
+  int slices = 0;             ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
 
   /// Of the regions reached. `renderers`: how many there are.

@@ -2,8 +2,8 @@
 #include <mutex>
 #include <optional>
 
-#include "ringsplat/classify/classifier.hpp"
-#include "ringsplat/classify/phong.hpp"
+#include "classify/classifier.hpp"
+#include "classify/phong.hpp"
 #include "frame/frame_geometry.hpp"
 
 namespace ringsplat {

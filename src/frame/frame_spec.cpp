@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/screen/regions.hpp"
+#include "screen/regions.hpp"
 
 namespace ringsplat {
 namespace {
@@ -96,7 +96,8 @@ void check(const Shown& shown) {
 void check(const Splats& splats) {
   check(splats.kernel, splats.kernel_radius);
   if (splats.plane_samples != 1 && splats.plane_samples != 2 && splats.plane_samples != 4)
-    throw InputError(fmt::format("--samples cannot be {}", splats.plane_samples), "use 1, 2 or 4 pixels a voxel");
+    throw InputError(fmt::format("--samples cannot be {}", splats.plane_samples),
+                     "use 1, 2 or 4 pixels a voxel");
   if (splats.payload == PayloadForm::words && splats.precision != Precision::float32)
     throw InputError("--payload words always carries float precision",
                      "use --payload runs with --precision half or u8");

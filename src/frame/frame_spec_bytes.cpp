@@ -74,8 +74,8 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-// All that a FrameSpec (const or not) holds, one by one: structs have padding. A member that is added does not fit
-// the names here.
+// All that a FrameSpec (const or not) holds, one by one: structs have padding. A member that is added does
+// not fit the names here.
 
 template <class Wire, class... Parts>
 bool pass_all(Wire& wire, Parts&... parts) {
@@ -83,7 +83,7 @@ bool pass_all(Wire& wire, Parts&... parts) {
 }
 
 template <class Wire, class S>
-  requires std::same_as<std::remove_const_t<S>, Shown>
+requires std::same_as<std::remove_const_t<S>, Shown>
 bool pass(Wire& wire, S& shown) {
   auto& [camera, width, height, transfer_function, shading, material, light, opacity_correction,
          opaque_threshold, reduction] = shown;
@@ -96,7 +96,7 @@ bool pass(Wire& wire, S& shown) {
 }
 
 template <class Wire, class S>
-  requires std::same_as<std::remove_const_t<S>, Splats>
+requires std::same_as<std::remove_const_t<S>, Splats>
 bool pass(Wire& wire, S& splats) {
   auto& [image_plane, plane_samples, kernel_radius, kernel, payload, precision] = splats;
   auto& [method, phases, qee_bits, normalisation] = kernel;
@@ -118,7 +118,8 @@ bool take_method(Reader& reader, Method& how) {
   if (!reader(index)) return false;
   return [&]<std::size_t... I>(std::index_sequence<I...>) {
     return ((index == I && (how.emplace<I>(), true)) || ...);
-  }(std::make_index_sequence<std::variant_size_v<Method>>());
+  }
+  (std::make_index_sequence<std::variant_size_v<Method>>());
 }
 
 template <class Enum>

@@ -34,8 +34,8 @@ PixelRect touched(const Regions& regions, const PixelWindow& pixels) {
   return regions.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
 }
 
-/// How much of the volume lies behind a pixel, estimated from the ellipsoid that fills its box: what is scanned
-/// or simulated stands in the middle more often than in the corners.
+/// How much of the volume lies behind a pixel, estimated from the ellipsoid that fills its box: what is
+/// scanned or simulated stands in the middle more often than in the corners.
 class Thickness {
  public:
   explicit Thickness(const FrameGeometry& g) {

@@ -1,4 +1,4 @@
-#include "ringsplat/images/srgb.hpp"
+#include "images/srgb.hpp"
 
 #include <OpenImageIO/color.h>
 

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "base/output_file.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/output_file.hpp"
 #include "ringsplat/images/image_file.hpp"
 
 namespace ringsplat {

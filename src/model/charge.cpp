@@ -1,4 +1,4 @@
-#include "ringsplat/model/charge.hpp"
+#include "model/charge.hpp"
 
 // A function of SimGrid's. Weak: null when the program is linked with another MPI.
 extern "C" void smpi_execute_benched(double seconds) __attribute__((weak));

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <thread>
 
+#include "base/clock.hpp"
 #include "mpi/checked.hpp"
-#include "ringsplat/base/clock.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
@@ -104,7 +104,8 @@ class MpiCollectives final : public Collectives {
   bool take_presence(int from) const {
     int arrived = 0;
     MPI_Message matched = MPI_MESSAGE_NULL;
-    checked(MPI_Improbe(from, presence_tag, comm_.get(), &arrived, &matched, MPI_STATUS_IGNORE), "MPI_Improbe");
+    checked(MPI_Improbe(from, presence_tag, comm_.get(), &arrived, &matched, MPI_STATUS_IGNORE),
+            "MPI_Improbe");
     if (arrived == 0) return false;
     checked(MPI_Mrecv(nullptr, 0, MPI_BYTE, &matched, MPI_STATUS_IGNORE), "MPI_Mrecv");
     return true;

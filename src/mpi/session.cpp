@@ -1,4 +1,4 @@
-#include "ringsplat/mpi/session.hpp"
+#include "mpi/session.hpp"
 
 #include <mpi.h>
 
@@ -9,10 +9,10 @@
 #include <cstring>
 #include <thread>
 
+#include "base/clock.hpp"
+#include "model/charge.hpp"
 #include "mpi/checked.hpp"
-#include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/model/charge.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {

@@ -101,10 +101,9 @@ void check(const Header& header, const Layout& layout) {
                                to_string(header.from()), to_string(header.to())));
   const auto place = token_place(header);
   if (header.frame < 0 || (place && (place->step < 0 || !exists({Role::renderer, place->renderer}))))
-    throw RunError(fmt::format("a {} from {} has frame {}{}", name(header.kind), to_string(header.from()),
-                               header.frame,
-                               place ? fmt::format(", step {}, Renderer {}", place->step, place->renderer)
-                                     : std::string()));
+    throw RunError(fmt::format(
+        "a {} from {} has frame {}{}", name(header.kind), to_string(header.from()), header.frame,
+        place ? fmt::format(", step {}, Renderer {}", place->step, place->renderer) : std::string()));
 }
 
 std::vector<int> announcement_children(int rank, int ranks) {

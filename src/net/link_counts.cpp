@@ -1,4 +1,4 @@
-#include "ringsplat/net/link_counts.hpp"
+#include "net/link_counts.hpp"
 
 #include <fmt/format.h>
 

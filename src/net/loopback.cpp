@@ -1,4 +1,4 @@
-#include "ringsplat/net/loopback.hpp"
+#include "net/loopback.hpp"
 
 #include <algorithm>
 #include <deque>

@@ -1,4 +1,4 @@
-#include "ringsplat/net/mesh.hpp"
+#include "net/mesh.hpp"
 
 #include <fmt/format.h>
 

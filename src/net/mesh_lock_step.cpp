@@ -1,8 +1,8 @@
-#include "ringsplat/net/mesh_lock_step.hpp"
+#include "net/mesh_lock_step.hpp"
 
 #include <cmath>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 
 namespace ringsplat {
 

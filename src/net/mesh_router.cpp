@@ -1,11 +1,11 @@
-#include "ringsplat/net/mesh_router.hpp"
+#include "net/mesh_router.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

@@ -1,4 +1,4 @@
-#include "ringsplat/net/same_facts.hpp"
+#include "net/same_facts.hpp"
 
 #include <fmt/format.h>
 
@@ -7,9 +7,9 @@
 #include <map>
 #include <utility>
 
+#include "base/fingerprint.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/fingerprint.hpp"
 
 namespace ringsplat {
 namespace {

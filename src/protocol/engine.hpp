@@ -5,13 +5,13 @@
 #include <span>
 #include <vector>
 
+#include "record/stats.hpp"
+#include "record/trace.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/record/stats.hpp"
-#include "ringsplat/record/trace.hpp"
 
-/// The seam between the protocol and what it carries. An engine makes payloads of slices (Encoder, on a GP), tiles
-/// of payloads (Painter, on a Renderer) and a picture of tiles (Canvas, at the frame buffer). The protocol knows
-/// only who may send what when: no voxel, no colour, no grid.
+/// The seam between the protocol and what it carries. An engine makes payloads of slices (Encoder, on a GP),
+/// tiles of payloads (Painter, on a Renderer) and a picture of tiles (Canvas, at the frame buffer). The
+/// protocol knows only who may send what when: no voxel, no colour, no grid.
 namespace ringsplat {
 
 /// A frame as rank 0 announces it. Only engines read the body.

@@ -5,18 +5,14 @@
 #include <algorithm>
 #include <utility>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
 FrameBuffer::FrameBuffer(const Layout& layout, const ProtocolOptions& options, Engine& engine,
                          FrameSource& source, Post announce)
-    : layout_(layout),
-      options_(options),
-      engine_(engine),
-      source_(source),
-      announce_(std::move(announce)) {}
+    : layout_(layout), options_(options), engine_(engine), source_(source), announce_(std::move(announce)) {}
 
 bool FrameBuffer::advance() {
   if (drop_unwanted()) return true;
@@ -139,7 +135,8 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
                    "all ranks must run the same build");
   const bool from_gp = h.source_role == Role::gp;
   if (!from_gp && h.source_role != Role::renderer)
-    throw RunError(fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
+    throw RunError(
+        fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
   const auto index = std::size_t(h.source);
   std::vector<bool>& reported = from_gp ? frame.gp_reported : frame.renderer_reported;
   if (reported[index])
@@ -157,8 +154,7 @@ void FrameBuffer::complete(Frame&& frame) {
   stats.seconds = now - frame.announced;
   stats.period = now - std::max(frame.announced, last_completed_);
   last_completed_ = now;
-  if (options_.trace)
-    options_.trace->of(id())->add(Activity::frame, stats.frame, -1, frame.announced, now);
+  if (options_.trace) options_.trace->of(id())->add(Activity::frame, stats.frame, -1, frame.announced, now);
   check_conservation(stats);
   if (!layout_.routed()) {
     source_.done(std::move(stats));

@@ -16,8 +16,8 @@ namespace ringsplat {
 /// frame: only now has all of it arrived.
 class FrameBuffer final : public Node {
  public:
-  /// `engine` and `source` must outlive it. `announce` carries an announcement, a drop, a link query or a shutdown
-  /// to every rank, this one included.
+  /// `engine` and `source` must outlive it. `announce` carries an announcement, a drop, a link query or a
+  /// shutdown to every rank, this one included.
   FrameBuffer(const Layout& layout, const ProtocolOptions& options, Engine& engine, FrameSource& source,
               Post announce);
 

@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <optional>
 
+#include "record/stats.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/record/stats.hpp"
 
 namespace ringsplat {
 

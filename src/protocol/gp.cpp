@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
 
 namespace ringsplat {
 
@@ -18,8 +18,6 @@ Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& 
       post_(std::move(post)),
       book_(id(), options.trace) {}
 
-Gp::~Gp() = default;
-
 void Gp::begin_frame(const Announcement& announcement) {
   frames_.push_back(std::make_unique<Frame>(index_, announcement, layout_.renderers, engine_));
   if (frames_.back()->owns_front()) start_tokens(*frames_.back());
@@ -28,8 +26,8 @@ void Gp::begin_frame(const Announcement& announcement) {
   finish_completed_frames();
 }
 
-/// All tokens start at the owner of the front slice, in the traversal's order, which is what keeps a mesh free of
-/// contention (net/mesh.hpp).
+/// All tokens start at the owner of the front slice, in the traversal's order, which is what keeps a mesh
+/// free of contention (net/mesh.hpp).
 void Gp::start_tokens(Frame& frame) {
   auto& front = frame.waiting_tokens[frame.shown.front()];
   for (int k = 0; k < layout_.renderers; ++k) {
@@ -147,9 +145,9 @@ void Gp::pass_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
   }
   ++frame.stats.tokens_passed;
   book_.mark(Moment::pass_token, frame.number, *next, token.renderer);
-  post_(Message(make_header(
-      id(), {Role::gp, frame.plan.owners[std::size_t(*next)]}, frame.number,
-      TokenFields{.place = {*next, token.renderer, token.sequence}, .credits = token.credits})));
+  post_(Message(
+      make_header(id(), {Role::gp, frame.plan.owners[std::size_t(*next)]}, frame.number,
+                  TokenFields{.place = {*next, token.renderer, token.sequence}, .credits = token.credits})));
 }
 
 bool Gp::advance() {
@@ -182,8 +180,8 @@ Turn Gp::encode_some() {
   const StageSeconds before = encoder.stages();
   const auto worked = [&]() -> Turn {
     const StageSeconds after = encoder.stages();
-    return {Activity::slice, frame.number, step,
-            {after.classify - before.classify, after.shade - before.shade}};
+    return {
+        Activity::slice, frame.number, step, {after.classify - before.classify, after.shade - before.shade}};
   };
   if (encoder.prepare()) return worked();
   if (!frame.encoding) {
@@ -240,9 +238,7 @@ Turn Gp::waiting() const {
 }
 
 /// On the oldest frame.
-void Gp::book(const Turn& turn) {
-  book_.turn(turn, frames_.empty() ? nullptr : &frames_.front()->stats);
-}
+void Gp::book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front()->stats); }
 
 std::string Gp::waiting_for() const {
   for (const auto& frame : frames_)

@@ -20,7 +20,6 @@ class Gp final : public Node {
  public:
   /// `engine` must outlive it.
   Gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine, Post post);
-  ~Gp() override;
 
   NodeId id() const override { return {Role::gp, index_}; }
   void begin_frame(const Announcement& announcement) override;

@@ -43,9 +43,9 @@ struct GpFrame {
   std::size_t next_step = 0;  ///< into `steps`: the next to encode
   bool encoding = false;      ///< it is being encoded
   std::deque<PreparedSlice> prepared;
-  std::map<int, std::vector<HeldToken>> waiting_tokens;     ///< by step: came before the slice was ready
-  std::set<std::pair<int, std::uint32_t>> left_behind;      ///< Renderer and sequence of payloads whose tokens
-                                                            ///< moved on before they were accepted
+  std::map<int, std::vector<HeldToken>> waiting_tokens;  ///< by step: came before the slice was ready
+  std::set<std::pair<int, std::uint32_t>> left_behind;   ///< Renderer and sequence of payloads whose tokens
+                                                         ///< moved on before they were accepted
   std::size_t steps_done = 0;
   bool dropped = false;  ///< slices not yet sent are left out
   NodeStats stats;

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "base/clock.hpp"
+#include "base/log.hpp"
 #include "protocol/frame_buffer.hpp"
 #include "protocol/gp.hpp"
 #include "protocol/renderer.hpp"
-#include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/log.hpp"
 
 namespace ringsplat {
 
@@ -156,7 +156,7 @@ void Host::take(Message message) {
   node->receive(std::move(message));
 }
 
-bool Host::take_all() {
+bool Host::take_arrived() {
   bool moved = false;
   while (true) {
     if (!local_.empty()) {
@@ -180,11 +180,11 @@ bool Host::take_all() {
 bool Host::step() {
   bool moved = lock_step_ != nullptr && release_kept();
   // Tokens, accepts and messages in transit unblock other ranks, so all that has arrived goes first.
-  moved = take_all() || moved;
+  moved = take_arrived() || moved;
   for (const auto& node : nodes_) {
     moved = node->advance() || moved;
     // What it works on is in the cache now.
-    while (node->amid_slice() && node->advance()) take_all();
+    while (node->amid_slice() && node->advance()) take_arrived();
   }
   return moved;
 }

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
+#include "net/mesh_lock_step.hpp"
+#include "net/mesh_router.hpp"
 #include "protocol/frame_source.hpp"
 #include "protocol/node.hpp"
-#include "ringsplat/net/mesh_lock_step.hpp"
-#include "ringsplat/net/mesh_router.hpp"
 #include "ringsplat/net/transport.hpp"
 #include "ringsplat/protocol/protocol_options.hpp"
 
@@ -40,7 +40,7 @@ class Host {
   void start(Message message);
   bool release_kept();
   void wait();
-  bool take_all();
+  bool take_arrived();
   void announce(Message message);
   void take(Message message);
   void take_announcement(const Message& message);

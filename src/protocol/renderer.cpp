@@ -4,8 +4,8 @@
 
 #include <utility>
 
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
 
 namespace ringsplat {
 
@@ -86,10 +86,10 @@ void Renderer::accept(const Frame& frame, const Header& payload) {
   const TokenPlace place = fields_of<PayloadFields>(payload).place;
   Bytes news;
   if (frame.painter != nullptr) frame.painter->news(payload.source, news);
-  post_(Message(
-      make_header(id(), payload.from(), payload.frame,
-                  AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
-      std::move(news)));
+  post_(
+      Message(make_header(id(), payload.from(), payload.frame,
+                          AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
+              std::move(news)));
 }
 
 bool Renderer::advance() {
@@ -123,8 +123,7 @@ bool Renderer::draw_some(Frame& frame) {
     return true;
   }
   const auto [place, passes] = fields_of<PayloadFields>(found->second.header);
-  if (!std::exchange(frame.painting, true))
-    frame.painter->begin({place.step, passes, found->second.body()});
+  if (!std::exchange(frame.painting, true)) frame.painter->begin({place.step, passes, found->second.body()});
   const double composited = frame.painter->composite_seconds();
   const bool complete = frame.painter->work();
   book({.activity = Activity::draw,
@@ -166,7 +165,9 @@ void Renderer::deliver(Frame& frame) {
 }
 
 /// On the frame being drawn.
-void Renderer::book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats); }
+void Renderer::book(const Turn& turn) {
+  book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats);
+}
 
 std::string Renderer::waiting_for() const {
   if (frames_.empty()) return {};

@@ -51,7 +51,7 @@ class OpaqueCover {
            OpaqueTiles::tile_size;
   }
 
-  int opaque_ = 0;               ///< tiles
+  int opaque_ = 0;              ///< tiles
   int width_ = 0, height_ = 0;  ///< of all tiles, in pixels
   bool worth_asking_ = false;
   std::size_t stride_ = 0;

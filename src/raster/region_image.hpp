@@ -6,11 +6,12 @@
 
 #include "raster/aligned_floats.hpp"
 #include "raster/opaque_tiles.hpp"
-#include "ringsplat/screen/regions.hpp"
+#include "screen/regions.hpp"
 
 namespace ringsplat {
 
-/// One region's composited slices: premultiplied colour and opacity of each pixel, and which tiles are opaque.
+/// One region's composited slices: premultiplied colour and opacity of each pixel, and which tiles are
+/// opaque.
 ///
 /// A pixel whose transmittance has fallen below the frame's threshold takes nothing more. That is decided
 /// pixel by pixel from the slices before, so anyone who knows of such pixels may leave out what lies wholly

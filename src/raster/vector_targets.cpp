@@ -1,6 +1,6 @@
 #include "raster/vector_targets.hpp"
 
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raster/vector_targets.cpp"

@@ -1,6 +1,6 @@
 #include "raster/warp_columns.hpp"
 
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "raster/warp_columns.cpp"

@@ -1,7 +1,7 @@
 #pragma once
 #include "ringsplat/base/image.hpp"
-#include "ringsplat/view/slice_plane.hpp"
 #include "screen/pixel_window.hpp"
+#include "view/slice_plane.hpp"
 
 namespace ringsplat {
 

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "ringsplat/base/clock.hpp"
+#include "base/clock.hpp"
 
 namespace ringsplat {
 namespace {
 
-double NodeStats::* seconds_of(Activity activity) {
+double NodeStats::*seconds_of(Activity activity) {
   switch (activity) {
     case Activity::slice:
       return &NodeStats::computing;

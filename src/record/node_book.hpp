@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "ringsplat/record/stats.hpp"
-#include "ringsplat/record/trace.hpp"
+#include "record/stats.hpp"
+#include "record/trace.hpp"
 
 namespace ringsplat {
 
@@ -12,8 +12,8 @@ struct Turn {
   std::optional<Activity> activity;  ///< none: idle
   std::int64_t frame = 0;
   std::int32_t step = -1;
-  StageSeconds stages = {};    ///< part of a slice's seconds
-  double compositing = 0;      ///< the last part of a payload's seconds
+  StageSeconds stages = {};  ///< part of a slice's seconds
+  double compositing = 0;    ///< the last part of a payload's seconds
 };
 
 /// Books where a node's time goes: seconds for its statistics, and spans for its timeline if there is one.

@@ -1,4 +1,4 @@
-#include "ringsplat/record/stats.hpp"
+#include "record/stats.hpp"
 
 #include <fmt/format.h>
 
@@ -103,7 +103,8 @@ void check_conservation(const FrameStats& stats) {
                                sum.payload_bytes_sent, sum.payload_bytes_received));
 }
 
-std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings, char axis) {
+std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings,
+                         char axis) {
   json j;
   j["frame"] = stats.frame;
   j["seconds"] = stats.seconds;
@@ -119,8 +120,7 @@ std::string to_json_text(const FrameStats& stats, const Layout& layout, const st
     j["layout"]["mesh"] = {layout.mesh_columns, layout.mesh_rows};
     j["layout"]["routing"] = layout.routing == Routing::manhattan ? "manhattan" : "direct";
   }
-  j["traversal"] = {
-      {"axis", std::string(1, axis)}, {"ascending", stats.ascending}, {"slices", stats.slices}};
+  j["traversal"] = {{"axis", std::string(1, axis)}, {"ascending", stats.ascending}, {"slices", stats.slices}};
   j["total"] = to_json(stats.total());
   if (layout.routed()) {
     j["links"] = links_json(stats, layout);

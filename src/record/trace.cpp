@@ -1,15 +1,15 @@
-#include "ringsplat/record/trace.hpp"
+#include "record/trace.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "base/clock.hpp"
 #include "base/counted_values.hpp"
+#include "base/process.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
 
 namespace ringsplat {
 namespace {

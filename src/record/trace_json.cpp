@@ -1,4 +1,4 @@
-#include "ringsplat/record/trace_json.hpp"
+#include "record/trace_json.hpp"
 
 #include <algorithm>
 #include <array>

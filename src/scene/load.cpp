@@ -1,4 +1,4 @@
-#include "ringsplat/scene/load.hpp"
+#include "scene/load.hpp"
 
 #include <fmt/format.h>
 
@@ -7,11 +7,11 @@
 #include <cstring>
 #include <optional>
 
+#include "classify/normals.hpp"
+#include "net/blocks.hpp"
+#include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/classify/normals.hpp"
-#include "ringsplat/net/blocks.hpp"
-#include "ringsplat/net/same_facts.hpp"
-#include "ringsplat/volume/slice_ranges.hpp"
+#include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
 namespace {

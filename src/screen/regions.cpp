@@ -1,4 +1,4 @@
-#include "ringsplat/screen/regions.hpp"
+#include "screen/regions.hpp"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,5 @@
-#include "frame/frame_geometry.hpp"
 #include "session/directed_frames.hpp"
+#include "frame/frame_geometry.hpp"
 
 #include <utility>
 

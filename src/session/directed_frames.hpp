@@ -2,7 +2,7 @@
 #include <map>
 
 #include "protocol/frame_source.hpp"
-#include "ringsplat/session/director.hpp"
+#include "session/director.hpp"
 
 namespace ringsplat {
 

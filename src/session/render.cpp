@@ -1,28 +1,28 @@
-#include "frame/frame_geometry.hpp"
 #include "ringsplat/session/render.hpp"
+#include "frame/frame_geometry.hpp"
+
+#include "session/render_frames.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
-#include "session/directed_frames.hpp"
-#include "session/engines.hpp"
+#include "base/process.hpp"
+#include "base/thread_team.hpp"
+#include "model/charge.hpp"
+#include "net/same_facts.hpp"
 #include "protocol/host.hpp"
 #include "protocol/loopback_run.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
-#include "ringsplat/base/thread_team.hpp"
-#include "ringsplat/model/charge.hpp"
-#include "ringsplat/net/same_facts.hpp"
-#include "ringsplat/session/wire_format.hpp"
+#include "session/directed_frames.hpp"
+#include "session/engines.hpp"
+#include "session/wire_format.hpp"
 #include "simulate/charged_engine.hpp"
 #include "simulate/charged_transport.hpp"
 #include "simulate/counting_engine.hpp"
 
 namespace ringsplat {
 namespace {
-
-constexpr int histogram_bins = 1024;
 
 std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
   std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
@@ -65,24 +65,16 @@ void check_wiring(const Layout& layout, const Wiring& wiring) {
       fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
 }
 
-void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
-               const Layout& layout, const std::vector<std::vector<int>>& gps, const Wiring& wiring) {
-  OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
-  if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
-  auto stores = deal_slices(reduced, options, layout.gps, gps, wiring.collectives);
-  share_slice_ranges(stores, wiring.collectives);
-  for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
-}
-
 }  // namespace
 
 std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height) {
   std::array<bool, 3> needed{};
-  for (const Camera& camera : cameras) needed[std::size_t(traversed_axis(camera, grid, width, height))] = true;
+  for (const Camera& camera : cameras)
+    needed[std::size_t(traversed_axis(camera, grid, width, height))] = true;
   return needed;
 }
 
-LoadOptions load_options(const FrameSpec& spec, const Grid& grid) {
+LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
   return {needed_axes({spec.shown.camera}, grid, spec.shown.width, spec.shown.height),
           spec.shown.shading == Shading::phong,
           {spec.shown.reduction.factor},
@@ -94,27 +86,13 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
   require_same(wiring.collectives, facts_of(volume.grid, options, layout), "was given another scene to load",
                "every process must pass the same grid, options and layout, and run the same build");
   check_wiring(layout, wiring);
-  Scene scene;
-  scene.grid = volume.grid;
-  const auto gps = gps_by_process(layout, wiring);
-  const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
-  // Range and histogram are the volume's own at any level, so that presets do not change with it.
-  const LoadOptions values_only{{false, false, true}, false};
-  scene.stores = deal_slices(volume, whole ? options : values_only, layout.gps, gps, wiring.collectives);
-  scene.range = value_range(scene.stores, wiring.collectives);
-  scene.histogram = histogram(scene.stores, scene.range, histogram_bins, wiring.collectives);
-  if (whole)
-    share_slice_ranges(scene.stores, wiring.collectives);
-  else
-    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, layout.gps, {}, false);
-  for (const int factor : options.factors)
-    if (factor > 1) add_level(scene, {factor, options.prefilter}, volume, options, layout, gps, wiring);
-  return scene;
+  return deal_scene(volume, options, layout.gps, gps_by_process(layout, wiring), wiring.collectives);
 }
 
 void check(const EngineOptions& options) {
   if (options.threads_per_rank < 1)
-    throw InputError(fmt::format("--threads-per-rank is {}", options.threads_per_rank), "it must be at least 1");
+    throw InputError(fmt::format("--threads-per-rank is {}", options.threads_per_rank),
+                     "it must be at least 1");
   if (options.threads_per_rank > ThreadTeam::most_threads)
     throw InputError(
         fmt::format("--threads-per-rank is {}, more than a rank can use", options.threads_per_rank),
@@ -127,8 +105,8 @@ namespace {
 std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, SliceStore slices, bool timed,
                                     const EngineOptions& options, TakePicture take) {
   const auto& [machine, count_only, voxel_weight, step_seconds] = options.simulation;
-  // A mesh goes through all slices: that tokens visit GPs in their order is what keeps its payloads from meeting
-  // (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
+  // A mesh goes through all slices: that tokens visit GPs in their order is what keeps its payloads from
+  // meeting (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
   auto engine = make_engines(std::move(slices), [&](const SliceStore& kept) {
     return EngineSetup{.grid = grid,
@@ -145,8 +123,9 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, Slic
   return engine;
 }
 
-void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout, const ProtocolOptions& protocol,
-                      Transport& plain, const SimulationOptions& simulation) {
+void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
+                      const ProtocolOptions& protocol, Transport& plain,
+                      const SimulationOptions& simulation) {
   std::optional<ChargedTransport> charged;
   if (simulation.machine) charged.emplace(plain, *simulation.machine);
   Transport& transport = charged ? static_cast<Transport&>(*charged) : plain;
@@ -192,7 +171,7 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
     error = e.what();
   }
   agree(wiring.collectives, error);
-  Scene scene = load_scene(volume, load_options(spec, grid), layout, wiring);
+  Scene scene = load_scene(volume, needed_to_render(spec, grid), layout, wiring);
   Image image;
   bool asked = false;
   Director director{[&]() -> std::optional<FrameSpec> {

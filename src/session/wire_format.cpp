@@ -1,4 +1,4 @@
-#include "ringsplat/session/wire_format.hpp"
+#include "session/wire_format.hpp"
 
 #include <fmt/format.h>
 
@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <numeric>
 
-#include "session/wire_hash.hpp"
-#include "ringsplat/net/link_counts.hpp"
-#include "ringsplat/net/message.hpp"
+#include "net/link_counts.hpp"
+#include "record/stats.hpp"
+#include "record/trace.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/record/stats.hpp"
-#include "ringsplat/record/trace.hpp"
+#include "ringsplat/net/message.hpp"
+#include "session/wire_hash.hpp"
 #include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"
 
@@ -21,8 +21,8 @@ namespace {
 void add_messages(WireHash& hash) {
   hash.text(std::endian::native == std::endian::big ? "big" : "little");
   hash.layout(&Header::magic, &Header::kind, &Header::source_role, &Header::destination_role,
-              &Header::counted, &Header::source, &Header::destination, &Header::frame,
-              &Header::fields, &Header::bytes);
+              &Header::counted, &Header::source, &Header::destination, &Header::frame, &Header::fields,
+              &Header::bytes);
   hash.layout(&TokenPlace::step, &TokenPlace::renderer, &TokenPlace::sequence);
   hash.layout(&TokenFields::place, &TokenFields::credits);
   hash.layout(&PayloadFields::place, &PayloadFields::passes);

@@ -7,7 +7,7 @@
 #include <span>
 #include <string>
 
-#include "ringsplat/base/fingerprint.hpp"
+#include "base/fingerprint.hpp"
 
 namespace ringsplat {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "ringsplat/model/charge.hpp"
+#include "model/charge.hpp"
 #include "ringsplat/net/message.hpp"
 #include "simulate/engine_decorator.hpp"
 

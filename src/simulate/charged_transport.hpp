@@ -1,5 +1,5 @@
 #pragma once
-#include "ringsplat/model/charge.hpp"
+#include "model/charge.hpp"
 #include "ringsplat/model/machine.hpp"
 #include "ringsplat/net/transport.hpp"
 

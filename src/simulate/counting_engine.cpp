@@ -40,7 +40,8 @@ class CountingEncoder final : public EncoderDecorator {
 
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible), weighted(step.counts.outside)};
+    step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible),
+                   weighted(step.counts.outside)};
     for (EncodedPart& part : step.parts) {
       if (part.payload.empty()) continue;
       Said said{weighted(part.items), 0};

@@ -1,4 +1,4 @@
-#include "ringsplat/splat/footprint.hpp"
+#include "splat/footprint.hpp"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "raster/slice_buffer.hpp"
-#include "ringsplat/splat/footprint.hpp"
+#include "splat/footprint.hpp"
 
 namespace ringsplat {
 
@@ -13,8 +13,8 @@ namespace ringsplat {
 struct FootprintTable {
   int phases = 1;
   std::int64_t reach_x = 0, reach_y = 0;  ///< the window is anchor − reach … anchor + reach + 1
-  std::size_t row = 0;          ///< floats of a row; more than its pixels, as vectors read past them
-  std::vector<float> weights;   ///< [phase][2 reach_y + 2][row]
+  std::size_t row = 0;            ///< floats of a row; more than its pixels, as vectors read past them
+  std::vector<float> weights;     ///< [phase][2 reach_y + 2][row]
   std::vector<PixelRun> covered;  ///< [phase][2 reach_y + 2]: pixels with a weight, from the anchor
   double x_of_a = 0, x_of_b = 0, y_of_a = 0, y_of_b = 0;  ///< give the centre from a splat's a and b
 

@@ -8,8 +8,7 @@ namespace {
 
 KernelWeights choose_weights(const Footprint& footprint, const KernelOptions& options) {
   if (options.method == KernelMethod::texture)
-    return TabledWeights{
-        std::make_shared<FootprintTable>(make_footprint_table(footprint, options.phases))};
+    return TabledWeights{std::make_shared<FootprintTable>(make_footprint_table(footprint, options.phases))};
   if (options.qee_bits > 0) return FixedPointWeights{options.qee_bits};
   if (has_stencil(footprint)) return StencilWeights{};
   return RowWeights{};

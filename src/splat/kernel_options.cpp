@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "ringsplat/base/error.hpp"
+#include "splat/footprint.hpp"
 
 namespace ringsplat {
 

@@ -5,7 +5,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "ringsplat/splat/footprint.hpp"
+#include "splat/footprint.hpp"
 
 namespace ringsplat {
 

@@ -1,4 +1,4 @@
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 #include "splat/voxel_run.hpp"
 
 #undef HWY_TARGET_INCLUDE

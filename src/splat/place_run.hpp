@@ -2,8 +2,8 @@
 #include <array>
 #include <cstdint>
 
-#include "ringsplat/splat/footprint.hpp"
-#include "ringsplat/view/slice_dda.hpp"
+#include "splat/footprint.hpp"
+#include "view/slice_dda.hpp"
 
 namespace ringsplat {
 

@@ -31,7 +31,7 @@ struct VoxelPlaces {
 };
 
 struct PlacedVoxels {
-  std::uint32_t blocks = 0;             ///< gone through
+  std::uint32_t blocks = 0;  ///< gone through
   std::uint64_t voxels = 0;  ///< of these blocks
   std::uint64_t drawn = 0;   ///< of these voxels: with a weight above zero in the region
   /// Voxels lie in rows top … bottom − 1.

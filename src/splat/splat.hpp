@@ -1,7 +1,7 @@
 #pragma once
 #include <cstdint>
 
-#include "ringsplat/splat/footprint.hpp"
+#include "splat/footprint.hpp"
 
 namespace ringsplat {
 

@@ -14,7 +14,8 @@ namespace {
 /// For kernels whose window is small: splats are added without clipping, and zeros go to the margins.
 class StencilAdder final : public SplatAdder {
  public:
-  explicit StencilAdder(const Footprint& footprint) : footprint_(footprint), reach_(kernel_reach(footprint)) {}
+  explicit StencilAdder(const Footprint& footprint)
+      : footprint_(footprint), reach_(kernel_reach(footprint)) {}
 
   Margins margins() const override { return window_margins(reach_); }
 
@@ -93,16 +94,16 @@ struct MakeAdder {
     });
   }
   std::unique_ptr<SplatAdder> operator()(const FixedPointWeights& weights) const {
-    return make_row_adder([of = footprint, bits = weights.bits](
-                              const SliceBuffer& slice, const SplatRun& run, PixelRun* written) {
+    return make_row_adder([of = footprint, bits = weights.bits](const SliceBuffer& slice, const SplatRun& run,
+                                                                PixelRun* written) {
       return draw_fixed_point(slice, of, bits, run, written);
     });
   }
   std::unique_ptr<SplatAdder> operator()(const TabledWeights& weights) const {
-    return make_row_adder([table = weights.table](const SliceBuffer& slice, const SplatRun& run,
-                                                  PixelRun* written) {
-      return draw_with_texture(slice, *table, run, written);
-    });
+    return make_row_adder(
+        [table = weights.table](const SliceBuffer& slice, const SplatRun& run, PixelRun* written) {
+          return draw_with_texture(slice, *table, run, written);
+        });
   }
 };
 

@@ -67,8 +67,8 @@ void SplatSum::composite(glm::dvec2 voxel) {
       float* sums = buffer_.origin + y * buffer_.row_floats + first * floats_a_pixel;
       if (lattice_sum_)
         lattice_sum_->divide_row(sums, pixels, image_->rect().x0 + first, image_->rect().y0 + y, voxel);
-      composite_row(sums, image + y * image_->row_floats() + first * floats_a_pixel,
-                    pixels * floats_a_pixel, image_->opaque_threshold());
+      composite_row(sums, image + y * image_->row_floats() + first * floats_a_pixel, pixels * floats_a_pixel,
+                    image_->opaque_threshold());
     }
     image_->slice_composited();
     empty_ = true;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "raster/slice_buffer.hpp"
-#include "ringsplat/splat/footprint.hpp"
+#include "splat/footprint.hpp"
 
 namespace ringsplat {
 
@@ -19,7 +19,7 @@ inline constexpr int largest_stencil_window = 64;
 struct Stencil {
   int reach_x = 0, reach_y = 0;  ///< the window is anchor − reach … anchor + reach + 1
   std::size_t blocks = 0;        ///< multiple of 4; the last ones may be padding that draws nothing
-  AlignedFloats k, dx, dy;  ///< [blocks][block_pixels]
+  AlignedFloats k, dx, dy;       ///< [blocks][block_pixels]
   std::vector<std::ptrdiff_t>
       offset;  ///< [blocks]: floats from the anchor's pixel to the block's first, in the slice buffer
 };

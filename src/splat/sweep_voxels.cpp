@@ -1,6 +1,6 @@
 #include "splat/sweep_voxels.hpp"
 
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "splat/sweep_voxels.cpp"
@@ -12,8 +12,8 @@
 #include <cstring>
 #include <utility>
 
+#include "base/bit_runs.hpp"
 #include "raster/pixel_vectors-inl.hpp"
-#include "ringsplat/base/bit_runs.hpp"
 #include "splat/stencil.hpp"
 #include "splat/whole_steps.hpp"
 

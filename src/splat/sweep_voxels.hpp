@@ -18,7 +18,7 @@ struct PlacedVoxelRows {
   /// Bits of the pixels that hold voxels, from the row of anchors in the region's first row on.
   std::uint64_t* filled = nullptr;
   const std::uint64_t* inside = nullptr;  ///< bits of the region's pixels, whole pixel blocks
-  std::size_t row_words = 0;  ///< the last word of a row is 0, as is the one before the first row
+  std::size_t row_words = 0;              ///< the last word of a row is 0, as is the one before the first row
   int left = 0;
   int top = 0, bottom = 0;  ///< voxels lie in rows of anchors top … bottom − 1, and surely in the first
   int phase_x = 0;          ///< column of the voxels' anchors, modulo their step

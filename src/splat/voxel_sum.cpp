@@ -54,14 +54,20 @@ void VoxelSum::forget_rows() {
 }
 
 PlacedVoxelRows VoxelSum::placed() {
-  return {buffer_, filled_.data() + words_a_vector + std::size_t(above_) * words_,
-          inside_.data(), words_, left_, top_, bottom_, phase_x_};
+  return {buffer_,        filled_.data() + words_a_vector + std::size_t(above_) * words_,
+          inside_.data(), words_,
+          left_,          top_,
+          bottom_,        phase_x_};
 }
 
 template <class Voxel>
 DrawnBlocks VoxelSum::draw(const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
-  const VoxelPlaces to{buffer_, placed().filled, std::ptrdiff_t(words_), left_,
-                       slice_.anchor_x - image_->rect().x0, slice_.anchor_y - image_->rect().y0};
+  const VoxelPlaces to{buffer_,
+                       placed().filled,
+                       std::ptrdiff_t(words_),
+                       left_,
+                       slice_.anchor_x - image_->rect().x0,
+                       slice_.anchor_y - image_->rect().y0};
   const PlacedVoxels drawn = place_voxels(slice_, to, blocks, most);
   phase_x_ = int(to.x & (slice_.step_x - 1));
   top_ = std::min(top_, drawn.top);

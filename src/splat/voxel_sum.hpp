@@ -50,9 +50,9 @@ class VoxelSum final : public SliceSum {
   std::vector<std::uint64_t> filled_;   ///< [rows of anchors][words], between vectors that are 0
   std::vector<std::uint64_t> inside_;   ///< [words]: the region's pixels, whole pixel blocks
   std::vector<std::uint64_t> covered_;  ///< [words]: of a row, while it is swept
-  int top_, bottom_;                    ///< rows of anchors top_ … bottom_ − 1 hold voxels, the first surely
-  int phase_x_ = 0;                     ///< of the voxels' anchors, modulo their step
-  bool reached_ = false;                ///< a voxel of the slice has a weight above zero in the region
+  int top_, bottom_;      ///< rows of anchors top_ … bottom_ − 1 hold voxels, the first surely
+  int phase_x_ = 0;       ///< of the voxels' anchors, modulo their step
+  bool reached_ = false;  ///< a voxel of the slice has a weight above zero in the region
 };
 
 }  // namespace ringsplat

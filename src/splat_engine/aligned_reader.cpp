@@ -1,7 +1,7 @@
+#include "splat/voxel_sum.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/run_cursor.hpp"
 #include "splat_engine/voxel_form.hpp"
-#include "splat/voxel_sum.hpp"
 
 namespace ringsplat {
 namespace {

@@ -4,11 +4,11 @@
 #include <span>
 #include <vector>
 
-#include "splat_engine/splat_frame.hpp"
 #include "raster/slice_buffer.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat/slice_sum.hpp"
+#include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
 
@@ -45,7 +45,8 @@ struct SumMemory {
 
 /// For payloads of a frame's form and precision. `frame` and the memory must outlive it.
 std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
-std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory);
+std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
+                                               SumMemory memory);
 /// For runs in slices whose voxels lie a whole number of pixels apart.
 std::unique_ptr<PayloadReader> make_aligned_reader(const SplatFrame& frame, const AlignedFrame& aligned,
                                                    SumMemory memory);

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "frame/frame_geometry.hpp"
-#include "splat_engine/splat_engine.hpp"
 #include "raster/warp_image.hpp"
 #include "splat/encode.hpp"
+#include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat {
 namespace {
@@ -25,7 +25,8 @@ class PictureCanvas final : public Canvas {
     for (int y = 0; y < rect.height(); ++y)
       std::memcpy(image_.pixel(rect.x0, rect.y0 + y), bytes.data() + std::size_t(y) * row_bytes, row_bytes);
     filled_ = {std::min<std::int64_t>(filled_.x0, rect.x0), std::min<std::int64_t>(filled_.y0, rect.y0),
-               std::max<std::int64_t>(filled_.x1, rect.x1 - 1), std::max<std::int64_t>(filled_.y1, rect.y1 - 1)};
+               std::max<std::int64_t>(filled_.x1, rect.x1 - 1),
+               std::max<std::int64_t>(filled_.y1, rect.y1 - 1)};
     here_[std::size_t(tile)] = true;
   }
 

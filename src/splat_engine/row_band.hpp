@@ -7,15 +7,15 @@
 #include <span>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "frame/frame_geometry.hpp"
+#include "record/trace.hpp"
+#include "ringsplat/base/bytes.hpp"
+#include "splat/encode.hpp"
 #include "splat_engine/encoder_frame.hpp"
 #include "splat_engine/row_axis.hpp"
 #include "splat_engine/row_classifier.hpp"
-#include "ringsplat/base/bytes.hpp"
-#include "ringsplat/base/clock.hpp"
-#include "ringsplat/record/trace.hpp"
-#include "ringsplat/view/slice_dda.hpp"
-#include "splat/encode.hpp"
+#include "view/slice_dda.hpp"
 
 namespace ringsplat {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "ringsplat/classify/sample_row.hpp"
+#include "classify/sample_row.hpp"
 
 namespace ringsplat {
 

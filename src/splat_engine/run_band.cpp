@@ -3,10 +3,10 @@
 #include <cmath>
 #include <glm/vec2.hpp>
 
+#include "base/bit_runs.hpp"
+#include "splat/voxel_run.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/voxel_form.hpp"
-#include "ringsplat/base/bit_runs.hpp"
-#include "splat/voxel_run.hpp"
 
 namespace ringsplat {
 namespace {

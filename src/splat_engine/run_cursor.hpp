@@ -7,10 +7,10 @@
 #include <span>
 #include <vector>
 
-#include "splat_engine/payload_reader.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/voxel_run.hpp"
+#include "splat_engine/payload_reader.hpp"
 
 namespace ringsplat {
 

@@ -3,12 +3,12 @@
 #include <vector>
 
 #include "frame/frame_geometry.hpp"
+#include "splat/place_run.hpp"
+#include "splat/splat_sum.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/run_cursor.hpp"
 #include "splat_engine/voxel_form.hpp"
-#include "ringsplat/view/slice_dda.hpp"
-#include "splat/place_run.hpp"
-#include "splat/splat_sum.hpp"
+#include "view/slice_dda.hpp"
 
 namespace ringsplat {
 namespace {
@@ -131,7 +131,8 @@ class RunReader final : public PayloadReader {
 
 }  // namespace
 
-std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel, SumMemory memory) {
+std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
+                                               SumMemory memory) {
   return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel, memory);
 }
 

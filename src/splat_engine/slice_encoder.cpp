@@ -7,15 +7,15 @@
 #include <utility>
 #include <vector>
 
-#include "frame/frame_geometry.hpp"
+#include "base/clock.hpp"
 #include "classify/empty_space.hpp"
+#include "frame/frame_geometry.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/row_bounds.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "splat_engine/wall_share.hpp"
-#include "ringsplat/base/clock.hpp"
-#include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 
 namespace ringsplat {
 namespace {
@@ -46,7 +46,8 @@ class SliceEncoder final : public Encoder {
   std::vector<int> shown() override {
     const std::vector<bool>* may_show = nullptr;
     if (skip_empty_)
-      may_show = &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->shown.transfer_function);
+      may_show =
+          &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->shown.transfer_function);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
       if (may_show == nullptr || (*may_show)[std::size_t(slice_at(step))]) steps.push_back(step);
@@ -67,7 +68,7 @@ class SliceEncoder final : public Encoder {
     bands_in_use_ = bounds.size() - 1;
     while (bands_.size() < bands_in_use_)
       bands_.push_back(announced_->splats.payload == PayloadForm::words ? make_word_band(*frame_)
-                                                                      : make_run_band(*frame_));
+                                                                        : make_run_band(*frame_));
     pieces_.assign(bands_in_use_, {});
     for (std::size_t k = 0; k < bands_in_use_; ++k)
       bands_[k]->begin(slice, visible, bounds[k], bounds[k + 1]);
@@ -130,8 +131,8 @@ class SliceEncoder final : public Encoder {
     if (piece.complete) return;
     const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
     const OptionalSeconds timed(timed_ ? &piece.busy : nullptr);
-    piece.complete = bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once,
-                                        timed_ ? &piece.stages : nullptr);
+    piece.complete =
+        bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once, timed_ ? &piece.stages : nullptr);
   }
 
   void divide(double wall) {
@@ -192,7 +193,7 @@ class SliceEncoder final : public Encoder {
   bool skip_empty_, timed_;
   int renderers_;
   std::optional<EncoderFrame> frame_;  ///< made for the first slice: a GP may have none
-  std::uint64_t voxels_ = 0;  ///< of the slice
+  std::uint64_t voxels_ = 0;           ///< of the slice
   std::vector<std::unique_ptr<RowBand>> bands_;
   std::size_t bands_in_use_ = 0;  ///< by this slice, in the order of its rows
   std::vector<Piece> pieces_;     ///< by band in use
@@ -202,9 +203,10 @@ class SliceEncoder final : public Encoder {
 }  // namespace
 
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
-                                            const SliceStore& store, EmptySpace& empty_space, ThreadTeam& threads,
-                                            bool skip_empty, bool timed) {
-  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, skip_empty, timed);
+                                            const SliceStore& store, EmptySpace& empty_space,
+                                            ThreadTeam& threads, bool skip_empty, bool timed) {
+  return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, skip_empty,
+                                        timed);
 }
 
 }  // namespace ringsplat

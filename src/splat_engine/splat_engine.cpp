@@ -47,7 +47,9 @@ class SplatEngine final : public Engine {
     return *painter;
   }
 
-  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return make_picture_canvas(frame(a), setup_.take); }
+  std::unique_ptr<Canvas> canvas(const Announcement& a) override {
+    return make_picture_canvas(frame(a), setup_.take);
+  }
 
  private:
   /// The nodes of a rank ask for the same few frames.
@@ -62,8 +64,8 @@ class SplatEngine final : public Engine {
   EngineSetup setup_;
   ThreadTeam encoder_threads_, painter_threads_;
   std::deque<std::shared_ptr<const SplatFrame>> frames_;
-  std::map<int, std::unique_ptr<EmptySpace>> empty_space_;   ///< by level
-  std::map<int, std::unique_ptr<FramePainter>> painters_;  ///< by Renderer
+  std::map<int, std::unique_ptr<EmptySpace>> empty_space_;  ///< by level
+  std::map<int, std::unique_ptr<FramePainter>> painters_;   ///< by Renderer
 };
 
 }  // namespace

@@ -1,21 +1,22 @@
 #pragma once
 #include <memory>
 
+#include "base/thread_team.hpp"
 #include "frame/engine_setup.hpp"
-#include "ringsplat/base/thread_team.hpp"
-#include "ringsplat/volume/slice_store.hpp"
 #include "splat_engine/splat_frame.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 
 class EmptySpace;
 
-/// A GP's encoder for one frame. `store`, `empty_space` and `threads` must outlive it; `empty_space` is kept from
-/// frame to frame, one for each level of the store; for `skip_empty` and `timed` see EngineSetup. The payloads are the same bytes with any number of threads.
-/// Throws RunError when the slices that the frame traverses were not loaded.
+/// A GP's encoder for one frame. `store`, `empty_space` and `threads` must outlive it; `empty_space` is kept
+/// from frame to frame, one for each level of the store; for `skip_empty` and `timed` see EngineSetup. The
+/// payloads are the same bytes with any number of threads. Throws RunError when the slices that the frame
+/// traverses were not loaded.
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
-                                            const SliceStore& store, EmptySpace& empty_space, ThreadTeam& threads,
-                                            bool skip_empty = true, bool timed = false);
+                                            const SliceStore& store, EmptySpace& empty_space,
+                                            ThreadTeam& threads, bool skip_empty = true, bool timed = false);
 
 /// A Renderer's painter, which keeps its buffers from frame to frame.
 class FramePainter : public Painter {

@@ -7,17 +7,17 @@
 #include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
 #include "frame/frame_geometry.hpp"
-#include "splat_engine/payload_reader.hpp"
-#include "splat_engine/splat_engine.hpp"
-#include "splat_engine/wall_share.hpp"
 #include "raster/opaque_news.hpp"
 #include "raster/region_image.hpp"
-#include "ringsplat/base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
+#include "splat_engine/payload_reader.hpp"
+#include "splat_engine/splat_engine.hpp"
+#include "splat_engine/wall_share.hpp"
 
 namespace ringsplat {
 namespace {
@@ -35,8 +35,8 @@ class SplatPainter final : public FramePainter {
     const bool as_before = frame_ && same_regions(frame_->geometry, frame->geometry);
     frame_ = std::move(frame);
     if (!as_before) lay_out();
-    const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view, geometry().traversal.axis,
-                                                 frame_->splats.kernel);
+    const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view,
+                                                 geometry().traversal.axis, frame_->splats.kernel);
     for (RegionImage& image : images_) image.begin_frame(static_cast<float>(frame_->shown.opaque_threshold));
     for (Lane& lane : lanes_) {
       lane.reader = make_reader(kernel, {lane.memory, largest_region_});

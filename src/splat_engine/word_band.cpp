@@ -68,8 +68,8 @@ class WordBand final : public RowBand {
       return dx >= 0 && dx <= 255 && dy >= 0 && dy <= 255;
     };
     if (!used(region) || !fits()) open_group(region, at);
-    const Splat splat = make_splat(footprint_, at.dx, at.dy, sample.r, sample.g, sample.b,
-                                   sample.opacity, static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
+    const Splat splat = make_splat(footprint_, at.dx, at.dy, sample.r, sample.g, sample.b, sample.opacity,
+                                   static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
     std::memcpy(part.grow(sizeof splat), &splat, sizeof splat);
     ++part.head.count;

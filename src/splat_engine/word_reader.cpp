@@ -2,11 +2,11 @@
 
 #include <algorithm>
 
-#include "splat_engine/payload_reader.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/splat.hpp"
 #include "splat/splat_sum.hpp"
+#include "splat_engine/payload_reader.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ringsplat/truth/analytic.hpp"
+#include "truth/analytic.hpp"
 
 #include <fmt/format.h>
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "ringsplat/truth/metrics.hpp"
+#include "truth/metrics.hpp"
 
 namespace ringsplat::truth {
 namespace {

@@ -1,4 +1,4 @@
-#include "ringsplat/truth/field.hpp"
+#include "truth/field.hpp"
 
 #include <fmt/format.h>
 

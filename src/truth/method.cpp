@@ -1,4 +1,4 @@
-#include "ringsplat/truth/method.hpp"
+#include "truth/method.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 #include <numbers>
 #include <optional>
 
-#include "ringsplat/classify/normals.hpp"
+#include "classify/normals.hpp"
 #include "truth/parallel.hpp"
 #include "truth/ray.hpp"
 #include "truth/shading.hpp"

@@ -1,4 +1,4 @@
-#include "ringsplat/truth/metrics.hpp"
+#include "truth/metrics.hpp"
 
 #include <fmt/format.h>
 

@@ -8,8 +8,8 @@
 #include <random>
 #include <unordered_set>
 
-#include "ringsplat/truth/sampling.hpp"
 #include "truth/parallel.hpp"
+#include "truth/sampling.hpp"
 
 namespace ringsplat::truth {
 namespace {

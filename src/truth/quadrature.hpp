@@ -77,8 +77,7 @@ Piece adaptive_piece(const At& at, double a, double b, const Piece& whole, doubl
   double change = std::abs(both.transmittance - whole.transmittance);
   for (int c = 0; c < 3; ++c) change = std::max(change, std::abs(both.colour[c] - whole.colour[c]));
   if (change <= tolerance || halvings_left == 0 || !(a < middle && middle < b)) return both;
-  const Piece fine_front =
-      adaptive_piece(at, a, middle, front, 0.5 * tolerance, thinnest, halvings_left - 1);
+  const Piece fine_front = adaptive_piece(at, a, middle, front, 0.5 * tolerance, thinnest, halvings_left - 1);
   // The tolerance behind grows as less of it is seen.
   const double seen = std::max(fine_front.transmittance, 1e-12);
   return behind(fine_front,

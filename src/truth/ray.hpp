@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "ringsplat/truth/scene.hpp"
+#include "truth/scene.hpp"
 
 namespace ringsplat::truth {
 

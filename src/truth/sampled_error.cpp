@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/truth/sampling.hpp"
 #include "truth/levels.hpp"
+#include "truth/sampling.hpp"
 
 namespace ringsplat::truth {
 namespace {

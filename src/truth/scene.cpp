@@ -1,4 +1,4 @@
-#include "ringsplat/truth/scene.hpp"
+#include "truth/scene.hpp"
 
 #include <fmt/format.h>
 

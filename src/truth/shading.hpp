@@ -2,7 +2,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
-#include "ringsplat/truth/scene.hpp"
+#include "truth/scene.hpp"
 
 namespace ringsplat::truth {
 

@@ -1,4 +1,4 @@
-#include "ringsplat/view/slice_dda.hpp"
+#include "view/slice_dda.hpp"
 
 namespace ringsplat {
 

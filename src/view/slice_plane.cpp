@@ -1,4 +1,4 @@
-#include "ringsplat/view/slice_plane.hpp"
+#include "view/slice_plane.hpp"
 
 #include <fmt/format.h>
 

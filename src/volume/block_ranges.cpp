@@ -1,4 +1,4 @@
-#include "ringsplat/volume/block_ranges.hpp"
+#include "volume/block_ranges.hpp"
 
 #include <algorithm>
 #include <cstring>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/base/output_file.hpp"
+#include "base/output_file.hpp"
 
 namespace ringsplat::detail {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/log.hpp"
 #include "volume/dicom_elements.hpp"
 #include "volume/dicom_image.hpp"
 #include "volume/formats.hpp"
@@ -168,7 +168,8 @@ void tell(const std::vector<InputError>& problems, const std::filesystem::path& 
   for (std::size_t i = 0; i < std::min(problems.size(), most); ++i)
     log_warning_once("left out: {}", problems[i].what());
   if (problems.size() > most)
-    log_warning_once("left out: {} more files of {} that cannot be read", problems.size() - most, folder.string());
+    log_warning_once("left out: {} more files of {} that cannot be read", problems.size() - most,
+                     folder.string());
 }
 
 /// The readable files of a folder; warns of the others. Throws the first complaint when none can be read.

@@ -1,4 +1,4 @@
-#include "ringsplat/volume/slice_ranges.hpp"
+#include "volume/slice_ranges.hpp"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "ringsplat/volume/slice_store.hpp"
+#include "volume/slice_store.hpp"
 
 #include <fmt/format.h>
 
@@ -6,8 +6,8 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "base/huge_pages.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/huge_pages.hpp"
 
 namespace ringsplat {
 namespace {

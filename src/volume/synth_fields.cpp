@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "volume/synth.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat {

@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/log.hpp"
 #include "volume/text.hpp"
 #include "volume/tiff_pages.hpp"
 

@@ -8,8 +8,8 @@
 #include <cstring>
 #include <string>
 
+#include "base/fingerprint.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/fingerprint.hpp"
 
 namespace ringsplat::detail {
 namespace {

@@ -1,4 +1,4 @@
-#include "ringsplat/volume/write.hpp"
+#include "volume/write.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "base/output_file.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/output_file.hpp"
 #include "volume/deflate_stream.hpp"
 #include "volume/raw_name.hpp"
 #include "volume/text.hpp"

@@ -4,7 +4,7 @@
 
 #include "app/probe.hpp"
 #include "app/program_runner.hpp"
-#include "ringsplat/session/render.hpp"
+#include "session/render_frames.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -3,10 +3,10 @@
 #include <functional>
 #include <glm/vec3.hpp>
 
-#include "frame/frame_geometry.hpp"
 #include "app/calibration.hpp"
 #include "app/calibration_cache.hpp"
 #include "app/program_runner.hpp"
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/session/render.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
@@ -103,8 +103,7 @@ TEST_CASE("a calibration looks at every kept slice set straight on and obliquely
 
 TEST_CASE("a calibration takes views by matrix as they are, four of them from the first on") {
   std::vector<Camera> run(9);
-  for (std::size_t k = 0; k < run.size(); ++k)
-    run[k].matrix = {1, 0, 0, double(k), 0, 0, -1, 0, 0, 1, 0, 0};
+  for (std::size_t k = 0; k < run.size(); ++k) run[k].matrix = {1, 0, 0, double(k), 0, 0, -1, 0, 0, 1, 0, 0};
   const Grid grid = make_grid({32, 30, 28});
   const auto views = calibration_views(run, {true, true, true}, grid, width, height);
   REQUIRE(views.size() >= 3);

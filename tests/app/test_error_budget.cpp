@@ -5,8 +5,8 @@
 
 #include "app/calibration_cache.hpp"
 #include "app/error_budget.hpp"
+#include "app/image_io.hpp"
 #include "app/program_runner.hpp"
-#include "ringsplat/app/image_io.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,4 +1,4 @@
-#include "ringsplat/app/image_io.hpp"
+#include "app/image_io.hpp"
 
 #include <chrono>
 #include <cmath>

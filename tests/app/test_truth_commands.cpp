@@ -1,9 +1,9 @@
 #include <nlohmann/json.hpp>
 
+#include "app/image_io.hpp"
 #include "app/program_runner.hpp"
-#include "ringsplat/app/image_io.hpp"
-#include "ringsplat/truth/metrics.hpp"
 #include "support/catch.hpp"
+#include "truth/metrics.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app_test;

@@ -1,12 +1,12 @@
-#include "ringsplat/base/thread_team.hpp"
+#include "base/thread_team.hpp"
 
 #include <atomic>
 #include <limits>
 #include <thread>
 #include <vector>
 
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ringsplat/classify/classifier.hpp"
+#include "classify/classifier.hpp"
 
 namespace ringsplat {
 

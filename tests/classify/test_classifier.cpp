@@ -7,9 +7,9 @@
 
 #include "classify/find_visible.hpp"
 #include "classify/message_of.hpp"
+#include "classify/sample_row.hpp"
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
-#include "ringsplat/classify/sample_row.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

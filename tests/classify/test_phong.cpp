@@ -1,4 +1,4 @@
-#include "ringsplat/base/vector_config.hpp"
+#include "base/vector_config.hpp"
 // After the header that says which instruction sets there are.
 #include <hwy/targets.h>
 
@@ -12,9 +12,9 @@
 
 #include "classify/find_visible.hpp"
 #include "classify/message_of.hpp"
+#include "classify/sample_row.hpp"
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
-#include "ringsplat/classify/sample_row.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -2,9 +2,9 @@
 #include <limits>
 #include <random>
 
+#include "classify/classifier.hpp"
 #include "classify/find_visible.hpp"
 #include "classify/message_of.hpp"
-#include "ringsplat/classify/classifier.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "support/catch.hpp"

@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
+#include "classify/normals.hpp"
 #include "classify/type_of.hpp"
-#include "ringsplat/classify/normals.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

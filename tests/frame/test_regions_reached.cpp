@@ -4,9 +4,9 @@
 #include <cmath>
 
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/volume/synth.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
+#include "volume/synth.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

@@ -5,12 +5,12 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "fuzz/small_scene.hpp"
+#include "net/link_counts.hpp"
+#include "record/trace.hpp"
+#include "record/trace_json.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/net/link_counts.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/record/trace.hpp"
-#include "ringsplat/record/trace_json.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {
@@ -32,7 +32,8 @@ void run_message(std::span<const std::byte> input) {
 std::vector<Input> message_seeds() {
   Bytes body = Message::body_buffer();
   append(body, std::uint64_t{7});
-  Message payload(make_header({Role::gp, 0}, {Role::renderer, 0}, 1, PayloadFields{.place = {.step = 3}}), body);
+  Message payload(make_header({Role::gp, 0}, {Role::renderer, 0}, 1, PayloadFields{.place = {.step = 3}}),
+                  body);
   Message token(make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{}));
   return {input_of(payload.seal()), input_of(token.seal())};
 }

@@ -6,14 +6,15 @@
 #include <stdexcept>
 #include <thread>
 
+#include "classify/empty_space.hpp"
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
-#include "session/directed_frames.hpp"
-#include "classify/empty_space.hpp"
-#include "session/engines.hpp"
+#include "net/loopback.hpp"
 #include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/scene/load.hpp"
+#include "scene/load.hpp"
+#include "session/directed_frames.hpp"
+#include "session/engines.hpp"
 #include "simulate/counting_engine.hpp"
 #include "support/scenes.hpp"
 
@@ -62,7 +63,7 @@ Scene load(const Job& job) {
   SoloCollectives solo;
   const Grid grid = test::make_grid({12, 10, 9});
   OpenedVolume volume{grid, true, synth_source("ball", grid)};
-  return load_scene(volume, load_options(job.spec, grid), job.layout, {solo});
+  return load_scene(volume, needed_to_render(job.spec, grid), job.layout, {solo});
 }
 
 /// Of each job, loaded once.

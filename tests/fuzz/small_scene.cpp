@@ -58,7 +58,8 @@ namespace {
 
 SliceStore slices_with_level(const Grid& grid, const Reduction& reduction) {
   SliceStore store = patterned_slices(grid);
-  if (reduction.factor > 1) store.add_level(reduction.factor, patterned_slices(reduced_grid(grid, reduction)));
+  if (reduction.factor > 1)
+    store.add_level(reduction.factor, patterned_slices(reduced_grid(grid, reduction)));
   return store;
 }
 

@@ -1,11 +1,11 @@
 #pragma once
 #include <memory>
 
-#include "frame/frame_geometry.hpp"
+#include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
+#include "frame/frame_geometry.hpp"
 #include "splat_engine/splat_engine.hpp"
-#include "ringsplat/base/thread_team.hpp"
-#include "ringsplat/volume/slice_store.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat::fuzz {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "images/image_library.hpp"
+#include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/images/srgb.hpp"
 #include "support/catch.hpp"
 #include "support/file_size_limit.hpp"
 #include "support/temporary_folder.hpp"

@@ -1,7 +1,7 @@
 #include <filesystem>
 
+#include "model/charge.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/model/charge.hpp"
 #include "ringsplat/model/machine.hpp"
 #include "support/catch.hpp"
 

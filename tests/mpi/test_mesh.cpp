@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "net/mesh.hpp"
 #include "ringsplat/mpi/communicator.hpp"
-#include "ringsplat/net/mesh.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

@@ -21,8 +21,9 @@ int world_rank() {
 Message numbered(std::uint32_t sequence, std::size_t bytes) {
   Bytes body = Message::body_buffer();
   for (std::size_t k = 0; k < bytes; ++k) body.push_back(static_cast<std::byte>((k * 31 + sequence) & 255));
-  return Message(make_header({Role::gp, 0}, {Role::renderer, 0}, 0, PayloadFields{.place = {.sequence = sequence}}),
-                 std::move(body));
+  return Message(
+      make_header({Role::gp, 0}, {Role::renderer, 0}, 0, PayloadFields{.place = {.sequence = sequence}}),
+      std::move(body));
 }
 
 std::uint32_t number_of(const Message& m) { return token_place(m.header)->sequence; }

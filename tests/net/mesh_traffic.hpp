@@ -4,7 +4,7 @@
 #include <map>
 #include <vector>
 
-#include "ringsplat/net/mesh.hpp"
+#include "net/mesh.hpp"
 
 namespace ringsplat::test {
 

@@ -2,7 +2,7 @@
 #include <set>
 #include <vector>
 
-#include "ringsplat/net/loopback.hpp"
+#include "net/loopback.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -13,10 +13,12 @@ namespace {
 std::vector<std::uint32_t> arrivals(const LoopbackOptions& options) {
   LoopbackNetwork network(2, options);
   for (std::uint32_t k = 0; k < 50; ++k)
-    network.transport(0).send(1, Message(make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{.place = {.sequence = k}})));
+    network.transport(0).send(
+        1, Message(make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{.place = {.sequence = k}})));
   std::vector<std::uint32_t> order;
   while (network.in_flight()) {
-    while (auto message = network.transport(1).receive()) order.push_back(token_place(message->header)->sequence);
+    while (auto message = network.transport(1).receive())
+      order.push_back(token_place(message->header)->sequence);
     network.turn();
   }
   return order;

@@ -1,4 +1,4 @@
-#include "ringsplat/net/mesh_router.hpp"
+#include "net/mesh_router.hpp"
 
 #include <fmt/format.h>
 
@@ -7,8 +7,8 @@
 #include <random>
 #include <set>
 
+#include "net/loopback.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/loopback.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -165,12 +165,9 @@ TEST_CASE("messages that cannot be are refused: off their route, credits that ar
                                        .source = 0,
                                        .destination = 1})),
                   RunError);
-  CHECK_THROWS_AS(router.take(credit(1, 4, {.channel = 0, .slots = 1})),
-                  RunError);
-  CHECK_THROWS_AS(router.take(credit(3, 4, {.channel = 0, .slots = 1})),
-                  RunError);
-  CHECK_THROWS_AS(router.take(credit(3, 4, {.channel = 999, .slots = 0})),
-                  RunError);
+  CHECK_THROWS_AS(router.take(credit(1, 4, {.channel = 0, .slots = 1})), RunError);
+  CHECK_THROWS_AS(router.take(credit(3, 4, {.channel = 0, .slots = 1})), RunError);
+  CHECK_THROWS_AS(router.take(credit(3, 4, {.channel = 999, .slots = 0})), RunError);
   CHECK(router.idle());
 }
 

@@ -72,13 +72,15 @@ TEST_CASE("headers that name nodes the run does not have are refused") {
   const Layout layout{.gps = 2, .renderers = 1};
   const Header good = make_header({Role::gp, 0}, {Role::gp, 1}, 0, TokenFields{});
   CHECK_NOTHROW(check(good, layout));
-  for (auto change : std::vector<void (*)(Header&)>{[](Header& h) { h.destination = 2; },
-                                                    [](Header& h) { h.source = -1; },
-                                                    [](Header& h) { h.frame = -1; }}) {
+  for (auto change :
+       std::vector<void (*)(Header&)>{[](Header& h) { h.destination = 2; }, [](Header& h) { h.source = -1; },
+                                      [](Header& h) { h.frame = -1; }}) {
     Header bad = good;
     change(bad);
     CHECK_THROWS_AS(check(bad, layout), RunError);
   }
-  for (const TokenPlace place : {TokenPlace{.renderer = 1}, TokenPlace{.renderer = -1}, TokenPlace{.step = -1}})
-    CHECK_THROWS_AS(check(make_header(good.from(), good.to(), 0, TokenFields{.place = place}), layout), RunError);
+  for (const TokenPlace place :
+       {TokenPlace{.renderer = 1}, TokenPlace{.renderer = -1}, TokenPlace{.step = -1}})
+    CHECK_THROWS_AS(check(make_header(good.from(), good.to(), 0, TokenFields{.place = place}), layout),
+                    RunError);
 }

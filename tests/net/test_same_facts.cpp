@@ -1,4 +1,4 @@
-#include "ringsplat/net/same_facts.hpp"
+#include "net/same_facts.hpp"
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"

@@ -22,10 +22,12 @@ struct LoneFrameBuffer {
     run(buffer);
   }
 
-  void give_tile(std::int64_t frame, int tile, NodeId from = renderer_0, std::size_t bytes = 3 * sizeof(int)) {
+  void give_tile(std::int64_t frame, int tile, NodeId from = renderer_0,
+                 std::size_t bytes = 3 * sizeof(int)) {
     Bytes body = Message::body_buffer();
     body.resize(body.size() + bytes, std::byte{1});
-    buffer.receive(Message(make_header(from, frame_buffer_id, frame, TileFields{.tile = tile}), std::move(body)));
+    buffer.receive(
+        Message(make_header(from, frame_buffer_id, frame, TileFields{.tile = tile}), std::move(body)));
     run(buffer);
   }
   void report(std::int64_t frame, NodeId from, const NodeStats& stats) {
@@ -48,7 +50,8 @@ struct LoneFrameBuffer {
   }
 
   NodeStats sent{.splats_sent = 5, .payload_bytes_sent = 9, .tokens_issued = 1, .tokens_retired = 1};
-  NodeStats drawn{.splats_drawn = 2, .splats_clipped = 2, .splats_hidden = 1, .payload_bytes_received = 9, .tiles = 1};
+  NodeStats drawn{
+      .splats_drawn = 2, .splats_clipped = 2, .splats_hidden = 1, .payload_bytes_received = 9, .tiles = 1};
   ToyEngine engine;
   ToyFrames source;
   Posted posted;
@@ -124,13 +127,16 @@ TEST_CASE("reports that come twice, are cut short or are of no frame under way a
   lone.report(0, gp_0, {});
   CHECK_THROWS_WITH(lone.report(0, gp_0, {}), Catch::Matchers::Contains("GP 0 reported frame 0 twice"));
   CHECK_THROWS_WITH(lone.report(7, gp_0, {}), Catch::Matchers::Contains("which is not being rendered"));
-  CHECK_THROWS_WITH(lone.report(0, {Role::host, 1}, {}), Catch::Matchers::Contains("in which it has no part"));
+  CHECK_THROWS_WITH(lone.report(0, {Role::host, 1}, {}),
+                    Catch::Matchers::Contains("in which it has no part"));
   Bytes body = Message::body_buffer();
   body.resize(body.size() + sizeof(NodeStats) - 1);
-  CHECK_THROWS_WITH(lone.buffer.receive(Message(make_header(Kind::report, gp_1, frame_buffer_id, 0), std::move(body))),
-                    Catch::Matchers::Contains("sent a report of"));
-  CHECK_THROWS_WITH(lone.buffer.receive(Message(make_header(Kind::link_report, {Role::host, 1}, frame_buffer_id, 0))),
-                    Catch::Matchers::Contains("without being asked"));
+  CHECK_THROWS_WITH(
+      lone.buffer.receive(Message(make_header(Kind::report, gp_1, frame_buffer_id, 0), std::move(body))),
+      Catch::Matchers::Contains("sent a report of"));
+  CHECK_THROWS_WITH(
+      lone.buffer.receive(Message(make_header(Kind::link_report, {Role::host, 1}, frame_buffer_id, 0))),
+      Catch::Matchers::Contains("without being asked"));
 }
 
 TEST_CASE("as many frames are under way as may be, and the end is told when all are over") {

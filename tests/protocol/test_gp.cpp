@@ -1,5 +1,5 @@
+#include "net/mesh.hpp"
 #include "protocol/gp.hpp"
-#include "ringsplat/net/mesh.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 
@@ -173,8 +173,9 @@ TEST_CASE("a GP prepares at most as many slices as it may, of the earliest frame
     // A token for a prepared slice is used at once, without any work between.
     std::size_t used = 0;
     for (int step = 1; step < 8; step += 2) {
-      lone.gp.receive(Message(make_header({Role::gp, 0}, lone.gp.id(), 0,
-                                          TokenFields{.place = {.step = step, .sequence = std::uint32_t(step)}})));
+      lone.gp.receive(
+          Message(make_header({Role::gp, 0}, lone.gp.id(), 0,
+                              TokenFields{.place = {.step = step, .sequence = std::uint32_t(step)}})));
       used += lone.payloads().size();
     }
     CHECK(used == prepared);
@@ -198,7 +199,8 @@ TEST_CASE("early messages wait for their frame, stale and foreign ones are error
   CHECK_FALSE(lone.reported());
   lone.accept(0, sent[0]);
   CHECK(lone.reported());
-  CHECK_THROWS_WITH(lone.give_token(0, {.place = {.step = 1}}), Catch::Matchers::Contains("after that frame was over"));
+  CHECK_THROWS_WITH(lone.give_token(0, {.place = {.step = 1}}),
+                    Catch::Matchers::Contains("after that frame was over"));
 }
 
 TEST_CASE("of a dropped frame nothing more is sent, but its tokens go round") {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <deque>
 
-#include "ringsplat/net/loopback.hpp"
-#include "ringsplat/net/mesh.hpp"
+#include "net/loopback.hpp"
+#include "net/mesh.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 

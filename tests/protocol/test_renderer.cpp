@@ -11,12 +11,16 @@ struct LoneRenderer {
   explicit LoneRenderer(const ProtocolOptions& options = {}, int index = 0, int renderers = 1)
       : renderer(index, {.gps = 2, .renderers = renderers}, options, engine, posted.post()) {}
 
-  void begin(std::int64_t number, const ToyFrame& frame) { renderer.begin_frame(announcement(number, frame)); }
+  void begin(std::int64_t number, const ToyFrame& frame) {
+    renderer.begin_frame(announcement(number, frame));
+  }
   void give_payload(std::int64_t frame, int step, std::uint32_t sequence) {
     Bytes body = Message::body_buffer();
     append(body, ToyItem{frame, step});
-    const PayloadFields fields{.place = {.step = step, .renderer = renderer.id().index, .sequence = sequence}};
-    renderer.receive(Message(make_header({Role::gp, step % 2}, renderer.id(), frame, fields), std::move(body)));
+    const PayloadFields fields{
+        .place = {.step = step, .renderer = renderer.id().index, .sequence = sequence}};
+    renderer.receive(
+        Message(make_header({Role::gp, step % 2}, renderer.id(), frame, fields), std::move(body)));
   }
   void end(std::int64_t frame, std::uint32_t payloads) {
     renderer.receive(
@@ -98,7 +102,8 @@ TEST_CASE("payloads beyond the slots, twice, or of frames delivered are errors t
   LoneRenderer twice;
   twice.begin(0, {.steps = 8});
   twice.give_payload(0, 0, 0);
-  CHECK_THROWS_WITH(twice.give_payload(0, 0, 0), Catch::Matchers::Contains("twice, the second time from GP 0"));
+  CHECK_THROWS_WITH(twice.give_payload(0, 0, 0),
+                    Catch::Matchers::Contains("twice, the second time from GP 0"));
   run(twice.renderer);
   CHECK_THROWS_WITH(twice.give_payload(0, 0, 0), Catch::Matchers::Contains("twice"));
   twice.end(0, 1);

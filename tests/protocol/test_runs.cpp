@@ -28,7 +28,8 @@ ToyRun run_all(const Layout& layout, const ProtocolOptions& options, const std::
   // The engines end with the run.
   class Keeping final : public FrameSource {
    public:
-    Keeping(ToyFrames& frames, ToyEngine*& engine, ToyRun& run) : frames_(frames), engine_(engine), run_(run) {}
+    Keeping(ToyFrames& frames, ToyEngine*& engine, ToyRun& run)
+        : frames_(frames), engine_(engine), run_(run) {}
     std::optional<Bytes> next(std::int64_t frame) override { return frames_.next(frame); }
     bool may_come() override { return false; }
     bool unwanted(std::int64_t frame) override { return frames_.unwanted(frame); }
@@ -69,7 +70,8 @@ std::vector<Layout> layouts() {
 
 }  // namespace
 
-TEST_CASE("every Renderer draws every payload once and in order, on any layout, whatever order messages come in") {
+TEST_CASE(
+    "every Renderer draws every payload once and in order, on any layout, whatever order messages come in") {
   for (const Layout& layout : layouts())
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
       std::vector<ToyFrame> frames;
@@ -109,21 +111,23 @@ TEST_CASE("dropped frames end wherever they are, and the frames between them are
     const Layout layout = seed % 3 == 0 ? mesh_layout(2, 2, 2) : Layout{3, 2};
     const std::vector<ToyFrame> frames(
         6, ToyFrame{.steps = 7, .gps = layout.gps, .renderers = layout.renderers, .tiles = 4});
-    const ToyRun done = run_all(layout, {.frames_in_flight = 2, .slots = 1, .send_ahead = int(seed % 3)}, frames,
-                                {.seed = seed, .reorder = true, .max_delay = int(seed % 9)}, {1, 4});
+    const ToyRun done = run_all(layout, {.frames_in_flight = 2, .slots = 1, .send_ahead = int(seed % 3)},
+                                frames, {.seed = seed, .reorder = true, .max_delay = int(seed % 9)}, {1, 4});
     REQUIRE(done.over.size() == 6);
     for (const FrameStats& stats : done.over) {
       REQUIRE(stats.dropped == (stats.frame == 1 || stats.frame == 4));
       if (stats.dropped) continue;
       REQUIRE(done.pictures.at(stats.frame).size() == 4);
-      for (const auto& [tile, steps] : done.pictures.at(stats.frame)) REQUIRE(steps == expected_tile(frames[0]));
+      for (const auto& [tile, steps] : done.pictures.at(stats.frame))
+        REQUIRE(steps == expected_tile(frames[0]));
     }
   }
 }
 
 TEST_CASE("an encoder that loses items is found out at the frame's end") {
   const ToyFrame lossy{.steps = 4, .gps = 2, .renderers = 1, .lost_items = 1};
-  CHECK_THROWS_WITH(run_all({2, 1}, {}, {lossy}, {}), Catch::Matchers::Contains("8 splats sent, but 4 drawn"));
+  CHECK_THROWS_WITH(run_all({2, 1}, {}, {lossy}, {}),
+                    Catch::Matchers::Contains("8 splats sent, but 4 drawn"));
 }
 
 TEST_CASE("a rank that stops ends the run with a report of who waits for whom") {

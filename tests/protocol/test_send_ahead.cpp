@@ -6,9 +6,9 @@
 #include <random>
 #include <set>
 
+#include "net/mesh.hpp"
 #include "protocol/gp.hpp"
 #include "protocol/renderer.hpp"
-#include "ringsplat/net/mesh.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 

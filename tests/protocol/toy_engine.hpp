@@ -19,7 +19,7 @@ namespace ringsplat::test {
 struct ToyFrame {
   int steps = 6;
   int gps = 2, renderers = 1;
-  int tiles = 1;                     ///< dealt to the Renderers in turn
+  int tiles = 1;  ///< dealt to the Renderers in turn
   bool ascending = true;
   std::uint64_t hidden_steps = 0;    ///< bit s: no token goes through step s
   std::uint64_t empty_payloads = 0;  ///< bit s: step s has nothing for any Renderer
@@ -51,7 +51,8 @@ struct ToyItem {
 
 class ToyEncoder final : public Encoder {
  public:
-  explicit ToyEncoder(const Announcement& a) : number_(a.frame), frame_(toy_frame(a)), to_prepare_(frame_.prepare_pieces) {}
+  explicit ToyEncoder(const Announcement& a)
+      : number_(a.frame), frame_(toy_frame(a)), to_prepare_(frame_.prepare_pieces) {}
 
   std::vector<int> shown() override {
     std::vector<int> steps;
@@ -90,7 +91,8 @@ class ToyEncoder final : public Encoder {
 
 class ToyPainter final : public Painter {
  public:
-  ToyPainter(int renderer, const Announcement& a) : renderer_(renderer), number_(a.frame), frame_(toy_frame(a)) {}
+  ToyPainter(int renderer, const Announcement& a)
+      : renderer_(renderer), number_(a.frame), frame_(toy_frame(a)) {}
 
   void begin(const PayloadToDraw& payload) override {
     ToyItem item{};
@@ -211,7 +213,9 @@ struct Posted {
   }
 };
 
-inline Announcement announcement(std::int64_t number, const ToyFrame& frame) { return {number, body_of(frame)}; }
+inline Announcement announcement(std::int64_t number, const ToyFrame& frame) {
+  return {number, body_of(frame)};
+}
 
 /// Lets a node work until it has nothing to do.
 template <class SomeNode>

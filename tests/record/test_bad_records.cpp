@@ -1,7 +1,7 @@
 #include <cmath>
 
+#include "record/trace.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/record/trace.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -2,12 +2,12 @@
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/scene/load.hpp"
-#include "ringsplat/volume/slice_ranges.hpp"
+#include "scene/load.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
 #include "volume/files.hpp"
+#include "volume/slice_ranges.hpp"
 
 using namespace ringsplat;
 using files::Folder;

@@ -1,12 +1,13 @@
-// What a rank makes of blocks that no rank of this build sends while a volume is dealt. tests/fuzz makes many more.
+// What a rank makes of blocks that no rank of this build sends while a volume is dealt. tests/fuzz makes many
+// more.
 #include <cmath>
 
+#include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/blocks.hpp"
-#include "ringsplat/scene/load.hpp"
-#include "ringsplat/volume/slice_ranges.hpp"
+#include "scene/load.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
+#include "volume/slice_ranges.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

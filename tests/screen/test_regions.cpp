@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/screen/regions.hpp"
+#include "screen/regions.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

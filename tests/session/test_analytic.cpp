@@ -2,8 +2,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "support/catch.hpp"
 #include "frame/frame_geometry.hpp"
+#include "support/catch.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "support/views.hpp"
 #include "support/catch.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

@@ -1,5 +1,5 @@
-#include "support/views.hpp"
 #include "support/catch.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

@@ -4,9 +4,9 @@
 #include <cstring>
 #include <limits>
 
-#include "ringsplat/volume/slice_ranges.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
+#include "volume/slice_ranges.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -115,7 +115,7 @@ TEST_CASE("frames with other transfer functions may be in flight together") {
   const Layout layout{.gps = 3, .renderers = 2};
   SoloCollectives solo;
   const Wiring wiring{solo};
-  Scene scene = load_scene(opened, load_options(from_above(), volume.grid), layout, wiring);
+  Scene scene = load_scene(opened, needed_to_render(from_above(), volume.grid), layout, wiring);
   ProtocolOptions protocol;
   protocol.frames_in_flight = 4;
   protocol.look_ahead = 3;

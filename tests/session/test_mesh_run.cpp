@@ -4,10 +4,11 @@
 #include <random>
 #include <set>
 
-#include "session/directed_frames.hpp"
-#include "session/engines.hpp"
+#include "net/loopback.hpp"
 #include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
+#include "session/directed_frames.hpp"
+#include "session/engines.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 
@@ -89,7 +90,8 @@ TEST_CASE("a mesh gives the same bits for 1,000 seeds of delay and reordering") 
     const Layout& mesh = meshes[seed % meshes.size()];
     spec.shown.camera.azimuth = seed / 5 % 2 == 0 ? 33.0 : 213.0;
     INFO(shape(mesh) << ", seed " << seed);
-    REQUIRE(render_loopback(*source, spec, mesh, loopback, protocol).image == alone[spec.shown.camera.azimuth]);
+    REQUIRE(render_loopback(*source, spec, mesh, loopback, protocol).image ==
+            alone[spec.shown.camera.azimuth]);
   }
 }
 
@@ -256,22 +258,19 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   SoloCollectives solo;
   Scene scene = load_scene(volume, {}, mesh, {solo});
   LoopbackNetwork network(mesh.ranks());
-  DirectedFrames frames({.next_frame = [] { return std::optional(small_view(48)); }, .frame_done = {}}, scene.grid,
-                        mesh.renderers);
+  DirectedFrames frames({.next_frame = [] { return std::optional(small_view(48)); }, .frame_done = {}},
+                        scene.grid, mesh.renderers);
   std::vector<std::unique_ptr<Engine>> engines;
   std::vector<std::unique_ptr<Host>> hosts;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
-    engines.push_back(make_engines(rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore(),
-                                   [&](const SliceStore& slices) {
-                                     return EngineSetup{.grid = scene.grid,
-                                                        .gps = mesh.gps,
-                                                        .renderers = mesh.renderers,
-                                                        .slices = slices,
-                                                        .take = {}};
-                                   }));
-    hosts.push_back(std::make_unique<Host>(
-        mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05}, network.transport(rank),
-        *engines.back(), &frames));
+    engines.push_back(make_engines(
+        rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore(), [&](const SliceStore& slices) {
+          return EngineSetup{
+              .grid = scene.grid, .gps = mesh.gps, .renderers = mesh.renderers, .slices = slices, .take = {}};
+        }));
+    hosts.push_back(
+        std::make_unique<Host>(mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05},
+                               network.transport(rank), *engines.back(), &frames));
   }
   constexpr int stopped = 5;  // Renderer 1
   for (bool moved = true; moved; network.turn()) {

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
 #include "classify/empty_space.hpp"
-#include "splat_engine/row_bounds.hpp"
-#include "support/views.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
+#include "splat_engine/row_bounds.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -24,8 +24,7 @@ bool has_something(const Image& image) {
 }
 
 /// Everything an encoder makes of a volume, slice by slice.
-std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers,
-                                     int threads) {
+std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers, int threads) {
   SoloCollectives solo;
   const Grid grid = source.grid();
   OpenedVolume volume{grid, true, synth_source("ball", grid)};
@@ -142,8 +141,7 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
         for (const int threads : team_sizes) {
           INFO(fmt::format("plane {}, form {}, regions of {}, {} threads", int(plane), int(form), region,
                            threads));
-          const auto one =
-              render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {},
+          const auto one = render_loopback(*source, spec, 1, 1, {}, Placement::colocated, {},
                                            {.threads_per_rank = threads});
           REQUIRE(one.image == alone.image);
           const NodeStats total = one.stats.total();
@@ -171,8 +169,8 @@ TEST_CASE("threads keep the bits on any layout, with messages in any order", "[t
             INFO(fmt::format("plane {}, precision {}, {} threads, {} GPs, {} Renderers, {}", int(plane),
                              int(precision), threads, gps, renderers,
                              placement == Placement::dedicated ? "dedicated" : "colocated"));
-            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement, {},
-                                                {.threads_per_rank = threads});
+            const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement,
+                                                {}, {.threads_per_rank = threads});
             REQUIRE(shared.image == alone.image);
             // Seconds are those of the clock on the wall: no thread's are counted beside another's.
             for (const NodeStats& renderer : shared.stats.renderers) {
@@ -232,9 +230,8 @@ TEST_CASE("frames that are dropped while threads draw them leave nothing behind"
     OpenedVolume volume{source->grid(), true, synth_source("ball", source->grid())};
     const Layout layout{1 + int(seed % 3), 1 + int(seed % 2)};
     Scene scene = load_scene(volume, {}, layout, wiring);
-    render_frames(std::move(scene), layout,
-                  {.frames_in_flight = 1 + int(seed % 3)}, std::move(director), wiring,
-                  {.threads_per_rank = threads});
+    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 3)}, std::move(director),
+                  wiring, {.threads_per_rank = threads});
     CHECK(kept == 6);
   }
 }

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "support/views.hpp"
 #include "support/catch.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

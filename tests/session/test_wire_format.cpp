@@ -1,4 +1,4 @@
-#include "ringsplat/session/wire_format.hpp"
+#include "session/wire_format.hpp"
 
 #include "session/wire_hash.hpp"
 #include "support/catch.hpp"

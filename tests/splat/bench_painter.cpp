@@ -6,9 +6,9 @@
 #include <cstdio>
 #include <vector>
 
+#include "base/process.hpp"
 #include "raster/vector_targets.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/base/process.hpp"
 #include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
 #include "splat/splat_sum.hpp"
@@ -83,8 +83,8 @@ void measure(int size, double degrees) {
   std::vector<RegionImage> images;
   for (int y = 0; y < scene.columns; ++y) {
     for (int x = 0; x < scene.columns; ++x)
-      images.emplace_back(PixelRect{x * region_size, y * region_size, (x + 1) * region_size,
-                                    (y + 1) * region_size});
+      images.emplace_back(
+          PixelRect{x * region_size, y * region_size, (x + 1) * region_size, (y + 1) * region_size});
   }
   double best_draw = 1e9, best_composite = 1e9, best = 1e9;
   for (int frame = 0; frame < 15; ++frame) {

@@ -183,9 +183,8 @@ TEST_CASE("rows of voxels draw the bits of their splats wherever between the pix
 
 TEST_CASE("only voxels that lie a whole number of pixels apart make an aligned slice") {
   const auto aligned = [](const ViewTransform& view, const KernelOptions& options = {}, double radius = 1.6) {
-    return AlignedFrame::of(
-               make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options), view,
-               Axis::z)
+    return AlignedFrame::of(make_frame_kernel(make_footprint(view, Axis::z, radius), view, Axis::z, options),
+                            view, Axis::z)
         .has_value();
   };
   CHECK(aligned(aligned_view(1, 1)));
@@ -256,7 +255,8 @@ TEST_CASE("voxels that reach no pixel of a region leave it untouched, and its sl
   SliceBufferMemory memory;
   VoxelSum sum(aligned_frame(kernel, view), {width, height}, memory);
   sum.begin_slice(slice);
-  // A kernel's corner weights are 0: the voxel whose window's corner alone is in the region does not reach it.
+  // A kernel's corner weights are 0: the voxel whose window's corner alone is in the region does not reach
+  // it.
   const AlignedSlice aligned = aligned_frame(kernel, view).slice(slice);
   const auto voxels = to_blocks({{20, 12, {{65535, 30000, 100, 0.5F}}}});
   const auto x = int(aligned.anchor_x) + 12 + aligned.reach_x + 1,

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/splat/footprint.hpp"
+#include "splat/footprint.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
 

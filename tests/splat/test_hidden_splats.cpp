@@ -55,7 +55,8 @@ TEST_CASE("leaving out what opaque tiles hide changes no bit, and the threshold 
 }
 
 TEST_CASE("a sum that goes from region to region shows what each region alone shows", "[painter]") {
-  const auto footprint = footprint_of(GENERATE(Lattice{1.6, 0.2, 0.8, 0.1, 1}, Lattice{30, 0.2, 0.8, 0.1, 1}));
+  const auto footprint =
+      footprint_of(GENERATE(Lattice{1.6, 0.2, 0.8, 0.1, 1}, Lattice{30, 0.2, 0.8, 0.1, 1}));
   RegionImage left({0, 0, 32, 48}), right({32, 0, 102, 20});
   RegionPainter alone(32, 0, 70, 20);
   SliceBufferMemory memory;

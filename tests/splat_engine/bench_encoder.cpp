@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "classify/empty_space.hpp"
-#include "splat_engine/splat_engine.hpp"
 #include "ringsplat/net/message.hpp"
-#include "ringsplat/session/render.hpp"
+#include "session/render_frames.hpp"
+#include "splat_engine/splat_engine.hpp"
 
 using namespace ringsplat;
 

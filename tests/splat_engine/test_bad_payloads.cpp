@@ -4,17 +4,17 @@
 #include <cstring>
 #include <set>
 
-#include "frame/frame_geometry.hpp"
 #include "classify/empty_space.hpp"
-#include "support/dealt.hpp"
+#include "frame/frame_geometry.hpp"
 #include "raster/opaque_news.hpp"
-#include "support/views.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
-#include "splat_engine/splat_engine.hpp"
 #include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
+#include "support/dealt.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

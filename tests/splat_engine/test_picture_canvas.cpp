@@ -1,7 +1,7 @@
-#include "splat_engine/splat_engine.hpp"
-#include "support/views.hpp"
 #include "ringsplat/net/message.hpp"
+#include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -16,7 +16,8 @@ TEST_CASE("pixels for which no tile comes are empty, whatever their memory held"
   REQUIRE(tiles.size() > 2);
   for (int round = 0; round < 8; ++round) {
     Image picture;
-    const auto canvas = make_picture_canvas(frame, [&](std::int64_t, Image&& image) { picture = std::move(image); });
+    const auto canvas =
+        make_picture_canvas(frame, [&](std::int64_t, Image&& image) { picture = std::move(image); });
     // All tiles, which leaves their values in the memory that comes free, and then a single one.
     const std::size_t some = round % 2 == 0 ? tiles.size() : 1;
     float expected = 0;

@@ -3,8 +3,8 @@
 #include <map>
 #include <vector>
 
-#include "ringsplat/scene/load.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "scene/load.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::test {
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/session/render.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "session/render_frames.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::test {
 
@@ -39,8 +39,8 @@ inline TransferFunction ramp(double low, double high, double opacity) {
 
 /// Renders one frame with all ranks in this process.
 inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, const Layout& layout,
-                                   const LoopbackOptions& loopback = {},
-                                   const ProtocolOptions& protocol = {}, const EngineOptions& engine = {}) {
+                                   const LoopbackOptions& loopback = {}, const ProtocolOptions& protocol = {},
+                                   const EngineOptions& engine = {}) {
   SoloCollectives solo;
   const Wiring wiring{solo, nullptr, loopback};
   // Refers to the caller's source without owning it.
@@ -57,7 +57,7 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
     VolumeSource& s_;
   };
   OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<Borrowed>(source)};
-  Scene scene = load_scene(volume, load_options(spec, volume.grid), layout, wiring);
+  Scene scene = load_scene(volume, needed_to_render(spec, volume.grid), layout, wiring);
   FrameResult result;
   bool asked = false;
   Director director{[&]() -> std::optional<FrameSpec> {

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <random>
 
-#include "ringsplat/view/slice_dda.hpp"
 #include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
+#include "view/slice_dda.hpp"
 
 namespace ringsplat::test {
 

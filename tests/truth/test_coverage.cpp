@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "ringsplat/truth/sampling.hpp"
 #include "support/catch.hpp"
+#include "truth/sampling.hpp"
 #include "truth_support.hpp"
 
 using namespace ringsplat;

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/view/slice_dda.hpp"
 #include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
+#include "view/slice_dda.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

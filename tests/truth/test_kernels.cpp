@@ -41,17 +41,17 @@ Ripple ripple_of(double radius, const KernelOptions& kernel, double tilt) {
                deep = std::sin(tilt);
   FrameSpec spec = plain_spec(constant_opacity(opacity), size);
   spec.shown.camera.matrix = {c,
-                        -s,
-                        0,
-                        size / 2 - (c - s) * n / 2,
-                        s * flat,
-                        c * flat,
-                        -deep * scale,
-                        size / 2 - (c + s) * flat * n / 2,
-                        s * deep,
-                        c * deep,
-                        flat * scale,
-                        0};
+                              -s,
+                              0,
+                              size / 2 - (c - s) * n / 2,
+                              s * flat,
+                              c * flat,
+                              -deep * scale,
+                              size / 2 - (c + s) * flat * n / 2,
+                              s * deep,
+                              c * deep,
+                              flat * scale,
+                              0};
   spec.as<Splats>().kernel_radius = radius;
   spec.as<Splats>().kernel = kernel;
   spec.shown.opacity_correction = false;

@@ -22,7 +22,8 @@ glm::dmat3 oblique_direction() {
 }
 
 Volume even_volume(glm::ivec3 dims, glm::dvec3 spacing, const glm::dmat3& direction = glm::dmat3(1.0)) {
-  Volume volume = make_volume(dims, ScalarType::uint8, [](int, int, int) { return 1; }, spacing);
+  Volume volume = make_volume(
+      dims, ScalarType::uint8, [](int, int, int) { return 1; }, spacing);
   volume.grid.direction = direction;
   return volume;
 }

@@ -2,8 +2,8 @@
 #include <limits>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/truth/metrics.hpp"
 #include "support/catch.hpp"
+#include "truth/metrics.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::truth;

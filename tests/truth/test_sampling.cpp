@@ -3,8 +3,8 @@
 #include <set>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/truth/sampling.hpp"
 #include "support/catch.hpp"
+#include "truth/sampling.hpp"
 #include "truth_support.hpp"
 
 using namespace ringsplat;

@@ -7,12 +7,12 @@
 #include <set>
 #include <vector>
 
-#include "ringsplat/app/truth_scene.hpp"
-#include "ringsplat/truth/analytic.hpp"
-#include "ringsplat/truth/field.hpp"
-#include "ringsplat/truth/method.hpp"
-#include "ringsplat/truth/metrics.hpp"
+#include "app/truth_scene.hpp"
 #include "support/scenes.hpp"
+#include "truth/analytic.hpp"
+#include "truth/field.hpp"
+#include "truth/method.hpp"
+#include "truth/metrics.hpp"
 
 namespace ringsplat::test {
 
@@ -92,7 +92,8 @@ inline Image method_image(const Volume& volume, const FrameSpec& spec,
                           truth::Normals normals = truth::Normals::quantised) {
   return truth::to_image(
       spec.shown.width, spec.shown.height,
-      truth::method_truth(scene_of(volume, spec), truth::all_pixels(spec.shown.width, spec.shown.height), normals));
+      truth::method_truth(scene_of(volume, spec), truth::all_pixels(spec.shown.width, spec.shown.height),
+                          normals));
 }
 
 inline Image field_image(const Volume& volume, const FrameSpec& spec) {

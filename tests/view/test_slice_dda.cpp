@@ -2,8 +2,8 @@
 #include <glm/geometric.hpp>
 #include <random>
 
-#include "ringsplat/view/slice_dda.hpp"
 #include "support/catch.hpp"
+#include "view/slice_dda.hpp"
 
 using namespace ringsplat;
 

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <random>
 
-#include "ringsplat/view/slice_plane.hpp"
 #include "support/catch.hpp"
+#include "view/slice_plane.hpp"
 
 using namespace ringsplat;
 

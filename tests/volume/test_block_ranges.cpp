@@ -1,5 +1,5 @@
-#include "ringsplat/volume/block_ranges.hpp"
-#include "ringsplat/volume/slice_ranges.hpp"
+#include "volume/block_ranges.hpp"
+#include "volume/slice_ranges.hpp"
 
 #include <limits>
 #include <random>
@@ -58,7 +58,10 @@ TEST_CASE("not-a-number takes no part in a block's range") {
 }
 
 TEST_CASE("slices' ranges are kept by axis and slice, in whatever order they come") {
-  const SliceRanges ranges({{Axis::x, 2, 20, 21}, {Axis::z, 1, 5, 6}, {Axis::x, 0, 0, 1}, {Axis::z, 0, 3, 4},
+  const SliceRanges ranges({{Axis::x, 2, 20, 21},
+                            {Axis::z, 1, 5, 6},
+                            {Axis::x, 0, 0, 1},
+                            {Axis::z, 0, 3, 4},
                             {Axis::x, 1, 10, 11}});
   CHECK(ranges.of(Axis::y).empty());
   REQUIRE(ranges.of(Axis::x).size() == 3);

@@ -1,8 +1,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "ringsplat/volume/slice_store.hpp"
 #include "support/catch.hpp"
+#include "volume/slice_store.hpp"
 
 using namespace ringsplat;
 
@@ -71,9 +71,9 @@ int wrong_voxels(const Grid& grid, int gps, bool with_normals) {
 }  // namespace
 
 TEST_CASE("columns packed from z slices arrive in their x and y slices", "[slice_store]") {
-  const auto dims = GENERATE(glm::ivec3(7, 5, 3), glm::ivec3(1, 6, 6), glm::ivec3(9, 1, 1),
-                             glm::ivec3(1, 1, 1), glm::ivec3(3, 70, 2), glm::ivec3(2, 3, 1),
-                             glm::ivec3(5, 261, 2), glm::ivec3(270, 3, 2));
+  const auto dims =
+      GENERATE(glm::ivec3(7, 5, 3), glm::ivec3(1, 6, 6), glm::ivec3(9, 1, 1), glm::ivec3(1, 1, 1),
+               glm::ivec3(3, 70, 2), glm::ivec3(2, 3, 1), glm::ivec3(5, 261, 2), glm::ivec3(270, 3, 2));
   const auto type = GENERATE(ScalarType::uint8, ScalarType::int16, ScalarType::float32, ScalarType::float64);
   const int gps = GENERATE(1, 2, 3, 5, 8);
   Grid grid;

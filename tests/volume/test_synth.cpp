@@ -6,9 +6,9 @@
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/statistics.hpp"
-#include "ringsplat/volume/synth.hpp"
 #include "support/catch.hpp"
 #include "volume/complaint.hpp"
+#include "volume/synth.hpp"
 
 using namespace ringsplat;
 

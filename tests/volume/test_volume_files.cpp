@@ -4,10 +4,10 @@
 #include <chrono>
 
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/volume/synth.hpp"
 #include "support/catch.hpp"
 #include "volume/complaint.hpp"
 #include "volume/files.hpp"
+#include "volume/synth.hpp"
 
 using namespace files;
 

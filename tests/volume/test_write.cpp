@@ -1,12 +1,12 @@
 #include <algorithm>
 
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/base/process.hpp"
-#include "ringsplat/volume/synth.hpp"
-#include "ringsplat/volume/write.hpp"
 #include "support/catch.hpp"
 #include "volume/complaint.hpp"
 #include "volume/files.hpp"
+#include "volume/synth.hpp"
+#include "volume/write.hpp"
 
 using namespace files;
 

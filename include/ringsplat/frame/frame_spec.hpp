@@ -7,7 +7,7 @@
 #include <variant>
 
 #include "ringsplat/base/bytes.hpp"
-#include "ringsplat/classify/phong.hpp"
+#include "ringsplat/classify/material.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
@@ -62,8 +62,8 @@ const char* name(const Method& method);
 
 /// How Renderers share the image plane; never changes a bit of the picture.
 struct Division {
-  /// Of a region's side, in pixels of the image plane. 0: on the screen 128, or 64 or 32 where the volume covers
-  /// too few of those for the Renderers; in the slices' plane strips.
+  /// Of a region's side, in pixels of the image plane. 0: on the screen 128, or 64 or 32 where the volume
+  /// covers too few of those for the Renderers; in the slices' plane strips.
   int region_size = 0;
   int dealt_to = 0;  ///< how many Renderers get regions; 0: rank 0 puts in how many there are
   bool operator==(const Division&) const = default;

@@ -1,7 +1,8 @@
 #pragma once
-#include "ringsplat/record/trace.hpp"
 
 namespace ringsplat {
+
+class Trace;
 
 /// How far frames, slices and payloads may run ahead; none of it changes a picture.
 struct ProtocolOptions {

@@ -1,9 +1,9 @@
 #pragma once
 #include <string>
 
-#include "ringsplat/splat/footprint.hpp"
-
 namespace ringsplat {
+
+struct Footprint;
 
 /// How a Renderer finds a kernel's weight in a pixel.
 enum class KernelMethod {

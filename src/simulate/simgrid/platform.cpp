@@ -8,11 +8,11 @@
 #include <cstdlib>
 #include <map>
 
-#include "simulate/simgrid/link_monitor.hpp"
-#include "simulate/simgrid/payload_copies.hpp"
+#include "net/mesh.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/model/machine.hpp"
-#include "ringsplat/net/mesh.hpp"
+#include "simulate/simgrid/link_monitor.hpp"
+#include "simulate/simgrid/payload_copies.hpp"
 #include "simulate/simgrid/route_zone.hpp"
 
 namespace ringsplat::simgrid_platform {

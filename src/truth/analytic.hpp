@@ -3,8 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/truth/scene.hpp"
-#include "ringsplat/volume/synth.hpp"
+#include "truth/scene.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::truth {
 

@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "ringsplat/truth/scene.hpp"
+#include "truth/scene.hpp"
 
 namespace ringsplat::truth {
 

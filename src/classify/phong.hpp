@@ -6,17 +6,12 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "ringsplat/classify/classifier.hpp"
-#include "ringsplat/classify/normals.hpp"
+#include "classify/classifier.hpp"
+#include "classify/normals.hpp"
+#include "ringsplat/classify/material.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 
 namespace ringsplat {
-
-/// Phong's reflection (Phong 1975), white light, two-sided.
-struct PhongMaterial {
-  double ambient = 0.25, diffuse = 0.75, specular = 0.25, exponent = 24.0;
-  bool operator==(const PhongMaterial&) const = default;
-};
 
 /// Shading by lookup (Neumann 1992, section 3): one entry for each quantised normal and its opposite, which
 /// are lit alike. Rebuilt when the light or the view changes. Directions are in world space, towards the

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "net/link_counts.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/net/link_counts.hpp"
 
 namespace ringsplat {
 
@@ -29,8 +29,8 @@ struct NodeStats {
 
 struct FrameStats {
   std::int64_t frame = 0;
-  double seconds = 0;  ///< announcement to last tile
-  double period = 0;   ///< since the frame before was complete (the first: since it was announced)
+  double seconds = 0;     ///< announcement to last tile
+  double period = 0;      ///< since the frame before was complete (the first: since it was announced)
   bool ascending = true;  ///< the order in which the slices were traversed
   int slices = 0;
   bool dropped = false;  ///< nobody wanted it: payloads were left out or not drawn
@@ -43,8 +43,9 @@ struct FrameStats {
 /// bytes sent = received.
 void check_conservation(const FrameStats& stats);
 
-/// One JSON object (docs/formats.md, "Statistics"). `settings` is the frame's, itself JSON; `axis` names the slice set
-/// that was traversed.
-std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings, char axis);
+/// One JSON object (docs/formats.md, "Statistics"). `settings` is the frame's, itself JSON; `axis` names the
+/// slice set that was traversed.
+std::string to_json_text(const FrameStats& stats, const Layout& layout, const std::string& settings,
+                         char axis);
 
 }  // namespace ringsplat

@@ -1,8 +1,8 @@
 #pragma once
 #include <string>
 
+#include "record/trace.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/record/trace.hpp"
 
 namespace ringsplat {
 

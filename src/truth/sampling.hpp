@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "ringsplat/base/image.hpp"
-#include "ringsplat/truth/scene.hpp"
+#include "truth/scene.hpp"
 
 namespace ringsplat::truth {
 

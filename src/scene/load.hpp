@@ -8,9 +8,9 @@
 
 #include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/volume/slice_store.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 

@@ -3,7 +3,7 @@
 #include <functional>
 #include <map>
 
-#include "ringsplat/net/mesh.hpp"
+#include "net/mesh.hpp"
 
 namespace ringsplat {
 

@@ -21,7 +21,7 @@ struct StageSeconds {
 /// One activity over a while, in seconds of its process's clock.
 struct Span {
   double begin = 0, end = 0;
-  double busy = 0;  ///< seconds of it really spent; pieces of work are joined over short gaps
+  double busy = 0;      ///< seconds of it really spent; pieces of work are joined over short gaps
   StageSeconds stages;  ///< of a slice's busy seconds
   std::int64_t frame = 0;
   std::int32_t step = 0;  ///< of the traversal; -1: not of one slice

@@ -2,9 +2,9 @@
 #include <functional>
 #include <optional>
 
+#include "record/stats.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/record/stats.hpp"
 
 namespace ringsplat {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <cstddef>
 
-#include "ringsplat/classify/classifier.hpp"
-#include "ringsplat/classify/phong.hpp"
+#include "classify/classifier.hpp"
+#include "classify/phong.hpp"
 
 namespace ringsplat {
 

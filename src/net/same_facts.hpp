@@ -10,8 +10,8 @@ namespace ringsplat {
 
 /// How a process's facts differ from those of process 0.
 struct Disagreement {
-  int process = 0;                                      ///< the lowest process that differs
-  int others = 0;  ///< number of further processes that differ, in any field
+  int process = 0;  ///< the lowest process that differs
+  int others = 0;   ///< number of further processes that differ, in any field
   std::string field = {}, value = {}, value_on_0 = {};  ///< of the first fact that differs
 };
 

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "ringsplat/net/mesh.hpp"
+#include "net/mesh.hpp"
 
 namespace ringsplat {
 

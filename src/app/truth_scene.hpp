@@ -1,6 +1,6 @@
 #pragma once
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/truth/scene.hpp"
+#include "truth/scene.hpp"
 
 namespace ringsplat::app {
 

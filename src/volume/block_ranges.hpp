@@ -2,7 +2,7 @@
 #include <cstddef>
 #include <vector>
 
-#include "ringsplat/volume/slice_store.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/net/link_counts.hpp"
-#include "ringsplat/net/mesh.hpp"
+#include "net/link_counts.hpp"
+#include "net/mesh.hpp"
 #include "ringsplat/net/transport.hpp"
 
 namespace ringsplat {

@@ -1,0 +1,44 @@
+#include "scene/scene.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "ringsplat/volume/reduced.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr int histogram_bins = 1024;
+
+void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
+               int gps, const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+  OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
+  if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
+  auto stores = deal_slices(reduced, options, gps, gps_of_process, collectives);
+  share_slice_ranges(stores, collectives);
+  for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
+}
+
+}  // namespace
+
+Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
+                 const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+  Scene scene;
+  scene.grid = volume.grid;
+  const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
+  // Range and histogram are the volume's own at any level, so that presets do not change with it.
+  const LoadOptions values_only{{false, false, true}, false};
+  scene.stores = deal_slices(volume, whole ? options : values_only, gps, gps_of_process, collectives);
+  scene.range = value_range(scene.stores, collectives);
+  scene.histogram = histogram(scene.stores, scene.range, histogram_bins, collectives);
+  if (whole)
+    share_slice_ranges(scene.stores, collectives);
+  else
+    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, gps, {}, false);
+  for (const int factor : options.factors)
+    if (factor > 1)
+      add_level(scene, {factor, options.prefilter}, volume, options, gps, gps_of_process, collectives);
+  return scene;
+}
+
+}  // namespace ringsplat

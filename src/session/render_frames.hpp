@@ -1,0 +1,28 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "ringsplat/session/render.hpp"
+#include "scene/scene.hpp"
+#include "session/director.hpp"
+
+namespace ringsplat {
+
+/// Which slice sets a list of views traverses.
+std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height);
+
+/// What has to be loaded for one frame.
+LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
+
+/// Deals an opened volume's slices and gathers its range and histogram. All processes call it, with the same
+/// grid, options and layout: all throw the same InputError that names a process which passed others.
+Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
+                 const Wiring& wiring);
+
+/// Renders the director's frames (asked for on process 0 only). All processes call it; returns when the last
+/// frame is done. Throws InputError when the layout does not fit the number of processes, RunError when a run
+/// fails.
+void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
+                   const Wiring& wiring, const EngineOptions& engine = {});
+
+}  // namespace ringsplat
