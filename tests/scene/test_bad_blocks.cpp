@@ -6,6 +6,7 @@
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
 #include "support/catch.hpp"
+#include "support/run_error.hpp"
 #include "support/scenes.hpp"
 #include "volume/slice_ranges.hpp"
 
@@ -39,16 +40,6 @@ std::map<int, SliceStore> one_store() {
   std::map<int, SliceStore> stores;
   stores.emplace(0, SliceStore(grid, 0, 1, {true, true, true}, false));
   return stores;
-}
-
-template <class F>
-std::string run_error_of(F&& f) {
-  try {
-    f();
-  } catch (const RunError& e) {
-    return e.what();
-  }
-  return "none";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
+#include "support/run_error.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;
@@ -22,21 +23,7 @@ FrameSpec small_frame() {
   return spec;
 }
 
-std::map<int, SliceStore> one_store() {
-  std::map<int, SliceStore> stores;
-  stores.emplace(0, SliceStore(grid, 0, 1, {true, true, true}, false));
-  return stores;
-}
-
-template <class F>
-std::string run_error_of(F&& f) {
-  try {
-    f();
-  } catch (const RunError& e) {
-    return e.what();
-  }
-  return "none";
-}
+const SliceStore empty_store(grid, 0, 1, {true, true, true}, false);
 
 }  // namespace
 
@@ -57,13 +44,12 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
     return run_error_of(
         [&] { make_splat_encoder(make_splat_frame(spec, grid, 1, 1), 1, store, empty_space, alone); });
   };
-  CHECK_THAT(encode(small_frame(), one_store().at(0)), Catch::Matchers::Contains("normals"));
+  CHECK_THAT(encode(small_frame(), empty_store), Catch::Matchers::Contains("normals"));
   CHECK_THAT(encode(small_frame(), only_x), Catch::Matchers::Contains("axis, whose slices were not loaded"));
 }
 
 TEST_CASE("an engine refuses a frame of another number than its message has, or that cannot be") {
-  const auto stores = one_store();
-  const auto engine = make_splat_engine({.grid = grid, .slices = stores.at(0), .take = {}});
+  const auto engine = make_splat_engine({.grid = grid, .slices = empty_store, .take = {}});
   FrameSpec spec = small_frame();
   const auto plan = [&](std::int64_t frame) {
     return run_error_of([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });

@@ -1,5 +1,4 @@
 #pragma once
-// Nodes by themselves: what they need to be made, and the headers of what they are sent.
 #include <map>
 #include <vector>
 
