@@ -299,6 +299,9 @@ OpenedVolume open_everywhere(Collectives& collectives,
   agree(collectives, error);
   require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),
                "give every machine the same files, or a path that leads to one place from all of them");
+  // Voxels are read into memory for the grid that was broadcast.
+  if (facts_of(volume.source->grid()) != facts_of(volume.grid))
+    throw RunError("rank 0 told of another grid than it compared", "all ranks must run the same build");
   return volume;
 }
 
