@@ -33,7 +33,7 @@ bool travels_by_mesh(Kind kind) {
     case Kind::tile:
     case Kind::report:
       return true;
-    case Kind::frame_spec:
+    case Kind::announcement:
     case Kind::shutdown:
     case Kind::stall:
     case Kind::credit:

@@ -64,7 +64,7 @@ bool FrameBuffer::announce_next() {
   frames_.push_back(make_frame(announcement));
   Bytes wire = Message::body_buffer();
   wire.insert(wire.end(), announcement.body.begin(), announcement.body.end());
-  announce(Kind::frame_spec, announcement.frame, std::move(wire));
+  announce(Kind::announcement, announcement.frame, std::move(wire));
   return true;
 }
 

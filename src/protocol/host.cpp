@@ -137,7 +137,7 @@ Node* Host::local_node(NodeId id) {
 void Host::take(Message message) {
   const Header& h = message.header;
   switch (h.kind) {
-    case Kind::frame_spec:
+    case Kind::announcement:
     case Kind::link_query:
     case Kind::drop:
     case Kind::shutdown:

@@ -142,12 +142,12 @@ TEST_CASE("reports that come twice, are cut short or are of no frame under way a
 TEST_CASE("as many frames are under way as may be, and the end is told when all are over") {
   for (const int in_flight : {1, 2, 3}) {
     LoneFrameBuffer lone(4, {.frames_in_flight = in_flight});
-    Frames announced = lone.announced(Kind::frame_spec);
+    Frames announced = lone.announced(Kind::announcement);
     CHECK(announced.size() == std::size_t(in_flight));
     for (std::int64_t frame = 0; frame < 4; ++frame) {
       CHECK(lone.announced(Kind::shutdown).empty());
       lone.finish(frame);
-      const Frames more = lone.announced(Kind::frame_spec);
+      const Frames more = lone.announced(Kind::announcement);
       announced.insert(announced.end(), more.begin(), more.end());
       CHECK(announced.size() == std::size_t(std::min<std::int64_t>(4, frame + 1 + in_flight)));
     }

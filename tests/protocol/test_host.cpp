@@ -21,7 +21,7 @@ class SecondRank {
   void announce(std::int64_t frame) {
     Bytes body = Message::body_buffer();
     append(body, ToyFrame{});
-    give(make_header(Kind::frame_spec, frame_buffer_id, {Role::host, 1}, frame), std::move(body));
+    give(make_header(Kind::announcement, frame_buffer_id, {Role::host, 1}, frame), std::move(body));
   }
   void drop(std::int64_t frame) { give(make_header(Kind::drop, frame_buffer_id, {Role::host, 1}, frame)); }
   void token(int step, int renderer = 0, std::int64_t frame = 0) {

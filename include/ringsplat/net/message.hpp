@@ -24,18 +24,18 @@ inline constexpr NodeId frame_buffer_id{Role::frame_buffer, 0};
 std::string to_string(NodeId id);  ///< "GP 3", "Renderer 0", "frame buffer", "rank 2"
 
 enum class Kind : std::uint8_t {
-  frame_spec,   ///< rank 0 → every rank, along a binomial tree: a frame begins
-  token,        ///< GP → GP: permission to send a step's payload to one Renderer
-  payload,      ///< GP → Renderer: one slice's bytes for one Renderer
-  accept,       ///< Renderer → GP: the payload has a slot
-  frame_end,    ///< last GP → Renderer: all payloads of the frame were sent
-  tile,         ///< Renderer → frame buffer: one finished tile
-  report,       ///< GP or Renderer → frame buffer: this node's part of the frame is over, with its counts
-  shutdown,     ///< rank 0 → every rank, along the tree: no more frames
-  stall,        ///< any rank → every rank: nothing moves; say what you wait for
-  credit,       ///< rank → neighbour in a mesh: slots of one of its links to me are free again
-  link_query,   ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry?
-  link_report,  ///< rank → frame buffer: the answer
+  announcement,  ///< rank 0 → every rank, along a binomial tree: a frame begins
+  token,         ///< GP → GP: permission to send a step's payload to one Renderer
+  payload,       ///< GP → Renderer: one slice's bytes for one Renderer
+  accept,        ///< Renderer → GP: the payload has a slot
+  frame_end,     ///< last GP → Renderer: all payloads of the frame were sent
+  tile,          ///< Renderer → frame buffer: one finished tile
+  report,        ///< GP or Renderer → frame buffer: this node's part of the frame is over, with its counts
+  shutdown,      ///< rank 0 → every rank, along the tree: no more frames
+  stall,         ///< any rank → every rank: nothing moves; say what you wait for
+  credit,        ///< rank → neighbour in a mesh: slots of one of its links to me are free again
+  link_query,    ///< rank 0 → every rank, along the tree: a frame is complete; what did your links carry?
+  link_report,   ///< rank → frame buffer: the answer
   drop  ///< rank 0 → every rank, along the tree: nobody wants the frame any more; end it without its slices
 };
 inline constexpr std::uint8_t kinds = 13;
