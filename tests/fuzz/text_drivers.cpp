@@ -148,127 +148,49 @@ std::vector<Input> calibration_seeds() {
   return {files::slurp(path)};
 }
 
+using Words = std::vector<std::string_view>;
+
+// Lists of words, as many to a line as fit.
+// clang-format off
+const Words transfer_function_words{
+    "\"ColorSpace\": ", "\"RGB\"", "\"HSV\"", "\"Lab\"", "\"Diverging\"", "\"Step\"", "\"RGBPoints\": ",
+    "\"Points\": ", "\"NanColor\": ", "\"Name\": ", "\"HSVWrap\": ", "null", "true", "[", "]", "{", "}",
+    "[[[[[[[[", "1e308", "-1e308", "\\u0000", "\\ud800", "\xff", ","};
+const Words configuration_words{
+    "gps = ", "renderers = ", "size = ", "[render]", "[info]", "[[render]]", "[", "]", "\"", "'", "\\", "#",
+    "=", "auto", "light = [", "tf = ", "matrix = ", "orbit = ", "threads-per-rank = ", "config = ",
+    "help = true", "version = true", "render.gps = 2", "true", "false", "{}", "'''", "\"\"\"",
+    "orbit = [1, 2]"};
+const Words command_line_words{
+    "render", "info", "compare", "--gps\n", "--gps=", "--size\n", "--help\n", "--version\n", "--config\n",
+    "--", "-", "--tf\n", "--matrix\n", "--orbit\n", "--path\n", "--max-error\n", "--roles\n", "auto", "mesh",
+    "--mesh\n", "--light\n", "--background\n", "--undersample\n", "--radius\n", "--no-such", "\n"};
+const Words machine_words{
+    "[gp]", "[renderer]", "[message]", "[platform]", "kind = ", "\"mesh\"", "\"torus\"", "\"backbone\"",
+    "bandwidth = ", "packet_bytes = ", "cores = ", "hosts = ", "leaf = ", "=", "\"", "[", "]", "[[gp]]",
+    "1e300"};
+const Words study_list_words{
+    "[scene.a]", "[setting.a]", "synth = ", "volume = ", "dims = ", "type = ", "sweep = ", "views = [",
+    "truths = [", "\"analytic\"", "radius = ", "kernel = ", "\"texture\"", "phases = ", "qee_bits = ",
+    "0:360:1e-3", "0:1:0", "1:0:-1", "repetitions = ", "[", "]", "\"", "="};
+const Words path_words{
+    "azimuth", "elevation", "roll", "zoom", "{\"azimuth\": ", "\"matrix\": [", "{", "}", "[", "]", "#",
+    "\r\n", "\t", ",", ";", "1e400", "[[[[[[[["};
+const Words calibration_words{
+    "\"measured\": ", "\"key\": ", "\"setting\": ", "\"seconds\": ", "\"rmse\": ", "null", "[", "]", "{", "}"};
+// clang-format on
+
 }  // namespace
 
 std::vector<Driver> text_drivers() {
-  return {{"transfer_function",
-           run_transfer_function,
-           transfer_function_seeds,
-           {"\"ColorSpace\": ",
-            "\"RGB\"",
-            "\"HSV\"",
-            "\"Lab\"",
-            "\"Diverging\"",
-            "\"Step\"",
-            "\"RGBPoints\": ",
-            "\"Points\": ",
-            "\"NanColor\": ",
-            "\"Name\": ",
-            "\"HSVWrap\": ",
-            "null",
-            "true",
-            "[",
-            "]",
-            "{",
-            "}",
-            "[[[[[[[[",
-            "1e308",
-            "-1e308",
-            "\\u0000",
-            "\\ud800",
-            "\xff",
-            ","},
-           5000},
-          {"configuration",
-           run_configuration,
-           configuration_seeds,
-           {"gps = ",
-            "renderers = ",
-            "size = ",
-            "[render]",
-            "[info]",
-            "[[render]]",
-            "[",
-            "]",
-            "\"",
-            "'",
-            "\\",
-            "#",
-            "=",
-            "auto",
-            "light = [",
-            "tf = ",
-            "matrix = ",
-            "orbit = ",
-            "threads-per-rank = ",
-            "config = ",
-            "help = true",
-            "version = true",
-            "render.gps = 2",
-            "true",
-            "false",
-            "{}",
-            "'''",
-            "\"\"\"",
-            "orbit = [1, 2]"},
-           1000},
-          {"command_line",
-           run_command_line,
-           command_line_seeds,
-           {"render",
-            "info",
-            "compare",
-            "--gps\n",
-            "--gps=",
-            "--size\n",
-            "--help\n",
-            "--version\n",
-            "--config\n",
-            "--",
-            "-",
-            "--tf\n",
-            "--matrix\n",
-            "--orbit\n",
-            "--path\n",
-            "--max-error\n",
-            "--roles\n",
-            "auto",
-            "mesh",
-            "--mesh\n",
-            "--light\n",
-            "--background\n",
-            "--undersample\n",
-            "--radius\n",
-            "--no-such",
-            "\n"},
-           1000},
-          {"machine",
-           run_machine,
-           machine_seeds,
-           {"[gp]", "[renderer]", "[message]", "[platform]", "kind = ", "\"mesh\"", "\"torus\"",
-            "\"backbone\"", "bandwidth = ", "packet_bytes = ", "cores = ", "hosts = ", "leaf = ", "=", "\"",
-            "[", "]", "[[gp]]", "1e300"},
-           6000},
-          {"study_list",
-           run_study_list,
-           study_list_seeds,
-           {"[scene.a]",      "[setting.a]", "synth = ",    "volume = ",    "dims = ",   "type = ",
-            "sweep = ",       "views = [",   "truths = [",  "\"analytic\"", "radius = ", "kernel = ",
-            "\"texture\"",    "phases = ",   "qee_bits = ", "0:360:1e-3",   "0:1:0",     "1:0:-1",
-            "repetitions = ", "[",           "]",           "\"",           "="},
-           4000},
-          {"path",
-           run_path,
-           path_seeds,
-           {"azimuth", "elevation", "roll", "zoom", "{\"azimuth\": ", "\"matrix\": [", "{", "}", "[", "]",
-            "#", "\r\n", "\t", ",", ";", "1e400", "[[[[[[[["},
-           20000},
-          {"calibration",
-           run_calibration,
-           calibration_seeds,
-           {"\"measured\": ", "\"key\": ", "\"setting\": ", "\"seconds\": ", "\"rmse\": ", "null", "[", "]",
-            "{", "}"},
-           5000}};
+  return {
+      {"transfer_function", run_transfer_function, transfer_function_seeds, transfer_function_words, 5000},
+      {"configuration", run_configuration, configuration_seeds, configuration_words, 1000},
+      {"command_line", run_command_line, command_line_seeds, command_line_words, 1000},
+      {"machine", run_machine, machine_seeds, machine_words, 6000},
+      {"study_list", run_study_list, study_list_seeds, study_list_words, 4000},
+      {"path", run_path, path_seeds, path_words, 20000},
+      {"calibration", run_calibration, calibration_seeds, calibration_words, 5000}};
 }
 
 }  // namespace ringsplat::fuzz
