@@ -176,8 +176,6 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
 
   // The renderer's own path there, region by region, without the 4 GB: footprint, anchors, coefficients,
   // painter.
-  const FrameGeometry near_geometry = make_geometry(small, volume.grid),
-                      far_geometry = make_geometry(large, volume.grid);
   const auto paint = [&](const FrameGeometry& geometry, int corner) {
     RegionPainter painter(corner, corner, 96, 96);
     const Footprint footprint = make_footprint(large.as<Splats>(), geometry);
@@ -202,7 +200,8 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
     painter.read_tile(tile);
     return tile;
   };
-  const auto near_tile = paint(near_geometry, 0), far_tile = paint(far_geometry, far);
+  const auto near_tile = paint(make_geometry(small, volume.grid), 0),
+             far_tile = paint(make_geometry(large, volume.grid), far);
   double difference = 0, brightest_value = 0;
   for (std::size_t k = 0; k < near_tile.size(); ++k) {
     difference = std::max(difference, double(std::abs(near_tile[k] - far_tile[k])));

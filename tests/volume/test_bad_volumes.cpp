@@ -34,7 +34,7 @@ std::string scalar_field(const char* type) {
   return std::string("type: ") + type + "\ndimension: 3\nencoding: raw\nendian: little\n";
 }
 
-std::vector<Bad> bad_nrrds() {
+std::vector<Bad> bad_nrrd_headers() {
   const auto packed = gzip(samples<std::uint8_t>());
   return {
       file("empty file", "not a readable NRRD", "a.nrrd", ""),
@@ -74,6 +74,12 @@ std::vector<Bad> bad_nrrds() {
       file("unknown encoding", "encoding", "a.nrrd",
            nrrd("type: uint8\ndimension: 3\nencoding: zstd\nsizes: 5 4 3\n")),
       file("bzip2", "bz", "a.nrrd", nrrd("type: uint8\ndimension: 3\nencoding: bzip2\nsizes: 5 4 3\n")),
+  };
+}
+
+std::vector<Bad> bad_nrrd_voxels() {
+  const auto packed = gzip(samples<std::uint8_t>());
+  return {
       file("truncated text", "promises", "a.nrrd",
            nrrd("type: uint8\ndimension: 3\nencoding: ascii\nsizes: 5 4 3\n", "1 2 3\n")),
       file("missing data file", "nowhere.raw", "a.nhdr",
@@ -216,6 +222,11 @@ std::vector<Bad> bad_folders() {
          fs::create_symlink(f / "nowhere", f / "a.nrrd");
          return f / "a.nrrd";
        }},
+  };
+}
+
+std::vector<Bad> bad_dicoms() {
+  return {
       {"dicom, truncated pixels", "cut short or damaged at byte",
        [](const Folder& f) {
          Dicom slice;
@@ -270,6 +281,11 @@ std::vector<Bad> bad_folders() {
          return f.path();
        }},
       file("dicom, prose", "holds no DICOM", "a.dcm", "hello"),
+  };
+}
+
+std::vector<Bad> bad_tiffs() {
+  return {
       file("tiff, prose", "TIFF", "a.tif", "hello"),
       file("tiff, empty", "TIFF", "a.tif", ""),
       {"tiff, colours", "3 channels",
@@ -323,10 +339,17 @@ std::vector<Bad> bad_raws() {
 
 }  // namespace
 
-TEST_CASE("bad NRRD files are clear errors", "[bad]") { check_all(bad_nrrds()); }
+TEST_CASE("bad NRRD files are clear errors", "[bad]") {
+  check_all(bad_nrrd_headers());
+  check_all(bad_nrrd_voxels());
+}
 TEST_CASE("bad MetaImage and VTK files are clear errors", "[bad]") { check_all(bad_metas_and_vtks()); }
 TEST_CASE("bad NIfTI files are clear errors", "[bad]") { check_all(bad_niftis()); }
-TEST_CASE("bad folders, DICOM and TIFF files are clear errors", "[bad]") { check_all(bad_folders()); }
+TEST_CASE("bad folders, DICOM and TIFF files are clear errors", "[bad]") {
+  check_all(bad_folders());
+  check_all(bad_dicoms());
+  check_all(bad_tiffs());
+}
 TEST_CASE("bad raw files and contradictions are clear errors", "[bad]") { check_all(bad_raws()); }
 
 TEST_CASE("a file that may not be read is a clear error", "[bad]") {

@@ -53,9 +53,10 @@ std::string as_text() {
   return text;
 }
 
-const std::vector<Format>& formats() {
-  static const std::string little = samples<short>(), big = samples<short>(true);
-  static const std::vector<Format> list{
+const std::string little = samples<short>(), big = samples<short>(true);
+
+std::vector<Format> nrrd_formats() {
+  return {
       {"nrrd raw little", true,
        [](const Folder& f) {
          return write(f / "a.nrrd", nrrd("type: short\nencoding: raw\nendian: little\n", little));
@@ -107,6 +108,11 @@ const std::vector<Format>& formats() {
          return write(f / "a.nhdr",
                       nrrd("type: short\nencoding: raw\nendian: little\ndata file: s%d.bin 0 2 1 2\n"));
        }},
+  };
+}
+
+std::vector<Format> meta_formats() {
+  return {
       {"mha little", true,
        [](const Folder& f) {
          return write(
@@ -147,6 +153,11 @@ const std::vector<Format>& formats() {
          return write(f / "a.mhd",
                       meta("BinaryData = True\nCompressedData = True\nElementDataFile = a.zraw\n"));
        }},
+  };
+}
+
+std::vector<Format> other_formats() {
+  return {
       {"nii little", true, [](const Folder& f) { return write(f / "a.nii", Nifti().header() + little); }},
       {"nii big", true, [](const Folder& f) { return write(f / "a.nii", Nifti().header(true) + big); }},
       {"nii gzip", false,
@@ -185,6 +196,15 @@ const std::vector<Format>& formats() {
        [](const Folder& f) { return write(f / "a.vtk", vtk_header("ASCII") + as_text()); }},
       {"raw by its name", true, [](const Folder& f) { return write(f / "a_5x4x3_int16.raw", little); }},
   };
+}
+
+const std::vector<Format>& formats() {
+  static const std::vector<Format> list = [] {
+    std::vector<Format> all = nrrd_formats();
+    for (const auto& more : {meta_formats(), other_formats()})
+      all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }();
   return list;
 }
 
