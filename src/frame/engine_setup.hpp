@@ -11,14 +11,14 @@ namespace ringsplat {
 /// Takes a frame's picture once its canvas is finished.
 using TakePicture = std::function<void(std::int64_t frame, Image&& picture)>;
 
-/// What a rank's engine is made for, whatever its method.
+/// What an engine of any method is made from.
 struct EngineSetup {
   Grid grid;
   int gps = 1, renderers = 1;
-  const SliceStore& slices;  ///< of this rank's GP, none when it hosts no GP; must outlive the engine
-  int threads = 1;           ///< that share a node's work
-  bool skip_empty = true;    ///< slices that the transfer function makes transparent have no part in a frame
-  bool timed = false;        ///< seconds by stage are measured
+  const SliceStore& slices;  ///< this rank's GP's slices; none without a GP; must outlive the engine
+  int threads = 1;           ///< threads that share a node's work
+  bool skip_empty = true;    ///< leave out slices that the transfer function makes transparent
+  bool timed = false;        ///< measure seconds by stage
   TakePicture take;          ///< called on the frame buffer's rank
 };
 

@@ -38,7 +38,7 @@ void lay_into_slices(FrameGeometry& g, const Shown& shown, int samples, double r
   g.height = plane.height;
 }
 
-/// The volume as the screen shows it.
+/// Geometry of the volume on the screen.
 FrameGeometry screen_geometry(const Shown& shown, const Grid& grid) {
   const LatticeFrame lattice = lattice_frame(grid);
   FrameGeometry g;
@@ -56,7 +56,7 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid) {
   return g;
 }
 
-/// Chooses the image plane, and says how far a voxel's splat reaches in it.
+/// Chooses the image plane and sets how far a splat reaches in it.
 void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
   if (splats.image_plane == ImagePlane::slices)
     lay_into_slices(g, shown, splats.plane_samples, splats.kernel_radius);

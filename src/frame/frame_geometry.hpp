@@ -12,18 +12,18 @@ namespace ringsplat {
 
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
 struct FrameGeometry {
-  Grid grid;           ///< of the volume as it is rendered: reduced when undersampled
-  ViewTransform view;  ///< of that grid's lattice to the image plane
+  Grid grid;           ///< the rendered volume's: reduced when undersampled
+  ViewTransform view;  ///< from that grid's lattice to the image plane
   Traversal traversal;
-  glm::dvec2 reach{0.0};      ///< of what is drawn of a voxel around its centre, in pixels of the image plane
+  glm::dvec2 reach{0.0};      ///< reach of a voxel's footprint from its centre, in pixels of the image plane
   int width = 0, height = 0;  ///< of the image plane, in pixels
   Regions regions;            ///< of the image plane
-  PixelRect reached;          ///< the block of regions that voxels can reach, in columns and rows of them
-  int dealt_to = 0;           ///< how many Renderers get any of them; 0: all
+  PixelRect reached;          ///< block of regions that voxels can reach, in region columns and rows
+  int dealt_to = 0;           ///< how many Renderers get regions; 0: all
   int slices = 0;             ///< in the traversed set
-  std::optional<PlaneWarp> warp;  ///< from the screen, where that is not the image plane
+  std::optional<PlaneWarp> warp;  ///< from the screen to the image plane, when they differ
 
-  /// Of the regions reached. `renderers`: how many there are.
+  /// Owners of the reached regions among `renderers` Renderers.
   RegionOwners owners(int renderers) const {
     return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
   }
@@ -33,7 +33,7 @@ LatticeFrame lattice_frame(const Grid& grid);
 Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height);
 /// Throws InputError when a view cannot be drawn by the frame's method.
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
-/// Of all voxels of a frame whose geometry this is.
+/// The footprint that all voxels of a frame share.
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);
 
 }  // namespace ringsplat

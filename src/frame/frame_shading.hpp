@@ -22,7 +22,7 @@ class FrameShading {
   const Classifier& classifier() const { return classifier_; }
   bool lit() const { return shown_.shading == Shading::phong; }
 
-  /// Made when first asked for: a frame with nothing visible does without.
+  /// Built on first use: a frame with nothing visible needs none.
   const PhongTable& phong() const {
     std::call_once(once_, [this] {
       const ViewTransform& view = geometry_.view;

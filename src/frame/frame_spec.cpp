@@ -46,7 +46,7 @@ json to_json(const KernelOptions& k) {
           {"normalisation", name(k.normalisation)}};
 }
 
-/// One flat object, as readers of images and statistics have always found it.
+/// One flat object: readers of images and statistics rely on it.
 json to_json(const Shown& s) {
   return {{"camera", to_json(s.camera)},
           {"size", {s.width, s.height}},

@@ -42,7 +42,7 @@ class Writer {
   Bytes bytes_;
 };
 
-/// Everything returns false when the bytes end too early.
+/// All functions return false when the bytes end too early.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -74,8 +74,8 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-// All that a FrameSpec (const or not) holds, one by one: structs have padding. A member that is added does
-// not fit the names here.
+// References to all members of a FrameSpec (const or not), one by one since structs have padding. The
+// bindings fail to compile when a member is added.
 
 template <class Wire, class... Parts>
 bool pass_all(Wire& wire, Parts&... parts) {
@@ -112,7 +112,7 @@ bool pass(Wire& wire, Spec& spec) {
          std::visit([&wire](auto& method) { return pass(wire, method); }, how);
 }
 
-/// Which method comes: its number among Method's.
+/// Reads the method: its index among Method's alternatives.
 bool take_method(Reader& reader, Method& how) {
   std::uint8_t index = 0;
   if (!reader(index)) return false;
@@ -127,7 +127,7 @@ bool is_one_of(Enum value, Enum last) {
   return static_cast<int>(value) >= 0 && value <= last;
 }
 
-// Whether every enumeration has one of its values.
+// True when every enumeration holds one of its values.
 
 bool has_names(const Splats& splats) {
   return is_one_of(splats.image_plane, ImagePlane::slices) &&

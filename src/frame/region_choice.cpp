@@ -22,7 +22,7 @@ PixelWindow reached_pixels(const FrameGeometry& g) {
     low = glm::min(low, at);
     high = glm::max(high, at);
   }
-  // GPs step from voxel to voxel, and round windows outwards.
+  // A margin: GPs step from voxel to voxel with rounding, and round windows outwards.
   const glm::dvec2 around = glm::trunc(g.reach) + 3.0;
   const glm::dvec2 before(-1.0), behind(g.width, g.height);
   low = glm::clamp(glm::floor(low - around), before, behind);
@@ -34,8 +34,8 @@ PixelRect touched(const Regions& regions, const PixelWindow& pixels) {
   return regions.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
 }
 
-/// How much of the volume lies behind a pixel, estimated from the ellipsoid that fills its box: what is
-/// scanned or simulated stands in the middle more often than in the corners.
+/// How much of the volume lies behind a pixel, estimated from the ellipsoid that fills its box: objects lie
+/// in the middle more often than in the corners.
 class Thickness {
  public:
   explicit Thickness(const FrameGeometry& g) {
@@ -49,12 +49,12 @@ class Thickness {
     to_circle_ = glm::inverse(silhouette);
   }
   double at(const glm::dvec2& pixel) const {
-    // The corners are not empty.
+    // Corners may hold something, too.
     constexpr double least = 0.1;
     const glm::dvec2 d = pixel - centre_;
     return std::max(least, std::sqrt(std::max(0.0, 1 - glm::dot(d, to_circle_ * d))));
   }
-  /// The sum over samples of a region.
+  /// Sum over sampled pixels of a region.
   double in(const PixelRect& rect) const {
     constexpr int step = 16;
     double sum = 0;
@@ -83,8 +83,8 @@ double most_drawn(const Regions& regions, const PixelRect& block, const Thicknes
   return *std::max_element(drawn.begin(), drawn.end());
 }
 
-/// Squares of the side at which the busiest Renderer has least to draw. Smaller ones are dealt more evenly,
-/// larger ones cut fewer kernels: a voxel near a border goes to both sides.
+/// Square regions of the side that gives the busiest Renderer the least load. Smaller squares are dealt more
+/// evenly; larger ones cut fewer kernels, as a voxel near a border goes to both sides.
 Regions screen_regions(const FrameGeometry& g, const PixelWindow& reached, int renderers) {
   constexpr int largest = 128, smallest = 32, enough_each = 16;
   constexpr double worth_more_regions = 0.9;
@@ -106,9 +106,9 @@ Regions screen_regions(const FrameGeometry& g, const PixelWindow& reached, int r
   return best;
 }
 
-/// In the slices' plane a row of voxels is a row of pixels, so regions are as wide as the image: a row goes
-/// to one of them and is not cut, unless Renderers are more than strips. An image there is small, and none of
-/// it lies beside the volume; it should still give every Renderer strips from several of its parts.
+/// In the slices' plane a row of voxels is a row of pixels, so regions are strips as wide as the image: no
+/// row is cut, unless there are more Renderers than strips. The image there is small, and the volume covers
+/// all of it; still every Renderer should get strips from several parts.
 Regions strips(int renderers, int width, int height) {
   constexpr int each = 3, least_rows = 16, most_rows = 64, least_columns = 64;
   const int region_height =

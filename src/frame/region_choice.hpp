@@ -3,7 +3,7 @@
 
 namespace ringsplat {
 
-/// Puts into a geometry that has all else how the image plane is cut and which regions voxels can reach. The
+/// Sets the regions of a geometry that is otherwise complete, and which of them voxels can reach. The
 /// picture's bits do not depend on it.
 void lay_regions(FrameGeometry& geometry, const Division& division);
 

@@ -20,34 +20,34 @@ struct Announcement {
   Bytes body;
 };
 
-/// What the protocol has to know of a frame; the same on every rank.
+/// What the protocol needs to know of a frame; the same on every rank.
 struct FramePlan {
   static constexpr int nobody = -1;
   struct Tile {
-    int renderer = nobody;  ///< who delivers it
+    int renderer = nobody;  ///< the Renderer that delivers it
     std::size_t bytes = 0;
   };
-  bool ascending = true;    ///< of the slices' numbers from step to step
+  bool ascending = true;    ///< whether slice numbers ascend from step to step
   std::vector<int> owners;  ///< by traversal step: the GP that has its slice
   std::vector<Tile> tiles;
 
-  /// For each of `renderers` Renderers, whether it has a tile; those that have none get no token.
+  /// By Renderer: whether it has a tile. Renderers without one get no token.
   std::vector<bool> drawing(int renderers) const;
 };
 
 /// One step's part for one Renderer.
 struct EncodedPart {
   Bytes payload;             ///< made in Message::body_buffer(); empty: nothing to draw
-  std::uint32_t items = 0;   ///< in the payload: what a Painter draws, clips or hides
+  std::uint32_t items = 0;   ///< items in the payload; a Painter draws, clips or hides each
   std::uint32_t passes = 0;  ///< non-empty (tile, pass) pairs (Neumann 1992, Fig. 3)
-  std::vector<int> tiles;    ///< that it has items for, ascending
-  bool counted = false;      ///< only the message's first counted_bytes say anything (simulations)
+  std::vector<int> tiles;    ///< tiles with items, ascending
+  bool counted = false;      ///< only the message's first counted_bytes have content (simulations)
 };
 
 struct EncodeCounts {
-  std::uint64_t voxels = 0;   ///< of the slice, transparent ones too
-  std::uint64_t visible = 0;  ///< of these
-  std::uint64_t outside = 0;  ///< not looked at, because they lie outside the image
+  std::uint64_t voxels = 0;   ///< of the slice, transparent ones included
+  std::uint64_t visible = 0;  ///< of these, the visible ones
+  std::uint64_t outside = 0;  ///< skipped, because they lie outside the image
 };
 
 struct EncodedStep {
@@ -59,15 +59,15 @@ struct EncodedStep {
 class Encoder {
  public:
   virtual ~Encoder() = default;
-  /// The steps that tokens go through, ascending; the others show nothing. The same on every GP.
+  /// The steps whose slices show something, ascending; tokens skip the others. The same on every GP.
   virtual std::vector<int> shown() = 0;
-  /// Counts of `steps` of this GP's slices that are not encoded, because no Renderer has a tile.
+  /// Counts for `steps` slices of this GP that are not encoded because no Renderer has a tile.
   virtual EncodeCounts left_out(std::size_t steps) const = 0;
-  /// A bounded piece of work that belongs to no step; false when there is none.
+  /// Does a bounded piece of work that belongs to no step; false when there is none.
   virtual bool prepare() { return false; }
-  /// `step` is one whose slice this GP owns.
+  /// Begins a step whose slice this GP owns.
   virtual void begin(int step) = 0;
-  /// A bounded piece of the step (well under a millisecond of each thread); true once it is complete.
+  /// Does a bounded piece of the step (well under a millisecond a thread); true once the step is complete.
   virtual bool work() = 0;
   virtual EncodedStep finish() = 0;
   /// Takes what a Painter's news() wrote. Throws RunError when the bytes are no such news.
@@ -82,7 +82,7 @@ struct ItemCounts {
   std::uint64_t drawn = 0, clipped = 0, hidden = 0;
 };
 
-/// A payload that a Renderer is to draw; `body` stays valid until it is drawn.
+/// A payload for a Renderer to draw; `body` stays valid until then.
 struct PayloadToDraw {
   int step = 0;
   std::uint32_t passes = 0;
@@ -93,28 +93,29 @@ struct PayloadToDraw {
 class Painter {
  public:
   virtual ~Painter() = default;
-  /// A bounded piece of work that belongs to no payload; false when there is none.
+  /// Does a bounded piece of work that belongs to no payload; false when there is none.
   virtual bool prepare() { return false; }
-  /// Throws RunError when the bytes are no payload for this Renderer.
+  /// Begins a payload. Throws RunError when the bytes are no payload for this Renderer.
   virtual void begin(const PayloadToDraw& payload) = 0;
-  /// A bounded piece of the payload for each thread; true once it is drawn and composited.
+  /// Does a bounded piece of the payload on each thread; true once it is drawn and composited.
   virtual bool work() = 0;
-  /// Appends what GP `gp` should know of this Renderer's tiles and was not yet told in this frame.
+  /// Appends to `news` what GP `gp` has not yet been told of this Renderer's tiles in this frame.
   virtual void news(int gp, Bytes& news) = 0;
   virtual ItemCounts counts() const = 0;  ///< of this frame so far
-  /// Of this frame so far, by the clock on the wall.
+  /// Wall-clock seconds of compositing in this frame so far.
   virtual double composite_seconds() const { return 0; }
-  /// Calls `deliver(tile, bytes)` for each tile that is not empty, the bytes in a Message::body_buffer().
+  /// Calls `deliver(tile, bytes)` for each tile that is not empty; the bytes come in a
+  /// Message::body_buffer().
   virtual void finish(const std::function<void(int tile, Bytes bytes)>& deliver) = 0;
 };
 
-/// Puts one frame's tiles together at the frame buffer.
+/// Assembles one frame's tiles at the frame buffer.
 class Canvas {
  public:
   virtual ~Canvas() = default;
-  /// Each tile comes at most once, in any order; the others are empty.
+  /// Takes a tile. Each comes at most once, in any order; those that never come are empty.
   virtual void take(int tile, std::span<const std::byte> bytes) = 0;
-  /// No more tiles come: the picture can be made.
+  /// Makes the picture: no more tiles come.
   virtual void finish() = 0;
 };
 

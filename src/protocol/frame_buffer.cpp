@@ -29,7 +29,7 @@ bool FrameBuffer::advance() {
     return true;
   }
   const auto most = std::size_t(options_.frames_in_flight);
-  // One frame more may wait for its link counts, so that asking for them does not hold up the next.
+  // One more frame may wait for its link counts, so that collecting them does not delay the next frame.
   if (!no_more_ && frames_.size() < most && frames_.size() + settling_.size() <= most) return announce_next();
   if (no_more_ && frames_.empty() && settling_.empty() && !shut_down_) {
     shut_down_ = true;
@@ -113,7 +113,7 @@ void FrameBuffer::receive(Message message) {
 
 void FrameBuffer::take_tile(Frame& frame, const Message& message) {
   const Header& h = message.header;
-  const auto tile = std::size_t(fields_of<TileFields>(h).tile);  // one below zero becomes far too large
+  const auto tile = std::size_t(fields_of<TileFields>(h).tile);  // a negative tile becomes too large
   if (tile >= frame.tiles.size() || h.from() != NodeId{Role::renderer, frame.tiles[tile].renderer} ||
       frame.tile_here[tile])
     throw RunError(fmt::format("{} delivered tile {} of frame {}, which is not its own or came before",

@@ -10,10 +10,10 @@
 
 namespace ringsplat {
 
-/// Frame buffer: announces frames, takes tiles, and knows by counting when a frame is complete: every
-/// node has reported and every tile the Renderers report is here. Checks the conservation sums at each
-/// frame's end. In a mesh with manhattan routing it then asks every rank what its links carried for the
-/// frame: only now has all of it arrived.
+/// The frame buffer announces frames and takes tiles. A frame is complete when every node has reported and
+/// every tile that Renderers report has arrived; then it checks the conservation sums. In a mesh with
+/// manhattan routing it then asks every rank what its links carried for the frame: by now all of it has
+/// arrived.
 class FrameBuffer final : public Node {
  public:
   /// `engine` and `source` must outlive it. `announce` carries an announcement, a drop, a link query or a
@@ -40,7 +40,7 @@ class FrameBuffer final : public Node {
     FrameStats stats;
     bool complete() const { return reports_missing == 0 && tiles_here == tiles_reported; }
   };
-  /// A complete frame whose link counts are on their way.
+  /// A complete frame that waits for its link counts.
   struct Settling {
     FrameStats stats;
     std::vector<std::vector<LinkCounts>> links;  ///< by rank

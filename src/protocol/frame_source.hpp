@@ -7,11 +7,11 @@
 
 namespace ringsplat {
 
-/// Where the frame buffer gets frames from; lives on rank 0.
+/// Supplies the frame buffer with frames; lives on rank 0.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;
-  /// The body of frame `frame`'s announcement, or nothing when there is none now.
+  /// Returns the body of frame `frame`'s announcement, or nothing when there is none now.
   virtual std::optional<Bytes> next(std::int64_t frame) = 0;
   /// True while next() has nothing now and may have something later.
   virtual bool may_come() = 0;

@@ -26,8 +26,8 @@ void Gp::begin_frame(const Announcement& announcement) {
   finish_completed_frames();
 }
 
-/// All tokens start at the owner of the front slice, in the traversal's order, which is what keeps a mesh
-/// free of contention (net/mesh.hpp).
+/// All tokens start at the owner of the front slice and visit slices in the traversal's order; that order
+/// keeps a mesh free of contention (net/mesh.hpp).
 void Gp::start_tokens(Frame& frame) {
   auto& front = frame.waiting_tokens[frame.shown.front()];
   for (int k = 0; k < layout_.renderers; ++k) {
@@ -113,7 +113,7 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
   pass_token(frame, slice, {token.renderer, token.sequence + 1, token.credits - 1});
 }
 
-/// In a mesh a token waits for every accept: that is what keeps payloads from meeting (net/mesh.hpp).
+/// In a mesh a token waits for every accept, so that payloads never meet (net/mesh.hpp).
 std::uint32_t Gp::credits_of(std::uint32_t free_slots) const {
   return layout_.routed() ? 0 : std::min(free_slots, std::uint32_t(options_.send_ahead));
 }
@@ -168,7 +168,7 @@ std::size_t Gp::prepared_slices() const {
   return count;
 }
 
-/// A piece of the next slice's encoding; idle when there is none, or no room for it.
+/// Encodes a piece of the next slice; idle when there is none, or no room for it.
 Turn Gp::encode_some() {
   // The earliest frame with slices left: a later frame's slices never take the room an earlier one needs.
   const auto found = std::find_if(frames_.begin(), frames_.end(),
@@ -227,7 +227,7 @@ void Gp::report(Frame& frame) {
   post_(Message(make_header(Kind::report, id(), frame_buffer_id, frame.number), std::move(body)));
 }
 
-/// What this node does while it does not work, for its oldest frame.
+/// What this node waits for on its oldest frame.
 Turn Gp::waiting() const {
   if (frames_.empty() || frames_.front()->prepared.empty()) return {};
   const Frame& frame = *frames_.front();
@@ -237,7 +237,7 @@ Turn Gp::waiting() const {
   return {Activity::wait_for_token, frame.number, frame.prepared.front().step};
 }
 
-/// On the oldest frame.
+/// Books a turn on the oldest frame.
 void Gp::book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front()->stats); }
 
 std::string Gp::waiting_for() const {

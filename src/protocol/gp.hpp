@@ -14,8 +14,8 @@ namespace ringsplat {
 /// payload to a Renderer when that Renderer's token for the slice is here, and passes the token on once the
 /// payload is accepted, or, beyond the paper, at once while the token knows of free slots (`send_ahead`).
 ///
-/// At most `look_ahead` slices are prepared at once, and no more payloads are on their way to a Renderer than
-/// it has slots, but for one, so memory is bounded.
+/// Memory is bounded: at most `look_ahead` slices are prepared at once, and at most slots + 1 payloads are on
+/// their way to a Renderer.
 class Gp final : public Node {
  public:
   /// `engine` must outlive it.
@@ -53,9 +53,9 @@ class Gp final : public Node {
   Engine& engine_;
   Post post_;
   NodeBook book_;
-  std::deque<std::unique_ptr<Frame>> frames_;  ///< announced, and this GP's part of them not over
+  std::deque<std::unique_ptr<Frame>> frames_;  ///< announced frames whose part here is not over
   std::int64_t next_frame_ = 0;
-  std::vector<Message> early_;  ///< of frames not yet announced here
+  std::vector<Message> early_;  ///< messages of frames not yet announced here
 };
 
 }  // namespace ringsplat

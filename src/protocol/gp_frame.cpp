@@ -13,7 +13,7 @@ GpFrame::GpFrame(int gp, const Announcement& announcement, int renderers, Engine
       tokens(int(std::count(drawing.begin(), drawing.end(), true))),
       encoder(engine.encoder(gp, announcement)),
       shown(encoder->shown()) {
-  // Renderers wait to be told that nothing comes.
+  // With nothing to show, tokens still visit one step: Renderers wait to learn that no payload comes.
   if (shown.empty()) shown.push_back(0);
   for (const int step : shown)
     if (plan.owners[std::size_t(step)] == gp) steps.push_back(step);
@@ -43,7 +43,7 @@ void GpFrame::retire_slices() {
   }
 }
 
-/// Of the shown step before this one, or of the first.
+/// Owner of the shown step before this one, or of the first shown step.
 int GpFrame::owner_before(int step) const {
   const auto here = std::lower_bound(shown.begin(), shown.end(), step);
   return plan.owners[std::size_t(here == shown.begin() ? shown.front() : *std::prev(here))];

@@ -75,7 +75,7 @@ bool Host::release_kept() {
 }
 
 void Host::announce(Message message) {
-  // Idle ranks only hear of the end.
+  // Idle ranks receive only the shutdown.
   const int ranks = message.header.kind == Kind::shutdown ? layout_.ranks() : layout_.working_ranks();
   for (const int child : announcement_children(rank(), ranks)) {
     Message copy = message;
@@ -116,7 +116,7 @@ void Host::drop_announced() {
   }
 }
 
-/// Straight to the frame buffer, not over the mesh: answers would count themselves.
+/// Bypasses the mesh: answers would count themselves.
 void Host::answer_link_query(std::int64_t frame) {
   Message answer(
       {.kind = Kind::link_report, .destination_role = Role::frame_buffer, .source = rank(), .frame = frame},
@@ -179,18 +179,18 @@ bool Host::take_arrived() {
 
 bool Host::step() {
   bool moved = lock_step_ != nullptr && release_kept();
-  // Tokens, accepts and messages in transit unblock other ranks, so all that has arrived goes first.
+  // Messages first: tokens, accepts and messages in transit unblock other ranks.
   moved = take_arrived() || moved;
   for (const auto& node : nodes_) {
     moved = node->advance() || moved;
-    // What it works on is in the cache now.
+    // Finish the slice while its data is in the cache.
     while (node->amid_slice() && node->advance()) take_arrived();
   }
   return moved;
 }
 
 bool Host::finished() {
-  // A neighbour may still owe credits: they are received here, not left behind in the network.
+  // Neighbours may still owe credits: receive them, so that none stays in the network.
   return shutting_down_ && local_.empty() && (!router_ || router_->idle()) && transport_.sends_done();
 }
 
@@ -202,7 +202,7 @@ void Host::run() {
       last_progress = now_seconds();
     } else {
       const bool overdue = now_seconds() - last_progress > options_.stall_timeout;
-      // Between frames there may be nothing to do for as long as nobody asks for a view.
+      // Between frames a wait of any length is normal: nobody may ask for a view.
       if (overdue && waiting_for().empty()) {
         last_progress = now_seconds();
       } else if (overdue) {
@@ -223,7 +223,7 @@ void Host::wait() {
     lock_step_->wait();
 }
 
-/// Says what this rank waits for, once, and asks all others to do the same.
+/// Prints once what this rank waits for, and asks all others to do the same.
 void Host::report_stall() {
   if (told_stall_) return;
   told_stall_ = true;
@@ -231,7 +231,7 @@ void Host::report_stall() {
   log_error("rank {} is stalled: {}", rank(), what.empty() ? "it waits for the next frame" : what);
   for (int r = 0; r < layout_.ranks(); ++r)
     if (r != rank()) transport_.send(r, Message({.kind = Kind::stall, .source = rank(), .destination = r}));
-  // Gives the question time to arrive and the answers time to be written before the run is ended.
+  // Time for the request to arrive and the answers to be printed before the run ends.
   const double until = now_seconds() + 0.5;
   while (now_seconds() < until) {
     static_cast<void>(transport_.sends_done());

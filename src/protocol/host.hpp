@@ -16,22 +16,23 @@
 
 namespace ringsplat {
 
-/// One rank: its nodes, its place in the mesh, and the one progress loop that gives them messages and time.
-/// Messages in transit are handed on between the nodes' bounded pieces of work.
+/// One rank: its nodes, its mesh router, and the progress loop that gives them messages and time. Messages in
+/// transit are forwarded between the nodes' bounded pieces of work.
 class Host {
  public:
-  /// All that is passed by reference or pointer must outlive it. `source` is needed on rank 0 only. With
-  /// `lock_step` payloads and tokens leave their nodes at its pace.
+  /// All that is passed by reference or pointer must outlive it. `source` is needed on rank 0 only.
+  /// `lock_step`, if given, sets the pace at which payloads and tokens leave their nodes.
   Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
        FrameSource* source, LockStep* lock_step = nullptr);
 
-  /// Takes the messages that are here and lets every node work a little; false when nothing could be done.
+  /// Handles the messages that have arrived and lets every node work a little; false when nothing could be
+  /// done.
   bool step();
-  /// True once the run was shut down and all is sent.
+  /// True once the run is shut down and everything is sent.
   bool finished();
   /// Steps until finished; throws RunError when nothing moved for the stall timeout.
   void run();
-  /// What this rank's nodes wait for; empty when for nothing: they are done or wait for the next frame.
+  /// What this rank's nodes wait for, in words; empty when they are done or wait for the next frame.
   std::string waiting_for() const;
   int rank() const { return transport_.rank(); }
 
@@ -54,11 +55,11 @@ class Host {
   Transport& transport_;
   LockStep* lock_step_;
   std::optional<MeshRouter> router_;  ///< in a mesh with manhattan routing
-  std::deque<Message> kept_;          ///< for a later step of the lock-step clock
+  std::deque<Message> kept_;          ///< messages held for a later step of the lock-step clock
   std::vector<std::unique_ptr<Node>> nodes_;
-  std::deque<Message> local_;  ///< from one node of this rank to another
+  std::deque<Message> local_;  ///< messages between nodes of this rank
   std::map<std::int64_t, Announcement> early_frames_;
-  std::set<std::int64_t> early_drops_;  ///< of frames not yet announced here
+  std::set<std::int64_t> early_drops_;  ///< drops of frames not yet announced here
   std::int64_t next_frame_ = 0;
   bool shutting_down_ = false;
   bool told_stall_ = false;

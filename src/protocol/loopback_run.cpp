@@ -53,7 +53,7 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
       if (int(rank) != stopped_rank) moved = hosts[rank]->step() || moved;
     network.turn();
     quiet_turns = moved ? 0 : quiet_turns + 1;
-    // A message that is late arrives within so many turns.
+    // A delayed message arrives within max_delay turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
     if (clock.kept == 0 && source.may_come()) {
       std::this_thread::sleep_for(std::chrono::microseconds(200));

@@ -8,16 +8,16 @@
 
 namespace ringsplat {
 
-/// A state machine that is given messages and time and never blocks. Several live on one rank.
+/// A state machine that reacts to messages, works in bounded pieces and never blocks. A rank hosts several.
 class Node {
  public:
   virtual ~Node() = default;
   virtual NodeId id() const = 0;
   /// A frame was announced; frames come in ascending order.
   virtual void begin_frame(const Announcement& announcement) = 0;
-  /// Nobody wants the frame any more: it ends as soon as its tokens have come round, without a picture.
+  /// Drops a frame that nobody wants any more: it ends without a picture once its tokens have come round.
   virtual void drop_frame(std::int64_t frame) = 0;
-  /// Takes a message for this node. Early messages wait inside; stale ones throw RunError.
+  /// Takes a message for this node. Keeps early messages; throws RunError on stale ones.
   virtual void receive(Message message) = 0;
   /// Does a bounded piece of work; false when there is none to do now.
   virtual bool advance() = 0;

@@ -76,8 +76,8 @@ void Renderer::take_payload(Frame& frame, Message message) {
   if (place.sequence < slots_end(frame)) accept(frame, h);
 }
 
-/// Payloads have slots in the order of their numbers, not of their arrival: those before one that is here
-/// were all sent, and need theirs. So only the payload of this number can be here and wait for one.
+/// First sequence number without a slot. Slots go to payloads by number, not by arrival: those before an
+/// arrived one were all sent and need theirs. So only the payload of this number can be here without a slot.
 std::uint32_t Renderer::slots_end(const Frame& frame) const {
   return frame.next + std::uint32_t(options_.slots);
 }
@@ -110,7 +110,7 @@ bool Renderer::advance() {
 
 void Renderer::begin_drawing(Frame& frame) {
   frame.painter = &engine_.painter(index_, frame.announcement);
-  // No token goes round for a Renderer without a tile.
+  // A Renderer without a tile has no token.
   if (!engine_.plan(frame.announcement).drawing(layout_.renderers)[std::size_t(index_)])
     frame.payloads_expected = 0;
 }
@@ -164,7 +164,7 @@ void Renderer::deliver(Frame& frame) {
   frames_.pop_front();
 }
 
-/// On the frame being drawn.
+/// Books a turn on the frame being drawn.
 void Renderer::book(const Turn& turn) {
   book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats);
 }

@@ -13,8 +13,8 @@ namespace ringsplat {
 /// Renderer (Neumann 1992, sections 2.3 and 3): draws payloads in the order of their sequence number, whoever
 /// sent them and whenever they came, and delivers its tiles when the frame's last payload is drawn.
 ///
-/// A payload is accepted when one of the frame's `slots` is free; the token holder waits for that, so at most
-/// slots + 1 payloads of each announced frame are ever here.
+/// A payload is accepted when one of the frame's `slots` is free. The token's holder waits for that, so a
+/// Renderer holds at most slots + 1 payloads of each announced frame.
 class Renderer final : public Node {
  public:
   /// `engine` must outlive it.
@@ -31,10 +31,10 @@ class Renderer final : public Node {
  private:
   struct Frame {
     Announcement announcement;
-    std::map<std::uint32_t, Message> payloads;       ///< by sequence, accepted or not, not yet drawn
+    std::map<std::uint32_t, Message> payloads;       ///< by sequence: not yet drawn, accepted or not
     std::uint32_t next = 0;                          ///< sequence of the payload to draw now
     std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
-    Painter* painter = nullptr;                      ///< of the frame being drawn; the others have none yet
+    Painter* painter = nullptr;                      ///< set only in the frame being drawn
     bool painting = false;                           ///< payload `next` is being drawn
     bool dropped = false;
     NodeStats stats;
@@ -59,9 +59,9 @@ class Renderer final : public Node {
   Engine& engine_;
   Post post_;
   NodeBook book_;
-  std::deque<Frame> frames_;  ///< announced and not yet delivered; the first is being drawn
+  std::deque<Frame> frames_;  ///< announced, not yet delivered; the first is being drawn
   std::int64_t next_frame_ = 0;
-  std::vector<Message> early_;  ///< of frames not yet announced here
+  std::vector<Message> early_;  ///< messages of frames not yet announced here
 };
 
 }  // namespace ringsplat

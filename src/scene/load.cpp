@@ -16,7 +16,7 @@
 namespace ringsplat {
 namespace {
 
-/// Bytes of z slices on their way in one round, all processes together.
+/// Bytes of z slices sent in one round, over all processes.
 constexpr std::size_t batch_bytes = std::size_t{8} << 20;
 
 template <class T>
@@ -41,7 +41,7 @@ std::span<const std::byte> get_bytes(std::span<const std::byte> in, std::size_t&
   return part;
 }
 
-/// One deal: the state that the rounds share.
+/// State of one deal, shared by its rounds.
 class Dealer {
  public:
   Dealer(OpenedVolume& volume, const LoadOptions& options, int gps,
@@ -203,7 +203,7 @@ class Dealer {
   int decoded_ = 0;
 };
 
-/// The values of all processes; any of them may have none.
+/// Gathers the values of all processes; a process may have none.
 template <class T>
 std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
   std::vector<T> all;
@@ -212,8 +212,8 @@ std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
   return all;
 }
 
-/// The sums over all processes. One process adds them up: with a thousand of them, all counts of all
-/// processes are too much for each to hold.
+/// Sums over all processes. One process adds them up: with a thousand processes, each could not hold the
+/// counts of all.
 std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uint64_t> mine) {
   std::vector<Block> out(std::size_t(collectives.processes()));
   out.front() = block_of(std::as_bytes(std::span(mine)));
@@ -234,13 +234,13 @@ std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uin
   return mine;
 }
 
-/// What process 0 says of the volume that it has opened.
+/// What process 0 tells the others of the volume it has opened.
 struct Known {
   Grid grid;
   std::uint8_t concurrent = 0;
 };
 
-/// Throws RunError when no process can have opened such a volume.
+/// Copies `known` into `volume`; throws RunError when such a volume cannot exist.
 void take_known(const Known& known, OpenedVolume& volume) {
   const auto type = int(known.grid.type), last = int(ScalarType::float64);
   try {

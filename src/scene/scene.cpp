@@ -26,7 +26,7 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   Scene scene;
   scene.grid = volume.grid;
   const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
-  // Range and histogram are the volume's own at any level, so that presets do not change with it.
+  // Range and histogram are the full volume's at every level, so that presets do not change with the level.
   const LoadOptions values_only{{false, false, true}, false};
   scene.stores = deal_slices(volume, whole ? options : values_only, gps, gps_of_process, collectives);
   scene.range = value_range(scene.stores, collectives);

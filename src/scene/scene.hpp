@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// A volume dealt to the GPs, ready to be rendered: what this process holds of it and what all know of it.
+/// A volume dealt to the GPs, ready to be rendered: this process's slices and what all processes know.
 struct Scene {
   Grid grid;
   std::map<int, SliceStore> stores;  ///< by GP, those of this process
@@ -14,8 +14,8 @@ struct Scene {
   Histogram histogram;
 };
 
-/// Deals an opened volume's slices to `gps` GPs, all levels that are asked for, and gathers its range and
-/// histogram. `gps_of_process` as for deal_slices(). All processes call it, with the same grid and options.
+/// Deals all requested levels of an opened volume to `gps` GPs and gathers its range and histogram.
+/// `gps_of_process` as for deal_slices(). All processes call it, with the same grid and options.
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
 

@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// A director's frames, as the protocol asks for them.
+/// Supplies the protocol with a director's frames.
 class DirectedFrames final : public FrameSource {
  public:
   DirectedFrames(Director director, const Grid& grid, int renderers);
@@ -15,7 +15,7 @@ class DirectedFrames final : public FrameSource {
   bool may_come() override { return director_.may_come && director_.may_come(); }
   bool unwanted(std::int64_t frame) override;
   void done(FrameStats&& stats) override;
-  /// The picture of a frame that will be done.
+  /// Keeps the picture of a frame until done().
   void take_picture(std::int64_t frame, Image&& picture) { frames_.at(frame).image = std::move(picture); }
 
  private:

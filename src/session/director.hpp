@@ -15,16 +15,16 @@ struct FrameResult {
   Axis axis = Axis::z;  ///< of the slice set that was traversed
 };
 
-/// Where frames come from and go to; lives on rank 0.
+/// Supplies frames to render and takes the results; lives on rank 0.
 struct Director {
   /// The next frame to render, or nothing when there are no more. `frame` is set by the frame buffer: 0, 1,
   /// 2 …
   std::function<std::optional<FrameSpec>()> next_frame;
   std::function<void(FrameResult&&)> frame_done;
-  /// For views that come while others are rendered; may be left empty. True while next_frame has nothing now
-  /// and may have something later.
+  /// True while next_frame has nothing now and may have something later, as when views arrive during the run.
+  /// May be left empty.
   std::function<bool()> may_come = {};
-  /// True when an announced frame is not wanted any more: it is dropped, and not handed to frame_done.
+  /// True when an announced frame is no longer wanted: it is dropped and not passed to frame_done.
   std::function<bool(const FrameSpec&)> unwanted = {};
 };
 

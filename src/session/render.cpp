@@ -33,7 +33,7 @@ std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring&
   return gps;
 }
 
-/// What makes sense of the messages with which a volume is dealt and rendered.
+/// What ranks must agree on to understand each other's messages while a volume is dealt and rendered.
 Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) {
   std::string axes, levels;
   for (const Axis axis : all_axes)
@@ -101,12 +101,12 @@ void check(const EngineOptions& options) {
 
 namespace {
 
-/// The engine of a rank that holds these slices.
+/// Makes the engine of the rank that holds these slices.
 std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, SliceStore slices, bool timed,
                                     const EngineOptions& options, TakePicture take) {
   const auto& [machine, count_only, voxel_weight, step_seconds] = options.simulation;
-  // A mesh goes through all slices: that tokens visit GPs in their order is what keeps its payloads from
-  // meeting (net/mesh.hpp); and a described machine looks at every voxel, as its costs say.
+  // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order (net/mesh.hpp). A
+  // described machine's costs are those of looking at every voxel.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
   auto engine = make_engines(std::move(slices), [&](const SliceStore& kept) {
     return EngineSetup{.grid = grid,
@@ -160,7 +160,7 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
 Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
                    const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol,
                    const EngineOptions& engine) {
-  // Not open_everywhere: only process 0 has the voxels, so it deals them as if it decoded a file.
+  // Without open_everywhere(): only process 0 has the voxels and deals them as if it decoded a file.
   OpenedVolume volume{grid, false, nullptr};
   std::string error;
   try {

@@ -15,7 +15,7 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 
 /// Deals an opened volume's slices and gathers its range and histogram. All processes call it, with the same
-/// grid, options and layout: all throw the same InputError that names a process which passed others.
+/// grid, options and layout; otherwise all throw the same InputError that names a process that differs.
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
                  const Wiring& wiring);
 

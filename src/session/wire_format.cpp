@@ -37,7 +37,7 @@ void add_messages(WireHash& hash) {
     hash.text(to_string(NodeId{Role(role), 0}));
 }
 
-/// Every member has another value, so that any two that change places change the bytes.
+/// All members differ in value, so that swapping any two changes the bytes.
 FrameSpec sample_frame() {
   double next = 0;
   const auto another = [&next] { return ++next; };

@@ -11,7 +11,7 @@
 
 namespace ringsplat {
 
-/// A fingerprint of how things lie in messages.
+/// A hash of how values lie in messages.
 class WireHash {
  public:
   void number(std::uint64_t value) { hash_.add(fmt::format("{} ", value)); }
@@ -21,8 +21,8 @@ class WireHash {
     hash_.add(bytes);
   }
 
-  /// Where each member lies. One that is forgotten here does not compile: all fill the struct, with `Padding`
-  /// bytes.
+  /// Adds each member's offset. Forgetting a member does not compile: the members and `Padding` bytes must
+  /// fill the struct.
   template <std::size_t Padding = 0, class Struct, class... Members>
   void layout(Members Struct::*... members) {
     static_assert((sizeof(Members) + ...) + Padding == sizeof(Struct), "name every member");
@@ -36,7 +36,7 @@ class WireHash {
     number(sizeof(Struct));
   }
 
-  /// The numbers by which choices travel.
+  /// Adds the numbers that encode a choice.
   template <class Enum>
   void order(std::initializer_list<Enum> choices) {
     for (const Enum choice : choices) number(std::uint64_t(choice));

@@ -14,8 +14,8 @@ namespace {
 
 class ChargedEncoder final : public EncoderDecorator {
  public:
-  /// `debt` belongs to the GP. A frame's setup is paid before any of its slices, even while an earlier frame
-  /// is being encoded.
+  /// `debt` is the GP's. A frame's setup is paid before its first slice, even while an earlier frame is being
+  /// encoded.
   ChargedEncoder(std::unique_ptr<Encoder> inner, const Machine& machine, Debt& debt, bool has_work)
       : EncoderDecorator(std::move(inner)), machine_(machine), debt_(debt) {
     if (has_work) debt_.owe(machine.gp.frame);
@@ -40,7 +40,7 @@ class ChargedEncoder final : public EncoderDecorator {
  private:
   const Machine& machine_;
   Debt& debt_;
-  std::optional<EncodedStep> encoded_;  ///< complete; its time is still passing
+  std::optional<EncodedStep> encoded_;  ///< encoded, but its simulated time is still passing
 };
 
 class ChargedPainter final : public Painter {
@@ -86,7 +86,7 @@ class ChargedPainter final : public Painter {
   Debt debt_{machine_.poll_interval};
   std::uint32_t passes_ = 0;
   std::uint64_t drawn_before_ = 0;
-  bool painted_ = false;  ///< the payload is drawn; its time is still passing
+  bool painted_ = false;  ///< the payload is drawn, but its simulated time is still passing
 };
 
 class ChargedEngine final : public Engine {

@@ -13,10 +13,10 @@
 namespace ringsplat {
 namespace {
 
-/// All that a payload says; must fit into counted_bytes.
+/// Content of a payload; must fit into counted_bytes.
 struct Said {
   std::uint64_t items = 0;
-  std::uint64_t tiles = 0;  ///< bit mask: which of its Renderer's tiles it has items for
+  std::uint64_t tiles = 0;  ///< bit mask of its Renderer's tiles with items
 };
 static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
 
@@ -59,7 +59,7 @@ class CountingEncoder final : public EncoderDecorator {
     return static_cast<std::uint64_t>(std::llround(weight_ * double(count)));
   }
 
-  /// The rest is never written or read, so it takes no memory before it travels.
+  /// The rest is never written or read, so it takes no memory until it is sent.
   static Bytes counted(std::size_t size, const Said& said) {
     Bytes body = Message::body_buffer();
     body.reserve(body.size() + size);
@@ -105,7 +105,7 @@ class CountingPainter final : public Painter {
   int renderer_;
   FramePlan plan_;
   std::vector<std::uint64_t> bits_;  ///< by tile
-  Said here_;                        ///< what the current payload says
+  Said here_;                        ///< the current payload's
   std::uint64_t reached_ = 0;
   ItemCounts counts_;
 };

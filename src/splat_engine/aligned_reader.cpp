@@ -6,7 +6,7 @@
 namespace ringsplat {
 namespace {
 
-/// Draws runs as they are: within a slice nothing has to be placed.
+/// Draws runs without placing each voxel: all voxels of a slice lie at whole-pixel steps.
 template <class Voxel>
 class AlignedReader final : public PayloadReader {
  public:

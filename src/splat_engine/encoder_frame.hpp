@@ -9,7 +9,7 @@
 
 namespace ringsplat {
 
-/// What the bands of one frame's slices share. It does not change while they work.
+/// State that the bands of a frame's slices share; constant while they work.
 struct EncoderFrame {
   /// `splat_frame` must outlive it.
   explicit EncoderFrame(const SplatFrame& splat_frame);
@@ -21,10 +21,10 @@ struct EncoderFrame {
   const FrameGeometry& geometry;
   FrameShading shading;
   KernelReach reach;
-  int stride;                       ///< of passes
+  int stride;                       ///< between voxels of one pass
   std::vector<PixelRect> rects;     ///< by region
   std::vector<OpaqueTiles> opaque;  ///< by region
-  std::vector<OpaqueCover> covers;  ///< of them
+  std::vector<OpaqueCover> covers;  ///< made of `opaque`, by region
 };
 
 }  // namespace ringsplat

@@ -18,32 +18,33 @@ struct PayloadPart {
   std::span<const std::byte> bytes;
 };
 
-/// Splits a payload into its regions' parts, and draws a part, splat by splat, into a sum of its own.
+/// Splits a payload into its regions' parts, and draws a part splat by splat into the reader's own sum.
 class PayloadReader {
  public:
   virtual ~PayloadReader() = default;
-  /// The parts of a payload, one for each region, in ascending order. Checks all of it before anything is
-  /// drawn, so that a bad message leaves no half-drawn slice. Throws RunError when it is no payload for
-  /// regions of which `owned` is true.
+  /// The parts of a payload, one for each region, in ascending order. Checks the whole payload, so that a bad
+  /// message leaves no half-drawn slice. Throws RunError unless it is a payload for regions whose `owned` is
+  /// true.
   virtual std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                          const std::function<bool(int region)>& owned) const = 0;
-  /// Goes to the first splat of a part from parts(). Its bytes must stay valid until more() is false.
+  /// Goes to the first splat of a part that parts() returned. The payload must stay valid until more() is
+  /// false.
   virtual void begin(int slice, const PayloadPart& part) = 0;
-  /// Whether the part has splats that are not drawn yet.
+  /// True while the part has splats to draw.
   virtual bool more() = 0;
   /// Draws at least one and about `most` of the part's next splats.
   virtual DrawCounts draw(std::uint32_t most) = 0;
-  /// What the splats are drawn into. Its begin() must have been given the part's region.
+  /// The sum that splats are drawn into. Call its begin() with the part's region before draw().
   virtual SliceSum& sum() = 0;
 };
 
-/// The memory that a reader's sum draws in, and the largest region it is for.
+/// Memory for a reader's sum, and the largest region that it must hold.
 struct SumMemory {
   SliceBufferMemory& memory;
   RegionSize largest;
 };
 
-/// For payloads of a frame's form and precision. `frame` and the memory must outlive it.
+/// A reader for a frame's form and precision. The frame and the memory must outlive it.
 std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
 std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
                                                SumMemory memory);

@@ -41,7 +41,7 @@ class PictureCanvas final : public Canvas {
  private:
   const FrameGeometry& geometry() const { return frame_->geometry; }
 
-  /// Most pixels come with tiles.
+  /// Clears only pixels without a tile, which are few.
   void clear_where_no_tile_came() {
     for (int region = 0; region < geometry().regions.count(); ++region) {
       if (here_[std::size_t(region)]) continue;

@@ -14,7 +14,7 @@ struct Columns {
 /// A row's positions along one axis of the image plane.
 class RowAxis {
  public:
-  /// `step`: from column to column.
+  /// `step`: distance from column to column.
   explicit RowAxis(double step) : inverse_(1 / step) {}
   void begin_row(double start) { start_ = start; }
   /// The columns among `columns` whose positions lie within [low, high].

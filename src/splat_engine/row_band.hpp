@@ -19,8 +19,8 @@
 
 namespace ringsplat {
 
-/// Which passes of a (region, slice) have a splat, a bit each (Neumann 1992, Fig. 3): for each row offset, by
-/// column offset.
+/// Passes of a (region, slice) that have a splat (Neumann 1992, Fig. 3): an element for each row offset, a
+/// bit for each column offset.
 using PassBits = std::array<std::uint16_t, 16>;
 
 struct RegionCounts {
@@ -28,53 +28,54 @@ struct RegionCounts {
   PassBits passes{};
 };
 
-/// A band of consecutive rows of a slice, encoded by one thread at a time: rows are classified, and each
-/// region's part is gathered by itself. The parts of all bands, one after another in the order of the rows,
-/// are what one band of all rows makes.
+/// A band of consecutive rows of a slice, encoded by one thread at a time. It classifies rows and collects a
+/// part for each region. A region's parts of all bands, in the order of rows, equal the part of a single band
+/// of all rows.
 class RowBand {
  public:
   /// `frame` must outlive it.
   explicit RowBand(const EncoderFrame& frame);
   virtual ~RowBand() = default;
 
-  /// Rows first … end − 1 of a slice with these visible voxels, which must stay valid until they are done.
+  /// Begins rows first … end − 1 of a slice. `visible` holds the slice's visible voxels and must outlive the
+  /// work.
   void begin(const SliceView& slice, VisibleVoxels& visible, int first, int end);
-  /// Encodes rows, but for voxels whose kernels lie outside the image, until so many visible, or so many
-  /// transparent, voxels are done; true once the band is complete. Adds what classifying and shading take to
-  /// `stages` unless that is null.
+  /// Encodes rows until `visible_at_most` visible voxels or `voxels_at_most` voxels are done; true once the
+  /// band is complete. Skips voxels whose kernels lie outside the image. Adds classify and shade seconds to
+  /// *stages unless null.
   bool work(int visible_at_most, int voxels_at_most, StageSeconds* stages);
 
   std::uint64_t visible_voxels() const { return visible_; }
-  /// Those that were not looked at, because they lie outside the image.
+  /// Voxels skipped because they lie outside the image.
   std::uint64_t voxels_outside() const { return outside_; }
   /// Regions with splats of the slice, in any order.
   std::span<const int> used_regions() const { return used_; }
   const RegionCounts& counts(int region) const { return counts_[std::size_t(region)]; }
   virtual std::size_t part_bytes(int region) const = 0;
-  /// Appends the region's parts of all the slice's `bands`, this one's kind, to a Renderer's payload and
-  /// empties them.
+  /// Appends the region's parts of all `bands` of the slice to a Renderer's payload and empties them. All
+  /// bands must be of this one's type.
   virtual void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) = 0;
   /// Forgets the slice's counts.
   void clear_counts();
 
  protected:
-  /// Puts the row's visible voxels, of which there are some, into their regions' parts. To begin with
-  /// begin_row() if it asks where voxels lie.
+  /// Puts the row's visible voxels (at least one) into their regions' parts. Call begin_row() before asking
+  /// for positions.
   virtual void encode_row(int row) = 0;
   void begin_row();
-  /// Of all voxels of rows first … end − 1, whose positions run straight, but for rounding. Leaves the row to
-  /// be begun again.
+  /// Window of all voxels of rows first … end − 1, from the corners: positions are linear, but for rounding.
+  /// Call begin_row() again afterwards.
   PixelWindow window_of_rows(int first, int end);
-  /// The band's last row, and one more.
+  /// One past the band's last row.
   int end() const { return end_; }
-  /// To be called by encode_row, once it has left out what it can.
+  /// encode_row() calls it once it has left out all voxels it can.
   void make_samples() {
     const OptionalSeconds timed(stages_ ? &stages_->shade : nullptr);
     rows_.make_samples();
   }
 
-  /// Counts splats of a region, of this row's voxels in those columns from `first` on that `mask` has; its
-  /// part becomes one of the slice's payloads.
+  /// Counts splats of a region: this row's voxels in columns first + k for each bit k of `mask`. Marks the
+  /// region as used by the slice.
   void count(int region, int first, std::uint64_t mask) {
     RegionCounts& counts = counts_[std::size_t(region)];
     if (counts.splats == 0) used_.push_back(region);
@@ -85,7 +86,8 @@ class RowBand {
       passes |= std::uint16_t(1U << (first + std::countr_zero(mask)) % stride_);
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
-  /// How much of the pixels (inclusive, on the screen) inside the region is opaque, as far as is known here.
+  /// How much of the window (inclusive, image-plane pixels) is opaque inside the region, as far as this GP
+  /// knows.
   OpaqueCover::Cover hidden(int region, const PixelWindow& window) const {
     if (!cover(region).worth_asking()) return OpaqueCover::Cover::none;
     const PixelRect& pixels = rect(region);
@@ -94,13 +96,12 @@ class RowBand {
   }
   const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }
-  /// Of a voxel of the row.
+  /// Window of the row's voxel in `column`.
   PixelWindow window_of(std::uint32_t column) const {
     const glm::dvec3 position = dda_.position(column);
     return pixel_window(anchor(position.x, position.y), reach_);
   }
-  /// Those of the row's columns whose windows can meet pixels [x0, x1) or [y0, y1); a few too many for
-  /// rounding.
+  /// Columns of the row whose windows can meet pixels [x0, x1) or [y0, y1); rounding may add a few.
   Columns reaching_x(double x0, double x1, Columns columns) const {
     return x_.within(x0 - beyond_.x, x1 + beyond_.x, columns);
   }
@@ -115,7 +116,7 @@ class RowBand {
 
  private:
   int find_row();
-  /// Those of the row's columns whose windows can meet the image.
+  /// Columns of the row whose windows can meet the image.
   Columns in_view(Columns all);
   bool is_all_in_view(int first, int end);
 
@@ -124,12 +125,12 @@ class RowBand {
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
   RowAxis x_, y_;
-  /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ beyond them; the rest is for
+  /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ outside them; plus a margin for
   /// rounding.
   glm::dvec2 beyond_;
   int row_ = 0, end_ = 0;
   bool row_begun_ = false;
-  bool all_in_view_ = false;  ///< of the slice's rows
+  bool all_in_view_ = false;  ///< all of the band's rows lie inside the image
   int row_offset_ = 0;        ///< within the stride
   std::uint64_t visible_ = 0, outside_ = 0;
   StageSeconds* stages_ = nullptr;

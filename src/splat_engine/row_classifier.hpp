@@ -5,27 +5,27 @@
 
 namespace ringsplat {
 
-/// The visible voxels of one frame's slices, row by row: first where they are, then, of those that are kept,
-/// their lit samples. Only these are read, but for a row's first time.
+/// Finds the visible voxels of one frame's slices row by row, then makes the lit samples of those that are
+/// kept. After a row's first search only kept voxels are read.
 class RowClassifier {
  public:
   /// `shading` must outlive it.
   explicit RowClassifier(const FrameShading& shading) : shading_(shading) {}
 
-  /// `visible`, the slice's, must stay valid until it is done.
+  /// `visible` belongs to the slice and must outlive the work on it.
   void begin(const SliceView& slice, VisibleVoxels& visible);
   const SliceView& slice() const { return slice_; }
 
-  /// Finds the visible voxels in columns of row `row` of the slice; returns how many. What follows speaks of
+  /// Finds the visible voxels in these columns of row `row`; returns how many. The functions below refer to
   /// this row.
   int find(int row, Columns columns);
-  /// Of the row, in other columns, where some may be visible.
+  /// Number of the row's voxels outside `columns` that may be visible.
   int voxels_outside(Columns columns) const;
-  /// Where they are, by ascending columns.
+  /// The visible voxels, by ascending columns.
   std::span<const VisibleBlock> blocks() const { return row_.blocks; }
-  /// Leaves those that `kept`, a mask for each block, has.
+  /// Keeps only the voxels in `kept`, a mask for each block.
   void keep(const std::vector<std::uint64_t>& kept) { row_.keep(kept); }
-  void make_samples();  ///< once, before they are asked for
+  void make_samples();  ///< call once before samples()
   /// Straight colours and corrected opacities.
   std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
 

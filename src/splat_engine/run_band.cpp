@@ -11,7 +11,7 @@
 namespace ringsplat {
 namespace {
 
-/// The voxels' places in the block that lie in these columns.
+/// Mask of the block's voxels that lie in these columns.
 std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
   constexpr std::uint64_t all = ~std::uint64_t{0};
   constexpr std::uint32_t width = 64;
@@ -20,19 +20,19 @@ std::uint64_t in_columns(const VisibleBlock& block, Columns columns) {
   return from < width && behind < width ? block.mask & all << from & all >> behind : 0;
 }
 
-/// Of the block's visible voxels, how many lie before place `bit`.
+/// How many of the block's visible voxels lie before bit `bit`.
 std::uint32_t voxels_before(const VisibleBlock& block, int bit) {
   return std::uint32_t(std::popcount(block.mask & ((std::uint64_t{1} << bit) - 1)));
 }
 
-/// Runs of voxels: positions follow from the view and are found again by the Renderer.
+/// Encodes runs of voxels without positions: the Renderer computes these from the view.
 template <class Voxel>
 class RunBand final : public RowBand {
  public:
   explicit RunBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
 
  private:
-  /// Written whole right after it grows.
+  /// Not zeroed when it grows, since all of it is written right after.
   template <class T>
   using Buffer = std::vector<T, UninitialisedAllocator<T>>;
   struct Part {
@@ -47,11 +47,11 @@ class RunBand final : public RowBand {
     std::uint64_t mask;
   };
 
-  /// Some of a slice's rows that lie together.
+  /// Consecutive rows of a slice.
   struct Rows {
     int slice = -1, first = 0, end = 0;
-    int region = none;                                     ///< that takes all their voxels, if one does
-    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;  ///< of what they cover there
+    int region = none;                                     ///< the one that takes all their voxels, if any
+    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;  ///< how much of their window is opaque there
     static constexpr int none = -1;
     bool has(int of_slice, int row) const { return of_slice == slice && row >= first && row < end; }
   };
@@ -75,7 +75,7 @@ class RunBand final : public RowBand {
       append_pieces(row);
   }
 
-  /// Few enough to lie in one region, and enough to be worth asking for once.
+  /// The rows from `row` on that share one test: few enough to lie in one region, enough to be worth it.
   Rows rows_from(int row) {
     constexpr int most = 8;
     Rows rows{rows_.slice().index, row, std::min(row + most, end())};
@@ -88,7 +88,7 @@ class RunBand final : public RowBand {
     return rows;
   }
 
-  /// All the row's voxels go to the region.
+  /// Appends all the row's voxels to the region's part.
   void append_row(int region, int row) {
     make_samples();
     const auto samples = rows_.samples();
@@ -115,7 +115,7 @@ class RunBand final : public RowBand {
     }
   }
 
-  /// From the first to the last visible one.
+  /// Columns from the row's first to its last visible voxel.
   Columns all_columns() const {
     const VisibleBlock &front = rows_.blocks().front(), &back = rows_.blocks().back();
     return {front.first + std::uint32_t(std::countr_zero(front.mask)),
@@ -135,7 +135,7 @@ class RunBand final : public RowBand {
     }
   }
 
-  /// The row's visible voxels whose windows can meet the region. A voxel too many is clipped by the painter.
+  /// Finds the row's visible voxels whose windows can meet the region. The painter clips any extra voxel.
   void find_pieces_of(int region, Columns columns) {
     const PixelRect& pixels = rect(region);
     columns = reaching_x(pixels.x0, pixels.x1, columns);
@@ -151,7 +151,8 @@ class RunBand final : public RowBand {
     }
   }
 
-  /// What no region gets is not shaded. Pieces then speak of the blocks that are left.
+  /// Drops voxels that go to no region, so that they are not shaded. Renumbers the pieces' blocks to those
+  /// that are left.
   void leave_out_unsent() {
     const std::size_t blocks = rows_.blocks().size();
     sent_.assign(blocks, 0);
@@ -164,11 +165,11 @@ class RunBand final : public RowBand {
     for (Piece& piece : pieces_) piece.block = left_[piece.block];
   }
 
-  /// Of the voxels in columns first … last: positions run straight.
+  /// Window of the voxels in columns first … last; positions are linear.
   PixelWindow window_of(std::uint32_t first, std::uint32_t last) const {
     return hull(RowBand::window_of(first), RowBand::window_of(last));
   }
-  /// Of the windows of the voxels in columns first … last, whose positions run straight; wider by a rounding.
+  /// How much of the window of the voxels in columns first … last is opaque; wider by a rounding error.
   OpaqueCover::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
     constexpr double rounding = 1e-6;
     const PixelRect& pixels = rect(region);
@@ -180,14 +181,14 @@ class RunBand final : public RowBand {
                             std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
   }
 
-  /// Those of the row's voxels in columns from `first` on that are not hidden.
+  /// Those voxels of `mask` (bit k: column first + k) that are not hidden.
   std::uint64_t seen_of(int region, std::uint32_t first, std::uint64_t mask) const {
     std::uint64_t seen = 0;
     for_each_bit_run(mask,
                      [&](int begin, int count) { seen |= seen_of_run(region, first, begin, begin + count); });
     return seen;
   }
-  /// Of a run's places begin … end − 1. Halves what is hidden in part only.
+  /// The same for the run of bits begin … end − 1. Halves a run that is partly hidden.
   std::uint64_t seen_of_run(int region, std::uint32_t first, int begin, int end) const {
     const OpaqueCover::Cover hidden =
         cover_of(region, first + std::uint32_t(begin), first + std::uint32_t(end - 1));
@@ -216,7 +217,7 @@ class RunBand final : public RowBand {
     }
     while (mask != 0) {
       const int begin = std::countr_zero(mask);
-      // What the row has between two of its visible voxels does not part them.
+      // Transparent voxels between two visible ones do not split a copy: samples are packed.
       const std::uint64_t gone = block.mask & ~mask & ~std::uint64_t{0} << begin;
       const int end = gone == 0 ? 64 : std::countr_zero(gone);
       const std::uint64_t here = end == 64 ? mask : mask & ((std::uint64_t{1} << end) - 1);
@@ -225,7 +226,7 @@ class RunBand final : public RowBand {
     }
   }
 
-  /// The part takes the row's voxels first … first + count − 1.
+  /// Gives the row's packed voxels first … first + count − 1 to the region's part.
   void keep(int region, std::uint32_t first, std::uint32_t count) {
     if (first != kept_end_) {
       copy_kept(region);
@@ -273,11 +274,11 @@ class RunBand final : public RowBand {
   Rows together_;
   std::vector<Part> parts_;          ///< by region
   std::vector<Piece> pieces_;        ///< of the row, region by region
-  std::vector<std::uint64_t> sent_;  ///< by block: the voxels that any region gets
-  std::vector<std::size_t> left_;    ///< by block: how many before it have such voxels
+  std::vector<std::uint64_t> sent_;  ///< by block: voxels that some region gets
+  std::vector<std::size_t> left_;    ///< by block: how many blocks before it have such voxels
   Buffer<Voxel> packed_;             ///< the row's voxels
   std::uint32_t kept_begin_ = 0,
-                kept_end_ = 0;  ///< of packed_, those that are still to be copied to a part
+                kept_end_ = 0;  ///< range of packed_ still to be copied to a part
 };
 
 }  // namespace

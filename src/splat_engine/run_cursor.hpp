@@ -14,15 +14,15 @@
 
 namespace ringsplat {
 
-/// Splits a payload of runs into parts, and goes through a part of it block by block or run by run.
+/// Splits a payload of runs into parts, and steps through a part block by block or run by run.
 template <class Voxel>
 class RunCursor {
  public:
-  /// `width`, `height`: of the slice, in voxels.
+  /// `width`, `height`: the slice's size in voxels.
   RunCursor(int width, int height) : width_(std::uint32_t(width)), height_(std::uint32_t(height)) {}
 
-  /// Throws RunError unless `body` is a payload of runs in such a slice, for regions in ascending order of
-  /// which `owned` is true.
+  /// Throws RunError unless `body` is a payload of runs in such a slice, for regions in ascending order whose
+  /// `owned` is true.
   std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                  const std::function<bool(int)>& owned) const {
     std::vector<PayloadPart> parts;
@@ -55,11 +55,11 @@ class RunCursor {
     return take(body_, at_, block_);
   }
 
-  /// The part's blocks to which find() has not gone yet.
+  /// The part's blocks that find() has not reached.
   VoxelBlocks<Voxel> blocks_left() const {
     return {body_.data() + at_, blocks_left_, reinterpret_cast<const Voxel*>(body_.data() + voxel_at_)};
   }
-  /// `voxels`: how many voxels those blocks have.
+  /// Skips `blocks` blocks that have `voxels` voxels in all.
   void skip_blocks(std::uint32_t blocks, std::uint64_t voxels) {
     blocks_left_ -= blocks;
     at_ += blocks * sizeof(VoxelBlock);
@@ -67,7 +67,7 @@ class RunCursor {
   }
 
   std::uint32_t row() const { return block_.row; }
-  /// Column of the first of the block's voxels that are left, and how many follow each other from there.
+  /// Column of the block's first voxel that is left, and the length of the run from there.
   std::uint32_t first() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
   std::uint32_t count() const {
     return std::uint32_t(std::countr_one(block_.mask >> std::countr_zero(block_.mask)));
@@ -103,7 +103,7 @@ class RunCursor {
 
   std::uint32_t width_, height_;
   std::span<const std::byte> body_;    ///< of the part
-  std::size_t at_ = 0, voxel_at_ = 0;  ///< bytes into it: the next block, the next voxel
+  std::size_t at_ = 0, voxel_at_ = 0;  ///< byte offsets of the next block and the next voxel
   std::uint32_t blocks_left_ = 0;
   VoxelBlock block_{};
 };

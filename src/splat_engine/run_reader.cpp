@@ -13,7 +13,7 @@
 namespace ringsplat {
 namespace {
 
-/// Makes splats of runs: the same ones that the GP would have made of the voxels.
+/// Makes splats from runs: the same splats that the GP would make from the voxels.
 template <class Voxel>
 class RunReader final : public PayloadReader {
  public:
@@ -60,7 +60,8 @@ class RunReader final : public PayloadReader {
   SliceSum& sum() override { return sum_; }
 
  private:
-  /// Places the 64 columns round the run's next voxel unless that is done: a row has several short runs.
+  /// Computes positions for the 64 columns around the run's next voxel, unless known: a row has several short
+  /// runs.
   void place_block() {
     if (std::exchange(row_, cursor_.row()) != cursor_.row()) {
       dda_.begin_row(slice_, int(cursor_.row()));
@@ -74,8 +75,8 @@ class RunReader final : public PayloadReader {
 
   /// Appends at most `wanted` of the run's voxels. Returns false when the next one needs another base.
   ///
-  /// Bases are 256 pixels apart, and the first lies before the region's corner by the kernels' reach, so that
-  /// regions of up to 250 pixels need only one.
+  /// Bases are 256 pixels apart; the first lies the kernels' reach before the region's corner, so regions of
+  /// up to 250 pixels need only one.
   bool append_splats(std::uint32_t wanted) {
     place_block();
     const std::uint32_t first = cursor_.first() - placed_,
@@ -117,15 +118,15 @@ class RunReader final : public PayloadReader {
   std::uint32_t width_;
   RunCursor<Voxel> cursor_;
   SliceDda dda_;
-  int slice_ = -1;                            ///< in which the DDA is
-  std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< where the bases' lattice begins
+  int slice_ = -1;                            ///< the DDA's slice
+  std::int64_t corner_x_ = 0, corner_y_ = 0;  ///< origin of the bases
   static constexpr std::uint32_t nothing = ~0U;
-  std::uint32_t row_ = nothing;     ///< of the slice, at which the DDA is
+  std::uint32_t row_ = nothing;     ///< the DDA's row in the slice
   std::uint32_t placed_ = nothing;  ///< first of the columns in places_
   RunPlaces places_;
-  std::int32_t base_x_ = 0, base_y_ = 0;  ///< of the splats, from the corner
+  std::int32_t base_x_ = 0, base_y_ = 0;  ///< base of the splats, from the corner
   std::vector<Splat> splats_;
-  std::uint64_t filled_ = 0;      ///< of splats_
+  std::uint64_t filled_ = 0;      ///< how many of splats_ are filled
   std::uint64_t off_screen_ = 0;  ///< voxels too far from the region to reach it
 };
 

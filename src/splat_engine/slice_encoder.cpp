@@ -20,8 +20,8 @@
 namespace ringsplat {
 namespace {
 
-/// Encodes slices in bands of rows, one for each thread. Payloads are the bands' parts in the order of the
-/// rows, so they do not tell how many bands there were.
+/// Encodes slices in bands of rows, one for each thread. Payloads join the bands' parts in the order of rows,
+/// so their bytes do not depend on the number of bands.
 class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(std::shared_ptr<const SplatFrame> frame, int renderers, const SliceStore& store,
@@ -117,15 +117,15 @@ class SliceEncoder final : public Encoder {
   std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 
  private:
-  /// What a band's last piece of work was. Written by one thread each.
+  /// A band's last piece of work; each is written by one thread.
   struct alignas(64) Piece {
     bool complete = false;
     double busy = 0;
     StageSeconds stages;
   };
 
-  /// Bounded by what costs: visible voxels, or many transparent ones. Messages wait for the end of a piece,
-  /// and threads that share it for each other.
+  /// Encodes a piece of a band, limited by its cost: visible voxels, or many transparent ones. Messages wait
+  /// for the end of a piece, and so do the other threads.
   void encode_some(std::size_t band) {
     Piece& piece = pieces_[band];
     if (piece.complete) return;
@@ -149,14 +149,14 @@ class SliceEncoder final : public Encoder {
 
   const FrameGeometry& geometry() const { return announced_->geometry; }
   int slice_at(int step) const { return geometry().traversal.slice_at(step, geometry().slices); }
-  /// Of a region that a voxel reaches.
+  /// The Renderer of a region that voxels can reach.
   std::size_t owner_of(int region) const {
     return std::size_t(announced_->plan.tiles[std::size_t(region)].renderer);
   }
 
   std::span<const std::unique_ptr<RowBand>> bands() const { return std::span(bands_).first(bands_in_use_); }
 
-  /// Ascending, as payloads have them.
+  /// Ascending, the order in payloads.
   std::vector<int> used_regions() const {
     std::vector<int> regions;
     for (const auto& band : bands())
@@ -173,7 +173,7 @@ class SliceEncoder final : public Encoder {
     return sizes;
   }
 
-  /// A pass that has splats in several bands is one pass.
+  /// Sum over bands; a pass with splats in several bands counts once.
   RegionCounts counts_of(int region) const {
     RegionCounts sum;
     for (const auto& band : bands()) {
@@ -187,7 +187,7 @@ class SliceEncoder final : public Encoder {
 
   std::shared_ptr<const SplatFrame> announced_;
   const SliceStore& whole_store_;
-  const SliceStore& store_;  ///< of the frame's level
+  const SliceStore& store_;  ///< the frame's level
   EmptySpace& empty_space_;
   ThreadTeam& threads_;
   bool skip_empty_, timed_;
@@ -195,7 +195,7 @@ class SliceEncoder final : public Encoder {
   std::optional<EncoderFrame> frame_;  ///< made for the first slice: a GP may have none
   std::uint64_t voxels_ = 0;           ///< of the slice
   std::vector<std::unique_ptr<RowBand>> bands_;
-  std::size_t bands_in_use_ = 0;  ///< by this slice, in the order of its rows
+  std::size_t bands_in_use_ = 0;  ///< how many bands the slice uses, in the order of its rows
   std::vector<Piece> pieces_;     ///< by band in use
   StageSeconds stages_;
 };

@@ -12,7 +12,7 @@
 namespace ringsplat {
 namespace {
 
-/// Another rank made it: what cannot be is no bad input of this one.
+/// Throws RunError, not InputError: another rank made the announcement.
 std::shared_ptr<const SplatFrame> announced_frame(const Announcement& a, const EngineSetup& setup) {
   const FrameSpec spec = decode_frame_spec(a.body);
   if (spec.frame != a.frame)
@@ -52,7 +52,7 @@ class SplatEngine final : public Engine {
   }
 
  private:
-  /// The nodes of a rank ask for the same few frames.
+  /// The rank's nodes share the few frames in flight.
   std::shared_ptr<const SplatFrame> frame(const Announcement& a) {
     for (const auto& known : frames_)
       if (known->number == a.frame) return known;

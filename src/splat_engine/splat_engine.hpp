@@ -11,8 +11,8 @@ namespace ringsplat {
 class EmptySpace;
 
 /// A GP's encoder for one frame. `store`, `empty_space` and `threads` must outlive it; `empty_space` is kept
-/// from frame to frame, one for each level of the store; for `skip_empty` and `timed` see EngineSetup. The
-/// payloads are the same bytes with any number of threads. Throws RunError when the slices that the frame
+/// from frame to frame, one for each level of the store. EngineSetup explains `skip_empty` and `timed`.
+/// Payloads have the same bytes with any number of threads. Throws RunError when the slices that the frame
 /// traverses were not loaded.
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
                                             const SliceStore& store, EmptySpace& empty_space,
@@ -21,13 +21,13 @@ std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> fr
 /// A Renderer's painter, which keeps its buffers from frame to frame.
 class FramePainter : public Painter {
  public:
-  /// Forgets the last image.
+  /// Clears the image.
   virtual void begin_frame(std::shared_ptr<const SplatFrame> frame) = 0;
 };
 /// `threads` must outlive it; the image has the same bits with any number of them.
 std::unique_ptr<FramePainter> make_splat_painter(int renderer, int renderers, ThreadTeam& threads);
 
-/// Tiles into the picture, by a warp where the image plane is not the screen.
+/// Puts tiles into the picture, by a warp where the image plane is not the screen.
 std::unique_ptr<Canvas> make_picture_canvas(std::shared_ptr<const SplatFrame> frame, TakePicture take);
 
 /// The paper's engine for one rank.

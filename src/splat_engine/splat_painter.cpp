@@ -30,7 +30,7 @@ class SplatPainter final : public FramePainter {
       : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
-    // They refer to the frame before, and leave their memory to the next.
+    // Readers refer to the last frame; their memory goes on to the next.
     for (Lane& lane : lanes_) lane.reader.reset();
     const bool as_before = frame_ && same_regions(frame_->geometry, frame->geometry);
     frame_ = std::move(frame);
@@ -65,12 +65,11 @@ class SplatPainter final : public FramePainter {
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     voxel_ = voxel_of_slice();
     next_part_ = 0;
-    // Waking a thread takes as long as some hundred splats.
+    // Waking a thread costs as much as some hundred splats.
     constexpr std::size_t bytes_worth_a_thread = 4096;
     lanes_in_use_ = int(std::clamp(std::min(parts_.size(), body.size() / bytes_worth_a_thread),
                                    std::size_t{1}, lanes_.size()));
-    // Regions may be drawn in any order; when the largest are drawn first, threads finish at about the same
-    // time.
+    // Largest regions first, so that threads finish at about the same time; any order is correct.
     if (lanes_in_use_ > 1)
       std::sort(parts_.begin(), parts_.end(),
                 [](const auto& one, const auto& other) { return one.bytes.size() > other.bytes.size(); });
@@ -130,14 +129,14 @@ class SplatPainter final : public FramePainter {
   struct alignas(64) Lane {
     SliceBufferMemory memory;
     std::unique_ptr<PayloadReader> reader;  ///< sums in the memory
-    bool drawing = false;                   ///< a part that is not complete yet
-    ItemCounts counts;                      ///< and seconds, since work() last collected them
+    bool drawing = false;                   ///< its part is not complete yet
+    ItemCounts counts;                      ///< counts and seconds since work() last collected them
     double busy = 0, compositing = 0;
   };
 
-  /// Draws part after part. One lane draws all of a part, so its splats keep their order.
+  /// Draws parts. One lane draws a whole part, so its splats keep their order.
   void draw_some(Lane& lane) {
-    // Few enough: messages wait until work() returns, and threads wait for each other.
+    // Small, because messages wait until work() returns, and threads wait for each other.
     const std::int64_t splats_at_most = lanes_in_use_ > 1 ? 4096 : 1024, chunk_splats = 512;
     const OptionalSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
     for (std::int64_t budget = splats_at_most; budget > 0;) {
@@ -193,7 +192,7 @@ class SplatPainter final : public FramePainter {
     }
   }
 
-  /// Where a voxel of the slice lies in the image plane.
+  /// Position of one of the slice's voxels in the image plane.
   glm::dvec2 voxel_of_slice() const {
     glm::dvec3 voxel(0.0);
     voxel[static_cast<int>(geometry().traversal.axis)] = slice_;
@@ -203,18 +202,19 @@ class SplatPainter final : public FramePainter {
   int renderer_, renderers_;
   std::shared_ptr<const SplatFrame> frame_;
   static constexpr std::size_t not_owned = ~std::size_t{0};
-  std::vector<int> owned_;                   ///< regions, ascending
+  std::vector<int> owned_;                   ///< owned regions, ascending
   std::vector<RegionImage> images_;          ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into images_
   RegionSize largest_region_;                ///< of those owned
   ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
-  int lanes_in_use_ = 1;     ///< for this payload
+  int lanes_in_use_ = 1;     ///< lanes that this payload uses
   std::vector<PayloadPart> parts_;
   std::atomic<std::size_t> next_part_ = 0;
   int slice_ = 0;
-  glm::dvec2 voxel_{0.0};                 ///< where one of the slice lies in the image plane
-  std::map<int, std::vector<int>> told_;  ///< by GP: opaque tiles of each owned region that it knows
+  glm::dvec2 voxel_{0.0};  ///< position of one of the slice's voxels in the image plane
+  /// By GP: for each owned region, the opaque tiles that the GP knows.
+  std::map<int, std::vector<int>> told_;
   ItemCounts counts_;
   double composite_seconds_ = 0;
 };

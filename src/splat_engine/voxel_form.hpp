@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// Makes a `Made` for the kind of voxel in which runs of this precision travel.
+/// Makes a Made<Voxel> for the voxel type of runs of this precision.
 template <class Base, template <class Voxel> class Made, class... Arguments>
 std::unique_ptr<Base> make_for_voxels(Precision precision, const Arguments&... arguments) {
   switch (precision) {

@@ -3,9 +3,9 @@
 
 namespace ringsplat {
 
-/// What of a piece's `wall` seconds goes to a part of it, when its threads were busy for `busy` seconds in
-/// sum and spent `part` of them on it. So a node's seconds add up to what the clock on the wall says, however
-/// many threads it has.
+/// Share of a piece's `wall` seconds for one part of its work: its threads were busy for `busy` seconds in
+/// sum, `part` of them on that part. So a node's seconds add up to wall-clock time with any number of
+/// threads.
 inline double wall_share(double wall, double part, double busy) {
   return busy > 0 ? wall * std::min(part / busy, 1.0) : 0.0;
 }

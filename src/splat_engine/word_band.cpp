@@ -7,11 +7,11 @@
 namespace ringsplat {
 namespace {
 
-/// One region's splats of a slice as they travel: groups of a head and its splats.
+/// One region's splats of a slice in wire format: groups of a head and its splats.
 struct WordPart {
   Bytes bytes;
   std::size_t size = 0;   ///< bytes in use; `bytes` only grows
-  std::size_t group = 0;  ///< where the open group's head is
+  std::size_t group = 0;  ///< offset of the open group's head
   SplatGroup head{};
 
   std::byte* grow(std::size_t count) {
@@ -39,8 +39,8 @@ class WordBand final : public RowBand {
         place(int(block.first) + std::countr_zero(mask), *sample++);
   }
 
-  /// Makes the voxel's splat and puts it into every region its kernel reaches (one, two or four of them, more
-  /// when kernels are larger than regions).
+  /// Makes the voxel's splat and puts it into every region its kernel reaches: one, two or four; more when
+  /// kernels are larger than regions.
   void place(int column, const ClassifiedSample& sample) {
     const glm::dvec3 position = dda_.position(std::uint32_t(column));
     const Anchored at = anchor(position.x, position.y);
@@ -76,8 +76,8 @@ class WordBand final : public RowBand {
     count(region, column, 1);
   }
 
-  /// A base before the region's corner by the kernel's reach holds all anchors of a region of up to 250
-  /// pixels in one group; further ones count from a lattice of 256 pixels that starts there.
+  /// The first base lies the kernel's reach before the region's corner, so one group holds all anchors of a
+  /// region of up to 250 pixels. Further bases follow every 256 pixels.
   void open_group(int region, const Anchored& at) {
     WordPart& part = parts_[std::size_t(region)];
     if (used(region)) part.close_group();
@@ -94,7 +94,7 @@ class WordBand final : public RowBand {
   std::size_t part_bytes(int region) const override { return parts_[std::size_t(region)].size; }
 
   void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
-    std::size_t open = 0;  // where the payload's last group of the region begins; behind the message's header
+    std::size_t open = 0;  // offset of the region's last group; 0, where the header is: none
     for (const auto& band : bands) {
       auto& self = static_cast<WordBand&>(*band);
       if (!self.used(region)) continue;
@@ -104,8 +104,7 @@ class WordBand final : public RowBand {
     }
   }
 
-  /// A base follows from the anchor alone, so a group that goes on in the next rows' part goes on in the same
-  /// group.
+  /// Bases depend on anchors alone, so a group that continues in the next band's part is joined.
   static void append_part(WordPart& part, Bytes& payload, std::size_t& open) {
     SplatGroup first;
     std::memcpy(&first, part.bytes.data(), sizeof first);
@@ -129,7 +128,7 @@ class WordBand final : public RowBand {
 
   const Footprint& footprint_;
   std::vector<WordPart> parts_;  ///< by region
-  PixelRect inside_{};           ///< the region of the last splat: most voxels stay in it
+  PixelRect inside_{};           ///< the last splat's region: the next voxel's is mostly the same
   int inside_region_ = 0;
 };
 

@@ -62,7 +62,7 @@ class WordReader final : public PayloadReader {
   std::span<const std::byte> body_;  ///< of the part
   std::size_t at_ = 0;
   SplatGroup group_{};
-  std::uint32_t left_ = 0;  ///< splats of the group
+  std::uint32_t left_ = 0;  ///< splats left in the group
 };
 
 }  // namespace

@@ -21,11 +21,13 @@ enum class Shading { none, phong };
 /// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
 /// follow from the view.
 enum class PayloadForm { words, runs };
-/// Of colours and opacities in runs: 10, 8 or 4 bytes a voxel. float32 draws the same bits as words.
+/// Precision of colours and opacities in runs: 10, 8 or 4 bytes a voxel. float32 draws the same bits as
+/// words.
 enum class Precision { float32, half, u8 };
 
 /// Where Renderers' regions lie: on the screen, as in the paper; or in the plane of the traversed slices,
-/// sheared along the rays, of which the frame buffer makes the picture by one warp (Lacroute and Levoy 1994).
+/// sheared along the rays; the frame buffer then warps that image once into the picture (Lacroute and Levoy
+/// 1994).
 enum class ImagePlane { screen, slices };
 std::string name(ImagePlane plane);
 
@@ -38,9 +40,9 @@ struct Shown {
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
   bool opacity_correction = true;
-  /// A pixel with less transmittance takes nothing more; 0: all slices are composited.
+  /// Pixels with less transmittance are final. 0: all slices are composited.
   double opaque_threshold = 1.0 / 512;
-  Reduction reduction;  ///< of the volume; opacities are corrected for the larger voxels
+  Reduction reduction;  ///< reduces the volume; opacities are corrected for the larger voxels
   bool operator==(const Shown&) const = default;
 };
 
@@ -48,7 +50,7 @@ struct Shown {
 struct Splats {
   static constexpr const char* name = "splats";
   ImagePlane image_plane = ImagePlane::screen;
-  int plane_samples = 1;       ///< in the slices' plane: pixels a voxel along either axis, at most
+  int plane_samples = 1;       ///< in the slices' plane: most pixels a voxel along either axis
   double kernel_radius = 1.6;  ///< in lattice distances
   KernelOptions kernel;
   PayloadForm payload = PayloadForm::runs;
@@ -62,10 +64,10 @@ const char* name(const Method& method);
 
 /// How Renderers share the image plane; never changes a bit of the picture.
 struct Division {
-  /// Of a region's side, in pixels of the image plane. 0: on the screen 128, or 64 or 32 where the volume
-  /// covers too few of those for the Renderers; in the slices' plane strips.
+  /// A region's side, in pixels of the image plane. 0 chooses: on the screen 128, or 64 or 32 where the
+  /// volume covers too few such regions for the Renderers; in the slices' plane strips.
   int region_size = 0;
-  int dealt_to = 0;  ///< how many Renderers get regions; 0: rank 0 puts in how many there are
+  int dealt_to = 0;  ///< how many Renderers get regions; 0: rank 0 fills in their number
   bool operator==(const Division&) const = default;
 };
 
@@ -77,7 +79,7 @@ struct FrameSpec {
   Division division;
   bool operator==(const FrameSpec&) const = default;
 
-  /// The options of a method that is known to be this frame's; throws std::bad_variant_access otherwise.
+  /// The options of method How; throws std::bad_variant_access when the frame uses another.
   template <class How>
   How& as() {
     return std::get<How>(how);
@@ -88,12 +90,12 @@ struct FrameSpec {
   }
 };
 
-/// Throws InputError naming the option: sizes, radius, camera, transfer function, light of length zero, a
-/// threshold outside [0, 1), words with less than float precision.
+/// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
+/// zero, a threshold outside [0, 1), words with less than float precision.
 void check(const FrameSpec& spec);
 
-/// Exact bytes and back, for ranks of one build; throws RunError when they are no FrameSpec. Whether it makes
-/// sense is check()'s to say.
+/// Exact bytes and back, for ranks of one build. decode_frame_spec() throws RunError when they are no
+/// FrameSpec; check() tells whether its values make sense.
 Bytes encode(const FrameSpec& spec);
 FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
 /// The name of an encoded frame's method.

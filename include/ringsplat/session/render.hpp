@@ -21,21 +21,21 @@ struct Wiring {
   LoopbackOptions loopback = {};
 };
 
-/// What is different when a run is about time or counts, not about pictures (docs/simulation.md).
+/// Options of runs that measure time or counts instead of making pictures (docs/simulation.md).
 struct SimulationOptions {
-  std::optional<Machine> machine;  ///< whose costs the nodes charge to the simulated clock
+  std::optional<Machine> machine;  ///< nodes charge its costs to the simulated clock
   bool count_only = false;  ///< payloads have their true size but carry only counts, and nothing is drawn
-  double voxel_weight = 1;  ///< with count_only: so many voxels of a slice for which each voxel stands
-  double step_seconds = 0;  ///< above 0: payloads and tokens move in step, one step in so many seconds
+  double voxel_weight = 1;  ///< with count_only: voxels of a slice that each voxel stands for
+  double step_seconds = 0;  ///< seconds a lock step of payloads and tokens; 0: no lock step
 };
 
-/// How a node does its work; none of it changes a picture, but that count_only makes none.
+/// How a node does its work. No option changes a picture; count_only makes none.
 struct EngineOptions {
-  int threads_per_rank = 1;  ///< that share a node's work; they never call MPI
+  int threads_per_rank = 1;  ///< threads that share a node's work; they never call MPI
   SimulationOptions simulation = {};
 };
 
-/// Throws InputError naming the option when no machine has so many cores.
+/// Throws InputError that names the option when it asks for more threads than any machine has cores.
 void check(const EngineOptions& options);
 
 /// One image of a volume in memory, for programs that use Ringsplat as a library. `voxels` (grid.bytes()

@@ -24,7 +24,7 @@ struct Interval {
 struct LinkUse {
   long payloads = 0, overlaps = 0;
   double bytes = 0, busy = 0;
-  std::vector<Interval> open;  ///< that may still overlap what starts now
+  std::vector<Interval> open;  ///< intervals that may still overlap a transfer that starts now
 
   void add(const Transfer& transfer) {
     const Interval here{transfer.start + transfer.latency, transfer.start + transfer.alone()};
@@ -76,13 +76,13 @@ void watch_links(s4u::NetZone* zone, double speedup, MonitorFiles files) {
       [log, speedup](double bytes, const s4u::Host*, const s4u::Host*, const std::vector<s4u::Link*>& links,
                      const std::unordered_set<s4u::NetZone*>&) {
         const Transfer& transfer = log->started(s4u::Engine::get_clock(), bytes, links);
-        // Ranks of one host may have no latency between them, and no traffic that anything waits for.
+        // Ranks of one host may have no latency between them; nothing waits for their traffic.
         return speedup > 1 && transfer.latency > 0 ? transfer.alone() / transfer.latency : 1.0;
       });
   using simgrid::kernel::resource::Action;
   s4u::Link::on_communication_state_change_cb(
       [log](simgrid::kernel::resource::NetworkAction& transfer, Action::State) {
-        // SimGrid installs no more of this class than its name; its first and only base is Action.
+        // SimGrid installs only a forward declaration of this class; its only base is Action.
         const auto& action = reinterpret_cast<const Action&>(transfer);
         if (action.get_state() == Action::State::FINISHED) log->ended(action);
       });

@@ -28,7 +28,7 @@ void copy(smx_activity_t transfer, void* buffer, std::size_t size) {
   }
   if (payload && payload_callback()) payload_callback()(size);
   const std::size_t said = payload && header.counted != 0 ? std::min(size, counted_bytes) : size;
-  // SimGrid declares the same thing by two names and installs neither type.
+  // SimGrid declares the same type under two names and installs neither.
   smpi_comm_copy_buffer_callback(reinterpret_cast<simgrid::kernel::activity::CommImpl*>(transfer), buffer,
                                  said);
 }

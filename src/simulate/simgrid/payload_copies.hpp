@@ -4,13 +4,12 @@
 
 namespace ringsplat::simgrid_platform {
 
-/// Lets SimGrid copy no more than the first bytes of payloads that only count (Header::counted), whose true
-/// size it still charges. Without that, a large volume's frame moves hundreds of gigabytes through this
-/// machine's memory.
+/// Makes SimGrid copy only the first bytes of payloads that only count (Header::counted); it still charges
+/// their true size. Otherwise a large volume's frame moves hundreds of gigabytes through this machine's
+/// memory.
 void copy_only_what_counts();
 
-/// Has `callback` called with a payload's bytes when SimGrid copies it to its receiver, which is when it has
-/// arrived.
+/// Calls `callback` with a payload's size when it arrives: when SimGrid copies it to its receiver.
 void on_payload_copied(std::function<void(std::size_t bytes)> callback);
 
 }  // namespace ringsplat::simgrid_platform

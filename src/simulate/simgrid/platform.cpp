@@ -1,5 +1,5 @@
 // A SimGrid platform made from a machine of mpi_configs/machines, for smpirun -platform. scripts/simulate.sh
-// says by environment variables which machine, how many ranks and, of a mesh, which layout.
+// sets the machine, the number of ranks and a mesh's layout by environment variables.
 #include <fmt/format.h>
 #include <simgrid/s4u.hpp>
 
@@ -20,12 +20,12 @@ namespace {
 
 namespace s4u = simgrid::s4u;
 
-/// Of a core. Charges are seconds, so the number is of no consequence.
+/// Speed of a core. Any number does, since charges are in seconds.
 constexpr double speed = 1e9;
 constexpr double no_limit = 1e15;
-/// On uncontended links: times the described bandwidth, so that no transfer slows another one. What a
-/// transfer takes alone is then made a latency of its own (watch_links). SimGrid's links of unshared
-/// bandwidth will not do: there a transfer with a longer way gets less when it meets one with a shorter way.
+/// Bandwidth factor of uncontended links, so large that no transfer slows another. watch_links() then adds
+/// the time a transfer takes alone as latency. SimGrid's links of unshared bandwidth will not do: there a
+/// transfer on a longer route gets less when it meets one on a shorter route.
 constexpr double ample = 1e9;
 
 std::string setting(const char* name) {
@@ -185,7 +185,7 @@ s4u::NetZone* make_zone(const Job& job) {
 }  // namespace
 }  // namespace ringsplat::simgrid_platform
 
-/// SimGrid's way into a platform that is a shared object.
+/// Entry point that SimGrid calls in a platform's shared object.
 extern "C" void load_platform(const simgrid::s4u::Engine&);
 void load_platform(const simgrid::s4u::Engine&) {
   using namespace ringsplat::simgrid_platform;

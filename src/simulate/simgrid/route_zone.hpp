@@ -11,8 +11,8 @@ namespace ringsplat::simgrid_platform {
 
 using Links = std::vector<simgrid::s4u::Link*>;
 
-/// Hosts n0, n1, ... and a function that names the links of the way from one to another. SimGrid's own zones
-/// know no mesh whose messages turn once.
+/// Hosts n0, n1, ... and a function that lists the links from one to another. SimGrid has no zone for a mesh
+/// whose messages turn once.
 class RouteZone final : public simgrid::kernel::routing::NetZoneImpl {
  public:
   using Way = std::function<Links(int from, int to)>;

@@ -8,25 +8,25 @@
 
 namespace ringsplat::simgrid_platform {
 
-/// Seconds of the simulated clock.
+/// One transfer; times are seconds of the simulated clock.
 struct Transfer {
   double start = 0;
   double bytes = 0;
-  double latency = 0;    ///< of all links
-  double bandwidth = 0;  ///< of the slowest
+  double latency = 0;    ///< sum over the links
+  double bandwidth = 0;  ///< of the slowest link
   std::vector<simgrid::s4u::Link*> links;
   double taken = 0;  ///< from start to end; 0 while it is under way
   bool payload = false;
 
-  double alone() const { return latency + bytes / bandwidth; }  ///< taken when it meets no other
+  double alone() const { return latency + bytes / bandwidth; }  ///< seconds without other traffic
   double waited() const { return taken - alone(); }
 };
 
-/// Which transfers there were, how long they took, and which of them carried payloads.
+/// All transfers: how long they took, and which of them carried payloads.
 ///
-/// SimGrid tells these things one by one: of a transfer's begin its links, of its end its begin and size, and
-/// of what it copies to the receiver the size and the bytes. Of transfers of the same size that begin, or
-/// end, at the same instant, the earlier one is taken, so that sums are right.
+/// SimGrid reports in pieces: at a transfer's start its links, at its end its start and size, and at the copy
+/// to the receiver the size and the bytes. Transfers of the same size that start, or end, at the same instant
+/// are matched in order, so sums are right.
 class TransferLog {
  public:
   /// SimGrid's links are `speedup` times as fast as the described ones.
