@@ -23,7 +23,7 @@ std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid
   };
   std::vector<Layout> fitting;
   std::remove_copy_if(layouts.begin(), layouts.end(), std::back_inserter(fitting), too_large);
-  // When none fits, whoever checks the chosen one's memory says so.
+  // When none fits, the later check of the chosen layout's memory reports it.
   return fitting.empty() ? layouts : fitting;
 }
 
@@ -45,7 +45,7 @@ void say(const FrameCosts& costs, const RankCosts& ranks, const std::vector<Pred
 Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, Launch& launch) {
   const Places places = count_places(launch.collectives());
-  // Idle are the last ranks, and those may be all of one machine's.
+  // On several machines none may be idle: the last ranks could be all of one machine's.
   const int cores = places.machines == 1 ? places.cores : 0;
   const auto layouts =
       those_that_fit(layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), cores), grid, load);
@@ -69,7 +69,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
 }
 
 int drawing_renderers(const Layout& layout, Launch& launch) {
-  // Dedicated Renderers have nothing else to do; a simulated machine's cores are not this one's.
+  // Dedicated Renderers have no other work; a simulated machine's cores are not this machine's.
   if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
   const int cores = count_places(launch.collectives()).cores;
   return cores < layout.working_ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;

@@ -88,7 +88,7 @@ bool Browsing::unwanted(const FrameSpec& spec) {
 
 void Browsing::take(FrameResult&& result, FrameOutput& output, Progress& progress) {
   const auto found = steps_.find(result.spec.frame);
-  if (found == steps_.end()) return;  // it was complete when it was found unwanted
+  if (found == steps_.end()) return;  // unwanted() dropped it, but it was already complete
   const Step step = found->second;
   steps_.erase(found);
   const double seconds = now_seconds() - asked_.at(step.view);
@@ -101,7 +101,7 @@ void Browsing::take(FrameResult&& result, FrameOutput& output, Progress& progres
   }
   output.take(std::move(result), step.view, full ? 1 : levels_[step.level].factor);
   if (!full) return;
-  // Views before this one that were not refined to the end will not be.
+  // Earlier views that are not yet fully refined never will be.
   coarse_.erase(coarse_.begin(), coarse_.upper_bound(step.view));
   asked_.erase(asked_.begin(), asked_.upper_bound(step.view));
 }

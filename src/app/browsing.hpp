@@ -11,20 +11,20 @@
 namespace ringsplat::app {
 
 /// Which frames are rendered, in which order: each view once, or with --progressive from coarse to fine
-/// (Neumann 1992, section 4.4). A refinement is dropped when a newer view is there; a view's first, coarse
+/// (Neumann 1992, section 4.4). A refinement is dropped when a newer view has come; a view's first, coarse
 /// picture never is.
 class Browsing {
  public:
-  /// `stream` adds the views that come to those listed; null: there are no more. `frame` is what all frames
-  /// have in common.
+  /// `views` come first, then those of `stream`; null: no others. `frame` holds what all frames have in
+  /// common.
   Browsing(const FrameSpec& frame, std::vector<Camera> views, std::unique_ptr<ViewStream> stream,
            bool progressive);
 
-  /// What the frame buffer asks. `output` takes finished frames; both must outlive the run.
+  /// The director of the run. `output` takes finished frames; both arguments must outlive the run.
   Director director(FrameOutput& output, Progress& progress);
   /// Views shown and refinements dropped, for a line at the end; empty when nothing was dropped.
   std::string summary() const;
-  /// Throws InputError when not all of the stream's lines were views; to be called when all frames are done.
+  /// Throws InputError when some of the stream's lines were no views. Call it when all frames are done.
   void check_stream();
 
   /// The reductions of a view's pictures, coarse to fine.
@@ -64,7 +64,7 @@ class Browsing {
   std::map<std::size_t, double> asked_;               ///< when a view was first announced
   std::map<std::size_t, std::vector<Shown>> coarse_;  ///< a view's pictures so far
   std::size_t dropped_ = 0;
-  bool waiting_ = false;  ///< for views only: no frame is being rendered
+  bool waiting_ = false;  ///< for a view, while no frame is being rendered
 };
 
 }  // namespace ringsplat::app

@@ -17,7 +17,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Every so many views such that at most `most` remain, the first among them.
+/// Every n-th view from the first on, with the least n that leaves at most `most`.
 std::vector<Camera> thinned(const std::vector<Camera>& views, std::size_t most) {
   std::vector<Camera> some;
   const std::size_t step = (views.size() + most - 1) / most;
@@ -60,9 +60,9 @@ Director Calibration::director() {
   return {[this] { return next_frame(); }, [this](FrameResult&& result) { take(std::move(result)); }};
 }
 
-/// The frames that are not measured still allocate. A frame's result may come one frame late (FrameBuffer):
-/// the last of them is there so that all pictures have come, and its own time is not taken while truths are
-/// evaluated.
+/// The first frames are not measured, since they still allocate. A result may come one frame late
+/// (FrameBuffer): the last of them makes sure that all pictures have come, so that no frame is timed while
+/// truths are evaluated.
 std::optional<FrameSpec> Calibration::next_frame() {
   const std::size_t asked = frames_asked_;
   if (asked < first_measured()) {

@@ -8,28 +8,27 @@
 
 namespace ringsplat::app {
 
-/// Two views for each kept slice set, one straight on, where all slices err in the same places,
-/// and one oblique, at the largest zoom of the run's
-/// views, where the volume fills most of the picture. Views given by matrices are taken as they are, up to
-/// four of them, as is the first view where no such direction fits.
+/// Two views for each kept slice set: one straight on, where all slices err in the same places, and one
+/// oblique. Both have the largest zoom of the run's views, where the volume fills most of the picture. Up to
+/// four views given by matrices are taken as they are; so is the first view when no such direction fits.
 std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
                                       const Grid& grid, int width, int height);
 
-/// Measures time and error of each setting: renders every view once to know which pixels to evaluate the
-/// method's truth of the reference at, then with each setting in turn, as often as some seconds allow, at
-/// most five times. Rank 0 only.
+/// Measures time and error of each setting. It renders every view once to choose the pixels at which to
+/// evaluate the reference's truth of the method, then every view with each setting in turn: as often as some
+/// seconds allow, at most five times. Rank 0 only.
 class Calibration {
  public:
   /// Reads the volume. Throws InputError as read_whole does.
   Calibration(const FrameSpec& reference, std::vector<Camera> views, std::vector<Shortcuts> settings,
               const VolumeOptions& volume, const ErrorOptions& error);
 
-  /// To be run with one frame in flight: a frame's time is then its own. Refers to this object.
+  /// Run it with one frame in flight, so that a frame's time is its own. It refers to this object.
   Director director();
 
   std::size_t views() const { return views_.size(); }
   std::size_t frames() const { return frames_done_; }
-  /// When the director has no more frames.
+  /// Call it when the director has no more frames.
   std::vector<MeasuredShortcuts> measured() const;
 
  private:
@@ -50,7 +49,7 @@ class Calibration {
   std::vector<Shortcuts> settings_;
   ErrorOptions error_;
   truth::Scene scene_;                      ///< until the truths are known
-  std::vector<Image> pictures_;             ///< of the reference, by view, until the truths are known
+  std::vector<Image> pictures_;             ///< the reference's, by view, until the truths are known
   std::vector<SampledTruth> truths_;        ///< by view
   std::vector<Measurements> measurements_;  ///< by view, then setting
   std::size_t frames_asked_ = 0, frames_done_ = 0;

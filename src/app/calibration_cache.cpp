@@ -18,7 +18,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Size and time of the last change; of a folder its own time only. Zeros where there is nothing to be asked.
+/// Size and time of the last change; for a folder only the time. Zeros when the path cannot be read.
 json identity_of(const fs::path& path) {
   std::error_code ignored;
   const auto changed = fs::last_write_time(path, ignored).time_since_epoch().count();
@@ -26,7 +26,7 @@ json identity_of(const fs::path& path) {
   return {{"path", fs::weakly_canonical(path, ignored).string()}, {"bytes", bytes}, {"changed", changed}};
 }
 
-/// A build is known by its version and by the program's file: one version may be built more than once.
+/// Identifies a build by its version and the program's file, as one version may be built more than once.
 json this_program() {
   json j = identity_of("/proc/self/exe");
   j.erase("path");
@@ -63,7 +63,7 @@ json to_json(const MeasuredShortcuts& m) {
           {"rmse_high", m.rmse_high}};
 }
 
-/// Throws json::exception or std::domain_error for what no calibration says.
+/// Throws json::exception or std::domain_error when `rows` is no calibration.
 std::vector<MeasuredShortcuts> measurements(const json& rows, const std::vector<Shortcuts>& settings) {
   if (rows.size() != settings.size()) throw std::domain_error("it has not one measurement for each setting");
   std::vector<MeasuredShortcuts> all;

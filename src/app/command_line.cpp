@@ -70,7 +70,7 @@ std::string with_hint(const std::string& problem, const std::string& hint) {
   return one_line(problem) + "; hint: " + hint;
 }
 
-/// All names a subcommand's options go by.
+/// All names of a subcommand's options.
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options())
@@ -78,13 +78,14 @@ std::vector<std::string> option_names(const CLI::App& app) {
   return names;
 }
 
-/// A word too many; without a subcommand CLI11 only says that one is missing, though it may be misspelt.
+/// True for an error about extra words. Without a subcommand CLI11 says that one is missing, though it may be
+/// misspelt.
 bool is_about_extras(const CLI::App& program, const CLI::ParseError& error) {
   return dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
          (program.get_subcommands().empty() && program.remaining_size(true) > 0);
 }
 
-/// Where to look: the help of the subcommand that was being parsed, or an option much like the unknown one.
+/// The hint: the help of the parsed subcommand, or an option that resembles the unknown one.
 std::string hint_for(const CLI::App& program, const CLI::ParseError& error) {
   const auto chosen = program.get_subcommands();
   const std::string help =
@@ -101,7 +102,7 @@ std::string hint_for(const CLI::App& program, const CLI::ParseError& error) {
   return help;
 }
 
-/// CLI11's words where they are clear, ours where they are not.
+/// The error in CLI11's words where they are clear, else in ours.
 std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
   if (dynamic_cast<const CLI::ConfigError*>(&error) != nullptr)
     return fmt::format("the --config file has a key that is no option: {}", error.what());
@@ -148,7 +149,7 @@ void prepare(CLI::App& program, bool& verbose, AllOptions& options) {
   add_subcommands(program, options);
 }
 
-/// What a program that was parsed without an error is to do.
+/// The command of a program parsed without an error.
 Command command_of(const CLI::App& program, AllOptions& options) {
   refuse_contradictions(program);
   const CLI::App& chosen = *program.get_subcommands().front();

@@ -9,12 +9,12 @@ namespace ringsplat::app {
 struct CommandLine {
   Command command;
   bool verbose = false;
-  Facts options;      ///< what was said (settled_options)
+  Facts options;      ///< what the user said (settled_options)
   std::string error;  ///< one line with a hint, or empty
 };
 
-/// Reads the command line and the --config file it names. Does not throw: a rank says what is wrong only when
-/// it knows whether it is the one to speak.
+/// Reads the command line and the --config file it names. Does not throw: a rank cannot report an error
+/// before it knows whether it is rank 0.
 CommandLine parse_command_line(int argc, const char* const* argv);
 
 }  // namespace ringsplat::app

@@ -10,9 +10,9 @@ namespace ringsplat::app {
 
 /// All ranks call it.
 ExitCode run_render(const RenderOptions& options, Launch& launch);
-/// What has to be loaded for these options when the views traverse `axes`.
+/// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& options, std::array<bool, 3> axes);
-// The others are the work of one process.
+// The others run on one process.
 ExitCode run_info(const InfoOptions& options);
 ExitCode run_compare(const CompareOptions& options);
 ExitCode run_synth(const SynthOptions& options);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr const char* channel_names[] = {"red", "green", "blue", "alpha"};
 
-/// What is printed of two pictures.
+/// The figures printed for two pictures.
 struct Comparison {
   truth::ImageError error;
   int channels;  ///< 3: neither picture has alpha
@@ -67,7 +67,7 @@ std::string to_text(const CompareOptions& o, const Comparison& c) {
 
 void write_difference(const CompareOptions& o, const Image& a, const Image& b) {
   const bool signed_values = std::filesystem::path(o.difference).extension() == ".exr";
-  // The difference lies in the pictures' own values, which an 8-bit file's transfer curve must not bend.
+  // The difference is of the pictures' own values; an 8-bit file's transfer curve must not bend it.
   Image picture = difference_image(a, b, o.difference_scale, !signed_values);
   if (!signed_values)
     picture =

@@ -106,7 +106,7 @@ const Rule all_rules[] = {
      {{.option = "--shading", .value = "none"}},
      "leave out {0} or use --shading phong",
      "{0} has no effect with --shading none"},
-    // "-" is standard output for texts; of these a file of that name would be made.
+    // "-" is standard output for texts only; these options would make a file of that name.
     {{{.option = "--output", .value = "-"}, {.option = "--diff", .value = "-"}},
      refused,
      {},
@@ -125,7 +125,7 @@ bool given(const CLI::Option& option, const Which& which) {
          (which.value == nullptr || std::find(values.begin(), values.end(), which.value) != values.end());
 }
 
-/// The option that is given as `which` says, or null.
+/// The given option that matches `which`, or null.
 const CLI::Option* find_given(const CLI::App& app, const Which& which) {
   for (const CLI::Option* option : app.get_options())
     if (given(*option, which)) return option;

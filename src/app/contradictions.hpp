@@ -3,15 +3,14 @@
 #include <span>
 #include <vector>
 
-/// What options have to do with each other: a table by which command lines are checked and of which the
-/// manual page tells.
+/// Rules between options: a table that command lines are checked against and that the manual page lists.
 namespace ringsplat::app {
 
 /// Options of a subcommand, or values of them.
 struct Which {
   const char* option = nullptr;   ///< null: every option …
   const char* heading = nullptr;  ///< … or every option below this heading of --help
-  const char* value = nullptr;    ///< null: whatever it is
+  const char* value = nullptr;    ///< null: any value
 };
 
 enum class Relation {
@@ -28,15 +27,15 @@ struct Rule {
   const char* problem = nullptr;  ///< with {0} for the option and {1} for the others; null: the usual words
 };
 
-/// In the order in which they are applied: the first one that a command line breaks is told.
+/// In the order of application: the first broken rule is reported.
 std::span<const Rule> rules();
 
-/// Whether `which` means the option, whatever its value.
+/// True when `which` means the option, with any value.
 bool means(const Which& which, const CLI::Option& option);
-/// Whether a subcommand has an option that `which` means.
+/// True when a subcommand has an option that `which` means.
 bool has(const CLI::App& app, const Which& which);
 
-/// Throws InputError when a parsed subcommand's options break a rule, with the way out.
+/// Throws InputError, with the way out as hint, when a parsed subcommand's options break a rule.
 void refuse_contradictions(const CLI::App& app);
 
 }  // namespace ringsplat::app

@@ -8,12 +8,11 @@
 namespace ringsplat::app {
 namespace {
 
-/// Not among them: kernels from tables, fixed point and other normalisations, none of which is ever both
-/// cheaper and nearer to the truth of the method that was asked for (docs/accuracy.md, "Speed against
-/// error").
+/// Left out are table and fixed-point kernels and other normalisations: none is ever both cheaper and nearer
+/// to the requested method's truth (docs/accuracy.md, "Speed against error").
 constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
 constexpr Precision precisions[] = {Precision::float32, Precision::half, Precision::u8};
-/// On the screen; in the slices' plane a smaller kernel reaches as many pixels.
+/// On the screen only: in the slices' plane a smaller kernel reaches as many pixels.
 constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
 constexpr int samples_a_voxel[] = {2, 1};
 constexpr int undersampling[] = {2, 4};
@@ -24,7 +23,7 @@ const char* word(Precision precision) {
   return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
 }
 
-/// Radii, image planes and levels that go together.
+/// The sets of radius, image plane and level to choose from.
 std::vector<Shortcuts> geometries(const FrameSpec& frame, const ErrorBudgetOptions& o) {
   const Shortcuts given{frame.shown.opaque_threshold,     frame.as<Splats>().precision,
                         frame.as<Splats>().kernel_radius, frame.as<Splats>().image_plane,

@@ -9,12 +9,12 @@ namespace ringsplat::app {
 
 struct ErrorBudgetOptions {
   std::optional<double> max_error;  ///< RMSE in 1/255 against the method's truth; nothing: choose nothing
-  /// What the user has said, which then is no longer to be chosen.
+  /// Settings that the user gave, so they are not chosen.
   bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false,
        fixed_image_plane = false, fixed_undersample = false;
 };
 
-/// Takes down which settings a parsed subcommand's user has fixed.
+/// Records which settings the user of a parsed subcommand has fixed.
 void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& options);
 
 }  // namespace ringsplat::app

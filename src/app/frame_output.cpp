@@ -21,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-/// All of it but the time, which differs from run to run.
+/// All but the time, which differs from run to run.
 json to_json(const MeasuredError& m) {
   return {{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
           {"outside", m.error.outside},     {"seed", m.seed},
@@ -30,7 +30,7 @@ json to_json(const MeasuredError& m) {
           {"mean", m.error.mean},           {"unit", "1/255"}};
 }
 
-/// The settings that decide the picture, and the volume: the same bytes for any ranks that rendered it.
+/// The settings that decide the picture, and the volume; the same bytes for any number of ranks.
 std::string picture_settings(const FrameSpec& spec, const VolumeOptions& volume, const MeasuredError* error) {
   json j = json::parse(to_json_text(spec));
   if (error != nullptr) j["error"] = to_json(*error);
@@ -90,7 +90,7 @@ void FrameOutput::measure_kept() {
     const auto& [result, file] = frame;
     set_frame(scene, result.spec);
     scene.radius = options_.frame.as<Splats>()
-                       .kernel_radius;  // as asked for: an error budget may have chosen a smaller one
+                       .kernel_radius;  // the requested radius: an error budget may have chosen a smaller one
     const MeasuredError error = measure(result.image, scene, options_.error);
     write(frame, &error);
     progress_.print(to_text(error));
@@ -162,8 +162,8 @@ void FrameOutput::finish() {
   if (seconds_.size() > 1) progress_.print(summary());
 }
 
-/// Frames overlap, so that they come faster than one after another. Where refinements may be dropped, the
-/// time that those took belongs to no picture and there is no rate.
+/// Gives a rate, too, since frames overlap; but not where refinements may be dropped, whose time belongs to
+/// no picture.
 std::string FrameOutput::summary() const {
   std::string text =
       fmt::format("{} frames, median {:.4f} s from start to end", seconds_.size(), median(seconds_));

@@ -15,27 +15,27 @@
 
 namespace ringsplat::app {
 
-/// What --stats says of memory beforehand.
+/// The memory that --stats predicts.
 struct SliceMemory {
   std::array<bool, 3> kept_axes{};
   std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
 };
 
-/// Where finished frames go: pictures, a line of results each, and the statistics file at the end. Lives on
-/// rank 0, and writes on a thread of its own.
+/// Outputs finished frames: pictures, a line of results each, and the statistics file at the end. Lives on
+/// rank 0 and writes on a thread of its own.
 class FrameOutput {
  public:
   /// All that is passed by reference must outlive it.
   FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
               Progress& progress);
 
-  /// Has the picture written, or keeps it until finish() when its error is to be measured: a truth takes
-  /// longer than other ranks should wait. Throws RunError when an earlier picture could not be written.
-  /// `view` counts from 0; coarser pictures of a view that is refined carry their undersampling factor in
-  /// their names.
+  /// Has the picture written. When its error is to be measured it keeps the picture until finish(), as a
+  /// truth takes too long for other ranks to wait. Throws RunError when an earlier picture could not be
+  /// written. `view` counts from 0; the names of a refined view's coarser pictures contain their
+  /// undersampling factor.
   void take(FrameResult&& result, std::size_t view, int factor);
-  /// A refined view's coarse frame, for the statistics: how long after the view was asked for it was there,
-  /// and how far from the full picture it is.
+  /// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and
+  /// its error against the full picture.
   struct RefinementStep {
     double seconds, rmse, largest;  ///< errors in 1/255
   };
@@ -43,11 +43,11 @@ class FrameOutput {
   /// Waits for the last picture, writes --stats and prints the summary. Throws RunError when something cannot
   /// be written.
   void finish();
-  /// Pictures held at once, for those that are rendered with `options` and `frames` in all.
+  /// Most pictures held at once by a run with `options` and `frames` frames in all.
   static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
  private:
-  /// What --stats says of a frame.
+  /// A frame's entry in --stats.
   struct FrameRecord {
     FrameSpec spec;
     FrameStats stats;
@@ -67,22 +67,22 @@ class FrameOutput {
   const ValueRange& range_;
   SliceMemory memory_;
   Progress& progress_;
-  std::vector<FinishedFrame> kept_;  ///< whose error is to be measured
+  std::vector<FinishedFrame> kept_;  ///< frames whose error is to be measured
   std::vector<double> seconds_;
   double period_sum_ = 0;
-  /// Made into text at the end, when no frame waits for a core.
+  /// Turned into text at the end, when no frame waits for a core.
   std::vector<FrameRecord> records_;
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
   int empty_frames_ = 0;
-  FrameWriter writer_;  ///< the last: it uses all of the above
+  FrameWriter writer_;  ///< declared last: it uses all of the above
 };
 
-/// The file of a view's picture: the output itself, or a numbered one when there may be more than one. `view`
+/// The file of a view's picture: the output itself, or a numbered file when there may be several. `view`
 /// counts from 0.
 std::filesystem::path output_file(const RenderOptions& options, std::size_t view);
 
-/// The views of a run's frames that are known beforehand: one, an orbit or a path; none when they come on
-/// stdin. Throws InputError for a path that cannot be read.
+/// The run's views that are known beforehand: one, an orbit or a path; none when they come on stdin. Throws
+/// InputError for a path that cannot be read.
 std::vector<Camera> views_of(const RenderOptions& options);
 
 }  // namespace ringsplat::app

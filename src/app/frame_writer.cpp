@@ -34,7 +34,7 @@ void FrameWriter::finish() {
 }
 
 void FrameWriter::run() {
-  // As on the thread that renders: a file's bytes do not depend on which one writes it.
+  // Same as on the rendering thread, so that a file's bytes do not depend on the thread that writes it.
   flush_denormals();
   std::unique_lock lock(mutex_);
   while (true) {

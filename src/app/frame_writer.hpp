@@ -17,18 +17,18 @@ struct FinishedFrame {
   std::filesystem::path file;
 };
 
-/// A thread that writes finished frames, in the order in which they come, so that coding pictures holds up
-/// neither the frame buffer nor the other nodes of its rank. Starts with the first frame. Never calls MPI:
-/// one thread of a rank does.
+/// A thread that writes finished frames in the order they come, so that encoding pictures delays neither the
+/// frame buffer nor its rank's other nodes. Starts with the first frame. Never calls MPI: only one thread of
+/// a rank does.
 class FrameWriter {
  public:
   /// Frames that may wait, besides the one that is being written.
   static constexpr std::size_t room = 2;
 
-  /// `write` runs on the thread; what it refers to must outlive this, and others may touch it only after
+  /// `write` runs on the thread. What it refers to must outlive this object; others may touch it only after
   /// finish().
   explicit FrameWriter(std::function<void(FinishedFrame&&)> write);
-  /// Writes what still waits, unless writing has failed.
+  /// Writes the frames that still wait, unless writing has failed.
   ~FrameWriter();
   FrameWriter(const FrameWriter&) = delete;
   FrameWriter& operator=(const FrameWriter&) = delete;

@@ -38,7 +38,7 @@ const Format* format_of(const fs::path& file) {
   return found == std::end(formats) ? nullptr : found;
 }
 
-/// RGBA, or RGB over the background.
+/// Pixels as RGBA, or as RGB over a background.
 Image::Floats linear_pixels(const Image& image, const std::optional<glm::dvec3>& background) {
   if (!background) return image.rgba;
   Image::Floats rgb(image.rgba.size() / 4 * 3);
@@ -56,8 +56,8 @@ std::uint8_t to_byte(float v) {
   return static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0F) * 255.0F + 0.5F : 0.0F);
 }
 
-/// to_byte(srgb_of_linear(v)), the same bytes, without a power for each value: a picture's would take
-/// longer than rendering it.
+/// The same bytes as to_byte(srgb_of_linear(v)) without a power for each value, which would take longer than
+/// rendering.
 class SrgbBytes {
  public:
   SrgbBytes() {
@@ -79,7 +79,7 @@ class SrgbBytes {
   }
 
  private:
-  /// The least number that becomes the byte or a larger one. The bits of floats from 0 up are in their order.
+  /// The least float that becomes `byte` or more. Non-negative floats sort like their bits.
   static float first_with(int byte) {
     std::uint32_t below = 0, from = std::bit_cast<std::uint32_t>(1.0F);
     while (from - below > 1) {
@@ -89,7 +89,7 @@ class SrgbBytes {
     return std::bit_cast<float>(from);
   }
 
-  std::array<float, 257> first_{};          ///< by byte
+  std::array<float, 257> first_{};          ///< by byte: the least float that becomes it
   std::array<std::uint8_t, 4097> guess_{};  ///< the byte of k / 4096
 };
 
@@ -115,7 +115,7 @@ std::vector<ImageData::Attribute> attributes_of(const Format& format, const std:
   add("oiio:ColorSpace", format.linear_float ? "Linear" : "sRGB");
   if (!format.linear_float) add("oiio:UnassociatedAlpha", 1);
   const std::string ending = format.ending;
-  // Without this these writers add the time, and equal pictures would not be equal files.
+  // Otherwise these writers add the time, and equal pictures give different files.
   if (ending == ".exr" || ending == ".tif" || ending == ".tiff") add("DateTime", "");
   if (ending == ".jpg" || ending == ".jpeg") add("compression", "jpeg:95");
   return attributes;
@@ -125,7 +125,7 @@ bool is_float(SampleType type) {
   return type == SampleType::float16 || type == SampleType::float32 || type == SampleType::float64;
 }
 
-/// The channels of a file as RGBA; grey becomes three, no alpha is opaque.
+/// A file's channels as RGBA: grey becomes three channels, a missing alpha opaque.
 Image as_rgba(const ImageShape& shape, const std::vector<float>& values) {
   Image image(shape.width, shape.height);
   const int alpha = shape.alpha_channel, channels = shape.channels;

@@ -15,15 +15,15 @@ namespace ringsplat {
 void check_image_name(const std::filesystem::path& file, const std::string& option, bool transparent);
 
 /// .exr: premultiplied linear float32. All others: 8 bits, straight (not premultiplied) sRGB, rounded to
-/// nearest. A background (linear light) is put behind the picture in linear light, which then has no alpha
-/// channel. `settings`, a JSON text, becomes the metadata "ImageDescription" and, where the format has free
-/// names, "ringsplat:settings"; nothing else in the file depends on when or where it was made. Throws
-/// RunError as OutputFile does, which leaves what was there as it was.
+/// nearest. A background (linear light) is blended behind the picture in linear light; the file then has no
+/// alpha channel. `settings`, a JSON text, becomes the metadata "ImageDescription" and, where the format has
+/// free names, "ringsplat:settings". Nothing in the file depends on when or where it was made. Throws
+/// RunError as OutputFile does, which then leaves an existing file untouched.
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::optional<glm::dvec3>& background, const std::string& settings);
 
-/// A picture's values as they are to be compared: premultiplied RGBA, rows from the top. Those of float files
-/// are linear light; those of integer files are display (sRGB) values from 0 to 1.
+/// A picture's values for comparing: premultiplied RGBA, rows from the top. Those of float files are linear
+/// light; those of integer files are display (sRGB) values from 0 to 1.
 struct StoredImage {
   Image image;
   bool linear = false, has_alpha = false;
@@ -33,7 +33,7 @@ struct StoredImage {
 /// Throws InputError naming the file when it is no picture.
 StoredImage read_image(const std::filesystem::path& file);
 
-/// Display values brought to linear light, premultiplied as before; a linear picture stays as it is.
+/// Converts display values to linear light, still premultiplied; a linear picture is unchanged.
 StoredImage to_linear(StoredImage stored);
 
 }  // namespace ringsplat

@@ -70,7 +70,7 @@ std::string human_bytes(std::uint64_t bytes) {
 
 struct Memory {
   int gps;
-  std::uint64_t all_lit, all_plain, one_lit, one_plain;  ///< bytes, of the GP that holds most
+  std::uint64_t all_lit, all_plain, one_lit, one_plain;  ///< bytes of the GP that holds most
 };
 
 Memory memory_of(const Grid& grid, int gps) {
@@ -103,7 +103,7 @@ std::string matrix_text(const glm::dmat3& m) {
                      triple_text(m[2], " "));
 }
 
-/// Bars by the square root of the counts: the air around an object would flatten all else.
+/// Bars show the square root of counts: the air around an object would flatten all others.
 std::string histogram_text(const Histogram& histogram) {
   std::vector<std::uint64_t> counts(shown_bins);
   for (std::size_t k = 0; k < histogram.counts.size(); ++k)
@@ -174,12 +174,12 @@ nlohmann::json to_json(const InfoOptions& o, const Grid& grid, const Contents& c
   return j;
 }
 
-/// What --ranks asks for.
+/// The prediction that --ranks asks for.
 struct Forecast {
   FrameCosts costs;
   RankCosts ranks;
   std::vector<Prediction> predictions;
-  std::optional<Machine> machine;  ///< that they are for; none: this one
+  std::optional<Machine> machine;  ///< the machine to predict for; none: this one
 };
 
 Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {

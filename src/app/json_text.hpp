@@ -6,7 +6,7 @@
 
 namespace ringsplat::app {
 
-/// Minus zero, wherever it is, becomes zero.
+/// Turns every minus zero into zero.
 template <class Json>
 void make_plain(Json& j) {
   if (j.is_structured())
@@ -15,7 +15,7 @@ void make_plain(Json& j) {
     j = plain(j.template get<double>());
 }
 
-/// A JSON text for people and programs: numbers are plain, bytes that are not UTF-8 (of file names) are
+/// A JSON text for people and programs: no minus zero, and bytes that are not UTF-8 (in file names) are
 /// replaced. `indent` -1: on one line.
 template <class Json>
 std::string plain_json_text(Json j, int indent = -1) {

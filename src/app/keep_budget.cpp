@@ -16,7 +16,7 @@ bool agree_on(bool mine, Launch& launch) {
   return launch.collectives().broadcast(Block{std::byte(mine ? 1 : 0)}, 0).at(0) != std::byte(0);
 }
 
-/// What could be given up for more exactness.
+/// The hint: what to change for more exactness.
 std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
   std::vector<std::string> fixed;
   if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
@@ -44,7 +44,7 @@ std::string to_text(const MeasuredShortcuts& chosen, const MeasuredShortcuts& ex
       to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds, exact.seconds);
 }
 
-/// The calibration's frames. Every input was checked before, so what is wrong here ends the job.
+/// Renders the calibration's frames. Every input was checked before, so an error here ends the job.
 void render_calibration(const RenderOptions& o, const Layout& layout, Scene scene, Calibration* calibration,
                         Launch& launch) {
   ProtocolOptions protocol = o.run.protocol;
@@ -57,7 +57,7 @@ void render_calibration(const RenderOptions& o, const Layout& layout, Scene scen
   }
 }
 
-/// Where rank 0 finds and keeps its measurements; the file is empty when there is no place for it.
+/// Where rank 0 keeps its measurements; an empty file name when there is no place for it.
 struct Place {
   std::string key;
   std::filesystem::path file;

@@ -24,7 +24,7 @@ std::string to_text(const Block& block) {
   return {reinterpret_cast<const char*>(block.data()), block.size()};
 }
 
-/// Errors print on one line whatever a library put into its message.
+/// Puts an error on one line, whatever a library put into its message.
 std::string one_line(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   return text;
@@ -131,7 +131,7 @@ namespace {
       hint);
 }
 
-/// A mesh says how many GPs there are, and has a Renderer at the left end of every row unless told otherwise.
+/// A mesh's shape gives the number of GPs; unless told otherwise each row has a Renderer at its left end.
 RunOptions with_mesh_counts(RunOptions o) {
   if (o.topology == Topology::mesh) {
     if (!o.mesh)
@@ -146,7 +146,7 @@ RunOptions with_mesh_counts(RunOptions o) {
   return o;
 }
 
-/// All but the numbers of nodes.
+/// The layout without its numbers of nodes.
 Layout empty_layout(const RunOptions& o) {
   Layout layout{.placement = o.placement.value_or(Placement::dedicated), .topology = o.topology};
   if (o.topology == Topology::mesh) {
@@ -157,7 +157,7 @@ Layout empty_layout(const RunOptions& o) {
   return layout;
 }
 
-/// What is left for the other role when one has `given` nodes.
+/// Nodes left for the other role when one role has `given`.
 int the_rest(int given, int ranks, Placement placement) {
   return placement == Placement::dedicated ? std::max(1, ranks - given) : ranks;
 }
@@ -204,7 +204,7 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
 Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
   constexpr int most_in_one_process = 4096;
   const RunOptions o = with_mesh_counts(options);
-  // Counts below 1 have their own message, which a sum with them would hide.
+  // Check counts below 1 first: their own message is clearer than that of a wrong sum.
   check(Layout{.gps = o.gps.value_or(1), .renderers = o.renderers.value_or(1)});
   if (std::max(o.gps.value_or(1), o.renderers.value_or(1)) > 1 << 24)
     throw InputError("--gps or --renderers is far more than any machine has", "use one rank for each core");

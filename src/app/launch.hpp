@@ -18,11 +18,11 @@ struct Outcome {
   std::string error;  ///< one line, empty when there is nothing to say
 };
 
-/// Runs `work` and turns what it throws into an outcome. The exception is gone when this returns, so
-/// MPI may be called afterwards (inside a handler it may not under every MPI).
+/// Runs `work` and turns what it throws into an outcome. The exception is gone when this returns, so MPI may
+/// be called afterwards; not every MPI allows calls inside a handler.
 Outcome guarded(const std::function<ExitCode()>& work);
 
-/// This process among those of the job: alone, or a rank that a launcher started.
+/// This process in its job: alone, or a rank that a launcher started.
 class Launch {
  public:
   /// Initialises MPI when a launcher started this process or `choice` asks for it.
@@ -36,42 +36,43 @@ class Launch {
   Transport* transport();
   Wiring wiring(const LoopbackOptions& loopback) { return {collectives(), transport(), loopback}; }
 
-  /// Throws InputError on all ranks when one runs another build than rank 0. Comes first of what ranks say.
+  /// Throws InputError on all ranks when one runs another build than rank 0. Must be the ranks' first
+  /// exchange.
   void require_same_build() const;
   /// Throws InputError on all ranks when one was told other options than rank 0.
   void require_same_options(const Facts& options);
-  /// All ranks hand in an error's text or an empty one; all throw the same InputError when any has one.
+  /// All ranks pass an error's text or an empty one; all throw the same InputError when any rank has an
+  /// error.
   void settle(const std::string& error);
-  /// `check` runs on every rank; when it throws InputError on one, all throw it.
+  /// Runs `check` on every rank; when one throws InputError, all throw it.
   void check_on_all_ranks(const std::function<void()>& check);
-  /// `check` runs on rank 0 only; what it throws as InputError all throw.
+  /// Runs `check` on rank 0 only; when it throws InputError, all ranks throw it.
   void check_on_rank_0(const std::function<void()>& check);
-  /// `work` runs on rank 0 only while the others wait; all get its outcome, the text on rank 0 only.
+  /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);
-  /// All ranks call it when their work is done. Throws RunError on rank 0 when some have not after `seconds`:
-  /// the end of MPI would wait for them for ever.
+  /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it
+  /// after `seconds`: MPI_Finalize would wait for it for ever.
   void take_leave(double seconds);
   [[noreturn]] void abort(ExitCode code) { session_->abort(static_cast<int>(code)); }
 
  private:
   bool in_one_process_;
-  // MPI must be there before and after what talks over it.
+  // Declared first: MPI must outlive all that uses it.
   std::optional<MpiSession> session_;
   std::unique_ptr<Collectives> collectives_;
   std::unique_ptr<Transport> transport_;
 };
 
-/// Where --gps auto and --renderers auto may choose from: the splits of a ring that the other options allow.
-/// When neither number is given, of more ranks than `cores`, if not 0, some may be idle.
-/// Throws InputError when there is nothing to choose: in one process, in a mesh, by counts that cannot be.
+/// Choices of --gps auto and --renderers auto: the splits of a ring that the other options allow. Some ranks
+/// may be idle when neither number is given and there are more ranks than `cores` (0: no limit). Throws
+/// InputError when there is nothing to choose: in one process, in a mesh, or with impossible counts.
 std::vector<Layout> layouts_to_choose_from(const RunOptions& options, bool over_mpi, int ranks,
                                            int cores = 0);
 
-/// Which nodes the run has, from the options and the job's number of ranks (in loopback there may be any
-/// number of nodes in the one process). Without options: dedicated, a third of the ranks draw; on a single
-/// rank one GP and one Renderer are colocated. A mesh has as many GPs as its shape says. With
-/// options.choose_roles it is the first that may be chosen. Throws InputError when the options do not fit the
-/// number of ranks.
+/// The run's nodes, from the options and the job's number of ranks (in loopback one process hosts any number
+/// of nodes). Without options, ranks are dedicated and a third of them draw; a single rank has one GP and one
+/// Renderer. A mesh's shape gives its number of GPs. With options.choose_roles, returns the first layout to
+/// choose from. Throws InputError when the options do not fit the number of ranks.
 Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks);
 
 }  // namespace ringsplat::app

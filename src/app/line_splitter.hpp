@@ -6,22 +6,21 @@
 
 namespace ringsplat::app {
 
-/// Cuts text that comes in pieces into lines. Of a line that is too long only its beginning is kept.
+/// Cuts text that comes in pieces into lines. Keeps only the beginning of a line that is too long.
 class LineSplitter {
  public:
-  static constexpr std::size_t most_bytes = 4096;  ///< of a line without its line feed
+  static constexpr std::size_t most_bytes = 4096;  ///< longest line, without its line feed
 
   struct Line {
-    std::string text;    ///< of a line that is too long the first most_bytes
+    std::string text;    ///< the first most_bytes if the line is too long
     std::size_t number;  ///< from 1
     bool too_long;
   };
   using Take = std::function<void(const Line&)>;
 
-  /// Calls `take` for each line that ends in this piece, and for one that becomes too long as soon as it
-  /// does.
+  /// Calls `take` for each line that ends in this piece, and for a line as soon as it becomes too long.
   void add(std::string_view piece, const Take& take);
-  /// The last line, when no line feed ends it.
+  /// Calls `take` for a last line without a line feed.
   void end(const Take& take);
 
  private:

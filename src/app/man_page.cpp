@@ -13,7 +13,7 @@
 namespace ringsplat::app {
 namespace {
 
-/// Text as roff prints it: dashes that can be copied, and no line that it takes for a request.
+/// Escapes text for roff: dashes stay copyable, and no line looks like a request.
 std::string roff(const std::string& text) {
   std::string safe;
   for (const char c : text) {
@@ -54,7 +54,7 @@ std::string usage_of(const CLI::Option& option) {
   return option.get_required() && !option.get_positional() ? usage + " (required)" : usage;
 }
 
-/// Those of `all` that the subcommand has, as they are typed.
+/// The entries of `all` that the subcommand has, as users type them.
 std::vector<std::string> names_of(const std::vector<Which>& all, const CLI::App& app) {
   std::vector<std::string> names;
   for (const Which& which : all) {
@@ -75,7 +75,7 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
   all.insert(all.end(), more.begin(), more.end());
 }
 
-/// What the rules say of an option: "Not with --orbit. Needs --mesh."
+/// The rules for an option: "Not with --orbit. Needs --mesh."
 std::string relations_of(const CLI::Option& option, const CLI::App& app) {
   std::vector<std::string> not_with;
   std::string needs;
@@ -97,7 +97,8 @@ std::string paragraph_of(const CLI::Option& option, const CLI::App& app) {
   return fmt::format(".TP\n{}\n{}\n", usage_of(option), roff(help + relations_of(option, app)));
 }
 
-/// The arguments by position, then the options below their headings. All subcommands have --help.
+/// Positional arguments, then the options below their headings. The group of --help, which all subcommands
+/// have, needs no heading.
 std::string options_of(const CLI::App& app) {
   std::string text;
   for (const CLI::Option* option : app.get_options())
@@ -122,7 +123,7 @@ std::string synopsis_of(const CLI::App& app) {
   return line + "\n.br\n";
 }
 
-/// "ringsplat renders …" as the line by which apropos finds the page.
+/// Turns "ringsplat renders …" into the line that apropos searches.
 std::string name_line(const std::string& summary) {
   const auto blank = summary.find(' ');
   return roff(summary.substr(0, blank)) + " \\- " + roff(summary.substr(blank + 1)) + "\n";

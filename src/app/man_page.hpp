@@ -6,8 +6,8 @@
 
 namespace ringsplat::app {
 
-/// The manual page, section 1, as roff for man(7): all options of `program` and of its subcommands, and what
-/// they have to do with each other (contradictions.hpp).
+/// The manual page, section 1, as roff for man(7): all options of `program` and its subcommands, and the
+/// rules between them (contradictions.hpp).
 std::string man_page(const CLI::App& program, const ProgramTexts& texts);
 
 }  // namespace ringsplat::app

@@ -14,7 +14,7 @@
 namespace ringsplat::app {
 namespace {
 
-/// As many as load_scene has: presets depend on it.
+/// The same as load_scene's: presets depend on it.
 constexpr int histogram_bins = 1024;
 
 void check_room(const Grid& grid) {

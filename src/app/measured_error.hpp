@@ -10,18 +10,18 @@
 
 namespace ringsplat::app {
 
-/// A whole volume in one process, as the truths need it: 8 bytes a voxel.
+/// A whole volume in one process, as truths need it: 8 bytes a voxel.
 struct WholeVolume {
   Grid grid;
   std::vector<double> values;
   ValueRange range;
-  Histogram histogram;  ///< as load_scene makes it, so that presets come out the same
+  Histogram histogram;  ///< the same as load_scene's, so that presets are the same
 };
-/// Throws InputError: unreadable, no finite value, larger than this machine's memory.
+/// Throws InputError when the volume is unreadable, has no finite value or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);
 
-/// The volume's values are moved into the scene and stay there from frame to frame; set_frame
-/// (ringsplat/app/truth_scene.hpp) changes the rest.
+/// Moves the volume's values into the scene, where they stay from frame to frame; set_frame
+/// (app/truth_scene.hpp) changes the rest.
 truth::Scene make_scene(WholeVolume&& volume);
 
 struct Evaluation {
@@ -32,15 +32,15 @@ struct Evaluation {
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
                                   std::span<const truth::Pixel> pixels);
 
-/// Where the truth may be other than transparent.
+/// The pixels where the truth may be visible.
 truth::ScreenBounds bounds_of(const truth::Scene& scene, TruthKind truth);
 
-/// A sample of a picture's pixels and what is true there: it serves other pictures of the scene, too.
+/// A sample of a picture's pixels and the truth there; it serves other pictures of the scene, too.
 struct SampledTruth {
   truth::PixelSample sample;
   std::vector<truth::Rgba> colours;
 };
-/// Draws where `picture` differs most (truth::draw_sample) and evaluates there.
+/// Samples where `picture` differs most (truth::draw_sample) and evaluates the truth there.
 SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
                           std::size_t pixels, std::uint64_t seed);
 
@@ -48,7 +48,7 @@ struct MeasuredError {
   TruthKind truth;
   std::uint64_t seed;
   truth::SampledError error;
-  double seconds;  ///< that the truth took
+  double seconds;  ///< spent on the truth
 };
 MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options);
 

@@ -9,7 +9,7 @@ namespace ringsplat::app {
 void add_option(CLI::App& app, const char* heading, const char* names, const char* form, const char* fallback,
                 const char* help, const Binding& binding, bool required) {
   CLI::Option* option = binding(app, names, help)->required(required);
-  if (!option->get_positional()) option->group(heading);  // arguments have a heading of CLI11's
+  if (!option->get_positional()) option->group(heading);  // CLI11 gives arguments a heading of its own
   if (form != nullptr) option->type_name(form);
   if (fallback == nullptr) return;
   if (*fallback == *initial)

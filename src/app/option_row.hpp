@@ -8,27 +8,27 @@
 #include <utility>
 #include <vector>
 
-/// Options as tables: a row is all that is said of one option, and where its value goes.
+/// Options as tables: a row says all about one option and where its value goes.
 namespace ringsplat::app {
 
-/// Adds one option of CLI11's, with these names and this help, that fills a target.
+/// Adds a CLI11 option with these names and this help that fills a target.
 using Binding = std::function<CLI::Option*(CLI::App& app, const std::string& names, const std::string& help)>;
 
-/// A row's fallback where --help is to show the value that the target has to begin with.
+/// A row's fallback when --help should show the target's initial value.
 inline constexpr char initial[] = "";
 
-/// One option of those that fill an `Options`.
+/// One of the options that fill an `Options`.
 template <class Options>
 struct OptionRow {
-  const char* names;          ///< with commas between; a name without dashes: an argument by its position
+  const char* names;          ///< separated by commas; a name without dashes is a positional argument
   const char* form;           ///< what --help shows for the value; null: the type's name, or a choice's words
   const char* fallback;       ///< what --help shows as the default; null: nothing
   const char* help;           ///< no full stop
-  Binding (*bind)(Options&);  ///< to a member that must outlive the parsing
+  Binding (*bind)(Options&);  ///< binds a member, which must outlive the parsing
   bool required = false;
 };
 
-/// Options below one heading of --help, in its order.
+/// Options below one heading of --help, in order.
 template <class Options>
 struct OptionGroup {
   const char* heading;
@@ -38,7 +38,7 @@ struct OptionGroup {
 void add_option(CLI::App& app, const char* heading, const char* names, const char* form, const char* fallback,
                 const char* help, const Binding& binding, bool required);
 
-/// Options of a group, bound to `options`, which must outlive `app`.
+/// Adds a group's options, bound to `options`, which must outlive `app`.
 template <class Options>
 void add_options(CLI::App& app, const OptionGroup<Options>& group, Options& options) {
   for (const auto& row : group.rows)
@@ -46,7 +46,7 @@ void add_options(CLI::App& app, const OptionGroup<Options>& group, Options& opti
                row.required);
 }
 
-/// A value as CLI11 reads its type.
+/// A value that CLI11 reads by its type.
 template <class T>
 Binding value(T& target, const CLI::Validator& check = {}) {
   return [&target, check](CLI::App& app, const std::string& names, const std::string& help) {
@@ -59,7 +59,7 @@ Binding flag(bool& target);
 /// An option without a value: clears `target`.
 Binding clearing_flag(bool& target);
 
-/// A value that `take` gets; `count` numbers where T is a vector.
+/// A value passed to `take`; `count` numbers when T is a vector.
 template <class T>
 Binding handed(std::function<void(const T&)> take, int count = 1) {
   return [take, count](CLI::App& app, const std::string& names, const std::string& help) {
@@ -68,7 +68,7 @@ Binding handed(std::function<void(const T&)> take, int count = 1) {
   };
 }
 
-/// A text that `parse(text, option)` turns into a value.
+/// A text that `parse(text, option)` turns into the value.
 template <class Target, class Parse>
 Binding parsed(Target& target, Parse parse) {
   return [&target, parse](CLI::App& app, const std::string& names, const std::string& help) {
@@ -86,11 +86,11 @@ struct ChosenType<std::optional<T>> {
   using Type = T;
 };
 
-/// The words of a choice and what they mean.
+/// The words of a choice and their meanings.
 template <class T>
 using Choices = std::vector<std::pair<std::string, T>>;
 
-/// Throws InputError that names the words.
+/// Throws InputError that lists the words.
 [[noreturn]] void refuse_choice(const std::string& option, const std::string& text, const std::string& words);
 
 /// One of a few words.

@@ -2,13 +2,13 @@
 #include "app/option_row.hpp"
 #include "app/reference_options.hpp"
 
-/// All options of subcommands as data. Which subcommand has which groups: subcommands.cpp; what options have
-/// to do with each other: contradictions.hpp.
+/// All options of subcommands as data. subcommands.cpp gives each subcommand its groups; contradictions.hpp
+/// has the rules between options.
 namespace ringsplat::app {
 
 extern const OptionGroup<VolumeOptions> volume_options;
 extern const OptionGroup<RunOptions> rank_options, protocol_options, machine_options;
-/// In the order of --help, where size, transfer function and the rest of a picture are below one heading.
+/// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
 extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,
     picture_options, shortcut_options;
 extern const OptionGroup<ErrorOptions> error_options;

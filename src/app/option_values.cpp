@@ -35,7 +35,7 @@ std::optional<T> number(std::string_view text) {
   return value;
 }
 
-/// `text` as 1 or `count` numbers separated by x (or *, or a comma); one number stands for all.
+/// `text` as 1 or `count` numbers separated by x, * or commas; one number stands for all.
 template <class T>
 std::optional<std::vector<T>> one_or_all(std::string_view text, std::size_t count) {
   std::vector<T> values;

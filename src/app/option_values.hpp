@@ -5,8 +5,7 @@
 #include <string_view>
 #include <vector>
 
-/// What people type for one option, turned into values. Every function throws InputError that names the
-/// option
+/// Turns what people type for an option into values. Every function throws InputError that names the option
 /// (`option`, such as "--size") and shows a value that works.
 namespace ringsplat::app {
 
@@ -20,7 +19,7 @@ Size parse_size(const std::string& text, const std::string& option);
 /// Columns and rows of a mesh: "4x3", or "4" for 4x4.
 Size parse_mesh(const std::string& text, const std::string& option);
 
-/// A whole number; of any sign, since who takes it knows the least.
+/// A whole number of any sign; the caller checks its range.
 int parse_count(const std::string& text, const std::string& option);
 
 /// "256x256x128", or "64" for a cube; all at least 1.
@@ -36,11 +35,11 @@ std::optional<glm::dvec3> parse_colour(const std::string& text, const std::strin
 /// The numbers of a list separated by blanks, commas, semicolons or tabs; nothing when a part is no number.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
-/// The words with `between` between them.
+/// Joins the words with `between`.
 std::string joined(const std::vector<std::string>& words, const std::string& between);
 
-/// The entry of `known` that looks most like `word`, or an empty string when none is close
-/// (Levenshtein 1966, at most a third of the letters wrong).
+/// The entry of `known` closest to `word`, or an empty string when none is close (Levenshtein 1966; at most a
+/// third of the letters wrong).
 std::string closest(const std::string& word, const std::vector<std::string>& known);
 
 }  // namespace ringsplat::app

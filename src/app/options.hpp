@@ -13,12 +13,12 @@
 #include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/source.hpp"
 
-/// What subcommands are told. The options that tell it: option_tables.hpp.
+/// Settings of the subcommands. option_tables.hpp has the options that set them.
 namespace ringsplat::app {
 
 enum class TransportChoice { automatic, mpi, loopback };
 
-/// Which file, and what must be said of a raw one.
+/// The volume's file, and the description of a raw file.
 struct VolumeOptions {
   std::string path;
   RawDescription raw;
@@ -27,8 +27,8 @@ struct VolumeOptions {
 /// Where the nodes run and how they talk.
 struct RunOptions {
   TransportChoice transport = TransportChoice::automatic;
-  std::optional<int> gps, renderers;  ///< what is left out follows from the number of ranks
-  bool choose_roles = false;          ///< one of them is "auto": by what a frame is found to cost
+  std::optional<int> gps, renderers;  ///< an omitted number follows from the number of ranks
+  bool choose_roles = false;          ///< one of them is "auto": chosen by the measured cost of a frame
   std::optional<Placement> placement;
   Topology topology = Topology::ring;
   std::optional<Size> mesh;              ///< columns and rows of GPs
@@ -42,7 +42,7 @@ struct RunOptions {
 struct RenderOptions {
   VolumeOptions volume;
   RunOptions run;
-  FrameSpec frame;  ///< all but its transfer function, which may depend on the volume's histogram
+  FrameSpec frame;  ///< without its transfer function, which may depend on the volume's histogram
   std::string transfer_function = "auto", transfer_function_out;
   int orbit = 0;
   std::string path;
@@ -56,12 +56,12 @@ struct RenderOptions {
 
 struct InfoOptions {
   VolumeOptions volume;
-  int gps = 0;  ///< 0: a few usual numbers
+  int gps = 0;  ///< 0: several usual numbers
   bool json = false, presets = false;
-  int ranks = 0;          ///< to predict frame times for; 0: none
-  int cores = 0;          ///< that they share; 0: this machine's
+  int ranks = 0;          ///< ranks to predict frame times for; 0: no prediction
+  int cores = 0;          ///< cores that the ranks share; 0: this machine's
   std::string machine;    ///< a file: predict for it; empty: measure here
-  RenderOptions picture;  ///< what is rendered then
+  RenderOptions picture;  ///< the picture to predict for
 };
 
 struct CompareOptions {

@@ -1,4 +1,4 @@
-// The options of a picture: here alone are they bound to the description of a frame.
+// The options of a picture. Only this file binds options to the frame's description.
 #include <fmt/format.h>
 
 #include <algorithm>

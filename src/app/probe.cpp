@@ -23,12 +23,12 @@ namespace {
 
 constexpr std::int64_t most_voxels = std::int64_t{1} << 24;
 constexpr int slabs_of_large_volumes = 3;
-/// As many as load_scene has: presets depend on it.
+/// The same as load_scene's: presets depend on it.
 constexpr int histogram_bins = 1024;
 constexpr int repetitions = 3;
-constexpr double patience = 2;  ///< seconds after which nothing is repeated any more
+constexpr double patience = 2;  ///< seconds after which no measurement is repeated
 constexpr int most_renderers = 1024;
-/// For how many an image is cut to find what its parts cost.
+/// Number of Renderers that an image is cut for when its regions' costs are measured.
 constexpr int probed_renderers = 16;
 
 double thread_seconds() {
@@ -37,7 +37,7 @@ double thread_seconds() {
   return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
 }
 
-/// Some z slices, as a volume where they lie in the whole.
+/// Some z slices as a volume of their own, and their place in the whole.
 struct Slab {
   Grid grid;
   std::vector<std::byte> voxels;
@@ -81,7 +81,7 @@ TransferFunction make_for(const std::vector<Slab>& slabs, const TransferFunction
   return choice.make(histogram);
 }
 
-/// The view as a matrix, which shows a part of the volume where it is in the whole.
+/// The view as a matrix, so that a part of the volume appears at its place in the whole.
 Camera fixed_to_world(const Camera& camera, const Grid& grid, int width, int height) {
   if (camera.matrix) return camera;
   const ViewTransform view = make_view(camera, lattice_frame(grid), width, height);
@@ -100,7 +100,7 @@ Camera fixed_to_world(const Camera& camera, const Grid& grid, int width, int hei
   return fixed;
 }
 
-/// What one view of one slab costs; of several repetitions the quickest.
+/// What one view of one slab costs: the quickest of several repetitions.
 struct ViewCosts {
   double gp = 0, rest = 0, visible_voxels = 0, splats = 0;
   std::vector<double> renderers;
@@ -122,8 +122,8 @@ ViewCosts costs_of(const FrameStats& stats, double share) {
   return costs;
 }
 
-/// What the nodes of a described machine spend on what was counted (docs/simulation.md). The passes are
-/// counted by GPs, for all Renderers together; here they go with the splats.
+/// What a described machine's nodes spend on the counted work (docs/simulation.md). GPs count passes for all
+/// Renderers together; here each Renderer gets a share by its splats.
 ViewCosts costs_of(const FrameStats& stats, const Machine& machine, const Grid& grid) {
   ViewCosts costs;
   const NodeStats sum = stats.total();
@@ -181,7 +181,8 @@ std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpe
   return costs;
 }
 
-/// Adds to the costs of regions the Renderers' seconds, `total` in sum; a Renderer's go to its regions alike.
+/// Adds the Renderers' seconds, scaled to `total` in sum, to the costs of regions; a Renderer's regions get
+/// equal shares.
 void add_regions(FrameCosts& costs, const FrameGeometry& geometry, const std::vector<double>& renderers,
                  double total) {
   double sum = 0;
@@ -196,7 +197,7 @@ void add_regions(FrameCosts& costs, const FrameGeometry& geometry, const std::ve
       costs.region[std::size_t(region)] += total / sum * renderers[k] / double(owned[k].size());
 }
 
-/// The frame cut so finely that the costs of regions say what any number of Renderers gets.
+/// The frame cut so finely that its regions' costs tell the load of any number of Renderers.
 FrameSpec cut_finely(FrameSpec frame, const Grid& grid) {
   frame.division.dealt_to = probed_renderers;
   if (frame.as<Splats>().image_plane == ImagePlane::screen && frame.division.region_size == 0)
@@ -284,7 +285,7 @@ Places count_places(Collectives& collectives) {
     cpu_set_t cores{};
   } mine;
   gethostname(mine.machine.data(), mine.machine.size() - 1);
-  // Launchers bind ranks to cores, so that each rank sees its own only.
+  // Launchers bind ranks to cores, so each rank sees only its own.
   if (sched_getaffinity(0, sizeof(mine.cores), &mine.cores) != 0)
     for (long core = 0; core < std::min<long>(sysconf(_SC_NPROCESSORS_ONLN), CPU_SETSIZE); ++core)
       CPU_SET(std::size_t(core), &mine.cores);

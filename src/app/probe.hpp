@@ -10,42 +10,41 @@
 #include "ringsplat/volume/source.hpp"
 #include "scene/load.hpp"
 
-/// What layouts are chosen by, measured.
+/// Measurements from which layouts are chosen.
 namespace ringsplat::app {
 
-/// The views of a run that are worth measuring: the first, and of long runs three, evenly spread.
+/// The views of a run to measure: the first, or three evenly spread ones of a long run.
 std::vector<Camera> probe_views(const std::vector<Camera>& cameras);
 
 /// Renders these views in this process, with a GP and a Renderer and then with a Renderer for each region,
-/// and takes the quickest of a few repetitions. Counts the seconds that this thread has had a core, so that
-/// others who use the machine change little.
+/// and takes the quickest of a few repetitions. Counts this thread's processor seconds, so that other users
+/// of the machine change little.
 ///
-/// A volume of more than 2²⁴ voxels is sampled: three slabs of z slices, whose costs stand for the others'.
-/// So memory is bounded, but a file that has to be decoded in order is decoded once more up to the last slab.
-/// With a `machine` nothing is measured: what its nodes would spend is charged for what the same frames
-/// count. `frame` is what all frames share; its transfer function is made from the voxels read. Throws
-/// InputError: unreadable, no finite value.
+/// A volume of more than 2²⁴ voxels is sampled by three slabs of z slices, whose costs stand for the others'.
+/// This bounds memory, but a file that must be decoded in order is decoded once more up to the last slab.
+/// With a `machine` nothing is measured: the frames' counts are charged at its nodes' costs. `frame` is what
+/// all frames share; its transfer function is made from the voxels read. Throws InputError when the volume is
+/// unreadable or has no finite value.
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
                                const std::vector<Camera>& views, const LoadOptions& load,
                                const Machine* machine = nullptr);
 
-/// Seconds a message takes to the next rank: one goes round all ranks many times. All ranks call it, and do
-/// so while no other message is on its way; the result is rank 0's. Zero on one rank.
+/// Seconds a message takes to the next rank, measured by one that goes round all ranks many times. All ranks
+/// call it, while no other message is on its way; the result is valid on rank 0. Zero with one rank.
 double measure_hop(Transport& transport);
 
 struct Places {
-  int cores = 1;  ///< that the job's ranks share: on each machine its cores, or as many as there are ranks
+  int cores = 1;  ///< cores of all machines that the job's ranks share; a machine counts at most one a rank
   int machines = 1;
 };
 /// Where the job's ranks run. Collective.
 Places count_places(Collectives& collectives);
 
-/// What is known of this machine where no other rank is there to measure it, from docs/performance.md: a hop
-/// takes 2.5 µs with a core for each rank; ranks that share cores wait for one, and what they render takes
-/// longer.
+/// Costs of this machine from docs/performance.md, for when there are no other ranks to measure with: a hop
+/// takes 2.5 µs with a core for each rank; ranks that share cores wait for one, and rendering takes longer.
 RankCosts usual_rank_costs(int ranks, int cores);
 
-/// What a hop takes on a described machine between neighbours on different hosts; its cores, or one for each
+/// A described machine's cost of a hop between neighbours on different hosts, and its cores, or one for each
 /// rank.
 RankCosts described_rank_costs(const Machine& machine, int ranks);
 

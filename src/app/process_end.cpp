@@ -13,8 +13,8 @@ constexpr std::array handled{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGPIPE}
 
 extern "C" void remove_files_and_end(int number) {
   remove_unfinished_files();
-  // The exit status is the signal's. A handler that a library has set before may return instead, as UCX's
-  // does.
+  // Ends the process with the signal's exit status. A library's earlier handler might return if called
+  // instead, as UCX's does.
   signal(number, SIG_DFL);
   raise(number);
 }

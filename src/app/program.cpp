@@ -23,15 +23,15 @@ ExitCode say(const std::string& text) {
   return ExitCode::done;
 }
 
-/// Whether an outcome is known to all ranks, or to the one that failed only.
+/// An outcome, and whether all ranks know it or only the one that failed.
 struct Ending {
   Outcome outcome;
   bool on_all_ranks;
 };
 
 Ending dispatch(const CommandLine& line, Launch& launch) {
-  // Ranks may be of different builds, started differently, or able to read their --config file on some
-  // machines only: what they say must be the same before they go on.
+  // Ranks must agree before they go on: they may be of different builds, be started differently, or lack the
+  // --config file on some machines.
   const Outcome agreed = guarded([&] {
     launch.require_same_build();
     launch.settle(line.error);
@@ -67,8 +67,8 @@ ExitCode finish(const Ending& ending, Launch& launch) {
   return outcome.code;
 }
 
-/// `code`, or that of a failed run when not all that was printed could be written. A run that has failed has
-/// said why, be it this.
+/// Returns `code`, or run_failed when some output could not be written. A run that has already failed keeps
+/// its own message.
 ExitCode after_printing(ExitCode code) {
   if (code == ExitCode::run_failed) return code;
   const Outcome printed = guarded([] {

@@ -2,12 +2,12 @@
 
 namespace ringsplat::app {
 
-/// What is said of the program as a whole, in --help and in the manual page.
+/// Texts about the program as a whole, for --help and the manual page.
 struct ProgramTexts {
   const char* summary;      ///< begins with the program's name
-  const char* description;  ///< goes on from there
+  const char* description;  ///< continues the summary
   const char* examples;     ///< command lines, indented
-  const char* config;       ///< of --config, with {} for a line of such a file
+  const char* config;       ///< help of --config, with {} for a line of such a file
   const char* exit_codes;
 };
 

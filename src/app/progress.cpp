@@ -13,7 +13,7 @@
 namespace ringsplat::app {
 namespace {
 
-constexpr double patience = 2.0;        ///< seconds before anything is said
+constexpr double patience = 2.0;        ///< seconds before anything is printed
 constexpr double redraw_seconds = 0.2;  ///< on a terminal
 constexpr double line_seconds = 5.0;    ///< elsewhere
 

@@ -7,12 +7,12 @@
 
 namespace ringsplat::app {
 
-/// Says on stderr how far a long piece of work is, once it has taken two seconds: a bar that is
-/// redrawn on a terminal, else a line every few seconds. A thread of its own draws, so that it shows time
-/// passing also while the work does not come back to report. Safe to call from several threads.
+/// Shows on stderr how far a long piece of work is, once it has taken two seconds: a redrawn bar on a
+/// terminal, else a line every few seconds. A thread of its own draws, so that time passes on the display
+/// even while the work does not report. Safe to call from several threads.
 class Progress {
  public:
-  /// A silent one says nothing of progress. `results` is where print() writes.
+  /// When `silent`, shows no progress. `results` is where print() writes.
   explicit Progress(bool silent = false, std::FILE* results = stdout);
   ~Progress();
   Progress(const Progress&) = delete;
@@ -22,13 +22,13 @@ class Progress {
   void begin(const std::string& what, double total);
   void at(double done);  ///< units done so far
   void end();
-  /// Until go_on() nothing is done but to wait, for `what`: "waiting for views". That is said on a terminal,
-  /// elsewhere only once. Time passed counts from go_on().
+  /// Shows until go_on() that the run waits for `what`, as in "waiting for views"; off a terminal prints it
+  /// only once. The time shown counts from go_on().
   void wait_for(const std::string& what);
   void go_on();
   /// Writes a line of results without the bar getting into it.
   void print(const std::string& line);
-  /// Takes the bar off the screen, for what others write to stderr.
+  /// Removes the bar, so that others can write to stderr.
   void clear();
 
  private:

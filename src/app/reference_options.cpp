@@ -71,7 +71,7 @@ constexpr OptionGroup<Reference> reference_output_options{"Output", reference_ou
 constexpr OptionGroup<Study> study_options{"Output", study_rows};
 
 void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
-  // A truth has no tables and no regions, and that of a field no kernel and no slices.
+  // No truth uses kernel tables or regions; a field's truth uses no kernel and no slices.
   std::vector<const char*> unknown{"--kernel", "--phases", "--qee-bits", "--region"};
   if (o.truth == TruthKind::method)
     unknown.push_back("--tolerance");

@@ -14,8 +14,8 @@ struct ReferenceOptions {
   RenderOptions picture;  ///< volume, views, transfer function, shading, output
   TruthKind truth = TruthKind::field;
   double tolerance = 1e-6;
-  std::string formula;  ///< analytic truth: the field of synth_names() that the volume was sampled from
-  std::vector<std::string> without_effect;  ///< options that were given and that this truth does not know
+  std::string formula;  ///< analytic truth: the field in synth_names() that the volume samples
+  std::vector<std::string> without_effect;  ///< given options that this truth ignores
 };
 
 struct StudyOptions {
@@ -25,8 +25,8 @@ struct StudyOptions {
   bool show_list = false;
 };
 
-/// Takes down which of a parsed subcommand's options change nothing: of render's, with which a truth is asked
-/// for, not all concern it.
+/// Records which options of a parsed subcommand change nothing: it takes render's options, and not all
+/// concern a truth.
 void note_options_without_effect(const CLI::App& app, ReferenceOptions& options);
 
 }  // namespace ringsplat::app

@@ -32,7 +32,7 @@
 namespace ringsplat::app {
 namespace {
 
-/// What only rank 0 knows: it alone reads the small files and writes the results.
+/// What only rank 0 knows, as only it reads the small files and writes the results.
 struct Plan {
   std::optional<TransferFunctionChoice> transfer_function;
   std::vector<Camera> cameras;
@@ -55,7 +55,7 @@ Plan make_plan(const RenderOptions& o) {
   return plan;
 }
 
-/// Throws InputError when the frame's view, in any of its levels, cannot be rendered.
+/// Throws InputError when the frame's view cannot be rendered at some level.
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   for (const Reduction& level : Browsing::levels(spec, o.progressive)) {
     spec.shown.reduction = level;
@@ -63,10 +63,10 @@ void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   }
 }
 
-/// All that can be wrong with a frame shows here, before a voxel is read.
+/// Finds everything wrong with a frame before a voxel is read.
 void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
   FrameSpec spec = o.frame;
-  // The transfer function proper may need the histogram of a volume that is not loaded yet.
+  // A stand-in: the real transfer function may need the histogram of the volume, which is not loaded yet.
   spec.shown.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
   check(spec);
@@ -101,8 +101,7 @@ SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
   return memory;
 }
 
-/// Throws InputError when this process's slices or its frame buffer cannot fit into the machine's memory at
-/// all.
+/// Throws InputError when this process's slices or its frame buffer exceed the machine's memory.
 void check_memory(const RenderOptions& o, std::size_t frames_in_all, const SliceMemory& slices,
                   const Layout& layout, const Launch& launch) {
   const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
@@ -147,7 +146,7 @@ Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layou
   return scene;
 }
 
-/// The views of `--path -`. What is passed by reference must outlive them.
+/// The stream of `--path -`. What is passed by reference must outlive it.
 std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
                                            Progress& progress) {
   const auto check = [&](const Camera& camera) {
@@ -171,7 +170,7 @@ TransferFunction make_transfer_function(const RenderOptions& o, const Plan& plan
   return tf;
 }
 
-/// Renders all frames. Every input was checked before on all ranks alike, so what is wrong here ends the job.
+/// Renders all frames. Every input was checked on all ranks before, so an error here ends the job.
 void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
                 const Wiring& wiring, const EngineOptions& engine) {
   try {
@@ -192,12 +191,12 @@ void write_trace(Trace& trace, const std::string& file, const Layout& layout, La
   write_text_output(file, to_chrome_trace(all, layout));
 }
 
-/// Results, which are lines for people, then go to stderr.
+/// True when a file is written to stdout; results, which are lines for people, then go to stderr.
 bool writes_to_stdout(const RenderOptions& o) {
   return is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
 }
 
-/// For --verbose: what this rank is there for.
+/// For --verbose: this rank's role.
 void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch) {
   std::string axes;
   for (const Axis axis : all_axes)
@@ -213,7 +212,7 @@ void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& la
   }
 }
 
-/// A run of which all is decided and checked, before a voxel is read.
+/// A run, all decided and checked before a voxel is read.
 struct Job {
   RenderOptions options;
   Layout layout;
@@ -250,7 +249,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   return job;
 }
 
-/// The scene again, for which the same volume is read once more.
+/// Loads the scene again, from the same volume.
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
   const Facts before = std::exchange(job.volume, open(job.options, launch)).facts;
   launch.check_on_rank_0([&] {
@@ -261,8 +260,8 @@ Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch)
   return load(job.volume, job.load, job.layout, wiring, progress);
 }
 
-/// What all frames have in common: the transfer function and, with --max-error, the shortcuts are chosen for
-/// the loaded scene.
+/// The part that all frames share, with the transfer function and, under --max-error, the shortcuts chosen
+/// for the loaded scene.
 FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch) {
   const RenderOptions& o = job.options;
   FrameSpec frame = o.frame;
@@ -278,7 +277,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
 ExitCode run_render(const RenderOptions& given, Launch& launch) {
   Job job = prepare(given, launch);
   const RenderOptions& o = job.options;
-  // Ahead of simulated time nothing can be said.
+  // Silent in a simulation: progress in simulated time tells nothing.
   Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
   const Wiring wiring = launch.wiring(o.run.loopback);
   Scene scene = load(job.volume, job.load, job.layout, wiring, progress);

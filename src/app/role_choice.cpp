@@ -22,7 +22,7 @@ std::vector<double> by_renderer(const FrameCosts& costs, int renderers) {
   return seconds;
 }
 
-/// Of the GP's slices, which are as many as those of the GP that has most or one less.
+/// Seconds of GP `gp` for its slices: the largest share or one less.
 double gp_seconds(const FrameCosts& costs, int gp, int gps) {
   const double slices = std::max(0.0, std::ceil((costs.slices - gp) / gps));
   return costs.frame + costs.gp * slices / std::max(1.0, costs.slices);
@@ -35,7 +35,7 @@ int hops(const Layout& mesh, NodeId from, NodeId to) {
   return count;
 }
 
-/// Hops by which a token passes one slice: payload there, accept back, token on.
+/// Mean hops for a token to pass one slice: payload, accept, token.
 double hops_a_slice(const Layout& layout) {
   if (!layout.routed()) return 3;
   double payload = 0, token = 0;
@@ -50,7 +50,7 @@ double hops_a_slice(const Layout& layout) {
   return token / layout.gps + payload / layout.gps / layout.renderers;
 }
 
-/// What was found is for all ranks; with idle ones those that work have cores of their own.
+/// The hop was measured with all ranks working; when some are idle, the others have cores of their own.
 double hop_seconds(const RankCosts& ranks, const Layout& layout) {
   return layout.idle > 0 ? std::min(ranks.hop, RankCosts{}.hop) : ranks.hop;
 }

@@ -10,7 +10,7 @@
 namespace ringsplat::app {
 namespace {
 
-/// "1", "1.0" and "1e0" are one number. Integers that a double cannot hold stay as they are written.
+/// Writes "1", "1.0" and "1e0" alike. Integers that a double cannot hold stay as they are.
 std::string plain(const std::string& word) {
   double number = 0;
   const auto* end = word.data() + word.size();
@@ -26,7 +26,7 @@ std::string plain_words(const std::string& text) {
   return all;
 }
 
-/// Names of files are compared letter by letter.
+/// True for names of files, which are compared letter by letter.
 bool is_text(const CLI::Option& option) {
   return option.get_positional() || option.get_type_name().find("FILE") != std::string::npos;
 }

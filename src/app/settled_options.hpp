@@ -5,9 +5,9 @@
 
 namespace ringsplat::app {
 
-/// What a parsed program was told, option by option, wherever each came from: the command line, a --config
-/// file, or its default. Ranks of one job must be told the same. Left out are --config itself, since only
-/// what is in the file counts, and --verbose, which a rank may have for itself.
+/// A parsed program's settings, option by option, whether from the command line, a --config file or a
+/// default. All ranks of a job must have the same. Leaves out --config itself, since only the file's content
+/// counts, and --verbose, which may differ between ranks.
 Facts settled_options(const CLI::App& program);
 
 }  // namespace ringsplat::app

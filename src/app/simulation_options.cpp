@@ -27,7 +27,7 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
     simulation.machine.reset();
     return;
   }
-  // The clock leaps while ranks wait, and the simulator itself knows when no rank can go on.
+  // Simulated time leaps while ranks wait; the simulator itself detects that no rank can go on.
   protocol.stall_timeout = std::numeric_limits<double>::infinity();
   if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;
 }

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One setting's frames of one view: the picture of the last, the median over all.
+/// One setting's frames of one view: the last picture, and all frames' seconds.
 struct Timed {
   Image image;
   FrameStats stats;
@@ -84,7 +84,7 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
                       t.image = std::move(result.image);
                     }};
   ProtocolOptions protocol;
-  protocol.frames_in_flight = 1;  // a frame's time is its own
+  protocol.frames_in_flight = 1;  // so that a frame's time is its own
   render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
   return timed;
 }
@@ -141,9 +141,9 @@ std::string to_csv(const nlohmann::ordered_json& rows) {
   return joined(lines, "\n") + "\n";
 }
 
-/// One scene under all settings. The field's and the formula's truth do not depend on the kernel, so they are
-/// evaluated once a view and shading, where the first setting's picture differs most; the method's is
-/// evaluated for each setting.
+/// One scene under all settings. The field's and the formula's truths do not depend on the kernel, so they
+/// are evaluated once for each view and shading, where the first setting's picture differs most. The method's
+/// truth is evaluated for each setting.
 class SceneStudy {
  public:
   SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
@@ -172,7 +172,8 @@ class SceneStudy {
     return {.truth = kind, .formula = scene_list_.synth};
   }
 
-  /// What --keep-images keeps of a measurement. The method's truth looks like the picture itself: it is not.
+  /// Pictures of a measurement for --keep-images. The method's truth looks like the picture itself, so it is
+  /// not kept.
   KeptPictures keep(const StudyList::Setting& setting, const FrameSpec& spec, const Timed& timed,
                     TruthKind kind, std::size_t view) {
     if (!pictures_.kept() || kind == TruthKind::method) return {};

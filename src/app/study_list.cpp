@@ -89,7 +89,7 @@ class Reader {
 
   StudyList read() {
     for (const auto& item : items_) {
-      if (item.name == "++" || item.name == "--") continue;  // CLI11's marks of a section's begin and end
+      if (item.name == "++" || item.name == "--") continue;  // CLI11's marks of a section's start and end
       const std::string kind = item.parents.empty() ? "" : item.parents.front();
       if (item.parents.empty())
         top_level(item);
@@ -105,7 +105,7 @@ class Reader {
   }
 
  private:
-  /// What follows [scene. or [setting. ; dots in it are the name's own.
+  /// The name after [scene. or [setting. ; it may contain dots.
   static std::string name_of(const CLI::ConfigItem& item) {
     return joined({item.parents.begin() + 1, item.parents.end()}, ".");
   }
@@ -136,7 +136,7 @@ class Reader {
     return word == "true";
   }
 
-  /// The value whose name() is the item's text.
+  /// The value whose name() equals the item's text.
   template <class T>
   T one_of(const CLI::ConfigItem& item, std::initializer_list<T> values) const {
     std::vector<std::string> names;

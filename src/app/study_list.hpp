@@ -22,7 +22,7 @@ struct StudyList {
     KernelOptions kernel = {};
     bool opacity_correction = true;
     Shading shading = Shading::none;
-    int region_size = 0;  ///< as FrameSpec's
+    int region_size = 0;  ///< as in Division
     ImagePlane image_plane = ImagePlane::screen;
     int samples = 1;
   };
@@ -39,7 +39,7 @@ struct StudyList {
 /// The default list, TOML with comments.
 extern const char* const default_study_list;
 
-/// Throws InputError naming `where`, section and key: an unknown key, a value that is none, nothing to run.
+/// Throws InputError that names `where`, section and key: unknown key, bad value, or nothing to run.
 StudyList parse_study_list(const std::string& toml, const std::string& where);
 
 }  // namespace ringsplat::app

@@ -13,7 +13,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A name of a list as a file's: nothing but letters, digits, dots, dashes and underscores.
+/// Turns a list's name into a file name: only letters, digits, dots, dashes and underscores.
 std::string as_file_name(std::string name) {
   const auto harmless = [](unsigned char c) {
     return std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_';

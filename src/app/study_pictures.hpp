@@ -16,19 +16,20 @@ struct KeptPictures {
 /// The pictures of a study, as a display shows them: over black, 8-bit sRGB. One folder a scene.
 class StudyPictures {
  public:
-  /// Makes the folder; none is kept when its name is empty. Throws InputError when it cannot be made.
+  /// Makes the folder, or throws InputError. With an empty name no picture is kept.
   explicit StudyPictures(const std::string& folder);
   bool kept() const { return !folder_.empty(); }
 
-  /// SCENE/NAME-VIEW.png, of the view's number. Both return the file's name within the folder.
+  /// Writes SCENE/NAME-VIEW.png, with the view's number. Both functions return the file's name within the
+  /// folder.
   std::string keep(const std::string& scene, const std::string& name, std::size_t view, const Image& image);
-  /// SCENE/truth-KIND-VIEW.png; asks for the picture only once.
+  /// Writes SCENE/truth-KIND-VIEW.png; asks for the picture only once.
   std::string keep_truth(const std::string& scene, const std::string& kind, std::size_t view,
                          const std::function<Image()>& image);
 
  private:
   std::filesystem::path folder_;
-  std::set<std::string> truths_;  ///< that are there
+  std::set<std::string> truths_;  ///< already written
 };
 
 }  // namespace ringsplat::app

@@ -33,7 +33,7 @@ void add_render_options(CLI::App& app, AllOptions& all) {
 Command settle_render(const CLI::App& app, AllOptions& all) {
   RenderOptions& o = all.render;
   require_volume(app, o.volume);
-  // A run that only counts has no picture, and one that is only timed needs none.
+  // A run that only counts has no picture; a run for statistics needs none.
   if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));

@@ -8,7 +8,7 @@
 
 namespace ringsplat::app {
 
-/// Print this on stdout and be done (--help, --version, --man).
+/// A text to print on stdout, and nothing else to do (--help, --version, --man).
 struct Say {
   std::string text;
 };
@@ -33,7 +33,7 @@ struct Subcommand {
   const char* config;    ///< what lines of a --config file may be
   const char* examples;  ///< command lines, indented
   void (*add_options)(CLI::App& app, AllOptions& options);
-  /// When `app` was parsed: completes the options and hands them over. Throws InputError when something is
+  /// Completes the options once `app` is parsed, and returns them. Throws InputError when something is
   /// missing.
   Command (*settle)(const CLI::App& app, AllOptions& options);
 };

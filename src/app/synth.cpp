@@ -20,9 +20,10 @@ std::string list_of_volumes() {
   return text;
 }
 
-/// Says before the work what the disk would say at its end: exit code 2 where no disk of this size would do.
+/// Checks the disk's space before the work: RunError when too little is free, InputError when the whole disk
+/// is too small.
 void check_room(const fs::path& file, const Grid& grid, bool compressed) {
-  constexpr std::uint64_t most_compression = 1032;  // zlib's technical details: of deflate
+  constexpr std::uint64_t most_compression = 1032;  // largest factor of deflate (zlib's technical details)
   const std::uint64_t needed = compressed ? grid.bytes() / most_compression : grid.bytes();
   std::error_code error;
   const auto space = fs::space(file.has_parent_path() ? file.parent_path() : ".", error);

@@ -22,7 +22,7 @@ bool looks_like_a_file(const std::string& text) {
   return text.find('/') != std::string::npos || std::filesystem::path(text).has_extension();
 }
 
-/// The values at which the opacity leaves zero first and reaches it last.
+/// The range of values from where the opacity first leaves zero to where it last returns to it.
 std::string visible_range(const TransferFunction& tf) {
   const auto visible = [](const TransferFunction::OpacityPoint& p) { return p.opacity > 0; };
   const auto first = std::find_if(tf.opacities.begin(), tf.opacities.end(), visible);

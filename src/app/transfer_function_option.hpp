@@ -7,10 +7,10 @@
 
 namespace ringsplat::app {
 
-/// What --tf names: a preset, which is made to fit a volume's histogram, or a file.
+/// The choice of --tf: a preset, fitted to the volume's histogram, or a file.
 class TransferFunctionChoice {
  public:
-  /// Reads a file at once; throws InputError when `text` is neither a preset nor a readable transfer
+  /// Reads a file immediately. Throws InputError when `text` is neither a preset nor a readable transfer
   /// function.
   explicit TransferFunctionChoice(const std::string& text);
   TransferFunction make(const Histogram& histogram) const;
@@ -20,9 +20,9 @@ class TransferFunctionChoice {
   std::optional<TransferFunction> from_file_;
 };
 
-/// Why a frame without a splat shows nothing, and what to do about it: the transfer function and the volume's
-/// values do not meet, no voxel has one of those values where they do, or all `visible_voxels`, which are or
-/// may be visible, are outside.
+/// Explains why a frame without splats shows nothing, and what to do: the transfer function's visible values
+/// lie outside the volume's range, no voxel has such a value, or all `visible_voxels` (an upper bound) lie
+/// outside the picture.
 std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
                                    std::uint64_t visible_voxels);
 

@@ -32,7 +32,7 @@ double Camera::*field_named(const std::string& name) {
   return nullptr;
 }
 
-/// The columns that a heading names; empty when the line is no heading.
+/// The columns that a heading line names; empty when the line is no heading.
 std::vector<double Camera::*> columns_of(std::string line) {
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');

@@ -13,13 +13,13 @@ namespace ringsplat::app {
 /// `frames` views once around the volume: azimuths from start.azimuth on in steps of 360/frames degrees.
 std::vector<Camera> orbit(const Camera& start, int frames);
 
-/// What a line of a path may be, for messages.
+/// Says what a line of a path may be, for messages.
 extern const char* const path_line_hint;
 
 /// Reads a path line by line. A line is a camera: "azimuth elevation [roll [zoom]]" with blanks, commas or
 /// semicolons, or a JSON object with these keys or "matrix" (12 numbers). Column names before the first view
-/// give another order; lines that are empty or begin with # are skipped. What a line does not say is taken
-/// from `defaults`.
+/// give another order; lines that are empty or begin with # are skipped. Missing values are taken from
+/// `defaults`.
 class PathReader {
  public:
   explicit PathReader(const Camera& defaults);

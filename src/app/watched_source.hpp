@@ -7,7 +7,7 @@
 
 namespace ringsplat::app {
 
-/// A source that tells a progress bar up to which slice it was read.
+/// A source that tells a progress bar how far it was read.
 class WatchedSource final : public VolumeSource {
  public:
   WatchedSource(std::unique_ptr<VolumeSource> source, Progress& progress)

@@ -46,7 +46,7 @@ struct EncodedPart {
 
 struct EncodeCounts {
   std::uint64_t voxels = 0;   ///< of the slice, transparent ones included
-  std::uint64_t visible = 0;  ///< of these, the visible ones
+  std::uint64_t visible = 0;  ///< of these, visible ones
   std::uint64_t outside = 0;  ///< skipped, because they lie outside the image
 };
 
@@ -59,7 +59,7 @@ struct EncodedStep {
 class Encoder {
  public:
   virtual ~Encoder() = default;
-  /// The steps whose slices show something, ascending; tokens skip the others. The same on every GP.
+  /// The steps that tokens go through, ascending; slices of other steps show nothing. The same on every GP.
   virtual std::vector<int> shown() = 0;
   /// Counts for `steps` slices of this GP that are not encoded because no Renderer has a tile.
   virtual EncodeCounts left_out(std::size_t steps) const = 0;

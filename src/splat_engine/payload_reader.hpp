@@ -48,7 +48,7 @@ struct SumMemory {
 std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
 std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
                                                SumMemory memory);
-/// For runs in slices whose voxels lie a whole number of pixels apart.
+/// A reader for runs in slices whose voxels lie a whole number of pixels apart.
 std::unique_ptr<PayloadReader> make_aligned_reader(const SplatFrame& frame, const AlignedFrame& aligned,
                                                    SumMemory memory);
 

@@ -205,7 +205,7 @@ class SplatPainter final : public FramePainter {
   std::vector<int> owned_;                   ///< owned regions, ascending
   std::vector<RegionImage> images_;          ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into images_
-  RegionSize largest_region_;                ///< of those owned
+  RegionSize largest_region_;                ///< the largest owned region's size
   ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
   int lanes_in_use_ = 1;     ///< lanes that this payload uses

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Every kind of file on a disk without room for it:  full_disk.sh MPIEXEC PROGRAM VOLUME SCRATCH
-# Needs to mount one; where that is not allowed it says so and exits with 77.
+# Mounts a small disk; where that is not allowed it says so and exits with 77.
 set -u
 if [[ ${IN_OWN_MOUNTS:-} != yes ]]; then
   if ! unshare -m true 2>/dev/null; then
@@ -23,7 +23,7 @@ mount -t tmpfs -o size=1m,nr_inodes=200 ringsplat "$disk" || {
   exit 77
 }
 
-# fill KIB: leaves so many KiB of the disk.
+# fill KIB: fills the disk but for KIB KiB.
 fill() {
   rm -f "$disk/filler"
   local left
@@ -31,7 +31,7 @@ fill() {
   ((left <= $1)) || head -c $(((left - $1) * 1024)) /dev/zero >"$disk/filler"
 }
 
-# without_room FILE KIB COMMAND...: COMMAND, which writes FILE, has KIB left of the disk.
+# without_room FILE KIB COMMAND...: runs COMMAND, which writes FILE, with KIB KiB free.
 without_room() {
   local file=$1 room=$2 code
   shift 2
@@ -95,7 +95,7 @@ without_room v.raw 32 synth -o "$disk/v.nhdr"
 without_room v.raw 32 synth -o "$disk/v.mhd"
 without_room v_40x40x40_uint8.raw 32 synth -o "$disk/v.raw"
 
-# What is only kept for the next run is no reason to fail, but is said.
+# A file that is only kept for the next run gives a warning, not a failure.
 find "$disk" -mindepth 1 -delete
 fill 0
 "$program" synth ball --dims 12x12x12 -o "$scratch/whole/ball.nrrd" >/dev/null || fail "synth failed"

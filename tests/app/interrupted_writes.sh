@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A run that is ended in the middle of a file leaves nothing, or nothing for long:
+# A run that ends in the middle of a file leaves nothing, or nothing that the next run does not remove:
 #   interrupted_writes.sh MPIEXEC PROGRAM VOLUME SCRATCH
 set -u
 mpiexec=$1 program=$2 volume=$3 scratch=$4
@@ -12,10 +12,10 @@ fail() {
   exit 1
 }
 
-# hidden [PID]: the hidden files, all or those of a process.
+# hidden [PID]: lists the hidden files, all or a process's.
 hidden() { find "$scratch/out" -name ".*${1:+_$1-}*" -type f; }
 
-# until_hidden LAUNCHED [PID]: waits until a process that was launched has begun a file, or the PID has.
+# until_hidden LAUNCHED [PID]: waits until a launched process, or PID, has begun a file.
 until_hidden() {
   until [[ -n $(hidden ${2:-}) ]]; do
     kill -0 "$1" 2>/dev/null || fail "the run ended before it was disturbed"
@@ -23,7 +23,7 @@ until_hidden() {
   done
 }
 
-# begin_volume: starts to write a volume that takes a while, over an old one, and stops once it has begun.
+# begin_volume: starts writing a large volume over an old one, and returns once the file has begun.
 begin_volume() {
   echo old >"$scratch/out/v.nrrd"
   "$program" synth marschner-lobb --dims 600x600x600 --type float32 -o "$scratch/out/v.nrrd" \
@@ -32,7 +32,7 @@ begin_volume() {
   until_hidden $writer $writer
 }
 
-# UCX, which some MPIs bring, handles SIGHUP from before main() on, also where it is to be ignored.
+# UCX, part of some MPIs, handles SIGHUP from before main() on, even when it should be ignored.
 export UCX_DEBUG_SIGNO=0
 declare -A status=([HUP]=129 [INT]=130 [QUIT]=131 [PIPE]=141 [TERM]=143 [XCPU]=152)
 for signal in HUP INT QUIT PIPE TERM XCPU; do
@@ -48,7 +48,7 @@ for signal in HUP INT QUIT PIPE TERM XCPU; do
   [[ $(cat "$scratch/out/v.nrrd") == old ]] || fail "SIG$signal touched the old file"
 done
 
-# What was ignored stays so.
+# Ignored signals stay ignored.
 (trap '' HUP && exec "$program" synth marschner-lobb --dims 160x160x160 --type float32 -o "$scratch/out/nohup.nrrd") \
   >"$scratch/log" 2>&1 &
 writer=$!
@@ -58,7 +58,7 @@ wait $writer || fail "nohup did not help"
 [[ -s $scratch/out/nohup.nrrd ]] || fail "nohup's file is missing"
 rm "$scratch/out/nohup.nrrd"
 
-# Pictures of an orbit on ranks: whole ones stay, and nothing else.
+# An orbit on ranks: complete pictures stay, and nothing else.
 "$mpiexec" -n 3 "$program" render "$volume" --gps 2 --renderers 1 --orbit 100000 --size 512 \
   -o "$scratch/out/f.exr" >"$scratch/log" 2>&1 &
 launcher=$!
@@ -71,7 +71,7 @@ for picture in "$scratch"/out/f-*.exr; do
   "$program" compare "$picture" "$picture" >/dev/null 2>>"$scratch/log" || fail "$picture is not whole"
 done
 
-# A kill leaves a file. The next run removes it, but not that of a process that lives.
+# A killed run leaves a file. The next run removes it, but not the file of a living process.
 begin_volume
 kill -KILL $writer
 wait $writer 2>/dev/null

@@ -10,7 +10,7 @@
 
 #include "support/temporary_folder.hpp"
 
-/// Runs the real program and keeps what it said.
+/// Runs the real program and keeps its output.
 namespace ringsplat::app_test {
 
 namespace fs = std::filesystem;
@@ -39,7 +39,7 @@ inline std::string quoted(const std::string& word) {
   return safe.append("'");
 }
 
-/// A command of the shell, after at most a minute killed. `input`: what comes on stdin.
+/// Runs a shell command; kills it after a minute. `input` is its stdin.
 inline Ended run_command(const std::string& command, const std::string& input = {}) {
   const TemporaryFolder said;
   write_text(said / "in", input);
@@ -61,7 +61,7 @@ inline std::string command_of(const std::string& program, const std::vector<std:
   return command;
 }
 
-/// ranks 0: without a launcher. `input`: what comes on stdin.
+/// Runs the program; `ranks` 0: without a launcher. `input` is its stdin.
 inline Ended run_program(const std::vector<std::string>& arguments, int ranks = 0,
                          const std::string& input = {}) {
   std::string command;

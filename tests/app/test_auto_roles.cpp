@@ -1,4 +1,4 @@
-// Roles chosen by what a frame is measured to cost, as people ask for it.
+// Roles chosen by a frame's measured cost, through the program's options.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -58,7 +58,7 @@ TEST_CASE("chosen roles are said, and give the bits of any others") {
   };
   for (const int ranks : {1, 2, 3, 5}) check_choice({"--gps", "auto"}, ranks);
   CHECK(check_choice({"--renderers", "auto", "--roles", "dedicated"}, 3).at("roles") == "dedicated");
-  CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);  // so none is idle
+  CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);  // no rank is idle
 }
 
 TEST_CASE("roles that cannot be chosen are refused") {
@@ -145,7 +145,7 @@ latency = 0
   CHECK(prediction.at("gp_seconds").get<double>() ==
         Approx(slices * 0.5 + visible * 1e-3 + (voxels - visible) * 1e-4));
   CHECK(prediction.at("gp_frame_seconds") == 2);
-  // What is left are payloads: one for each slice in which something is visible.
+  // The rest are payloads, 4 s each: one for each slice with visible voxels.
   const double payloads = (prediction.at("renderer_seconds").get<double>() -
                            prediction.at("splats").get<double>() * 1e-2 - 96 * 96 * 1e-5) /
                           4;
@@ -158,7 +158,7 @@ latency = 0
 }
 
 TEST_CASE("slabs of a large volume stand for the whole") {
-  // 288³ is more than is measured whole. Every slab looks like any other, so the count is exact.
+  // 288³ is too large to be measured whole. All slabs look alike, so the count is exact.
   Grid grid;
   grid.dims = glm::ivec3(288);
   grid.type = ScalarType::uint8;

@@ -1,5 +1,4 @@
-// Whatever people get wrong ends with one clear line, a hint and exit code 2, soon, and leaves nothing
-// behind.
+// Wrong input ends soon with one clear line, a hint and exit code 2, and leaves nothing behind.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -19,7 +18,7 @@ struct Case {
   bool with_mpi = false;  ///< under mpirun -n 3 too
 };
 
-/// Files that are wrong, and a good volume.
+/// Bad files, and a good volume.
 class Inputs {
  public:
   Inputs() {
@@ -247,8 +246,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// Within two seconds; the launcher's own time, which the program cannot help and which grows with what else
-/// the machine does, is not counted.
+/// True within two seconds without the launcher's own time, which grows with the machine's load.
 bool ended_soon(const Ended& ended, int ranks) {
   return ended.seconds < 2 || (ranks > 0 && ended.seconds < 2 + run_program({"--version"}, ranks).seconds);
 }
@@ -269,8 +267,7 @@ void check_case(const Case& c, const Inputs& inputs, int ranks) {
       add(argument);
   }
   INFO("ringsplat" << command << " on " << ranks << " ranks");
-  // The best of a few: the promise is about the program, not about a machine that is busy with something
-  // else.
+  // The best of a few, as the machine may be busy with other work.
   Ended ended;
   bool soon = false;
   for (int attempt = 0; attempt < 4 && !soon; ++attempt) {
@@ -317,7 +314,7 @@ TEST_CASE("options that do not fit the launcher's ranks are refused") {
 }
 
 TEST_CASE("a good volume is not refused") {
-  // What the cases above share must work, or they would fail for the wrong reason.
+  // The common part of the cases above must work, or they would fail for the wrong reason.
   const Inputs inputs;
   const TemporaryFolder out;
   const Ended ended = run_program({"render", inputs / "good.nrrd", "-o", out / "x.png", "--size", "32"});

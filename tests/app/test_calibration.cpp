@@ -1,4 +1,4 @@
-// Which views a calibration renders, and what it makes of the pictures and times that it is given.
+// Which views a calibration renders, and what it computes from given pictures and times.
 #include <cstdlib>
 #include <functional>
 #include <glm/vec3.hpp>
@@ -24,7 +24,7 @@ Traversal traversal_of(const Camera& camera, const Grid& grid) {
   return choose_traversal(make_view(camera, lattice, width, height), lattice);
 }
 
-/// Views of one slice set: straight on, or at least ten degrees beside it.
+/// Counts views of one slice set: straight on, or at least ten degrees off.
 std::ptrdiff_t views_of(const std::vector<Camera>& views, const Grid& grid, Axis axis, bool oblique) {
   return std::count_if(views.begin(), views.end(), [&](const Camera& camera) {
     const Traversal t = traversal_of(camera, grid);
@@ -52,8 +52,8 @@ class Bench {
                                       std::vector{exact, coarse}, options, ErrorOptions{{}, pixels, 1});
   }
 
-  /// Answers every frame with what `answer(coarse, oblique, n)` says of picture and seconds when the view is
-  /// drawn with the setting for the n-th time, from 0 on; the very first frame with what must not count.
+  /// Answers every frame: `answer(coarse, oblique, n, result)` fills picture and seconds for the n-th time
+  /// (from 0) that the view is drawn with the setting. The very first frame gets values that must not count.
   template <class Answer>
   std::vector<MeasuredShortcuts> measure(const Answer& answer) {
     const Director director = calibration_->director();
@@ -136,7 +136,7 @@ TEST_CASE("a setting counts by its worst view, and its time is the mean of the v
 TEST_CASE("a setting's error has an upper end above what its sample says, the worst view's") {
   Bench bench(400);
   const auto measured = bench.measure([](bool coarse, bool oblique, int, FrameResult& result) {
-    // In the middle, one pixel in three is wrong, so what a sample says depends on which pixels it has.
+    // In the middle one pixel in three is wrong, so a sample's error depends on its pixels.
     const float error = (coarse ? 8.0F : 1.0F) * (oblique ? 0.25F : 1.0F) / 255;
     for (int y = 16; y < 32; ++y)
       for (int x = 20; x < 44; ++x)
@@ -150,7 +150,7 @@ TEST_CASE("a setting's error has an upper end above what its sample says, the wo
     CHECK(m.rmse_high > 1.03 * m.rmse);
     CHECK(m.rmse_high < 2 * error);
   }
-  // A budget between the two is not kept.
+  // A budget between the error and its upper end is not kept.
   const double between = 0.5 * (measured[1].rmse + measured[1].rmse_high);
   CHECK_FALSE(cheapest_within(std::span(measured).subspan(1), between).has_value());
   CHECK(cheapest_within(std::span(measured).subspan(1), measured[1].rmse_high) == 0);
@@ -195,7 +195,7 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
     change(changed);
     CHECK(changed.key() != key);
   }
-  Asked later = asked;  // which frame of a run asks, and how it looks at the volume, does not matter
+  Asked later = asked;  // the frame's number and view do not matter
   later.reference.frame = 7;
   later.reference.shown.camera.azimuth = 77;
   CHECK(later.key() == key);

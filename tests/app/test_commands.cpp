@@ -98,7 +98,7 @@ TEST_CASE("an orbit makes numbered frames and a summary") {
   const Ended ended = w.render("turn.png", {"--orbit", "3", "--stats", w / "turn.json"}, 3);
   for (const char* name : {"turn-0000.png", "turn-0001.png", "turn-0002.png"}) CHECK(fs::exists(w / name));
   CHECK_FALSE(fs::exists(w / "turn.png"));
-  // Frames overlap: each takes longer than the time from one to the next.
+  // Frames overlap, so a frame takes longer than the time from one to the next.
   CHECK(lines_with(ended.out, "s after the one before").size() == 2);
   const auto summary = lines_with(ended.out, "3 frames, median");
   REQUIRE(summary.size() == 1);
@@ -251,7 +251,7 @@ TEST_CASE("compare tells equal pictures from different ones") {
   CHECK(run_program({"compare", w / "a.png", w / "b.png", "--diff", w / "a.png"}).code == 2);
   const bool untouched = read_text(w / "a.png") == before;
   CHECK(untouched);
-  // The same picture in two encodings differs by the 8 bits only.
+  // The same picture in two encodings differs only by rounding to 8 bits.
   w.render("a.exr");
   CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "1.5"}).code == 0);
   CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "200"}, 2).code == 0);
@@ -269,7 +269,7 @@ TEST_CASE("info knows the volume") {
   std::uint64_t counted = 0;
   for (const auto& count : j.at("histogram").at("counts")) counted += count.get<std::uint64_t>();
   CHECK(counted == 24 * 20 * 16);
-  // 8 of 24, 7 of 20, 6 of 16 slices, 1 byte of value and 2 of normal a voxel.
+  // 8 of 24, 7 of 20 and 6 of 16 slices; a voxel has 1 byte of value and 2 of normal.
   const json& memory = j.at("slice_memory_of_a_gp").at(0);
   CHECK(memory.at("all_axes_unlit") == 8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20);
   CHECK(memory.at("all_axes_lit") == 3 * (8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20));
@@ -373,7 +373,7 @@ TEST_CASE("a frame that cannot be written ends the run on all ranks") {
     CHECK_THAT(lines_with(ended.err, "error:").front(), Catch::Matchers::Contains("turn-0001.png"));
     CHECK(ended.seconds < 30);
     fs::remove(w / "turn-0000.png");
-    // The volume and what is in the way.
+    // The volume and the obstacle.
     CHECK(files_in(w.path()) == 2);
   }
 }

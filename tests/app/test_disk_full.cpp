@@ -10,7 +10,7 @@ namespace {
 using Arguments = std::vector<std::string>;
 using Files = std::map<std::string, std::string>;
 
-/// What a folder holds, hidden files too.
+/// A folder's files, hidden ones included.
 Files files_of(const fs::path& folder) {
   Files files;
   for (const auto& entry : fs::directory_iterator(folder))
@@ -18,8 +18,7 @@ Files files_of(const fs::path& folder) {
   return files;
 }
 
-/// Runs the program while no file may grow over so many bytes. What it says goes through a pipe, which has no
-/// size.
+/// Runs the program with a limit on file sizes. Its output goes through a pipe, which has no limit.
 Ended run_limited(const Arguments& arguments, std::uintmax_t bytes) {
   const TemporaryFolder said;
   std::string command =
@@ -35,10 +34,10 @@ Ended run_limited(const Arguments& arguments, std::uintmax_t bytes) {
 
 struct Written {
   Arguments arguments;
-  std::string file;  ///< the one that finds no room
+  std::string file;  ///< the file without room
 };
 
-/// A command writes into folder/out, what it reads is beside that.
+/// Commands write into folder/out; their inputs lie beside it.
 class Scene {
  public:
   Scene() {
@@ -65,7 +64,7 @@ class Scene {
   TemporaryFolder folder_;
 };
 
-/// Every file that the program writes, so that the room for it is what is missing.
+/// Every file that the program writes, each with a command that runs out of room for it.
 std::vector<Written> all_that_is_written(const Scene& s) {
   const auto out = [&](const std::string& name) { return (s.out() / name).string(); };
   const auto render = [&](const std::string& file, Arguments more) {
@@ -115,7 +114,7 @@ TEST_CASE("no room for a file ends the run with a message, and what was there st
     const Files old = files_of(scene.out());
     const auto bytes = whole.at(written.file).size();
     REQUIRE(bytes > 100);
-    // Measured seconds have not always the same number of digits.
+    // Measured seconds vary in their number of digits.
     const bool measured =
         fs::path(written.file).extension() == ".json" || fs::path(written.file).extension() == ".csv";
     std::vector<std::uintmax_t> limits{measured ? bytes * 7 / 8 : bytes - 1};
@@ -135,7 +134,7 @@ TEST_CASE("no room for a file ends the run with a message, and what was there st
         const bool old_or_whole = text == old.at(name) || text.size() >= whole.at(name).size() / 2;
         CHECK(old_or_whole);
       }
-      // Of an orbit's pictures another may be the first without room.
+      // In an orbit another picture may be the first without room.
       const fs::path named =
           written.file.find("-0001.") == std::string::npos ? scene.out() / written.file : scene.out();
       if (most > 0) CHECK(failed.err.find(named.string()) != std::string::npos);

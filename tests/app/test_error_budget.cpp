@@ -1,4 +1,4 @@
-// What an error budget chooses, from given measurements and from a program's own.
+// An error budget's choice, from given measurements and from the program's own.
 #include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
@@ -25,7 +25,7 @@ MeasuredShortcuts measured(double radius, double seconds, double rmse_high) {
   return {{0, Precision::float32, radius}, seconds, 0.9 * rmse_high, rmse_high};
 }
 
-/// The cache of the runs in it is a folder that goes with it; so is their volume.
+/// Holds the volume and the cache of its runs in a folder that is removed with it.
 class Workshop {
  public:
   explicit Workshop(const std::string& volume = "gaussians") {
@@ -56,7 +56,7 @@ class Workshop {
   TemporaryFolder folder_;
 };
 
-/// Of what was written to stderr; slow machines get progress there.
+/// Drops progress from stderr; slow machines print it there.
 std::string without_progress(const std::string& err) {
   std::string rest;
   for (const std::string& line : lines_with(err, ""))
@@ -73,7 +73,7 @@ TEST_CASE("the cheapest within the budget is chosen, by the upper end of its int
                           measured(1.2, 1.0, 2.0)};
   CHECK(cheapest_within(table, 10) == 3);
   CHECK(cheapest_within(table, 2.0) == 3);
-  CHECK(cheapest_within(table, 1.9) == 2);  // its measured error alone, 1.8, would do
+  CHECK(cheapest_within(table, 1.9) == 2);  // its measured error alone, 1.8, would pass
   CHECK(cheapest_within(table, 0.99) == 1);
   CHECK(cheapest_within(table, 0.01) == 0);
   CHECK_FALSE(cheapest_within(table, 0.009).has_value());
@@ -162,7 +162,7 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error") 
     CHECK(error.at("truth") == "method");
     CHECK(error.at("rmse").get<double>() <= budget);
     CHECK(error.at("rmse").get<double>() > 0);
-    CHECK(calibrated(ended) == (budget == 5.0));  // it serves every budget
+    CHECK(calibrated(ended) == (budget == 5.0));  // one calibration serves every budget
   }
   CHECK(w.calibrations() == 1);
 }
@@ -188,7 +188,7 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with what
                               Catch::Matchers::Contains("hint:"));
     CHECK_FALSE(fs::exists(w / "x.exr"));
   }
-  // With eight bits fixed, what cannot be kept is their doing.
+  // With --precision u8 fixed, the eight bits are to blame.
   const Ended fixed = w.render({"--max-error", "0.01", "--precision", "u8"});
   CHECK(fixed.code == 2);
   CHECK_THAT(fixed.err, Catch::Matchers::Contains("leave out --precision"));
@@ -203,7 +203,7 @@ TEST_CASE("what the user gives is kept, and the error is against what the user a
   CHECK(settings.at("radius") == 1.5);
   CHECK(settings.at("precision") == "half");
   CHECK(settings.at("opaque_threshold") == 0);
-  // Its own truth has that radius too; against the default's the error is above 0.2.
+  // The truth has the same radius; against the default radius the error is above 0.2.
   CHECK(w.frame().at("error").at("rmse").get<double>() < 0.01);
 }
 
@@ -289,7 +289,7 @@ TEST_CASE("a calibration measures a small volume's views whole, whatever the see
 TEST_CASE("a picture over the budget is named with its error") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "1"}).code == 0);
-  // A calibration that says of the coarsest setting what is not true.
+  // A calibration with false figures for the coarsest setting.
   json calibration = json::parse(read_text(w.calibration()));
   json& coarsest = calibration["measured"].back();
   CHECK_THAT(coarsest.at("setting").get<std::string>(), Catch::Matchers::Contains("--undersample 4"));

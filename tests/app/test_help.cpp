@@ -1,4 +1,4 @@
-// Each subcommand's help, and that what it shows works.
+// Each subcommand's help, and that its examples work.
 #include <sstream>
 
 #include "app/command_line.hpp"
@@ -11,7 +11,7 @@ using ringsplat::app::parse_command_line;
 
 namespace {
 
-/// The command lines below "Examples:", as words; a launcher's part is left out.
+/// The command lines below "Examples:", as words, without a launcher's part.
 std::vector<std::vector<std::string>> examples_in(const std::string& help) {
   std::vector<std::vector<std::string>> examples;
   std::istringstream in(help.substr(std::min(help.size(), help.find("Examples:"))));

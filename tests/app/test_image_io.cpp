@@ -72,7 +72,7 @@ TEST_CASE("8-bit pictures are straight sRGB, rounded to nearest") {
 TEST_CASE("a background is put behind the picture in linear light") {
   const TemporaryFolder folder;
   Image image(2, 1);
-  // Half transparent black, and nothing at all.
+  // Half transparent black, and a fully transparent pixel.
   image.pixel(0, 0)[3] = 0.5F;
   for (const char* name : {"x.png", "x.jpg", "x.exr"}) {
     INFO(name);
@@ -119,7 +119,7 @@ TEST_CASE("the same picture gives the same bytes at any time") {
   const TemporaryFolder folder;
   const std::vector<std::string> endings{".png", ".exr", ".tif"};
   for (const auto& ending : endings) write_image(ramp(16), folder / ("a" + ending), {}, "{}");
-  // File formats tell the time in seconds.
+  // File formats store times in seconds.
   std::this_thread::sleep_for(std::chrono::milliseconds(1100));
   for (const auto& ending : endings) {
     write_image(ramp(16), folder / ("b" + ending), {}, "{}");

@@ -1,4 +1,4 @@
-// The manual page tells what --help tells, in roff that says what it should; and the rules it tells of hold.
+// The manual page has all that --help has, in correct roff, and the rules that it lists hold.
 #include <sstream>
 
 #include "app/command_line.hpp"
@@ -29,14 +29,14 @@ std::vector<std::string> lines_of(const std::string& text) {
   return lines;
 }
 
-/// The part of the page that is about a subcommand; about the program where `name` is empty.
+/// The page's part about a subcommand, or about the program when `name` is empty.
 std::string section_of(const std::string& page, const std::string& name) {
   const auto begin = page.find(name.empty() ? "\n.SH OPTIONS\n" : "\n.SH RINGSPLAT " + name + "\n");
   REQUIRE(begin != std::string::npos);
   return page.substr(begin, page.find("\n.SH ", begin + 1) - begin);
 }
 
-/// What roff prints of a line of text.
+/// A line as roff prints it.
 std::string printed(std::string line) {
   for (const auto& [escape, text] : std::vector<std::pair<std::string, std::string>>{
            {"\\fB", ""}, {"\\fI", ""}, {"\\fR", ""}, {"\\&", ""}, {"\\-", "-"}, {"\\e", "\\"}})
@@ -81,7 +81,7 @@ TEST_CASE("the manual page has each subcommand and each option of --help, with i
     help = help.substr(0, help.find("\nSubcommands:"));
     for (const Told& told : told_in(help)) {
       INFO(name << ": " << told.usage << ": " << told.help);
-      // An argument by position goes by its value's name, and "-o,--output" has a blank.
+      // A positional argument is shown by its value's name, and "-o,--output" with a blank.
       const auto dash = told.usage.find('-');
       std::string usage = dash == 0 ? told.usage : told.usage.substr(told.usage.find(' ') + 1);
       if (const auto comma = usage.find(",--"); comma != std::string::npos) usage.insert(comma + 1, " ");

@@ -20,7 +20,7 @@ struct Files {
     return more;
   }
   bool has(const std::string& name) const { return fs::exists(folder / name); }
-  /// Whether a picture shows what a run of its own does.
+  /// True when a picture equals that of a separate run.
   bool same_as_alone(const std::string& name, std::vector<std::string> more) const {
     const TemporaryFolder alone;
     more.insert(more.begin(),
@@ -77,8 +77,8 @@ TEST_CASE("lines on stdin that give no view are skipped, the others are rendered
   for (const int ranks : {0, 2}) {
     INFO(ranks << " ranks");
     const Files files;
-    // A zoom of 0 is a view that cannot be rendered; the long line is longer than any pipe or buffer. Launchers may
-    // end a job that reads less quickly than they do, as MPICH's does.
+    // A zoom of 0 is a view that cannot be rendered; the long line is longer than any pipe or buffer.
+    // Launchers may end a job that reads less quickly than they do, as MPICH's does.
     const std::string lines = "10 5\nleft\x1b[31m\xff\n20 5 0 0\n" +
                               std::string(ranks == 0 ? 3'000'000 : 30'000, 'y') + "\n100 5\n";
     const Ended ended = run_program(files.render({"--path", "-", "--stats", files.stats}), ranks, lines);

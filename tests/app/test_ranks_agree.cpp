@@ -1,5 +1,5 @@
-// Ranks that see other files, were told other things or are of another build: one line that says which rank
-// and what, exit code 2, no picture.
+// Ranks with different files, options or builds end with one line that names the rank and the difference,
+// exit code 2 and no picture.
 #include <functional>
 #include <map>
 #include <utility>

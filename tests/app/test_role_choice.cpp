@@ -70,7 +70,7 @@ TEST_CASE("of more ranks than cores some may be idle") {
       CHECK(layouts == possible_layouts(ranks, true));
     }
   }
-  // What is to compute is the same, but sixteen ranks share cores and pass more tokens.
+  // The work is the same, but sixteen ranks share cores and pass more tokens.
   const FrameCosts c = costs(60 * ms, 40 * ms, 100, 64);
   const auto all = predict_all(c, usual_rank_costs(16, 2), possible_layouts(16, false, 2));
   CHECK(describe(all.front().layout) == "2 colocated ranks, 14 idle");
@@ -82,7 +82,7 @@ TEST_CASE("of more ranks than cores some may be idle") {
 }
 
 TEST_CASE("the best split shares the work as the two sides' costs ask for") {
-  // In the continuum G : R = gp : renderer; colocated ranks share it evenly and can only be better.
+  // Without rounding G : R = gp : renderer. Colocated ranks share the work evenly, which can only be better.
   for (const int ranks : {2, 3, 5, 7, 8, 12, 13, 16, 23, 31, 32, 47, 61, 64}) {
     for (const double part : {0.05, 0.25, 0.5, 0.8}) {
       const FrameCosts c = costs(100 * ms * (1 - part), 100 * ms * part);
@@ -91,7 +91,7 @@ TEST_CASE("the best split shares the work as the two sides' costs ask for") {
       const auto all = predict_all(c, free_messages, dedicated);
       const Prediction& first = all.front();
       for (const Prediction& p : all) CHECK(p.seconds >= first.seconds);
-      // One rank more on the side that limits, taken from the other, is no better.
+      // Moving one rank to the limiting side is no better.
       const double ideal = part * ranks;
       INFO(ranks << " ranks, Renderers' part " << part << ": " << describe(first.layout));
       CHECK(first.layout.renderers >= std::max(1, int(ideal)));

@@ -1,4 +1,4 @@
-// What may go to standard output, what may not, and that nothing is lost on its way.
+// What may and may not go to standard output, and that nothing written there is lost.
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
@@ -19,7 +19,7 @@ struct Files {
   }
 };
 
-/// Where the program runs meanwhile: a file of a relative name would be made there.
+/// The current folder while it lives: relative file names would be created there.
 class WorkingFolder {
  public:
   explicit WorkingFolder(const fs::path& folder) { fs::current_path(folder); }

@@ -1,4 +1,4 @@
-// --trace as people use it, on one process and on ranks.
+// --trace through the program, on one process and on ranks.
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"

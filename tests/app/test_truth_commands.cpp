@@ -162,7 +162,7 @@ TEST_CASE("a small volume's error is measured where the volume is, not where not
     rmse = rmse_of(w, "picture.exr", "field.exr");
     CHECK(error.at("rmse_low").get<double>() <= rmse * 1.0001);
     CHECK(error.at("rmse_high").get<double>() >= rmse * 0.9999);
-    // Fewer pixels within the bounds than may be evaluated.
+    // The bounds hold fewer pixels than the limit of evaluations.
     CHECK(error.at("pixels") < 400);
     CHECK(error.at("rmse").get<double>() == Approx(rmse).epsilon(1e-4));
   }

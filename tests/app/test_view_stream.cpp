@@ -1,4 +1,4 @@
-// Views from a pipe: how many are read ahead, and what becomes of lines that are none.
+// Views from a pipe: how many are read ahead, and what happens to lines that are no views.
 #include "app/view_stream.hpp"
 
 #include <fcntl.h>
@@ -33,7 +33,7 @@ class PipedStream {
   void write(const std::string& text) const {
     REQUIRE(::write(ends_[1], text.data(), text.size()) == ssize_t(text.size()));
   }
-  /// Bytes of `line`, repeated, that the pipe takes before it stays full.
+  /// Writes `line` again and again until the pipe stays full; returns the bytes taken.
   std::size_t fill(const std::string& line, std::size_t most) const {
     fcntl(ends_[1], F_SETFL, O_NONBLOCK);
     std::size_t written = 0;
@@ -76,7 +76,7 @@ TEST_CASE("no more is read from the pipe while enough views wait, and none is lo
   const std::string line = "10 20\n";
   constexpr std::size_t most = 4'000'000;
   const std::size_t written = piped.fill(line, most);
-  // The pipe itself holds 64 KiB, and as much is read at once.
+  // The pipe itself holds 64 KiB; one read takes as much.
   CHECK(written < most / 4);
   CHECK(piped.stream().has_next());
   CHECK(piped.rest().size() == (written + line.size() - 1) / line.size());

@@ -8,7 +8,7 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// No field as it is by default.
+/// No field has its default value.
 FrameSpec unusual_spec() {
   FrameSpec spec;
   spec.frame = 1LL << 40;

@@ -15,7 +15,7 @@ namespace {
 
 const glm::ivec3 dims{40, 36, 32};
 
-/// A picture of side² pixels in which the volume, turned, has its centre at `centre` and `scale` pixels a
+/// A picture of side² pixels that shows the turned volume with its centre at `centre` and `scale` pixels a
 /// voxel.
 FrameSpec placed(double scale, glm::dvec2 centre, int side) {
   const glm::dvec3 right{0.8, 0.6, 0}, down{0.36, -0.48, -0.8}, away{-0.48, 0.64, -0.6};
@@ -34,7 +34,7 @@ FrameSpec placed(double scale, glm::dvec2 centre, int side) {
   return spec;
 }
 
-/// Of the Renderer that has most.
+/// The busiest Renderer's splats.
 double most_splats(const FrameResult& result) {
   std::uint64_t most = 0;
   for (const NodeStats& renderer : result.stats.renderers) most = std::max(most, renderer.splats_drawn);

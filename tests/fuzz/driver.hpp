@@ -15,14 +15,14 @@ namespace ringsplat::fuzz {
 using Input = std::string;
 
 /// A decoder under test. Whatever the input, `run` returns or throws ringsplat::Error; another exception, a
-/// crash, more time or more memory than the watch allows is a finding. A result is used, and one that breaks
-/// what its decoder promises throws std::logic_error.
+/// crash, more time or more memory than the watch allows is a finding. `run` also uses the result, and throws
+/// std::logic_error when it breaks the decoder's promises.
 struct Driver {
-  const char* name;  ///< its files' folder too, below seeds/ and crashes/
+  const char* name;  ///< also the name of its folders below seeds/ and crashes/
   void (*run)(std::span<const std::byte> input);
   std::vector<Input> (*seeds)();
-  std::vector<std::string_view> words;  ///< that its texts are made of
-  int short_inputs;                     ///< of the run that is a test: about half a second's worth
+  std::vector<std::string_view> words;  ///< words that its texts are made of
+  int short_inputs;                     ///< inputs of the run as a test, about half a second
 };
 
 const std::vector<Driver>& drivers();
@@ -31,7 +31,7 @@ std::vector<Driver> text_drivers();
 std::vector<Driver> message_drivers();
 std::vector<Driver> rank_drivers();
 
-/// A folder for the files that drivers read, gone at the end of the process that asked for it first.
+/// A folder for files that drivers read, removed at the end of the process that first called it.
 const std::filesystem::path& scratch();
 
 inline std::span<const std::byte> bytes_of_input(std::string_view input) {
@@ -40,10 +40,10 @@ inline std::span<const std::byte> bytes_of_input(std::string_view input) {
 inline std::string_view text_of(std::span<const std::byte> input) {
   return {reinterpret_cast<const char*>(input.data()), input.size()};
 }
-/// A copy at its own address, so that reading beyond its end is noticed; aligned as messages are.
+/// A copy in an allocation of its own, so that reading beyond its end is detected; aligned like messages.
 inline Bytes copy_of(std::span<const std::byte> input) { return {input.begin(), input.end()}; }
 
-/// Takes its first byte off an input, 0 when there is none: what a driver chooses by.
+/// Takes the first byte off an input, for a driver's choices; 0 when there is none.
 inline unsigned take_choice(std::span<const std::byte>& input) {
   if (input.empty()) return 0;
   const auto choice = std::to_integer<unsigned>(input.front());
@@ -51,9 +51,10 @@ inline unsigned take_choice(std::span<const std::byte>& input) {
   return choice;
 }
 
-/// Inputs of several parts, as drivers of whole exchanges take them: each behind its length in four bytes.
+/// Appends a part to an input of several, as drivers of whole exchanges take them: four bytes of length, then
+/// the part.
 void append_part(Input& input, std::span<const std::byte> part);
-/// The next part; of one that is cut short, what is there. False at the end.
+/// Takes the next part, or what is left of one that is cut short. False at the end.
 bool take_part(std::span<const std::byte>& input, std::span<const std::byte>& part);
 
 }  // namespace ringsplat::fuzz

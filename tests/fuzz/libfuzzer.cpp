@@ -18,7 +18,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     driver->run(std::as_bytes(std::span(data, size)));
   } catch (const ringsplat::Error&) {
-    // What bad input should get.
+    // The right answer to bad input.
   }
   return 0;
 }

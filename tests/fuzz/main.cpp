@@ -19,7 +19,7 @@ namespace {
 
 struct Options {
   std::vector<std::string> names;
-  int inputs = 0;  ///< of each driver; 0: those of its short run
+  int inputs = 0;  ///< inputs for each driver; 0: as many as in its short run
   double seconds = 0;
   std::uint64_t seed = 1;
   std::string keep = "fuzz-found";
@@ -47,7 +47,7 @@ std::vector<Input> files_in(const fs::path& folder) {
   return inputs;
 }
 
-/// Takes away what the finding does not need, a part after the other, in a limited number of attempts.
+/// Removes parts that the finding does not need, in a limited number of attempts.
 Input shorten(Watch& watch, const Driver& driver, const Finding& finding) {
   Input least = finding.input;
   int attempts = 200;
@@ -66,7 +66,7 @@ Input shorten(Watch& watch, const Driver& driver, const Finding& finding) {
   return least;
 }
 
-/// One driver's run: its seeds and crashes as they are, then what is made of them.
+/// One driver's run: its seeds and crashes unchanged, then mutations of them.
 class Campaign {
  public:
   Campaign(const Driver& driver, const Options& options)
@@ -77,7 +77,7 @@ class Campaign {
       corpus_.insert(corpus_.end(), more.begin(), more.end());
   }
 
-  /// Returns how many causes were found.
+  /// Returns the number of causes found.
   std::size_t run() {
     std::size_t next = 0;
     while (next < corpus_.size()) {
@@ -122,7 +122,7 @@ class Campaign {
   void take(const Watch::Batch& batch, bool keep_novel) {
     inputs_ += batch.inputs;
     accepted_ += batch.accepted;
-    constexpr std::size_t most_kept = 2000;  // answers that hold a part of the input are always new
+    constexpr std::size_t most_kept = 2000;  // answers that quote the input are always new
     if (keep_novel && corpus_.size() < most_kept)
       corpus_.insert(corpus_.end(), batch.novel.begin(), batch.novel.end());
     if (!batch.finding) return;
@@ -197,7 +197,7 @@ int main(int argc, char** argv) {
     for (const Driver* driver : chosen) fmt::print("{}\n", driver->name);
     return 0;
   }
-  scratch();  // made here, so that the children do not each make one
+  scratch();  // created here, so that no child creates its own
   if (!options.here.empty()) {
     chosen.front()->run(bytes_of_input(slurp(options.here)));
     return 0;

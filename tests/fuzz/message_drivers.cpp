@@ -1,4 +1,4 @@
-// What ranks send each other while they render: headers, announcements, payloads, news and reports.
+// Messages between ranks while they render: headers, announcements, payloads, news and reports.
 #include <stdexcept>
 
 #include "frame/frame_geometry.hpp"
@@ -42,7 +42,7 @@ void run_frame_spec(std::span<const std::byte> input) {
   const FrameSpec spec = decode_frame_spec(copy_of(input));
   static_cast<void>(to_json_text(spec));
   check(spec);
-  // A rank that announces a picture holds it.
+  // Small, because a rank that announces a picture also holds it.
   constexpr std::int64_t most_pixels = 1 << 16;
   if (std::int64_t{spec.shown.width} * spec.shown.height > most_pixels) return;
   const FrameGeometry geometry = make_geometry(spec, small_grid());
@@ -65,7 +65,7 @@ std::vector<Input> frame_spec_seeds() {
   return seeds;
 }
 
-/// A choice of frame, then parts: a step and a payload.
+/// Input: a choice of frame, then parts, each a step and a payload.
 void run_payload(std::span<const std::byte> input) {
   SmallRun run(small_frame(take_choice(input)), small_grid());
   try {
@@ -100,7 +100,8 @@ std::vector<Input> payload_seeds() {
   return seeds;
 }
 
-/// A choice of frame, then parts: news before each slice. Renderers must be able to draw what comes of it.
+/// Input: a choice of frame, then parts, the news before each slice. Renderers must be able to draw the
+/// payloads that follow.
 void run_opaque_news(std::span<const std::byte> input) {
   SmallRun run(small_frame(take_choice(input)), small_grid());
   int step = 0;
@@ -139,7 +140,7 @@ std::vector<Input> opaque_news_seeds() {
   return seeds;
 }
 
-/// A choice of rank, then the report.
+/// Input: a choice of rank, then the report.
 void run_link_counts(std::span<const std::byte> input) {
   const Layout mesh = mesh_layout(2, 2, 3);
   const int rank = int(take_choice(input) % unsigned(mesh.ranks()));
@@ -172,7 +173,8 @@ Trace a_trace() {
   return trace;
 }
 
-/// A choice of process, then what the other one sends when records are gathered or clocks are compared.
+/// Input: a choice of process, then the other one's messages when records are gathered or clocks are
+/// compared.
 void run_trace(std::span<const std::byte> input) {
   const bool gathers = take_choice(input) % 2 == 0;
   Trace trace = a_trace();

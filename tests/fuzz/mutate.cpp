@@ -9,7 +9,7 @@
 namespace ringsplat::fuzz {
 namespace {
 
-/// Where sizes, signs and counts of bytes go over.
+/// Values at which sizes, signs and byte counts overflow.
 constexpr std::array<std::int64_t, 24> integers{0,
                                                 1,
                                                 2,
@@ -72,7 +72,7 @@ bool is_digit(char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0;
 
 Input Mutator::next(std::span<const Input> seeds) {
   Input input = seeds[below(seeds.size())];
-  // Mostly few changes: of many, the first one that is refused hides the others.
+  // Mostly few changes: the first one refused hides all others.
   const std::size_t changes = 1 + below(std::size_t{1} << below(4));
   for (std::size_t k = 0; k < changes; ++k) change(input, seeds);
   if (input.size() > longest_input) input.resize(longest_input);
@@ -162,7 +162,7 @@ void Mutator::put_word(Input& input) {
   if (words_.empty()) return set_integer(input);
   const std::string_view word = words_[below(words_.size())];
   const std::size_t at = below(input.size() + 1);
-  // Over a word that is there, over as many bytes, or between two.
+  // Replaces a word, replaces as many bytes, or is inserted.
   const auto apart = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; };
   switch (below(3)) {
     case 0: {

@@ -11,9 +11,9 @@ namespace ringsplat::fuzz {
 
 inline constexpr std::size_t longest_input = std::size_t{64} << 10;  ///< bytes
 
-/// Makes inputs of seeds, the same ones for the same seed number wherever it runs: bits and bytes changed,
-/// numbers replaced by those at which programs err, parts cut, doubled or taken from another seed, words of
-/// the format put in.
+/// Makes inputs from seeds: changes bits and bytes, replaces numbers by ones that programs often get wrong,
+/// cuts, doubles or swaps in parts, and inserts words of the format. The same seed number gives the same
+/// inputs on every machine.
 class Mutator {
  public:
   /// `words` must outlive it.

@@ -6,8 +6,7 @@
 
 namespace ringsplat::fuzz {
 
-/// Process 0 or 1 of two. What the other one sends are an input's parts, in their order; nothing when there
-/// are no more.
+/// Process 0 or 1 of two. The other one sends an input's parts in order, then nothing.
 class OtherProcess final : public Collectives {
  public:
   OtherProcess(int process, std::span<const std::byte> parts) : process_(process), parts_(parts) {}
@@ -29,7 +28,7 @@ class OtherProcess final : public Collectives {
   }
   std::vector<int> absent(double) override { return {}; }
 
-  std::vector<Block> sent;  ///< by all_to_all and broadcast
+  std::vector<Block> sent;  ///< sent by all_to_all and broadcast
 
  private:
   Block next() {

@@ -1,5 +1,4 @@
-// Whole ranks: one is under test, and an input is what the others send it, in a frame or while a volume is
-// dealt.
+// Tests a whole rank. An input is what the others send it, in a frame or while a volume is dealt.
 #include <algorithm>
 #include <condition_variable>
 #include <mutex>
@@ -66,7 +65,7 @@ Scene load(const Job& job) {
   return load_scene(volume, needed_to_render(job.spec, grid), job.layout, {solo});
 }
 
-/// Of each job, loaded once.
+/// Each job's scene, loaded once.
 const Scene& scene_of(std::size_t job) {
   static const std::vector<Scene> all = [] {
     std::vector<Scene> scenes;
@@ -113,8 +112,8 @@ class Rank {
   Host host_;
 };
 
-/// Delivers an input's parts, one whenever the rank has nothing left to do: nothing comes before what it
-/// answers. Takes what the rank sends and forgets it.
+/// Delivers an input's parts, one whenever the rank has nothing left to do, so that no answer comes before
+/// its question. Discards what the rank sends.
 class SentByOthers final : public Transport {
  public:
   SentByOthers(int rank, int ranks, std::span<const std::byte> parts)
@@ -130,12 +129,12 @@ class SentByOthers final : public Transport {
   bool sends_done() override { return true; }
   void wait_next() override {}
 
-  /// Puts the next message there; false when there are no more.
+  /// Makes the next message available; false when there are no more.
   bool deliver() {
     std::span<const std::byte> part;
     if (!take_part(parts_, part)) return false;
     Message message = Message::from_wire(copy_of(part), (rank_ + 1) % ranks_);
-    // The answer to a stall is a line in the log and half a second's wait.
+    // Left out: a stall message makes the rank log a line and wait half a second.
     if (message.header.kind != Kind::stall) here_ = std::move(message);
     return true;
   }
@@ -146,7 +145,7 @@ class SentByOthers final : public Transport {
   std::optional<Message> here_;
 };
 
-/// A choice of job and of its rank, then messages.
+/// Input: a choice of job and rank, then messages.
 void run_rank(std::span<const std::byte> input) {
   const std::size_t k = take_choice(input) % jobs().size();
   const Job& job = jobs()[k];
@@ -160,7 +159,7 @@ void run_rank(std::span<const std::byte> input) {
   } while (!tested.host().finished() && transport.deliver());
 }
 
-/// Notes what comes.
+/// Records the messages that arrive.
 class Recorder final : public Transport {
  public:
   Recorder(Transport& transport, Input& record) : transport_(transport), record_(record) {}
@@ -211,7 +210,7 @@ std::vector<Input> rank_seeds() {
 
 constexpr int dealt_gps = 3;
 
-/// One that only process 0 can read.
+/// A source that only process 0 can read.
 class InOrder final : public VolumeSource {
  public:
   explicit InOrder(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
@@ -230,7 +229,7 @@ void deal_a_volume(Collectives& collectives, bool concurrent) {
     auto source = synth_source("ball", test::make_grid({7, 6, 5}));
     return concurrent ? std::move(source) : std::make_unique<InOrder>(std::move(source));
   });
-  // A rank that says how large a volume is holds its share.
+  // Small, because a rank that announces a volume's size also holds its share.
   constexpr std::uint64_t most_bytes = 1 << 20;
   if (volume.grid.bytes() > most_bytes) return;
   auto stores = deal_slices(volume, {}, dealt_gps, {{0, 2}, {1}}, collectives);
@@ -244,10 +243,10 @@ void deal_a_volume(Collectives& collectives, bool concurrent) {
   }
 }
 
-/// What two processes, threads here, send each other.
+/// Exchanges blocks between two processes, which are threads here.
 class Meeting {
  public:
-  /// All call it with what they give; each gets what all gave.
+  /// All processes call it with their blocks; each gets the blocks of all.
   std::vector<std::vector<Block>> exchange(int process, std::vector<Block> mine) {
     std::unique_lock lock(mutex_);
     given_[std::size_t(process)] = std::move(mine);
@@ -270,7 +269,7 @@ class Meeting {
   int here_ = 0, round_ = 0;
 };
 
-/// Notes what comes from the other process.
+/// Records what the other process sends.
 class MeetingProcess final : public Collectives {
  public:
   MeetingProcess(Meeting& meeting, int process, Input& record)
@@ -301,7 +300,7 @@ class MeetingProcess final : public Collectives {
   Input& record_;
 };
 
-/// A choice of process and of whether all can read, then what the other process sends.
+/// Input: a choice of process and of whether all can read, then what the other process sends.
 void run_exchange(std::span<const std::byte> input) {
   const unsigned choice = take_choice(input);
   OtherProcess collectives(int(choice % 2), input);

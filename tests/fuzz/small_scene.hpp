@@ -11,10 +11,10 @@ namespace ringsplat::fuzz {
 
 /// 12 x 10 x 9 voxels of a byte.
 Grid small_grid();
-/// A picture of it of 48 x 40 pixels in regions of 16. `choice` decides by its bits the payload's form, where
-/// regions lie and how kernels are drawn, all that a Renderer reads payloads by.
+/// A picture of the small grid, 48 x 40 pixels in regions of 16. The bits of `choice` select the payload's
+/// form, the image plane and how kernels are drawn: all that decoding payloads depends on.
 FrameSpec small_frame(unsigned choice);
-inline constexpr unsigned frame_choices = 16;  ///< that differ
+inline constexpr unsigned frame_choices = 16;  ///< number of different choices
 /// All of a grid's slices, with values and normals of every kind.
 SliceStore patterned_slices(const Grid& grid);
 
@@ -25,7 +25,7 @@ class SmallRun {
   const FrameGeometry& geometry() const { return frame_->geometry; }
   Encoder& encoder() { return *encoder_; }
   Painter& painter() { return *painter_; }
-  /// The part of a step that the Renderer gets.
+  /// Encodes a step; returns the part for the Renderer.
   Bytes encode(int step);
   void draw(int step, std::span<const std::byte> payload);
   /// Throws std::logic_error when a tile has a number that no picture has.

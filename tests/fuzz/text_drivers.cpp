@@ -1,5 +1,5 @@
-// Texts that people write: transfer functions, configurations, machines, lists of studies and of views, and
-// what the program itself keeps from run to run.
+// Texts that people write (transfer functions, configurations, machines, lists of studies and views) and
+// files that the program keeps from run to run.
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
@@ -64,11 +64,11 @@ std::vector<Input> configuration_seeds() {
           "= true\n"};
 }
 
-/// An argument a line.
+/// Input: one argument a line.
 void run_command_line(std::span<const std::byte> input) {
   std::vector<std::string> arguments;
   std::istringstream lines{std::string(text_of(input))};
-  // The C library ends arguments at a zero.
+  // C ends arguments at a zero byte.
   for (std::string line; std::getline(lines, line);) arguments.emplace_back(line.c_str());
   run_arguments(arguments);
 }

@@ -14,7 +14,7 @@ using namespace files;
 struct TiffStack {
   bool big_endian = false, tiled = false;
   int compression = 1, format = 2, bits = 16;  ///< format: 1 unsigned, 2 signed, 3 floating point
-  std::vector<Input> pages;                    ///< as they are stored
+  std::vector<Input> pages;                    ///< in their stored form
 
   Input bytes() const {
     Input out = big_endian ? Input("MM\0*", 4) : Input("II*\0", 4);
@@ -50,7 +50,7 @@ struct TiffStack {
   }
 };
 
-/// Only runs of different bytes, which every PackBits decoder takes (TIFF 6.0, section 9).
+/// Packs as literal runs only, which every PackBits decoder takes (TIFF 6.0, section 9).
 Input pack_bits(const Input& data) {
   constexpr std::size_t longest = 128;
   Input out;

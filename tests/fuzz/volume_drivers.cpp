@@ -1,4 +1,4 @@
-// Volume files: opened, and where the header is believed, read slice by slice.
+// Volume files: opened, and read slice by slice if the header is accepted.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,9 +22,9 @@ void read(VolumeSource& source, int z, std::span<std::byte> slice, std::byte bef
   source.read_slices(z, 1, slice);
 }
 
-/// Reads forwards, and the first slice once more. A byte that a reader leaves as it was would be a voxel that
-/// nobody wrote. `available`: bytes of the file and those beside it, of which each holds `ratio` bytes of
-/// voxels at most; who promises more must be refused before that is allocated.
+/// Reads all slices, and the first one twice more over different bytes, to find bytes that the reader leaves
+/// unwritten. `available`: bytes of the file and those beside it; each holds at most `ratio` bytes of voxels.
+/// A header that promises more must be refused before memory is allocated.
 void use(VolumeSource& source, std::uint64_t available, std::uint64_t ratio) {
   const Grid& grid = source.grid();
   check(grid, "the grid");
@@ -41,12 +41,12 @@ void use(VolumeSource& source, std::uint64_t available, std::uint64_t ratio) {
 
 bool contains(std::string_view text, std::string_view part) { return text.find(part) != text.npos; }
 
-/// What headers name, beside them.
+/// The folder of headers and the files that they name.
 const fs::path& folder_of_volumes() {
   static const fs::path folder = [] {
     const auto little = samples<short>();
     const fs::path path = scratch() / "volumes";
-    if (!fs::create_directory(path)) return path;  // by the process that this one is a child of
+    if (!fs::create_directory(path)) return path;  // created by the parent process
     write(path / "data.raw", "123" + little);
     write(path / "data.raw.gz", gzip("123" + little));
     write(path / "data.zraw", zlib_stream(little));
@@ -66,9 +66,9 @@ void open_and_use(const std::string& name, std::span<const std::byte> input,
       input.size() + bytes_beside, ratio);
 }
 
-/// `seeds` and the files of tests/data/bad whose names begin so.
+/// `seeds` and the files of tests/data/bad whose names begin with `prefix`.
 std::vector<Input> with_kept(const std::string& prefix, std::vector<Input> seeds) {
-  std::set<fs::path> paths;  // sorted: what is made of seeds depends on their order
+  std::set<fs::path> paths;  // sorted, as mutations depend on the order of seeds
   for (const auto& entry : fs::directory_iterator(RINGSPLAT_BAD_FILES))
     if (entry.path().filename().string().rfind(prefix, 0) == 0) paths.insert(entry.path());
   for (const auto& path : paths) seeds.push_back(slurp(path));
@@ -205,12 +205,12 @@ std::vector<Input> dicom_seeds() {
 }
 
 void run_dicom(std::span<const std::byte> input) {
-  // Alone in its folder: a series is looked for beside it.
+  // In a folder of its own, as the reader looks beside it for a series.
   fs::create_directories(folder_of_volumes() / "dicom");
   open_and_use("dicom/a.dcm", input, any_ratio);
 }
 
-/// A line with the name, one with options as on the command line but without their dashes, the bytes.
+/// Input: a line with the name, a line of command-line options without dashes, the bytes.
 std::vector<Input> raw_seeds() {
   const auto little = samples<short>(), big = samples<short>(true);
   return {"head_5x4x3_int16.raw\n\n" + little,
@@ -244,11 +244,11 @@ RawDescription description_of(const std::string& line) {
 void run_raw(std::span<const std::byte> input) {
   auto text = text_of(input);
   std::string name = take_line(text);
-  constexpr std::size_t longest_name = 255;  // bytes, of most file systems
+  constexpr std::size_t longest_name = 255;  // bytes, on most file systems
   name.resize(std::min(name.size(), longest_name));
   static_cast<void>(detail::parse_raw_name(name));
   const RawDescription raw = description_of(take_line(text));
-  // A name of one folder, and one that the file system takes.
+  // A name without folders that the file system accepts.
   std::replace_if(
       name.begin(), name.end(), [](char c) { return c == '/' || c == '\0'; }, '_');
   const fs::path folder = folder_of_volumes() / "raw";

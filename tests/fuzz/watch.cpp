@@ -39,7 +39,7 @@ double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// So many processor seconds from now SIGPROF ends this process; SIGALRM when it waits for something instead.
+/// Ends this process by SIGPROF after that many processor seconds, or by SIGALRM when it only waits.
 void set_alarms(double seconds) {
   const auto timer = [](double s) {
     itimerval t{};
@@ -47,7 +47,7 @@ void set_alarms(double seconds) {
     t.it_value.tv_usec = static_cast<suseconds_t>((s - double(t.it_value.tv_sec)) * 1e6);
     return t;
   };
-  constexpr double longest_wait = 10;  // times the processor's, which others may use meanwhile
+  constexpr double longest_wait = 10;  // factor on processor seconds, since other programs run meanwhile
   const itimerval processor = timer(seconds), wall = timer(longest_wait * seconds);
   setitimer(ITIMER_PROF, &processor, nullptr);
   setitimer(ITIMER_REAL, &wall, nullptr);
@@ -66,7 +66,7 @@ std::size_t address_space() {
   return pages * std::size_t(sysconf(_SC_PAGESIZE));
 }
 
-/// Of an answer, what is the same when only its numbers differ.
+/// An answer without its numbers.
 std::string without_numbers(const std::string& text) {
   std::string kept;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -80,7 +80,7 @@ std::string without_numbers(const std::string& text) {
   return kept;
 }
 
-/// Also without what it quotes of the input, which may have quotation marks too.
+/// Hash of an answer without numbers and without its quotes of the input, which may contain quotation marks.
 std::uint64_t hash_of_answer(const std::string& text) {
   std::string kept = without_numbers(text);
   const auto first = kept.find_first_of("'\""), last = kept.find_last_of("'\"");
@@ -97,8 +97,8 @@ bool says_out_of_memory(const std::string& text) {
 }
 
 struct Answer {
-  std::string text;     ///< of the error, or empty
-  std::string problem;  ///< when it is one that no input should get
+  std::string text;     ///< the error, or empty
+  std::string problem;  ///< set when no input should get this answer
 };
 
 Answer answer_of(const Driver& driver, std::span<const std::byte> input) {
@@ -140,14 +140,14 @@ Limits usual_limits() { return sanitized ? Limits{20, std::size_t{512} << 20} : 
 
 std::string Finding::cause() const { return without_numbers(what); }
 
-/// What the child leaves behind, also when it crashes.
+/// Memory shared with the child, which remains when the child crashes.
 struct Watch::Shared {
-  std::uint64_t done = 0, accepted = 0;  ///< inputs that were answered rightly; those that were good
+  std::uint64_t done = 0, accepted = 0;  ///< inputs answered correctly; those accepted as good
   std::size_t size = 0;                  ///< of `input`
   std::size_t novel_bytes = 0;
-  char input[longest_input];      ///< the one being run
-  char problem[longest_problem];  ///< with it, when the child itself found one
-  char novel[most_novel_bytes];   ///< parts, each with its answer's hash before it
+  char input[longest_input];      ///< the input being run
+  char problem[longest_problem];  ///< the input's problem, if the child itself found one
+  char novel[most_novel_bytes];   ///< parts, each an answer's hash and its input
 };
 
 Watch::Watch(const Limits& limits) : limits_(limits) {
@@ -222,7 +222,7 @@ std::optional<Finding> Watch::try_one(const Driver& driver, const Input& input) 
 }
 
 void Watch::work(const Driver& driver, const std::function<std::optional<Input>()>& next, double seconds) {
-  // Whoever reads stdin waits, as at a terminal; stdout is for results, which drivers have none of.
+  // Reading stdin waits, as at a terminal. stdout is discarded: drivers have no results.
   int silent[2];
   const int nothing = open("/dev/null", O_WRONLY);
   if (pipe(silent) != 0 || nothing < 0) _exit(1);
@@ -232,7 +232,7 @@ void Watch::work(const Driver& driver, const std::function<std::optional<Input>(
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   if (!sanitized) {
-    // What is only asked for and not touched does not count, within reason.
+    // Generous, because memory that is allocated but never touched does not count.
     const rlim_t most = address_space() + 8 * limits_.memory;
     const rlimit space{most, most};
     setrlimit(RLIMIT_AS, &space);
@@ -246,7 +246,7 @@ void Watch::work(const Driver& driver, const std::function<std::optional<Input>(
     set_alarms(limits_.seconds);
     Answer answer = answer_of(driver, std::span(bytes_of_input(*input)));
     set_alarms(0);
-    // A sanitizer's own memory grows with every allocation, so there each one is limited.
+    // A sanitizer's own memory grows with every allocation, so there single allocations are limited instead.
     if (answer.problem.empty() && !sanitized && peak_bytes() > before + limits_.memory)
       answer.problem = fmt::format("{} MiB of memory ({})", (peak_bytes() - before) >> 20, answer.text);
     if (!answer.problem.empty()) {

@@ -11,19 +11,19 @@
 
 namespace ringsplat::fuzz {
 
-/// What one input may take.
+/// Limits on one input.
 struct Limits {
-  double seconds = 2;                           ///< of the processor
-  std::size_t memory = std::size_t{256} << 20;  ///< bytes more than before; under a sanitizer one allocation
+  double seconds = 2;                           ///< processor seconds
+  std::size_t memory = std::size_t{256} << 20;  ///< more bytes; under a sanitizer bytes of one allocation
 };
-/// More where a sanitizer makes everything slower and larger.
+/// The usual limits; higher under a sanitizer, which makes everything slower and larger.
 Limits usual_limits();
 
 struct Finding {
   Input input;
   std::string what;    ///< one line: the signal, exception or limit, and where if that is known
   std::string report;  ///< what the process wrote on stderr
-  /// What findings of one cause have in common: `what` without numbers.
+  /// The same for all findings of one cause: `what` without numbers.
   std::string cause() const;
 };
 
@@ -36,13 +36,13 @@ class Watch {
   Watch& operator=(const Watch&) = delete;
 
   struct Batch {
-    std::uint64_t inputs = 0, accepted = 0;  ///< that were run; those that were good
-    std::vector<Input> novel;                ///< those that were answered as none before
-    std::optional<Finding> finding;          ///< of the last one; the batch ends there
+    std::uint64_t inputs = 0, accepted = 0;  ///< inputs run; those accepted as good
+    std::vector<Input> novel;                ///< inputs with an answer not seen before
+    std::optional<Finding> finding;          ///< the last input's; the batch ends there
   };
-  /// Runs what `next` makes, in the child process, until it makes nothing, for `seconds` at most.
+  /// Runs the inputs from `next` in a child process until there are no more, for at most `seconds`.
   Batch run(const Driver& driver, const std::function<std::optional<Input>()>& next, double seconds = 1e9);
-  /// Runs one.
+  /// Runs one input.
   std::optional<Finding> try_one(const Driver& driver, const Input& input);
 
  private:
@@ -52,9 +52,9 @@ class Watch {
   std::string judge(int status) const;
 
   Limits limits_;
-  Shared* shared_;                   ///< with the child
+  Shared* shared_;                   ///< shared with the child
   int report_;                       ///< file that the child's stderr goes to
-  std::set<std::uint64_t> answers_;  ///< hashes of those seen
+  std::set<std::uint64_t> answers_;  ///< hashes of answers seen
 };
 
 }  // namespace ringsplat::fuzz

@@ -108,7 +108,7 @@ TEST_CASE("the mesh's neighbours are those of MPI's Cartesian communicator") {
     REQUIRE(place_of(mesh, rank) == MeshPlace{place[1], place[0]});
     const auto same = [&](int mpi_rank, Direction direction) {
       const auto ours = neighbour(mesh, rank, direction);
-      // MPI has no neighbour beyond the edge; here a Renderer may be there.
+      // MPI has no neighbour beyond the edge, where our mesh may have a Renderer.
       if (mpi_rank == MPI_PROC_NULL) return !ours || *ours >= mesh.gps;
       return ours == mpi_rank;
     };

@@ -40,7 +40,7 @@ TEST_CASE("messages of all sizes arrive whole, also those sent in parts") {
   const std::size_t part = GENERATE(std::size_t{64}, std::size_t{1000}, largest_mpi_part);
   const auto transport = make_mpi_transport(MPI_COMM_WORLD, part);
   const int to = (transport->rank() + 1) % transport->ranks();
-  // Sizes around that of a part: bodies that end exactly with a part, or a byte before or after.
+  // Sizes around a part's: bodies that end with a part, or a byte before or after.
   const std::vector<std::size_t> sizes{0, 1, 15, 16, 17, 79, 80, 81, 951, 952, 953, 5000, 100000};
   for (std::uint32_t k = 0; k < sizes.size(); ++k) transport->send(to, numbered(k, sizes[k]));
   std::vector<int> seen(sizes.size());
@@ -100,6 +100,6 @@ TEST_CASE("process 0 learns who is absent, and waits for nobody longer than it w
   MPI_Barrier(MPI_COMM_WORLD);
   if (world_rank() == 0) CHECK(collectives->absent(3) == std::vector<int>{last});
   MPI_Barrier(MPI_COMM_WORLD);
-  // The late answers must be taken: the next communicator would find those left behind.
+  // The late answers must be received, or the next communicator would get them.
   CHECK(collectives->absent(60).empty());
 }

@@ -13,7 +13,7 @@ namespace {
 
 constexpr NodeId gp_0{Role::gp, 0}, gp_1{Role::gp, 1}, renderer_0{Role::renderer, 0};
 
-/// A frame buffer by itself: two GPs, one Renderer with two tiles.
+/// A frame buffer alone: two GPs, one Renderer with two tiles.
 struct LoneFrameBuffer {
   explicit LoneFrameBuffer(int frames = 1, const ProtocolOptions& options = {},
                            Layout layout = {.gps = 2, .renderers = 1})
@@ -36,7 +36,7 @@ struct LoneFrameBuffer {
     buffer.receive(Message(make_header(Kind::report, from, frame_buffer_id, frame), std::move(body)));
     run(buffer);
   }
-  /// Everything of a frame whose sums are right.
+  /// Delivers a whole frame with correct sums.
   void finish(std::int64_t frame) {
     report(frame, gp_0, sent);
     report(frame, gp_1, {});
@@ -175,7 +175,7 @@ TEST_CASE("a frame that nobody wants is dropped once, and ends without a picture
   run(lone.buffer);
   CHECK(lone.announced(Kind::drop).empty());
   NodeStats unsent = lone.sent;
-  unsent.splats_sent = 1000;  // encoded and left out
+  unsent.splats_sent = 1000;  // encoded, not sent
   lone.report(0, gp_0, unsent);
   lone.report(0, gp_1, {});
   lone.drawn.tiles = 0;
@@ -192,7 +192,7 @@ TEST_CASE("periods of frames do not overlap") {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
       lone.finish(frame);
       const FrameStats& stats = lone.source.over.at(std::size_t(frame));
-      // The frame before was complete when this one was announced already, or earlier.
+      // Only here no earlier frame was under way when this one was announced.
       if (in_flight == 1 || frame == 0)
         CHECK(stats.period == stats.seconds);
       else

@@ -8,7 +8,7 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// A GP by itself, of a ring of two GPs unless told otherwise.
+/// A GP alone, by default in a ring of two GPs.
 struct LoneGp {
   explicit LoneGp(const ProtocolOptions& options = {}, Layout l = {.gps = 2, .renderers = 1}, int index = 0)
       : layout(l), gp(index, layout, options, engine, posted.post()) {}
@@ -77,7 +77,7 @@ TEST_CASE("tokens start at the owner of the front slice only, one for each Rende
   CHECK(other.payloads().empty());
   const auto sent = front.payloads();
   REQUIRE(sent.size() == 2);
-  // In the order of the traversal, which is what keeps a mesh free of contention.
+  // In the traversal's order, which keeps a mesh free of contention.
   CHECK(sent[0].renderer == 1);
   CHECK(sent[1].renderer == 0);
 }
@@ -113,7 +113,7 @@ TEST_CASE("who has the last slice tells the Renderer how many payloads there wer
     CHECK(sent[0].sequence == payloads++);
     CHECK(lone.posted.take(Kind::frame_end).empty());
     lone.accept(0, sent[0]);
-    // Tokens to itself come back by the host.
+    // A GP's tokens to itself come back through the host.
     for (const auto& token : lone.tokens()) lone.give_token(0, token);
     for (const auto& token : lone.tokens()) lone.give_token(0, token);
   }
@@ -133,9 +133,9 @@ TEST_CASE("with credits a token moves with its payload, as far as there are slot
   CHECK(tokens[0].credits == 1);
   CHECK(tokens[0].place.sequence == 1);
   lone.accept(0, {.step = 0, .renderer = 0, .sequence = 0});
-  CHECK(lone.tokens().empty());  // it is gone already
+  CHECK(lone.tokens().empty());  // the token has already moved on
 
-  // A token without credits waits for its accept, which brings as many as there are slots, at most two.
+  // A token without credits waits for its accept, which brings a credit for each free slot, at most two.
   for (const auto& [free_slots, credits] : {std::pair{3U, 2U}, {1U, 1U}, {0U, 0U}}) {
     LoneGp waiting({.slots = 4, .send_ahead = 2});
     waiting.begin(0, {.steps = 6, .hidden_steps = 0b000001});
@@ -170,7 +170,7 @@ TEST_CASE("a GP prepares at most as many slices as it may, of the earliest frame
     lone.begin(0, {.steps = 8});
     lone.begin(1, {.steps = 8});
     const auto prepared = std::size_t(std::min(look_ahead, 4));
-    // A token for a prepared slice is used at once, without any work between.
+    // A token for a prepared slice is used at once, without work in between.
     std::size_t used = 0;
     for (int step = 1; step < 8; step += 2) {
       lone.gp.receive(
@@ -219,7 +219,7 @@ TEST_CASE("of a dropped frame nothing more is sent, but its tokens go round") {
   CHECK(lone.payloads().empty());
   CHECK(lone.reported());
 
-  // Also slices that were prepared before.
+  // The same for slices prepared before.
   LoneGp prepared({.look_ahead = 4}, {.gps = 2, .renderers = 1}, 1);
   prepared.begin(0, {.steps = 4});
   prepared.gp.drop_frame(0);

@@ -1,4 +1,4 @@
-// One rank among others that the test plays, and the end of a run.
+// One rank, with the test in place of the others, and the end of a run.
 #include "protocol/host.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// Rank 1 of three, on which GP 1 lives; its first step is step 1.
+/// Rank 1 of three, which hosts GP 1; its first step is step 1.
 class SecondRank {
  public:
   void announce(std::int64_t frame) {
@@ -34,7 +34,7 @@ class SecondRank {
     while (host_.step()) {
     }
   }
-  /// What has been sent to the ranks of GP 0 and of the Renderer.
+  /// Messages sent to the ranks of GP 0 and of the Renderer.
   std::vector<Message> sent() {
     std::vector<Message> all;
     for (const int rank : {0, 2})
@@ -115,7 +115,7 @@ TEST_CASE("when all ranks of a mesh have finished nothing is left in the network
     };
     for (int turn = 0; !all_finished(); ++turn) {
       REQUIRE(turn < 100000);
-      // As a rank's own loop does: one that has finished takes nothing any more.
+      // As in a rank's own loop: a finished host receives nothing more.
       for (const auto& host : hosts)
         if (!host->finished()) host->step();
       network.turn();

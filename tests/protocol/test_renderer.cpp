@@ -26,7 +26,7 @@ struct LoneRenderer {
     renderer.receive(
         Message(make_header({Role::gp, 0}, renderer.id(), frame, FrameEndFields{.payloads = payloads})));
   }
-  /// Sequences of payloads accepted since the last call, and how many slots each said were free.
+  /// Payloads accepted since the last call: sequence and the number of free slots in the accept.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> accepts() {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> all;
     for (const Message& m : posted.take(Kind::accept)) {
@@ -90,7 +90,7 @@ TEST_CASE("accepts go to the sender and bring it news of this frame") {
   REQUIRE(accepts[0].body().size() == sizeof told);
   std::memcpy(&told, accepts[0].body().data(), sizeof told);
   CHECK(told == 1);
-  // The next frame's painter has nothing to say yet.
+  // The next frame's painter has no news yet.
   CHECK(accepts[1].body().empty());
   CHECK(accepts[1].header.frame == 1);
 }

@@ -25,7 +25,7 @@ ToyRun run_all(const Layout& layout, const ProtocolOptions& options, const std::
     if (rank == 0) at_frame_buffer = engine.get();
     return engine;
   };
-  // The engines end with the run.
+  // Copies pictures before the engines end with the run.
   class Keeping final : public FrameSource {
    public:
     Keeping(ToyFrames& frames, ToyEngine*& engine, ToyRun& run)
@@ -47,7 +47,7 @@ ToyRun run_all(const Layout& layout, const ProtocolOptions& options, const std::
   return done;
 }
 
-/// The steps whose payloads a Renderer has to draw, filled up with −1 as tiles are.
+/// The steps whose payloads a Renderer must draw, padded with −1 like tiles.
 std::vector<int> expected_tile(const ToyFrame& frame) {
   std::vector<int> steps;
   for (int step = 0; step < frame.steps; ++step)

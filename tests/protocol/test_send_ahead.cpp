@@ -1,4 +1,4 @@
-// When a token may move, seen by a network between the nodes that delivers one message at a time.
+// When a token may move, observed by a network that delivers one message at a time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -17,8 +17,8 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// All GPs and Renderers of a layout, and the messages between them. Every message is looked at when a node
-/// posts it, and when it is delivered, which happens in any order and late.
+/// All GPs and Renderers of a layout, and the messages between them. Checks every message when a node posts
+/// it and when it is delivered, which is late and in any order.
 class Watched {
  public:
   Watched(const Layout& layout, const ProtocolOptions& protocol, std::uint64_t seed)
@@ -37,7 +37,7 @@ class Watched {
     for (const auto& node : nodes_) node->begin_frame(announcement(0, frame));
   }
 
-  /// Until all nodes have reported.
+  /// Runs until all nodes have reported.
   void run() {
     for (int turn = 0; reports_ < layout_.gps + layout_.renderers; ++turn) {
       REQUIRE(turn < 200000);
@@ -52,17 +52,17 @@ class Watched {
   }
 
   int payloads() const { return payloads_; }
-  /// The most payloads of one Renderer that it had not accepted when its token moved.
+  /// Largest number of a Renderer's unaccepted payloads when its token moved.
   int most_not_accepted() const { return most_not_accepted_; }
-  /// The most payloads in turn that a token left before their accepts had reached the GPs that sent them.
+  /// Most consecutive payloads that a token left before their accepts had reached the sending GPs.
   int most_left_behind() const { return most_left_behind_; }
 
  private:
   struct OfRenderer {
     int payloads = 0, accepts = 0, last_step = -1;
     std::set<std::uint32_t> heard_of;  ///< payloads whose accepts have arrived
-    bool sent = false;                 ///< a payload since the token last moved
-    int left_behind = 0;               ///< payloads in turn
+    bool sent = false;                 ///< a payload was sent since the token last moved
+    int left_behind = 0;               ///< consecutive payloads left behind
     bool ended = false;
 
     void move_token() {
@@ -120,7 +120,7 @@ class Watched {
 
   Layout layout_;
   std::mt19937_64 random_;
-  std::deque<ToyEngine> engines_;  ///< of each node
+  std::deque<ToyEngine> engines_;  ///< one for each node
   std::vector<std::unique_ptr<Node>> nodes_;
   std::vector<Message> on_their_way_;
   std::vector<OfRenderer> of_renderer_;

@@ -15,16 +15,16 @@
 
 namespace ringsplat::test {
 
-/// What a toy frame is, and its announcement's body.
+/// A toy frame's description, the body of its announcement.
 struct ToyFrame {
   int steps = 6;
   int gps = 2, renderers = 1;
   int tiles = 1;  ///< dealt to the Renderers in turn
   bool ascending = true;
   std::uint64_t hidden_steps = 0;    ///< bit s: no token goes through step s
-  std::uint64_t empty_payloads = 0;  ///< bit s: step s has nothing for any Renderer
-  std::uint32_t lost_items = 0;      ///< that encoders say they sent more than they did
-  int prepare_pieces = 0;            ///< of work before the first step
+  std::uint64_t empty_payloads = 0;  ///< bit s: step s has empty payloads
+  std::uint32_t lost_items = 0;      ///< how many more items encoders report than they send
+  int prepare_pieces = 0;            ///< pieces of work before the first step
 
   bool shows(int step) const { return (hidden_steps >> step & 1) == 0; }
   bool has_payload(int step) const { return shows(step) && (empty_payloads >> step & 1) == 0; }
@@ -43,7 +43,7 @@ inline ToyFrame toy_frame(const Announcement& announcement) {
   return frame;
 }
 
-/// What a payload says: its frame and step.
+/// A payload's content: its frame and step.
 struct ToyItem {
   std::int64_t frame;
   int step;
@@ -107,7 +107,7 @@ class ToyPainter final : public Painter {
     append(news, gp);
   }
   ItemCounts counts() const override { return {.drawn = steps.size()}; }
-  /// A tile is the list of steps, filled up with −1.
+  /// A tile is the list of drawn steps, padded with −1.
   void finish(const std::function<void(int, Bytes)>& deliver) override {
     for (int tile = renderer_; tile < frame_.tiles; tile += frame_.renderers) {
       std::vector<int> all = steps;
@@ -118,7 +118,7 @@ class ToyPainter final : public Painter {
     }
   }
 
-  std::vector<int> steps;  ///< drawn, in this order
+  std::vector<int> steps;  ///< steps drawn, in order
 
  private:
   int renderer_;
@@ -126,7 +126,7 @@ class ToyPainter final : public Painter {
   ToyFrame frame_;
 };
 
-/// The tiles of a frame that came, as lists of steps.
+/// The tiles that came for a frame, as lists of steps.
 using ToyPicture = std::map<int, std::vector<int>>;
 
 class ToyEngine final : public Engine {
@@ -198,13 +198,13 @@ class ToyFrames final : public FrameSource {
   std::vector<ToyFrame> list_;
 };
 
-/// One node by itself: what it posts is kept.
+/// Keeps the messages that a lone node posts.
 struct Posted {
   std::vector<Message> messages;
   Post post() {
     return [this](Message m) { messages.push_back(std::move(m)); };
   }
-  /// Those of a kind, taken out.
+  /// Removes and returns the messages of a kind.
   std::vector<Message> take(Kind kind) {
     std::vector<Message> some, rest;
     for (Message& m : messages) (m.header.kind == kind ? some : rest).push_back(std::move(m));

@@ -1,4 +1,4 @@
-// Processes that see other volumes say so before any voxel is dealt.
+// Processes that see different volumes report it before any voxel is dealt.
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
@@ -27,7 +27,7 @@ std::string voxels(char first = 'a') {
 
 using Open = std::function<std::unique_ptr<VolumeSource>(int process)>;
 
-/// What all of three processes are told, which must be one thing, when process p opens `open(p)`.
+/// The error that all three processes get, which must be the same, when process p opens `open(p)`.
 std::string refusal(const Open& open) {
   const auto thrown = run_as_processes(3, [&](ThreadCollectives& collectives) {
     open_everywhere(

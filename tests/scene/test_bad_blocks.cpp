@@ -1,5 +1,4 @@
-// What a rank makes of blocks that no rank of this build sends while a volume is dealt. tests/fuzz makes many
-// more.
+// Blocks that no rank of this build sends while a volume is dealt. tests/fuzz makes many more.
 #include <cmath>
 
 #include "net/blocks.hpp"
@@ -17,7 +16,7 @@ namespace {
 
 const Grid grid = make_grid({6, 5, 4});
 
-/// Process 1 of two; process 0 says the same block whenever it broadcasts, and another when all gather.
+/// Process 1 of two. Process 0 broadcasts one block always, and contributes another to every gather.
 class OddCompany final : public Collectives {
  public:
   OddCompany(Block said, Block gathered) : said_(std::move(said)), gathered_(std::move(gathered)) {}
@@ -45,7 +44,7 @@ std::map<int, SliceStore> one_store() {
 }  // namespace
 
 TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt") {
-  // Whoever gathers no texts agrees that there is no error.
+  // A gather without texts means that there is no error.
   OddCompany agreeing(Block(7), {});
   CHECK_THAT(run_error_of([&] { open_everywhere(agreeing, [] { return synth_source("ball", grid); }); }),
              Catch::Matchers::Contains("7 bytes"));
@@ -55,7 +54,7 @@ TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt
              Catch::Matchers::Contains("too short"));
   CHECK_THAT(run_error_of([&] { value_range(stores, short_blocks); }),
              Catch::Matchers::Contains("too short"));
-  // The sums that process 0 sends are more than were asked for, or fewer.
+  // Process 0 sends more sums than requested, or fewer.
   const ValueRange range = [] {
     ValueRange r;
     r.low = 0;

@@ -20,7 +20,7 @@ TEST_CASE("a constant slab's opacity is 1 - (1 - a)^d, at any angle") {
   spec.shown.camera.zoom = 2;
   const double cos3 = 1 / std::sqrt(3.0);
   for (const double angle : {0.0, 30.0, std::acos(cos3) * 180 / M_PI}) {
-    spec.shown.camera.azimuth = 45;  // so that at 54.7 degrees all three axes tie and z is taken
+    spec.shown.camera.azimuth = 45;  // at 54.7 degrees all three axes tie, and z is taken
     spec.shown.camera.elevation = 90 - angle;
     const FrameResult result = render_loopback(*source, spec, 2, 2);
     REQUIRE(result.axis == Axis::z);

@@ -58,7 +58,7 @@ TEST_CASE("every kernel has the same bits on any ranks, with regions of any size
     CHECK(decode_frame_spec(encode(spec)).as<Splats>().kernel == kernel);
     spec.division.region_size = 4096;
     const Image alone = render_loopback(*source, spec, 1, 1).image;
-    REQUIRE(alone != usual);  // the option does something
+    REQUIRE(alone != usual);  // the option has an effect
     REQUIRE(largest_difference(alone, usual) < 0.7);
     for (const int region : {17, 64}) {
       spec.division.region_size = region;

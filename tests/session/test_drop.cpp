@@ -8,7 +8,7 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// Frames from a list; every third is unwanted once it has been asked about so many times.
+/// Frames from a list; every third becomes unwanted after a number of calls of unwanted().
 struct Browsing {
   std::vector<FrameSpec> specs;
   std::size_t asked = 0;

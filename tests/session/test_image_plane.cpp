@@ -70,7 +70,7 @@ TEST_CASE("exact kernels in the slices' plane: words draw the bits of runs, in r
 }
 
 TEST_CASE("exact kernels draw an even slice even in the slices' plane") {
-  // Every pixel's weights sum to one, wherever its region begins; a constant stays one under the warp.
+  // Each pixel's weights sum to one, wherever its region begins, and the warp keeps a constant.
   const auto source = synth_source("constant", make_grid({41, 43, 1}));
   for (const int samples : {1, 2, 4})
     for (const PayloadForm form : {PayloadForm::runs, PayloadForm::words})

@@ -172,7 +172,7 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
       spec.shown.camera.azimuth = azimuth;
       std::map<std::pair<std::int64_t, Link>, int> uses;
       std::map<std::int64_t, std::set<int>> senders;
-      // By step and column, the row of the GP that sends to the left and of the one that sends to the right.
+      // By step and column: rows of the GPs that send to the left and to the right.
       std::map<std::pair<std::int64_t, int>, std::map<bool, int>> rows;
       int payload_hops = 0;
       LoopbackOptions loopback{.seed = 1, .reorder = true, .max_delay = 4, .in_step = true};
@@ -189,7 +189,7 @@ TEST_CASE("in step, a real frame uses no directed link twice for payloads, and i
       int most = 0;
       for (const auto& [use, count] : uses) most = std::max(most, count);
       CHECK(most == 1);
-      // Of a column's two active GPs the upper one sends up, to the right, the lower one down.
+      // Of a column's two active GPs the upper one sends up and to the right, the lower one down.
       for (const auto& [where, row_of] : rows)
         if (row_of.size() == 2) CHECK((row_of.at(true) + 1) % mesh.mesh_rows == row_of.at(false));
       std::size_t most_senders = 0;
@@ -237,13 +237,13 @@ TEST_CASE("a rank that stops ends the run with a report of who waits for whom") 
     }
     return {};
   };
-  // Renderer 0 takes nothing any more: its neighbour's link is full, and a GP waits for it to accept.
+  // Renderer 0 takes no more messages: its neighbour's link is full, and a GP waits for its accept.
   const std::string renderer = report(9, 8);
   CHECK(renderer.find("rank 9 (stopped)") != std::string::npos);
   CHECK(renderer.find("waits for Renderer 0 to accept") != std::string::npos);
   CHECK(renderer.find("rank 9 has not yet handed on 1 message(s) from link x0y0W") != std::string::npos);
   CHECK(renderer.find("the frame buffer waits for reports on frame 0 from") != std::string::npos);
-  // GP 4 in the middle hands nothing on.
+  // GP 4 in the middle forwards nothing.
   const std::string gp = report(4, 8);
   CHECK(gp.find("rank 4 (stopped)") != std::string::npos);
   CHECK(gp.find("for rank 4") != std::string::npos);

@@ -23,7 +23,7 @@ bool has_something(const Image& image) {
   return *std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F;
 }
 
-/// Everything an encoder makes of a volume, slice by slice.
+/// All that an encoder makes from a volume, slice by slice.
 std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec, int renderers, int threads) {
   SoloCollectives solo;
   const Grid grid = source.grid();
@@ -43,7 +43,7 @@ std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec,
   return slices;
 }
 
-/// A payload without the room for a message's header, which holds anything.
+/// A payload without the space for a message's header, whose bytes are undefined.
 Bytes body_of(Bytes payload) {
   if (!payload.empty()) payload.erase(payload.begin(), payload.begin() + sizeof(Header));
   return payload;
@@ -134,7 +134,7 @@ TEST_CASE("the image and the counts are the same whatever the number of threads"
         spec.as<Splats>().image_plane = plane;
         spec.as<Splats>().payload = form;
         spec.division.region_size = region;
-        spec.shown.opaque_threshold = 0;  // what is hidden depends on when GPs learn of it
+        spec.shown.opaque_threshold = 0;  // hidden counts depend on when GPs get the news
         const auto alone = render_loopback(*source, spec, 1, 1);
         REQUIRE(has_something(alone.image));
         const NodeStats counted = alone.stats.total();
@@ -172,7 +172,7 @@ TEST_CASE("threads keep the bits on any layout, with messages in any order", "[t
             const auto shared = render_loopback(*source, spec, gps, renderers, shuffled(threads), placement,
                                                 {}, {.threads_per_rank = threads});
             REQUIRE(shared.image == alone.image);
-            // Seconds are those of the clock on the wall: no thread's are counted beside another's.
+            // Seconds are wall-clock time, not sums over threads.
             for (const NodeStats& renderer : shared.stats.renderers) {
               CHECK(renderer.drawing >= 0);
               CHECK(renderer.compositing >= 0);

@@ -1,4 +1,4 @@
-// What a node's record keeps, how clocks are compared, and the trace of whole frames in one process.
+// A node's record, the comparison of clocks, and the trace of whole frames in one process.
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -18,7 +18,7 @@ namespace {
 constexpr double us = 1e-6;
 const NodeId gp_0{Role::gp, 0};
 
-/// Three frames of a soft ball and what was measured of them.
+/// Three frames of a soft ball, with their statistics and trace.
 struct Traced {
   json trace;
   std::vector<FrameStats> stats;

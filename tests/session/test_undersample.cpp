@@ -38,7 +38,7 @@ TEST_CASE("an undersampled picture shows the same volume at the same place, as o
       const auto means = render_loopback(*source, spec, 2, 2);
       const auto splats = [](const FrameResult& r) { return double(r.stats.total().visible_voxels); };
       CHECK(splats(skipped) < 1.3 * splats(whole) / (factor * factor * factor));
-      // Blobs of 4 to 6 voxels' deviation: a smooth field keeps its picture but for the coarser kernel.
+      // Blobs with a deviation of 4 to 6 voxels: a smooth field's picture changes only by the coarser kernel.
       CHECK(255 * rms_difference(means.image, whole.image) < (factor == 2 ? 3.0 : 10.0));
       CHECK(255 * rms_difference(means.image, whole.image) > 0);
       CHECK(255 * rms_difference(skipped.image, whole.image) < (factor == 2 ? 4.0 : 16.0));
@@ -54,7 +54,7 @@ TEST_CASE("an even slab is as opaque undersampled as in full") {
   const float full = render_loopback(*source, spec, 1, 1).image.pixel(48, 48)[3];
   for (const bool prefilter : {false, true}) {
     spec.shown.reduction = {4, prefilter};
-    // The kernel's own ripple is 3 % of the opacity at most.
+    // The kernel's own ripple is at most 3 % of the opacity.
     CHECK(render_loopback(*source, spec, 1, 1).image.pixel(48, 48)[3] == Approx(full).epsilon(0.03));
   }
 }

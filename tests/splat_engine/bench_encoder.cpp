@@ -1,7 +1,6 @@
-// What a GP's and a Renderer's part of a frame take alone: all slices of a volume, an orbit of views, as the
-// frame loop would have them encoded for one Renderer, with the news of opaque tiles that it would have had,
-// and drawn. Prints medians over the views of the best of several repetitions, in milliseconds of the
-// thread's time.
+// Times a GP's and a Renderer's part of a frame alone: encodes all slices of a volume for one Renderer, with
+// the news of opaque tiles of a real run, and draws them, for an orbit of views. Prints medians over the
+// views of the best of several repetitions, in milliseconds of thread time.
 //   bench_encoder VOLUME TRANSFER-FUNCTION [float|half|u8|words] [repetitions]
 #include <time.h>
 
@@ -61,7 +60,7 @@ void draw_slice(Painter& painter, int step, const Bytes& payload) {
   }
 }
 
-/// Draws the frame once, to know what a Renderer says of opaque tiles.
+/// Draws the frame once to get a Renderer's news of opaque tiles.
 void gather_news(View& v, const SliceStore& store, EmptySpace& empty_space) {
   ThreadTeam alone;
   const auto encoder = make_splat_encoder(v.frame, 1, store, empty_space, alone);

@@ -1,4 +1,4 @@
-// Payloads and news of opaque tiles that were changed on their way: each check of what arrives.
+// Every check of arriving payloads and news of opaque tiles, by changed ones.
 #include <fmt/format.h>
 
 #include <cstring>
@@ -28,7 +28,7 @@ T at(const Bytes& bytes, std::size_t offset) {
   return value;
 }
 
-/// A slice of 70 × 20 voxels as one of two Renderers gets it, and that Renderer.
+/// A slice of 70 × 20 voxels as sent to one of two Renderers, and that Renderer.
 class Sent {
  public:
   explicit Sent(PayloadForm form) : threads_(1) {
@@ -68,7 +68,7 @@ class Sent {
     std::memcpy(changed.data() + offset, &value, sizeof value);
     return accepts(changed);
   }
-  /// Of the other Renderer.
+  /// A region of the other Renderer.
   std::int32_t foreign_region() const {
     const auto owners = geometry().owners(2);
     for (int region = 0; region < geometry().regions.count(); ++region)
@@ -88,7 +88,7 @@ class Sent {
   std::unique_ptr<FramePainter> painter_;
 };
 
-/// Where groups of runs begin, and the end.
+/// Offsets of the groups of runs, and of the end.
 std::set<std::size_t> run_groups(const Bytes& body) {
   std::set<std::size_t> begins;
   std::size_t offset = 0;
@@ -112,7 +112,7 @@ std::set<std::size_t> word_groups(const Bytes& body) {
   return begins;
 }
 
-/// The lengths below the whole at which a cut payload is accepted.
+/// Lengths at which a cut payload is accepted.
 std::set<std::size_t> accepted_lengths(Sent& sent) {
   std::set<std::size_t> lengths;
   for (std::size_t length = 0; length <= sent.body.size(); ++length)
@@ -165,7 +165,7 @@ TEST_CASE("runs that do not lie in the slice or are not as many as they say are 
     CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelBlock, mask), std::uint64_t{0}));
     CHECK_FALSE(sent.accepts_with(block + offsetof(VoxelBlock, mask), mask & (mask - 1)));
   }
-  // As many voxels as before, but one of them in column 70.
+  // The same number of voxels, but one in column 70.
   const auto mask = at<VoxelBlock>(sent.body, last).mask;
   CHECK_FALSE(sent.accepts_with(last + offsetof(VoxelBlock, mask), (mask & (mask - 1)) | 1U << 6));
 }

@@ -56,7 +56,7 @@ TEST_CASE("fewer bytes a voxel cost a known error") {
   const double half_error = largest_difference(half.image, exact.image),
                byte_error = largest_difference(bytes.image, exact.image);
   CHECK(half_error > 0);
-  // Half precision keeps 11 bits of every voxel's colour and opacity.
+  // Half precision keeps 11 bits of each voxel's colour and opacity.
   CHECK(half_error < 1.0 / 1024);
   CHECK(byte_error > half_error);
   CHECK(byte_error < 2.0 / 255);

@@ -18,7 +18,7 @@ TEST_CASE("pixels for which no tile comes are empty, whatever their memory held"
     Image picture;
     const auto canvas =
         make_picture_canvas(frame, [&](std::int64_t, Image&& image) { picture = std::move(image); });
-    // All tiles, which leaves their values in the memory that comes free, and then a single one.
+    // All tiles, whose values then remain in freed memory, and next a single tile.
     const std::size_t some = round % 2 == 0 ? tiles.size() : 1;
     float expected = 0;
     for (std::size_t k = 0; k < some; ++k) {
