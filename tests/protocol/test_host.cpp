@@ -99,6 +99,34 @@ TEST_CASE("a rank has finished once it was told of the end, which is not handed 
   CHECK(rank.sent().empty());
 }
 
+TEST_CASE("a rank of a mesh has not finished while a neighbour owes it credits") {
+  const Layout mesh = mesh_layout(2, 1, 1);
+  LoopbackNetwork network(mesh.ranks());
+  ToyEngine engine;
+  Host host(mesh, {}, network.transport(1), engine, nullptr);
+  const auto give = [&](const Header& header, Bytes body = {}) {
+    network.transport(0).send(1, Message(header, std::move(body)));
+    while (host.step()) {
+    }
+  };
+  // No Renderer has a tile, so that the GP reports at once, over the link to rank 0.
+  Bytes body = Message::body_buffer();
+  append(body, ToyFrame{.steps = 2, .gps = mesh.gps, .renderers = mesh.renderers, .tiles = 0});
+  give(make_header(Kind::announcement, frame_buffer_id, {Role::host, 1}, 0), std::move(body));
+  const auto report = network.transport(0).receive();
+  REQUIRE(report);
+  REQUIRE(report->header.kind == Kind::report);
+  give(make_header(Kind::shutdown, frame_buffer_id, {Role::host, 1}, 0));
+  CHECK_FALSE(host.finished());
+  // What rank 0 sends for the report that it has taken.
+  MeshRouter neighbour(mesh, ProtocolOptions{}.link_slots, network.transport(0));
+  REQUIRE(neighbour.take(*report));
+  neighbour.return_credits();
+  while (host.step()) {
+  }
+  CHECK(host.finished());
+}
+
 TEST_CASE("when all ranks of a mesh have finished nothing is left in the network") {
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     const Layout mesh = mesh_layout(3, 2, 4);
