@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/volume/grid.hpp"
@@ -15,11 +16,12 @@ using TakePicture = std::function<void(std::int64_t frame, Image&& picture)>;
 struct EngineSetup {
   Grid grid;
   int gps = 1, renderers = 1;
-  const SliceStore& slices;  ///< this rank's GP's slices; none without a GP; must outlive the engine
-  int threads = 1;           ///< threads that share a node's work
-  bool skip_empty = true;    ///< leave out slices that the transfer function makes transparent
-  bool timed = false;        ///< measure seconds by stage
-  TakePicture take;          ///< called on the frame buffer's rank
+  /// This rank's GP's slices, shared by its engines; an empty store without a GP.
+  std::shared_ptr<const SliceStore> slices;
+  int threads = 1;         ///< threads that share a node's work
+  bool skip_empty = true;  ///< leave out slices that the transfer function makes transparent
+  bool timed = false;      ///< measure seconds by stage
+  TakePicture take = {};   ///< called on the frame buffer's rank
 };
 
 }  // namespace ringsplat

@@ -2,7 +2,6 @@
 
 #include <map>
 #include <string>
-#include <utility>
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -17,10 +16,15 @@ struct EngineRow {
 };
 constexpr EngineRow engine_rows[] = {{Splats::name, make_splat_engine}};
 
+std::unique_ptr<Engine> make_engine(const std::string& method, const EngineSetup& setup) {
+  for (const EngineRow& row : engine_rows)
+    if (method == row.method) return row.make(setup);
+  throw RunError("there is no engine for " + method);
+}
+
 class Engines final : public Engine {
  public:
-  Engines(SliceStore slices, const std::function<EngineSetup(const SliceStore&)>& make_setup)
-      : slices_(std::move(slices)), setup_(make_setup(slices_)) {}
+  explicit Engines(const EngineSetup& setup) : setup_(setup) {}
 
   FramePlan plan(const Announcement& a) override { return engine_of(a).plan(a); }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
@@ -33,22 +37,16 @@ class Engines final : public Engine {
   Engine& engine_of(const Announcement& a) {
     const std::string method = method_of(a.body);
     auto& engine = engines_[method];
-    for (const EngineRow& row : engine_rows)
-      if (!engine && method == row.method) engine = row.make(setup_);
-    if (!engine) throw RunError("there is no engine for " + method);
+    if (!engine) engine = make_engine(method, setup_);
     return *engine;
   }
 
-  SliceStore slices_;
   EngineSetup setup_;
   std::map<std::string, std::unique_ptr<Engine>> engines_;  ///< by method
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_engines(SliceStore slices,
-                                     const std::function<EngineSetup(const SliceStore& slices)>& make_setup) {
-  return std::make_unique<Engines>(std::move(slices), make_setup);
-}
+std::unique_ptr<Engine> make_engines(const EngineSetup& setup) { return std::make_unique<Engines>(setup); }
 
 }  // namespace ringsplat

@@ -108,16 +108,14 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, Slic
   // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order (net/mesh.hpp). A
   // described machine's costs are those of looking at every voxel.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
-  auto engine = make_engines(std::move(slices), [&](const SliceStore& kept) {
-    return EngineSetup{.grid = grid,
-                       .gps = layout.gps,
-                       .renderers = layout.renderers,
-                       .slices = kept,
-                       .threads = options.threads_per_rank,
-                       .skip_empty = skip_empty,
-                       .timed = timed,
-                       .take = std::move(take)};
-  });
+  auto engine = make_engines({.grid = grid,
+                              .gps = layout.gps,
+                              .renderers = layout.renderers,
+                              .slices = std::make_shared<const SliceStore>(std::move(slices)),
+                              .threads = options.threads_per_rank,
+                              .skip_empty = skip_empty,
+                              .timed = timed,
+                              .take = std::move(take)});
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
   if (machine) engine = make_charged_engine(std::move(engine), *machine);
   return engine;

@@ -36,7 +36,7 @@ class SplatEngine final : public Engine {
     auto its = frame(a);
     auto& space = empty_space_[its->shown.reduction.factor];
     if (!space) space = std::make_unique<EmptySpace>();
-    return make_splat_encoder(std::move(its), setup_.renderers, setup_.slices, *space, encoder_threads_,
+    return make_splat_encoder(std::move(its), setup_.renderers, *setup_.slices, *space, encoder_threads_,
                               setup_.skip_empty, setup_.timed);
   }
 

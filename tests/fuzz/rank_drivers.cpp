@@ -96,14 +96,12 @@ class Rank {
   std::unique_ptr<Engine> engine_of(std::size_t job, int rank) {
     const Layout& layout = jobs()[job].layout;
     auto engine = make_engines(
-        rank < layout.gps ? scene_of(job).stores.at(rank) : SliceStore(), [&](const SliceStore& slices) {
-          return EngineSetup{
-              .grid = scene_of(job).grid,
-              .gps = layout.gps,
-              .renderers = layout.renderers,
-              .slices = slices,
-              .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }};
-        });
+        {.grid = scene_of(job).grid,
+         .gps = layout.gps,
+         .renderers = layout.renderers,
+         .slices = std::make_shared<const SliceStore>(rank < layout.gps ? scene_of(job).stores.at(rank)
+                                                                        : SliceStore()),
+         .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }});
     return jobs()[job].count_only ? make_counting_engine(std::move(engine), 1) : std::move(engine);
   }
   bool asked_ = false;

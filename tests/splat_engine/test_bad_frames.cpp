@@ -49,7 +49,7 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
 }
 
 TEST_CASE("an engine refuses a frame of another number than its message has, or that cannot be") {
-  const auto engine = make_splat_engine({.grid = grid, .slices = empty_store, .take = {}});
+  const auto engine = make_splat_engine({.grid = grid, .slices = std::make_shared<const SliceStore>(empty_store)});
   FrameSpec spec = small_frame();
   const auto plan = [&](std::int64_t frame) {
     return run_error_of([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });
