@@ -72,7 +72,8 @@ class Dealer {
   }
 
  private:
-  bool mine(int z) const { return process_of_gp_[std::size_t(z % gps_)] == collectives_.process(); }
+  int owning_process(int z) const { return process_of_gp_[std::size_t(SliceStore::owner_of(z, gps_))]; }
+  bool mine(int z) const { return owning_process(z) == collectives_.process(); }
 
   /// Process 0 decodes slices [z0, z1) and their neighbours and gives each owner what its normals need.
   void hand_out_windows(int z0, int z1) {
@@ -107,7 +108,7 @@ class Dealer {
   bool needed_by(int process, int z, int z0, int z1) const {
     const int reach = options_.with_normals ? 1 : 0;
     for (int owner_z = std::max(z0, z - reach); owner_z <= std::min(z1 - 1, z + reach); ++owner_z)
-      if (process_of_gp_[std::size_t(owner_z % gps_)] == process) return true;
+      if (owning_process(owner_z) == process) return true;
     return false;
   }
 
@@ -154,7 +155,7 @@ class Dealer {
     }
     const std::span<const std::byte> values(here, slice_bytes_);
     if (options_.kept_axes[2]) {
-      SliceStore& store = stores_.at(z % gps_);
+      SliceStore& store = stores_.at(SliceStore::owner_of(z, gps_));
       std::memcpy(store.values(Axis::z, z).data(), here, slice_bytes_);
       std::copy(normals.begin(), normals.end(), store.normals(Axis::z, z).begin());
     }

@@ -1,5 +1,7 @@
 #include "splat_engine/splat_frame.hpp"
 
+#include "volume/slice_store.hpp"
+
 namespace ringsplat {
 
 std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
@@ -15,7 +17,7 @@ std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const 
   plan.ascending = g.traversal.ascending;
   plan.owners.resize(std::size_t(g.slices));
   for (int step = 0; step < g.slices; ++step)
-    plan.owners[std::size_t(step)] = g.traversal.slice_at(step, g.slices) % gps;
+    plan.owners[std::size_t(step)] = SliceStore::owner_of(g.traversal.slice_at(step, g.slices), gps);
   const RegionOwners owners = g.owners(renderers);
   plan.tiles.resize(std::size_t(g.regions.count()));
   for (int region = 0; region < g.regions.count(); ++region) {

@@ -40,7 +40,8 @@ class SliceStore {
   const Grid& grid() const { return grid_; }
   bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
   bool has_normals() const { return with_normals_; }
-  bool owns(int slice) const { return slice % gps_ == gp_; }
+  static int owner_of(int slice, int gps) { return slice % gps; }
+  bool owns(int slice) const { return owner_of(slice, gps_) == gp_; }
   /// How many of an axis's `slices` slices this GP owns.
   static int owned_count(int slices, int gp, int gps) {
     return gp < slices ? (slices - gp - 1) / gps + 1 : 0;

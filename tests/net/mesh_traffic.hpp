@@ -38,7 +38,7 @@ inline Traffic in_step_traffic(const Layout& mesh, int slices, bool ascending, c
       const int step = time - place;
       if (step < 0 || step >= slices) continue;
       const int renderer = ascending ? place : renderers - 1 - place;
-      const int gp = mesh.gp_of_slice(ascending ? step : slices - 1 - step);
+      const int gp = (ascending ? step : slices - 1 - step) % mesh.gps;
       const auto hops = routing(mesh, {Role::gp, gp}, {Role::renderer, renderer});
       ++traffic.payloads;
       if (!hops.empty() && hops.back().to == mesh.rank_of({Role::renderer, renderer})) ++traffic.arrived;

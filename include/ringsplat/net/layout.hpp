@@ -30,7 +30,6 @@ struct Layout {
   int working_ranks() const;
   int rank_of(NodeId node) const;
   std::vector<NodeId> nodes_on(int rank) const;
-  int gp_of_slice(int slice) const { return slice % gps; }
   /// True when messages travel from neighbour to neighbour over the mesh's links.
   bool routed() const { return topology == Topology::mesh && routing == Routing::manhattan; }
   bool operator==(const Layout&) const = default;
