@@ -17,6 +17,7 @@
 #include "volume/formats.hpp"
 #include "volume/text.hpp"
 #include "volume/volume_files.hpp"
+#include "volume/whole_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -91,27 +92,15 @@ class DicomSource final : public VolumeSource {
   VolumeFiles files_;
 };
 
-/// The frames of one file. GDCM decodes all at once, so the first read keeps the whole volume.
-class MultiFrameSource final : public VolumeSource {
+/// The frames of one file. GDCM decodes all at once.
+class MultiFrameSource final : public WholeSource {
  public:
-  explicit MultiFrameSource(DicomSlice frames) : frames_(std::move(frames)) {}
-  const Grid& grid() const override { return frames_.grid; }
-  bool concurrent() const override { return false; }
-
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    if (voxels_.empty()) {
-      std::vector<std::byte> voxels(frames_.grid.bytes());
-      read_image(frames_, voxels);
-      voxels_ = std::move(voxels);
-    }
-    const auto bytes = frames_.grid.slice_bytes(Axis::z);
-    std::copy_n(voxels_.begin() + std::ptrdiff_t(std::size_t(first) * bytes), std::size_t(count) * bytes,
-                out.begin());
-  }
+  explicit MultiFrameSource(DicomSlice frames) : WholeSource(frames.grid), frames_(std::move(frames)) {}
 
  private:
+  void decode(std::span<std::byte> voxels) override { read_image(frames_, voxels); }
+
   DicomSlice frames_;
-  std::vector<std::byte> voxels_;
 };
 
 void require_alike(const std::vector<DicomSlice>& slices) {

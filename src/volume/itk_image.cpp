@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "volume/volume_files.hpp"
+#include "volume/whole_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -20,28 +20,19 @@ glm::dvec3 vec3(const std::vector<double>& values) {
   return v;
 }
 
-class ItkSource final : public VolumeSource {
+class ItkSource final : public WholeSource {
  public:
   ItkSource(itk::ImageIOBase::Pointer io, const Grid& grid, std::filesystem::path path)
-      : io_(std::move(io)), grid_(grid), path_(std::move(path)), files_({path_}) {}
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return false; }
+      : WholeSource(grid), io_(std::move(io)), path_(std::move(path)), files_({path_}) {}
   Facts facts() const override {
     Facts facts = files_.facts();
     facts.insert(facts.begin(), {"encoding", "decoded as a whole"});
     return facts;
   }
 
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    if (voxels_.empty()) load();
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    std::memcpy(out.data(), voxels_.data() + std::size_t(first) * bytes, std::size_t(count) * bytes);
-  }
-
  private:
-  void load() {
+  void decode(std::span<std::byte> voxels) override {
     files_.require_unchanged(path_);
-    std::vector<std::byte> voxels(grid_.bytes());
     with_itk(path_, [&] {
       itk::ImageIORegion whole(io_->GetNumberOfDimensions());
       for (unsigned i = 0; i < io_->GetNumberOfDimensions(); ++i) whole.SetSize(i, io_->GetDimensions(i));
@@ -49,14 +40,11 @@ class ItkSource final : public VolumeSource {
       io_->Read(voxels.data());
     });
     files_.require_unchanged(path_);
-    voxels_ = std::move(voxels);
   }
 
   itk::ImageIOBase::Pointer io_;
-  Grid grid_;
   std::filesystem::path path_;
   VolumeFiles files_;
-  std::vector<std::byte> voxels_;
 };
 
 }  // namespace

@@ -4,7 +4,6 @@
 
 #include <cctype>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <optional>
 #include <span>
@@ -17,6 +16,7 @@
 #include "volume/input_file.hpp"
 #include "volume/limits.hpp"
 #include "volume/text.hpp"
+#include "volume/whole_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -68,45 +68,33 @@ class Words {
   std::size_t at_ = 0, got_ = 0;
 };
 
-class TextSource final : public VolumeSource {
+class TextSource final : public WholeSource {
  public:
   TextSource(const Grid& grid, std::filesystem::path path, std::uint64_t offset)
-      : grid_(grid), path_(std::move(path)), offset_(offset) {
+      : WholeSource(grid), path_(std::move(path)), offset_(offset) {
     require_numbers(path_, offset_, std::uint64_t(grid.voxels()));
-  }
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return false; }
-
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    if (voxels_.empty()) load();
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    std::memcpy(out.data(), voxels_.data() + std::size_t(first) * bytes, std::size_t(count) * bytes);
   }
 
  private:
-  void load() {
-    std::vector<std::byte> voxels(grid_.bytes());
+  void decode(std::span<std::byte> voxels) override {
     Words words(path_, offset_);
-    visit_type(grid_.type, [&](auto type) {
+    visit_type(grid().type, [&](auto type) {
       using T = decltype(type);
       auto* values = reinterpret_cast<T*>(voxels.data());
-      for (std::int64_t i = 0; i < grid_.voxels(); ++i) {
+      for (std::int64_t i = 0; i < grid().voxels(); ++i) {
         const auto word = words.next();
         const auto value = voxel_in<T>(word);
         if (!value)
           throw InputError(fmt::format("{}: voxel {}, '{}', is not a number of type {}", path_.string(), i,
-                                       excerpt(word), to_string(grid_.type)),
+                                       excerpt(word), to_string(grid().type)),
                            "correct the file or its type");
         values[i] = *value;
       }
     });
-    voxels_ = std::move(voxels);
   }
 
-  Grid grid_;
   std::filesystem::path path_;
   std::uint64_t offset_;
-  std::vector<std::byte> voxels_;
 };
 
 }  // namespace
