@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <optional>
+#include <vector>
 
 #include "record/stats.hpp"
 #include "ringsplat/base/image.hpp"
@@ -27,5 +28,8 @@ struct Director {
   /// True when an announced frame is no longer wanted: it is dropped and not passed to frame_done.
   std::function<bool(const FrameSpec&)> unwanted = {};
 };
+
+/// Renders `frames`, one after another.
+Director director_of(std::vector<FrameSpec> frames, std::function<void(FrameResult&&)> frame_done);
 
 }  // namespace ringsplat

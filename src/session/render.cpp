@@ -171,12 +171,8 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
   agree(wiring.collectives, error);
   Scene scene = load_scene(volume, needed_to_render(spec, grid), layout, wiring);
   Image image;
-  bool asked = false;
-  Director director{[&]() -> std::optional<FrameSpec> {
-                      return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
-                    },
-                    [&](FrameResult&& result) { image = std::move(result.image); }};
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
+  const auto keep = [&image](FrameResult&& result) { image = std::move(result.image); };
+  render_frames(std::move(scene), layout, protocol, director_of({spec}, keep), wiring, engine);
   return image;
 }
 

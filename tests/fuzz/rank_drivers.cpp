@@ -75,19 +75,12 @@ const Scene& scene_of(std::size_t job) {
   return all[job];
 }
 
-Director one_frame(const FrameSpec& spec, bool& asked) {
-  return {[&spec, &asked]() -> std::optional<FrameSpec> {
-            return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
-          },
-          [](FrameResult&&) {}};
-}
-
 /// One rank of a job's frame.
 class Rank {
  public:
   Rank(std::size_t job, int rank, Transport& transport)
-      : frames_(rank == 0 ? one_frame(jobs()[job].spec, asked_) : Director{}, scene_of(job).grid,
-                jobs()[job].layout.renderers),
+      : frames_(rank == 0 ? director_of({jobs()[job].spec}, [](FrameResult&&) {}) : Director{},
+                scene_of(job).grid, jobs()[job].layout.renderers),
         engine_(engine_of(job, rank)),
         host_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
   Host& host() { return host_; }
@@ -104,7 +97,6 @@ class Rank {
          .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }});
     return jobs()[job].count_only ? make_counting_engine(std::move(engine), 1) : std::move(engine);
   }
-  bool asked_ = false;
   DirectedFrames frames_;
   std::unique_ptr<Engine> engine_;
   Host host_;

@@ -118,17 +118,14 @@ TEST_CASE("several frames are in flight and each has the bits it has alone") {
     const Layout layout{3, 2};
     OpenedVolume volume{source->grid(), true, synth_source("jack", source->grid())};
     Scene scene = load_scene(volume, {}, layout, wiring);
-    std::size_t asked = 0, done = 0;
-    Director director{[&]() -> std::optional<FrameSpec> {
-                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
-                      },
-                      [&](FrameResult&& r) {
-                        REQUIRE(r.spec.frame == std::int64_t(done));
-                        REQUIRE(r.image == alone[done]);
-                        ++done;
-                      }};
-    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 4)}, std::move(director),
-                  wiring);
+    std::size_t done = 0;
+    const auto check_frame = [&](FrameResult&& r) {
+      REQUIRE(r.spec.frame == std::int64_t(done));
+      REQUIRE(r.image == alone[done]);
+      ++done;
+    };
+    render_frames(std::move(scene), layout, {.frames_in_flight = 1 + int(seed % 4)},
+                  director_of(specs, check_frame), wiring);
     REQUIRE(done == specs.size());
   }
 }

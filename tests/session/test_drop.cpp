@@ -11,17 +11,14 @@ namespace {
 /// Frames from a list; every third becomes unwanted after a number of calls of unwanted().
 struct Browsing {
   std::vector<FrameSpec> specs;
-  std::size_t asked = 0;
   int patience = 0;
   std::map<std::int64_t, int> questions = {};
   std::vector<std::pair<std::int64_t, Image>> done = {};
 
   static bool turns_away_from(std::int64_t frame) { return frame % 3 == 1; }
   Director director() {
-    Director director{[this]() -> std::optional<FrameSpec> {
-                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
-                      },
-                      [this](FrameResult&& r) { done.emplace_back(r.spec.frame, std::move(r.image)); }};
+    Director director =
+        director_of(specs, [this](FrameResult&& r) { done.emplace_back(r.spec.frame, std::move(r.image)); });
     director.unwanted = [this](const FrameSpec& spec) {
       return turns_away_from(spec.frame) && ++questions[spec.frame] > patience;
     };

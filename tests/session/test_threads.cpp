@@ -213,15 +213,12 @@ TEST_CASE("frames that are dropped while threads draw them leave nothing behind"
   for (std::uint64_t seed = 0; seed < 24; ++seed) {
     const int threads = team_sizes[seed % team_sizes.size()], patience = int(11 * seed % 120);
     INFO(fmt::format("seed {}, {} threads", seed, threads));
-    std::size_t asked = 0, kept = 0;
+    std::size_t kept = 0;
     std::map<std::int64_t, int> questions;
-    Director director{[&]() -> std::optional<FrameSpec> {
-                        return asked < specs.size() ? std::optional(specs[asked++]) : std::nullopt;
-                      },
-                      [&](FrameResult&& r) {
-                        kept += r.spec.frame % 3 != 1 ? 1 : 0;
-                        REQUIRE(r.image == alone[std::size_t(r.spec.frame)]);
-                      }};
+    Director director = director_of(specs, [&](FrameResult&& r) {
+      kept += r.spec.frame % 3 != 1 ? 1 : 0;
+      REQUIRE(r.image == alone[std::size_t(r.spec.frame)]);
+    });
     director.unwanted = [&](const FrameSpec& spec) {
       return spec.frame % 3 == 1 && ++questions[spec.frame] > patience;
     };

@@ -59,12 +59,8 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
   OpenedVolume volume{source.grid(), source.concurrent(), std::make_unique<Borrowed>(source)};
   Scene scene = load_scene(volume, needed_to_render(spec, volume.grid), layout, wiring);
   FrameResult result;
-  bool asked = false;
-  Director director{[&]() -> std::optional<FrameSpec> {
-                      return std::exchange(asked, true) ? std::nullopt : std::optional(spec);
-                    },
-                    [&](FrameResult&& r) { result = std::move(r); }};
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
+  const auto keep = [&result](FrameResult&& r) { result = std::move(r); };
+  render_frames(std::move(scene), layout, protocol, director_of({spec}, keep), wiring, engine);
   return result;
 }
 
