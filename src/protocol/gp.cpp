@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -21,8 +20,7 @@ Gp::Gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& 
 void Gp::begin_frame(const Announcement& announcement) {
   frames_.push_back(std::make_unique<Frame>(index_, announcement, layout_.renderers, engine_));
   if (frames_.back()->owns_front()) start_tokens(*frames_.back());
-  next_frame_ = announcement.frame + 1;
-  for (auto& message : std::exchange(early_, {})) receive(std::move(message));
+  for (auto& message : early_.release(announcement.frame)) receive(std::move(message));
   finish_completed_frames();
 }
 
@@ -52,11 +50,8 @@ Gp::Frame* Gp::find_frame(std::int64_t number) {
 }
 
 void Gp::receive(Message message) {
+  if (early_.keep(message)) return;
   const Header& h = message.header;
-  if (h.frame >= next_frame_) {
-    early_.push_back(std::move(message));
-    return;
-  }
   Frame* frame = find_frame(h.frame);
   if (frame == nullptr)
     throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was over", to_string(id()),
@@ -70,8 +65,7 @@ void Gp::receive(Message message) {
       frame->encoder->take_news(message.body());
       break;
     default:
-      throw RunError(
-          fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
+      refuse(id(), h);
   }
   finish_completed_frames();
 }
@@ -220,11 +214,8 @@ void Gp::finish_completed_frames() {
 }
 
 void Gp::report(Frame& frame) {
-  frame.stats.peak_memory = peak_memory_bytes();
   frame.stats.slice_memory = frame.encoder->slice_memory();
-  Bytes body = Message::body_buffer();
-  append(body, frame.stats);
-  post_(Message(make_header(Kind::report, id(), frame_buffer_id, frame.number), std::move(body)));
+  post_(make_report(id(), frame.number, frame.stats));
 }
 
 /// What this node waits for on its oldest frame.

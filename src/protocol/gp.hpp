@@ -1,7 +1,6 @@
 #pragma once
 #include <deque>
 #include <memory>
-#include <vector>
 
 #include "protocol/gp_frame.hpp"
 #include "protocol/node.hpp"
@@ -54,8 +53,7 @@ class Gp final : public Node {
   Post post_;
   NodeBook book_;
   std::deque<std::unique_ptr<Frame>> frames_;  ///< announced frames whose part here is not over
-  std::int64_t next_frame_ = 0;
-  std::vector<Message> early_;  ///< messages of frames not yet announced here
+  EarlyMessages early_;
 };
 
 }  // namespace ringsplat

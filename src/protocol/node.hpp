@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "protocol/engine.hpp"
 #include "ringsplat/net/layout.hpp"
@@ -29,5 +30,24 @@ class Node {
 
 /// How nodes send: the host finds the way.
 using Post = std::function<void(Message)>;
+
+/// Messages that overtake the announcement of their frame. The network does not keep their order.
+class EarlyMessages {
+ public:
+  /// Takes a message of a frame that was not announced yet; false for others, which are left alone.
+  bool keep(Message& message);
+  /// Frame `frame` was announced: gives back all, to be received again.
+  std::vector<Message> release(std::int64_t frame);
+
+ private:
+  std::int64_t next_frame_ = 0;
+  std::vector<Message> kept_;
+};
+
+/// Says that a node cannot use messages of this kind.
+[[noreturn]] void refuse(NodeId node, const Header& header);
+
+/// A node's part of a frame is over: its report to the frame buffer. Fills in the memory of the process.
+Message make_report(NodeId node, std::int64_t frame, NodeStats stats);
 
 }  // namespace ringsplat

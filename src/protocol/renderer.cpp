@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -19,8 +18,7 @@ Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& optio
 
 void Renderer::begin_frame(const Announcement& announcement) {
   frames_.emplace_back().announcement = announcement;
-  next_frame_ = announcement.frame + 1;
-  for (auto& message : std::exchange(early_, {})) receive(std::move(message));
+  for (auto& message : early_.release(announcement.frame)) receive(std::move(message));
 }
 
 void Renderer::drop_frame(std::int64_t number) {
@@ -36,11 +34,8 @@ Renderer::Frame& Renderer::frame_of(const Header& h) {
 }
 
 void Renderer::receive(Message message) {
+  if (early_.keep(message)) return;
   const Header& h = message.header;
-  if (h.frame >= next_frame_) {
-    early_.push_back(std::move(message));
-    return;
-  }
   Frame& frame = frame_of(h);
   switch (h.kind) {
     case Kind::payload:
@@ -50,8 +45,7 @@ void Renderer::receive(Message message) {
       take_end(frame, h);
       return;
     default:
-      throw RunError(
-          fmt::format("{} cannot use a {} (from {})", to_string(id()), name(h.kind), to_string(h.from())));
+      refuse(id(), h);
   }
 }
 
@@ -157,10 +151,7 @@ void Renderer::deliver(Frame& frame) {
   stats.splats_drawn = counts.drawn;
   stats.splats_clipped = counts.clipped;
   stats.splats_hidden = counts.hidden;
-  stats.peak_memory = peak_memory_bytes();
-  Bytes body = Message::body_buffer();
-  append(body, stats);
-  post_(Message(make_header(Kind::report, id(), frame_buffer_id, number), std::move(body)));
+  post_(make_report(id(), number, stats));
   frames_.pop_front();
 }
 

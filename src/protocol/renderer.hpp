@@ -2,7 +2,6 @@
 #include <deque>
 #include <map>
 #include <optional>
-#include <vector>
 
 #include "protocol/node.hpp"
 #include "record/node_book.hpp"
@@ -60,8 +59,7 @@ class Renderer final : public Node {
   Post post_;
   NodeBook book_;
   std::deque<Frame> frames_;  ///< announced, not yet delivered; the first is being drawn
-  std::int64_t next_frame_ = 0;
-  std::vector<Message> early_;  ///< messages of frames not yet announced here
+  EarlyMessages early_;
 };
 
 }  // namespace ringsplat
