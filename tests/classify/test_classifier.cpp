@@ -6,11 +6,11 @@
 #include <vector>
 
 #include "classify/find_visible.hpp"
-#include "classify/message_of.hpp"
 #include "classify/sample_row.hpp"
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 
 using namespace ringsplat;
 

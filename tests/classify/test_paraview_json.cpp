@@ -1,9 +1,9 @@
 #include <fstream>
 #include <random>
 
-#include "classify/message_of.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 #include "support/temporary_folder.hpp"
 
 using namespace ringsplat;

@@ -4,10 +4,10 @@
 
 #include "classify/classifier.hpp"
 #include "classify/find_visible.hpp"
-#include "classify/message_of.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 
 using namespace ringsplat;
 

@@ -2,10 +2,10 @@
 #include <limits>
 #include <random>
 
-#include "classify/message_of.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 
 using namespace ringsplat;
 

@@ -5,7 +5,7 @@
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
 #include "support/catch.hpp"
-#include "support/run_error.hpp"
+#include "support/message_of.hpp"
 #include "support/scenes.hpp"
 #include "volume/slice_ranges.hpp"
 
@@ -46,13 +46,14 @@ std::map<int, SliceStore> one_store() {
 TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt") {
   // A gather without texts means that there is no error.
   OddCompany agreeing(Block(7), {});
-  CHECK_THAT(run_error_of([&] { open_everywhere(agreeing, [] { return synth_source("ball", grid); }); }),
-             Catch::Matchers::Contains("7 bytes"));
+  CHECK_THAT(
+      message_of<RunError>([&] { open_everywhere(agreeing, [] { return synth_source("ball", grid); }); }),
+      Catch::Matchers::Contains("7 bytes"));
   OddCompany short_blocks(Block(7));
   auto stores = one_store();
-  CHECK_THAT(run_error_of([&] { share_slice_ranges(stores, short_blocks); }),
+  CHECK_THAT(message_of<RunError>([&] { share_slice_ranges(stores, short_blocks); }),
              Catch::Matchers::Contains("too short"));
-  CHECK_THAT(run_error_of([&] { value_range(stores, short_blocks); }),
+  CHECK_THAT(message_of<RunError>([&] { value_range(stores, short_blocks); }),
              Catch::Matchers::Contains("too short"));
   // Process 0 sends more sums than requested, or fewer.
   const ValueRange range = [] {
@@ -62,10 +63,10 @@ TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt
     r.finite = 1;
     return r;
   }();
-  CHECK_THAT(run_error_of([&] { histogram(stores, range, 64, short_blocks); }),
+  CHECK_THAT(message_of<RunError>([&] { histogram(stores, range, 64, short_blocks); }),
              Catch::Matchers::Contains("7 bytes"));
   OddCompany long_blocks(Block(8000));
-  CHECK_THAT(run_error_of([&] { histogram(stores, range, 64, long_blocks); }),
+  CHECK_THAT(message_of<RunError>([&] { histogram(stores, range, 64, long_blocks); }),
              Catch::Matchers::Contains("8000 bytes"));
 }
 
@@ -74,7 +75,7 @@ TEST_CASE("ranges of slices and values that cannot be are refused") {
   for (const SliceRange& odd :
        {SliceRange{Axis(7), 0, 0, 1}, SliceRange{Axis::z, 4, 0, 1}, SliceRange{Axis::x, -1, 0, 1}}) {
     OddCompany company(block_of_value(odd));
-    CHECK_THAT(run_error_of([&] { share_slice_ranges(stores, company); }),
+    CHECK_THAT(message_of<RunError>([&] { share_slice_ranges(stores, company); }),
                Catch::Matchers::Contains("does not have"));
   }
   ValueRange odd;
@@ -82,5 +83,6 @@ TEST_CASE("ranges of slices and values that cannot be are refused") {
   odd.low = NAN;
   odd.high = 5;
   OddCompany company(block_of_value(odd));
-  CHECK_THAT(run_error_of([&] { value_range(stores, company); }), Catch::Matchers::Contains("range of its"));
+  CHECK_THAT(message_of<RunError>([&] { value_range(stores, company); }),
+             Catch::Matchers::Contains("range of its"));
 }

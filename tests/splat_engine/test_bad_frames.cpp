@@ -4,7 +4,7 @@
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
-#include "support/run_error.hpp"
+#include "support/message_of.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;
@@ -33,7 +33,10 @@ TEST_CASE("a Renderer refuses the payload of a step that its traversal does not 
   const auto painter = make_splat_painter(0, 1, alone);
   painter->begin_frame(frame);
   for (const int step : {-1, frame->geometry.slices, 1 << 30})
-    CHECK_THAT(run_error_of([&] { painter->begin({step, 0, {}}); }), Catch::Matchers::Contains("step"));
+    CHECK_THAT(message_of<RunError>([&] {
+                 painter->begin({step, 0, {}});
+               }),
+               Catch::Matchers::Contains("step"));
 }
 
 TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
@@ -41,7 +44,7 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
   ThreadTeam alone;
   const SliceStore only_x(grid, 0, 1, {true, false, false}, true);
   const auto encode = [&](const FrameSpec& spec, const SliceStore& store) {
-    return run_error_of(
+    return message_of<RunError>(
         [&] { make_splat_encoder(make_splat_frame(spec, grid, 1, 1), 1, store, empty_space, alone); });
   };
   CHECK_THAT(encode(small_frame(), empty_store), Catch::Matchers::Contains("normals"));
@@ -49,12 +52,13 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
 }
 
 TEST_CASE("an engine refuses a frame of another number than its message has, or that cannot be") {
-  const auto engine = make_splat_engine({.grid = grid, .slices = std::make_shared<const SliceStore>(empty_store)});
+  const auto engine =
+      make_splat_engine({.grid = grid, .slices = std::make_shared<const SliceStore>(empty_store)});
   FrameSpec spec = small_frame();
   const auto plan = [&](std::int64_t frame) {
-    return run_error_of([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });
+    return message_of<RunError>([&] { static_cast<void>(engine->plan({frame, encode(spec)})); });
   };
-  CHECK(plan(0) == "none");
+  CHECK(plan(0).empty());
   CHECK_THAT(plan(3), Catch::Matchers::Contains("frame 0 in a message about frame 3"));
   spec.frame = 1;
   spec.shown.width = -5;

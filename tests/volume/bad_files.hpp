@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/files.hpp"
 
 namespace files {
@@ -23,7 +23,7 @@ inline Bad file(const char* what, const char* message, const char* name, const s
 }
 
 inline std::string complaint_about(const Bad& bad, const Folder& folder) {
-  return complaint_of([&] {
+  return message_of([&] {
     const auto source = open_volume(bad.make(folder), bad.raw);
     std::vector<std::byte> slice(source->grid().slice_bytes(Axis::z));
     for (int z = 0; z < source->grid().dims.z; ++z) source->read_slices(z, 1, slice);

@@ -1,5 +1,5 @@
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/dicom_images.hpp"
 
 using namespace files;
@@ -9,7 +9,7 @@ namespace {
 std::string complaint_about(const std::string& bytes) {
   const Folder folder;
   const auto path = write(folder / "a.dcm", bytes);
-  return complaint_of([&] { read_all(*open_volume(path)); });
+  return message_of([&] { read_all(*open_volume(path)); });
 }
 
 template <class Change>

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 #include "volume/bad_files.hpp"
-#include "volume/complaint.hpp"
 #include "volume/files.hpp"
 
 using namespace files;
@@ -357,5 +357,5 @@ TEST_CASE("a file that may not be read is a clear error", "[bad]") {
   const Folder folder;
   const auto path = write(folder / "a_5x4x3_uint8.raw", samples<std::uint8_t>());
   ::chmod(path.c_str(), 0);
-  CHECK(says(complaint_of([&] { open_volume(path); }), "Permission denied"));
+  CHECK(says(message_of([&] { open_volume(path); }), "Permission denied"));
 }

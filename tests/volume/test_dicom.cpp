@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 #include "volume/captured_log.hpp"
-#include "volume/complaint.hpp"
 #include "volume/dicom_images.hpp"
 
 using namespace files;
@@ -187,7 +187,7 @@ TEST_CASE("DICOM bytes of which few bits count are read", "[dicom]") {
     CHECK((read_all(*open_volume(write(folder / "a.dcm", image.bytes()))) == image.pixels));
     image.photometric = "MONOCHROME1";
     const auto inverted = write(folder / "a.dcm", image.bytes());
-    CHECK(says(complaint_of([&] { open_volume(inverted); }), "MONOCHROME1 of 7 bits stored in 8"));
+    CHECK(says(message_of([&] { open_volume(inverted); }), "MONOCHROME1 of 7 bits stored in 8"));
   }
 }
 
@@ -237,7 +237,7 @@ TEST_CASE("unreadable DICOM files beside a good series are named and left out", 
         says(said, "left out: " + (folder / "broken.dcm").string() + " is cut short or damaged at byte 500"));
     CHECK(says(said, "left out: " + (folder / "lost.dcm").string() + " is no DICOM file"));
     CHECK(std::count(said.begin(), said.end(), '\n') == 2);
-    CHECK(says(complaint_of([&] { open_volume(folder / "broken.dcm"); }), "cut short or damaged"));
+    CHECK(says(message_of([&] { open_volume(folder / "broken.dcm"); }), "cut short or damaged"));
   }
 }
 
@@ -265,5 +265,5 @@ TEST_CASE("a DICOM file without an ending is taken by its name, with its series"
   CHECK(open_volume(folder / "image1.dcm")->grid().dims.z == nz);
   RawDescription raw;
   raw.type = ScalarType::int16;
-  CHECK(says(complaint_of([&] { open_volume(folder / "IM000001", raw); }), "describes itself"));
+  CHECK(says(message_of([&] { open_volume(folder / "IM000001", raw); }), "describes itself"));
 }

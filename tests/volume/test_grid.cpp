@@ -3,7 +3,7 @@
 
 #include "ringsplat/volume/grid.hpp"
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 
 using namespace ringsplat;
 
@@ -18,7 +18,7 @@ TEST_CASE("scalar types have names, sizes and aliases", "[grid]") {
   CHECK(scalar_type_from("unsigned char") == ScalarType::uint8);
   CHECK(scalar_type_from("Float") == ScalarType::float32);
   CHECK(scalar_type_from("u16") == ScalarType::uint16);
-  const auto complaint = complaint_of([] { scalar_type_from("int64"); });
+  const auto complaint = message_of([] { scalar_type_from("int64"); });
   CHECK(says(complaint, "int64"));
   CHECK(says(complaint, "float64"));
 }
@@ -42,7 +42,7 @@ TEST_CASE("a grid that cannot be rendered is refused with the place named", "[gr
   const auto refused = [&](auto change) {
     Grid grid = good;
     change(grid);
-    CHECK(says(complaint_of([&] { check(grid, "here"); }), "here"));
+    CHECK(says(message_of([&] { check(grid, "here"); }), "here"));
   };
   refused([](Grid& g) { g.dims.y = 0; });
   refused([](Grid& g) { g.dims.z = -4; });
@@ -67,7 +67,7 @@ TEST_CASE("a shear is judged by its angles, whatever the columns' lengths", "[gr
     grid.direction = direction(lengths, 0.002);
     CHECK_NOTHROW(check(grid, "here"));
     grid.direction = direction(lengths, 0.0005);
-    CHECK(says(complaint_of([&] { check(grid, "here"); }), "singular"));
+    CHECK(says(message_of([&] { check(grid, "here"); }), "singular"));
   }
 }
 

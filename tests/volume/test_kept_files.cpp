@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/files.hpp"
 
 using namespace files;
@@ -24,7 +24,7 @@ std::string complaint_about(const fs::path& file) {
   const Folder folder;
   const auto copy = folder / file.filename().string();
   fs::copy_file(file, copy);
-  return complaint_of([&] { read_all(*open_volume(copy)); });
+  return message_of([&] { read_all(*open_volume(copy)); });
 }
 
 }  // namespace

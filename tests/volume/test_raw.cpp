@@ -1,6 +1,6 @@
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/files.hpp"
 #include "volume/raw_name.hpp"
 
@@ -39,7 +39,7 @@ TEST_CASE("an offset allows bytes behind the voxels, none are allowed without", 
   const auto path = write(folder / "a.raw", samples<std::uint8_t>() + "tail");
   CHECK((read_all(*open_volume(path, raw)) == samples<std::uint8_t>()));
   raw.offset.reset();
-  const auto complaint = complaint_of([&] { open_volume(path, raw); });
+  const auto complaint = message_of([&] { open_volume(path, raw); });
   CHECK(says(complaint, "needs 60 bytes"));
   CHECK(says(complaint, "has 64"));
 }

@@ -7,7 +7,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/synth.hpp"
 
 using namespace ringsplat;
@@ -106,7 +106,7 @@ TEST_CASE("slices read one by one equal the whole, and slabs start where they sa
 }
 
 TEST_CASE("unknown names list the known ones", "[synth]") {
-  CHECK(says(complaint_of([] {
+  CHECK(says(message_of([] {
                synth_source("blob", grid_of({2, 2, 2}, ScalarType::uint8));
              }),
              "marschner-lobb"));

@@ -5,7 +5,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/files.hpp"
 #include "volume/synth.hpp"
 
@@ -43,7 +43,7 @@ std::vector<std::string> differing_fields(const fs::path& a, const fs::path& b,
 }
 
 std::string complaint_of_reading(VolumeSource& source) {
-  return complaint_of([&] { static_cast<void>(read_all(source)); });
+  return message_of([&] { static_cast<void>(read_all(source)); });
 }
 
 using Fields = std::vector<std::string>;

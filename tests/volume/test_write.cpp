@@ -3,7 +3,7 @@
 #include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "volume/complaint.hpp"
+#include "support/message_of.hpp"
 #include "volume/files.hpp"
 #include "volume/synth.hpp"
 #include "volume/write.hpp"
@@ -63,7 +63,7 @@ TEST_CASE("a raw file's name gets its size and type once", "[write]") {
   CHECK(written == folder / "ball_7x5x6_uint16.raw");
   CHECK(write_volume(*source, written) == written);
   CHECK((read_all(*open_volume(written)) == read_all(*source)));
-  CHECK(says(complaint_of([&] { write_volume(*source, folder / "ball_7x5x7_uint16.raw"); }), "7x5x7"));
+  CHECK(says(message_of([&] { write_volume(*source, folder / "ball_7x5x7_uint16.raw"); }), "7x5x7"));
 }
 
 TEST_CASE("what cannot be written is an error and leaves nothing behind", "[write]") {

@@ -5,13 +5,13 @@
 
 namespace ringsplat {
 
-/// The message of the InputError that `f` throws; empty when it throws none. Any other exception passes
-/// through.
-template <class F>
+/// The message of the Error, bad input unless told otherwise, that `f` throws; empty when it throws nothing.
+/// Any other exception passes through.
+template <class Error = InputError, class F>
 std::string message_of(F&& f) {
   try {
     f();
-  } catch (const InputError& error) {
+  } catch (const Error& error) {
     return error.what();
   }
   return {};
