@@ -1,5 +1,4 @@
 #include "app/probe.hpp"
-#include "frame/frame_geometry.hpp"
 
 #include <sched.h>
 #include <time.h>
@@ -13,6 +12,7 @@
 #include <utility>
 
 #include "base/clock.hpp"
+#include "frame/frame_geometry.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/statistics.hpp"

@@ -1,6 +1,3 @@
-#include "frame/frame_geometry.hpp"
-#include "session/render_frames.hpp"
-
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -25,9 +22,11 @@
 #include "app/watched_source.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "frame/frame_geometry.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
 #include "record/trace_json.hpp"
+#include "session/render_frames.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -1,7 +1,8 @@
 #include "session/directed_frames.hpp"
-#include "frame/frame_geometry.hpp"
 
 #include <utility>
+
+#include "frame/frame_geometry.hpp"
 
 namespace ringsplat {
 

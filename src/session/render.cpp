@@ -1,7 +1,4 @@
 #include "ringsplat/session/render.hpp"
-#include "frame/frame_geometry.hpp"
-
-#include "session/render_frames.hpp"
 
 #include <fmt/format.h>
 
@@ -9,6 +6,7 @@
 
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
+#include "frame/frame_geometry.hpp"
 #include "model/charge.hpp"
 #include "net/same_facts.hpp"
 #include "protocol/host.hpp"
@@ -16,6 +14,7 @@
 #include "ringsplat/base/error.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
+#include "session/render_frames.hpp"
 #include "session/wire_format.hpp"
 #include "simulate/charged_engine.hpp"
 #include "simulate/charged_transport.hpp"

@@ -3,20 +3,16 @@
 
 #include "ringsplat/mpi/communicator.hpp"
 #include "support/catch.hpp"
-#include "support/scenes.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
 
 namespace {
 
-FrameSpec oblique_view(double azimuth) {
-  FrameSpec spec;
-  spec.shown.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.shown.width = 96;
-  spec.shown.height = 80;
-  spec.division.region_size = 24;
-  spec.shown.transfer_function = ramp(20, 255, 0.3);
+FrameSpec view_from(double azimuth) {
+  FrameSpec spec = oblique_view(96, 80, 24);
+  spec.shown.camera.azimuth = azimuth;
   return spec;
 }
 
@@ -50,7 +46,7 @@ TEST_CASE("the image has the same bits on any number of ranks as in one process"
   const auto source = synth_source("jack", make_grid({25, 22, 24}));
   int compared = 0;
   for (const double azimuth : {33.0, 123.0}) {
-    const FrameSpec spec = oblique_view(azimuth);
+    const FrameSpec spec = view_from(azimuth);
     Image alone;
     if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
     for (const auto placement : {Placement::dedicated, Placement::colocated})
@@ -74,7 +70,7 @@ TEST_CASE("idle ranks take no part, frame after frame") {
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
   const auto source = synth_source("jack", make_grid({25, 22, 24}));
   for (const double azimuth : {33.0, 123.0}) {
-    const FrameSpec spec = oblique_view(azimuth);
+    const FrameSpec spec = view_from(azimuth);
     Image alone;
     if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
     for (Layout layout :
@@ -96,7 +92,7 @@ TEST_CASE("threads that share the work of ranks keep the bits") {
   REQUIRE(level >= MPI_THREAD_FUNNELED);
   if (ranks > 3) return;
   const auto source = synth_source("jack", make_grid({65, 62, 64}));
-  FrameSpec spec = oblique_view(33);
+  FrameSpec spec = view_from(33);
   spec.shown.width = spec.shown.height = 300;
   for (const auto plane : {ImagePlane::screen, ImagePlane::slices})
     for (const auto payload : {PayloadForm::runs, PayloadForm::words}) {

@@ -9,12 +9,10 @@ using namespace ringsplat::test;
 namespace {
 
 FrameSpec sheared_view(double azimuth, double elevation = 21) {
-  FrameSpec spec;
-  spec.shown.camera = {.azimuth = azimuth, .elevation = elevation, .roll = 8, .zoom = 1.2};
-  spec.shown.width = 120;
-  spec.shown.height = 104;
+  FrameSpec spec = oblique_view(120, 104, 16);
+  spec.shown.camera.azimuth = azimuth;
+  spec.shown.camera.elevation = elevation;
   spec.as<Splats>().image_plane = ImagePlane::slices;
-  spec.division.region_size = 16;
   spec.shown.transfer_function = ramp(20, 255, 0.9);
   return spec;
 }

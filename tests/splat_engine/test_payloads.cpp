@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "support/catch.hpp"
-#include "support/scenes.hpp"
+#include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
@@ -9,11 +9,8 @@ using namespace ringsplat::test;
 namespace {
 
 FrameSpec solid_view(double azimuth = 33) {
-  FrameSpec spec;
-  spec.shown.camera = {.azimuth = azimuth, .elevation = 21, .roll = 8, .zoom = 1.2};
-  spec.shown.width = 120;
-  spec.shown.height = 104;
-  spec.division.region_size = 32;
+  FrameSpec spec = oblique_view(120, 104, 32);
+  spec.shown.camera.azimuth = azimuth;
   spec.shown.transfer_function = ramp(20, 255, 0.9);
   return spec;
 }
