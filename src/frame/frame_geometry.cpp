@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <variant>
 
 #include "frame/region_choice.hpp"
@@ -29,7 +30,7 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
-void lay_into_slices(FrameGeometry& g, const Shown& shown, int samples, double reach_in_voxels) {
+void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, double reach_in_voxels) {
   const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, samples, reach_in_voxels,
                                             shown.width, shown.height);
   g.view = plane.view;
@@ -70,12 +71,23 @@ void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
   check(splats.kernel, footprint);
 }
 
+/// A sheet's voxel is seen up to a lattice distance from its centre, or half of one beyond the box's faces.
+void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
+  if (sheets.image_plane == ImagePlane::slices) lay_into_slices(g, shown, sheets.plane_samples, 1.0);
+  const auto [u, v] = in_plane(g.traversal.axis);
+  const int k = static_cast<int>(g.traversal.axis);
+  for (int along = 0; along < 2; ++along)
+    g.reach[along] = std::abs(g.view.linear[u][along]) + std::abs(g.view.linear[v][along]) +
+                     0.5 * std::abs(g.view.linear[k][along]);
+}
+
 }  // namespace
 
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   FrameGeometry g = screen_geometry(spec.shown, grid);
   std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
-  lay_regions(g, spec.division);
+  lay_regions(g, spec.division,
+              std::holds_alternative<Sheets>(spec.how) ? RegionForm::flat : RegionForm::square);
   return g;
 }
 

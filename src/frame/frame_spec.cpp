@@ -66,9 +66,18 @@ json to_json(const Splats& s) {
           {"payload", name(s.payload)},         {"precision", name(s.precision)}};
 }
 
+json to_json(const Sheets& s) {
+  return {{"image_plane", name(s.image_plane)},
+          {"plane_samples", s.plane_samples},
+          {"slabs", s.slabs},
+          {"light_points", s.light_points},
+          {"adaptive", s.adaptive}};
+}
+
 json to_json(const FrameSpec& s) {
   json all = to_json(s.shown);
   all["frame"] = s.frame;
+  all["engine"] = name(s.how);
   all["region"] = s.division.region_size;
   all.update(std::visit([](const auto& how) { return to_json(how); }, s.how));
   return all;
@@ -101,6 +110,17 @@ void check(const Splats& splats) {
   if (splats.payload == PayloadForm::words && splats.precision != Precision::float32)
     throw InputError("--payload words always carries float precision",
                      "use --payload runs with --precision half or u8");
+}
+
+void check(const Sheets& sheets) {
+  const double samples = sheets.plane_samples;
+  if (samples != 1 && samples != 1.5 && samples != 2 && samples != 4)
+    throw InputError(fmt::format("--samples cannot be {}", samples), "use 1, 1.5, 2 or 4 pixels a voxel");
+  if (sheets.slabs < 1 || sheets.slabs > Sheets::most_slabs)
+    throw InputError(fmt::format("--slabs cannot be {}", sheets.slabs),
+                     fmt::format("use 1 to {} slabs a slice", Sheets::most_slabs));
+  if (sheets.light_points != 1 && sheets.light_points != 2)
+    throw InputError(fmt::format("--light-points cannot be {}", sheets.light_points), "use 1 or 2");
 }
 
 }  // namespace

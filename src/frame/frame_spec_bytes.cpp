@@ -104,6 +104,13 @@ bool pass(Wire& wire, S& splats) {
                   payload, precision);
 }
 
+template <class Wire, class S>
+requires std::same_as<std::remove_const_t<S>, Sheets>
+bool pass(Wire& wire, S& sheets) {
+  auto& [image_plane, plane_samples, slabs, light_points, adaptive] = sheets;
+  return pass_all(wire, image_plane, plane_samples, slabs, light_points, adaptive);
+}
+
 template <class Wire, class Spec>
 bool pass(Wire& wire, Spec& spec) {
   auto& [frame, shown, how, division] = spec;
@@ -135,6 +142,8 @@ bool has_names(const Splats& splats) {
          is_one_of(splats.kernel.normalisation, Normalisation::exact) &&
          is_one_of(splats.payload, PayloadForm::runs) && is_one_of(splats.precision, Precision::u8);
 }
+
+bool has_names(const Sheets& sheets) { return is_one_of(sheets.image_plane, ImagePlane::slices); }
 
 bool has_names(const FrameSpec& spec) {
   return is_one_of(spec.shown.shading, Shading::phong) &&

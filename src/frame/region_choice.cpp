@@ -120,13 +120,27 @@ Regions strips(int renderers, int width, int height) {
   return {width, height, region_width, region_height};
 }
 
+/// Strips of one row of pixel groups: neighbouring rows cost nearly the same, so Renderers that take them in
+/// turn have even loads. Where Renderers are many, strips are cut so that each still gets several.
+Regions low_strips(int renderers, const PixelWindow& reached, int width, int height) {
+  constexpr int each = 4, region_height = 16, least_columns = 64;
+  const std::int64_t rows = std::max<std::int64_t>((reached.y1 - reached.y0) / region_height, 1);
+  const int columns = int(std::max<std::int64_t>((std::int64_t{each} * renderers + rows - 1) / rows, 1));
+  if (rows >= std::int64_t{each} * renderers || columns == 1) return {width, height, width, region_height};
+  const int reached_width = int(std::max<std::int64_t>(reached.x1 - reached.x0, 1));
+  return {width, height, std::min(width, std::max(round_up(reached_width / columns, 16), least_columns)),
+          region_height};
+}
+
 }  // namespace
 
-void lay_regions(FrameGeometry& g, const Division& division) {
+void lay_regions(FrameGeometry& g, const Division& division, RegionForm form) {
   const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
   if (division.region_size > 0)
     g.regions = {g.width, g.height, division.region_size};
+  else if (form == RegionForm::flat)
+    g.regions = low_strips(renderers, reached, g.width, g.height);
   else if (!g.warp)
     g.regions = screen_regions(g, reached, renderers);
   else

@@ -67,8 +67,15 @@ FrameSpec sample_frame() {
   return f;
 }
 
+FrameSpec sample_of_sheets() {
+  FrameSpec f;
+  f.how = Sheets{ImagePlane::slices, 1.5, 3, 1, false};
+  return f;
+}
+
 void add_announcement(WireHash& hash) {
   hash.bytes(encode(sample_frame()));
+  hash.bytes(encode(sample_of_sheets()));
   hash.order({ImagePlane::screen, ImagePlane::slices});
   hash.order({Shading::none, Shading::phong});
   hash.order({KernelMethod::qee, KernelMethod::texture});

@@ -19,7 +19,7 @@ constexpr double largest_side = 1 << 20;
 double to_multiple(double value, double unit) { return std::nearbyint(value / unit) * unit; }
 
 /// Pixels a voxel along an axis whose voxels are `screen_pixels` apart on the screen.
-double sampling(double screen_pixels, int samples) {
+double sampling(double screen_pixels, double samples) {
   while (samples > 1 && samples > screen_pixels) samples /= 2;
   if (samples <= screen_pixels) return samples;
   // Rounded up to a number whose products with voxel indices are exact.
@@ -56,7 +56,7 @@ Box screen_box(const PlaneWarp& warp, int width, int height) {
 
 }  // namespace
 
-SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, int samples,
+SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, double samples,
                             double radius, int width, int height) {
   const auto [u, v] = in_plane(axis);
   const int k = static_cast<int>(axis);

@@ -58,8 +58,22 @@ struct Splats {
   bool operator==(const Splats&) const = default;
 };
 
+/// Sheets: each slice's scalars are interpolated along the pixels' rays, and what lies between two slices is
+/// classified through a table of pre-integrated slabs (Engel, Kraus and Ertl 2001).
+struct Sheets {
+  static constexpr const char* name = "sheets";
+  static constexpr int most_slabs = 4;
+  ImagePlane image_plane = ImagePlane::screen;
+  double plane_samples = 1;  ///< in the slices' plane: most pixels a voxel along either axis
+  int slabs = 2;             ///< pre-integrated slabs from slice to slice
+  int light_points = 2;      ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
+  /// Take one slab or one light point where two would hardly differ (docs/engines.md, "Sheets").
+  bool adaptive = true;
+  bool operator==(const Sheets&) const = default;
+};
+
 /// How voxels become pixels: the method, with its own options.
-using Method = std::variant<Splats>;
+using Method = std::variant<Splats, Sheets>;
 const char* name(const Method& method);
 
 /// How Renderers share the image plane; never changes a bit of the picture.
