@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "ringsplat/base/error.hpp"
+#include "truth/cell.hpp"
 #include "truth/parallel.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
@@ -16,18 +17,6 @@
 
 namespace ringsplat::truth {
 namespace {
-
-/// The corners of a cell (number 4z + 2y + x) and interpolation between them.
-template <class T>
-using Corners = std::array<T, 8>;
-
-template <class T>
-T trilinear(const Corners<T>& c, const glm::dvec3& f) {
-  const auto mix = [](const T& a, const T& b, double t) { return (1 - t) * a + t * b; };
-  const T front = mix(mix(c[0], c[1], f.x), mix(c[2], c[3], f.x), f.y);
-  const T back = mix(mix(c[4], c[5], f.x), mix(c[6], c[7], f.x), f.y);
-  return mix(front, back, f.z);
-}
 
 /// The part of a ray inside one cell.
 struct Crossing {
@@ -136,34 +125,17 @@ class FieldIntegrator {
     return crossings;
   }
 
-  glm::ivec3 corner(const glm::ivec3& cell, int c) const {
-    return glm::clamp(cell + glm::ivec3(c & 1, c >> 1 & 1, c >> 2), glm::ivec3(0), scene_.grid.dims - 1);
-  }
-  double value(const glm::ivec3& p) const {
-    return scene_.values[std::size_t(p.x) +
-                         std::size_t(scene_.grid.dims.x) *
-                             (std::size_t(p.y) + std::size_t(scene_.grid.dims.y) * std::size_t(p.z))];
-  }
-
   void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
-    Corners<double> values;
-    double low = 1 / 0.0, high = -1 / 0.0;
-    for (int c = 0; c < 8; ++c) {
-      values[std::size_t(c)] = bounded(value(corner(crossing.cell, c)));
-      if (std::isnan(values[std::size_t(c)])) return;
-      low = std::min(low, values[std::size_t(c)]);
-      high = std::max(high, values[std::size_t(c)]);
-    }
-    if (!curve_.visible(low, high)) return;
+    const glm::ivec3 last = scene_.grid.dims - 1;
+    const Cell cell{glm::clamp(crossing.cell, glm::ivec3(0), last),
+                    glm::clamp(crossing.cell + 1, glm::ivec3(0), last)};
+    const auto values = cell_values(scene_, curve_, cell);
+    if (!values || !curve_.visible(values->low, values->high)) return;
     Corners<glm::dvec3> normals{};
-    if (scene_.shaded)
-      for (int c = 0; c < 8; ++c) {
-        const glm::ivec3 p = corner(crossing.cell, c);
-        normals[std::size_t(c)] = gradients_.at(p.x, p.y, p.z);
-      }
+    if (scene_.shaded) normals = cell_normals(gradients_, cell);
 
     const auto place = [&](double s) { return ray.at(s) - glm::dvec3(crossing.cell); };
-    const auto value_at = [&](double s) { return std::clamp(trilinear(values, place(s)), low, high); };
+    const auto value_at = [&](double s) { return values->at(place(s)); };
     const auto medium_at = [&](double s) {
       const auto sample = curve_.at(value_at(s));
       Medium medium{extinction(sample.opacity), sample.colour};
@@ -201,14 +173,6 @@ class FieldIntegrator {
     }
     for (double& cut : cuts) cut = crossing.enter + cut * length;
     return cuts;
-  }
-
-  /// Infinities become finite values beyond the transfer function's ends, which can be interpolated.
-  double bounded(double v) const {
-    if (!std::isinf(v)) return v;
-    const auto& knots = curve_.knots();
-    const double margin = 1 + std::abs(v > 0 ? knots.back() : knots.front());
-    return v > 0 ? knots.back() + margin : knots.front() - margin;
   }
 
   const Scene& scene_;

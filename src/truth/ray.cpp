@@ -10,12 +10,12 @@
 
 namespace ringsplat::truth {
 
+LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
+
 LatticeBox voxel_faces(const Grid& grid) { return {glm::dvec3(-0.5), glm::dvec3(grid.dims) - 0.5}; }
 
 Rays::Rays(const Scene& scene, const LatticeBox& box)
-    : view_(make_view(scene.camera,
-                      {scene.grid.dims, scene.grid.spacing, scene.grid.origin, scene.grid.direction},
-                      scene.width, scene.height)),
+    : view_(make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height)),
       width_(scene.width),
       height_(scene.height),
       box_(box) {

@@ -7,6 +7,8 @@
 
 namespace ringsplat::truth {
 
+LatticeFrame lattice_of(const Grid& grid);
+
 /// A box in lattice coordinates.
 struct LatticeBox {
   glm::dvec3 low, high;

@@ -2,6 +2,7 @@
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,12 @@
 /// no packed colours.
 namespace ringsplat::truth {
 
+/// How sheets make a picture (sheet_method.hpp).
+struct SheetMethod {
+  int slabs = 2;         ///< from slice to slice, at least 1
+  int light_points = 2;  ///< in a slab, 1 or 2
+};
+
 /// All that decides a picture, in plain numbers.
 struct Scene {
   Grid grid;
@@ -27,8 +34,10 @@ struct Scene {
   bool shaded = true;
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
-  double radius = 1.6;               ///< of the kernel, in lattice distances (method truth only)
-  Normalisation normalisation = Normalisation::constant;  ///< of the kernels' weights (method truth only)
+  double radius = 1.6;               ///< of the kernel, in lattice distances (splats' truth only)
+  Normalisation normalisation = Normalisation::constant;  ///< of the kernels' weights (splats' truth only)
+  /// The method whose truth method_truth() is: sheets, or without a value splats.
+  std::optional<SheetMethod> sheets;
   bool opacity_correction = true;  ///< for the distance between slices along the ray (method truth only)
 };
 

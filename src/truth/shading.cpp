@@ -13,21 +13,20 @@ Phong::Phong(const Scene& scene, const ViewTransform& view)
                                view.to_viewer * scene.light.z)),
       to_viewer_(view.to_viewer) {}
 
-glm::dvec3 Phong::shade(const glm::dvec3& colour, const glm::dvec3& normal) const {
+Phong::Light Phong::light(const glm::dvec3& normal) const {
   const double length = glm::length(normal);
-  if (!(length > 0) || !std::isfinite(length)) return colour;
+  if (!(length > 0) || !std::isfinite(length)) return {};
   glm::dvec3 n = normal / length;
   if (glm::dot(n, to_viewer_) < 0) n = -n;  // the side that is seen
   const double towards_light = glm::dot(n, to_light_);
-  const double diffuse = material_.ambient + material_.diffuse * std::abs(towards_light);
-  double highlight = 0;
+  Light light{material_.ambient + material_.diffuse * std::abs(towards_light), 0};
   if (towards_light > 0) {
     const glm::dvec3 mirrored = 2 * towards_light * n - to_light_;
     const double toward_eye = glm::dot(mirrored, to_viewer_);
     if (toward_eye > 0 && glm::dot(n, to_viewer_) > 0)
-      highlight = material_.specular * std::pow(toward_eye, material_.exponent);
+      light.highlight = material_.specular * std::pow(toward_eye, material_.exponent);
   }
-  return glm::min(colour * diffuse + highlight, glm::dvec3(1.0));
+  return light;
 }
 
 Gradients::Gradients(const Scene& scene) : scene_(scene) {

@@ -1,4 +1,5 @@
 #pragma once
+#include <glm/common.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
@@ -11,8 +12,16 @@ namespace ringsplat::truth {
 class Phong {
  public:
   Phong(const Scene& scene, const ViewTransform& view);
+  /// What light makes of a colour: colour · scale + highlight, at most 1.
+  struct Light {
+    double scale = 1, highlight = 0;
+    glm::dvec3 on(const glm::dvec3& colour) const { return glm::min(colour * scale + highlight, 1.0); }
+  };
   /// `normal` of any length.
-  glm::dvec3 shade(const glm::dvec3& colour, const glm::dvec3& normal) const;
+  Light light(const glm::dvec3& normal) const;
+  glm::dvec3 shade(const glm::dvec3& colour, const glm::dvec3& normal) const {
+    return light(normal).on(colour);
+  }
   const glm::dvec3& to_light() const { return to_light_; }
   const glm::dvec3& to_viewer() const { return to_viewer_; }
 

@@ -63,4 +63,10 @@ bool TransferCurve::visible(double low, double high) const {
   return false;
 }
 
+double TransferCurve::bounded(double value) const {
+  if (!std::isinf(value)) return value;
+  const double margin = 1 + std::abs(value > 0 ? knots_.back() : knots_.front());
+  return value > 0 ? knots_.back() + margin : knots_.front() - margin;
+}
+
 }  // namespace ringsplat::truth

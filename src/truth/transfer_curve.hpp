@@ -21,6 +21,8 @@ class TransferCurve {
   bool visible(double low, double high) const;
   /// Values at which a line of colour or opacity bends or jumps, ascending, each once.
   const std::vector<double>& knots() const { return knots_; }
+  /// Infinities become finite values beyond the function's ends, which can be interpolated.
+  double bounded(double value) const;
 
  private:
   std::vector<double> colour_values_, opacity_values_, opacities_, knots_;

@@ -13,6 +13,8 @@
 #include "truth/field.hpp"
 #include "truth/method.hpp"
 #include "truth/metrics.hpp"
+#include "truth/sheet_method.hpp"
+#include "truth/splat_method.hpp"
 
 namespace ringsplat::test {
 
@@ -87,13 +89,14 @@ inline std::vector<truth::Pixel> random_pixels(int width, int height, std::size_
   return pixels;
 }
 
-/// The method's own truth for the whole picture.
+/// The method's own truth for the whole picture. `normals`: of splats.
 inline Image method_image(const Volume& volume, const FrameSpec& spec,
                           truth::Normals normals = truth::Normals::quantised) {
-  return truth::to_image(
-      spec.shown.width, spec.shown.height,
-      truth::method_truth(scene_of(volume, spec), truth::all_pixels(spec.shown.width, spec.shown.height),
-                          normals));
+  const truth::Scene scene = scene_of(volume, spec);
+  const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
+  return truth::to_image(spec.shown.width, spec.shown.height,
+                         scene.sheets ? truth::sheet_method_truth(scene, pixels)
+                                      : truth::splat_method_truth(scene, pixels, normals));
 }
 
 inline Image field_image(const Volume& volume, const FrameSpec& spec) {

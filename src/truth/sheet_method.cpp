@@ -1,0 +1,178 @@
+#include "truth/sheet_method.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "ringsplat/base/error.hpp"
+#include "truth/cell.hpp"
+#include "truth/parallel.hpp"
+#include "truth/ray.hpp"
+#include "truth/shading.hpp"
+#include "truth/slab_integral.hpp"
+#include "truth/transfer_curve.hpp"
+
+namespace ringsplat::truth {
+namespace {
+
+/// A sheet's place among the slices: slice + share, except for the box's faces, which show the outer slices.
+struct SheetPlace {
+  double z;
+  int slice;
+  double share;  ///< of the way to the next slice
+};
+
+std::vector<SheetPlace> sheet_places(int slices, int slabs) {
+  std::vector<SheetPlace> places{{-0.5, 0, 0.0}};
+  for (int i = 0; i < slices; ++i)
+    for (int j = 0; j < (i + 1 < slices ? slabs : 1); ++j)
+      places.push_back({i + double(j) / slabs, i, double(j) / slabs});
+  places.push_back({slices - 0.5, slices - 1, 0.0});
+  return places;
+}
+
+/// The share of the way from `a` to `b`, each along one axis, that lies in [low, high).
+struct Share {
+  double first = 0, last = 1;
+  void clip(double a, double b, double low, double high) {
+    if (a == b) {
+      if (a < low || a >= high) last = first;
+      return;
+    }
+    const double at_low = (low - a) / (b - a), at_high = (high - a) / (b - a);
+    first = std::max(first, std::min(at_low, at_high));
+    last = std::min(last, std::max(at_low, at_high));
+  }
+  double size() const { return std::max(0.0, last - first); }
+};
+
+class SheetTracer {
+ public:
+  explicit SheetTracer(const Scene& scene)
+      : scene_(scene),
+        rays_(scene),
+        traversal_(choose_traversal(rays_.view(), lattice_of(scene.grid))),
+        axis_(int(traversal_.axis)),
+        places_(sheet_places(scene.grid.dims[axis_], scene.sheets->slabs)),
+        curve_(scene.transfer_function),
+        phong_(scene, rays_.view()),
+        gradients_(scene) {}
+
+  Rgba along(Pixel pixel) const {
+    const LatticeRay ray = rays_.through(pixel);
+    if (!(ray.enter < ray.leave)) return Rgba(0.0);
+    const int slabs = int(places_.size()) - 1;
+    Rgba seen(0.0, 0.0, 0.0, 1.0);  // colour and transmittance so far
+    std::optional<Sheet> front;
+    for (int step = 0; step < slabs; ++step) {
+      const int first = traversal_.ascending ? step : slabs - step,
+                second = traversal_.ascending ? step + 1 : slabs - step - 1;
+      const double part = part_inside(ray, first, second);
+      if (!(part > 0)) {
+        front.reset();
+        continue;
+      }
+      if (!front) front = sheet(ray, first);
+      Sheet back = sheet(ray, second);
+      add_slab(ray, *front, back, part, seen);
+      front = std::move(back);
+    }
+    seen.w = 1 - seen.w;
+    return seen;
+  }
+
+ private:
+  /// Where a ray meets a sheet, and what is there.
+  struct Sheet {
+    double z;
+    Cell cell;
+    glm::dvec3 place;  ///< in the cell
+    std::optional<double> value;
+    std::optional<glm::dvec3> normal = std::nullopt;  ///< against the gradient; computed when asked for
+  };
+
+  glm::dvec3 meets(const LatticeRay& ray, double z) const {
+    return ray.at((z - ray.origin[axis_]) / ray.step[axis_]);
+  }
+
+  double part_inside(const LatticeRay& ray, int first, int second) const {
+    const glm::dvec3 a = meets(ray, places_[std::size_t(first)].z),
+                     b = meets(ray, places_[std::size_t(second)].z);
+    const auto [u, v] = in_plane(traversal_.axis);
+    Share share;
+    for (const int k : {u, v}) share.clip(a[k], b[k], -0.5, scene_.grid.dims[k] - 0.5);
+    return share.size();
+  }
+
+  Sheet sheet(const LatticeRay& ray, int index) const {
+    const SheetPlace& at = places_[std::size_t(index)];
+    const glm::dvec3 last(scene_.grid.dims - 1);
+    const glm::dvec3 p = glm::clamp(meets(ray, at.z), glm::dvec3(0.0), last);
+    Sheet sheet{at.z, {glm::ivec3(glm::floor(p)), {}}, p - glm::floor(p), {}};
+    sheet.cell.high = glm::min(sheet.cell.low + 1, scene_.grid.dims - 1);
+    sheet.cell.low[axis_] = at.slice;
+    sheet.cell.high[axis_] = at.slice + (at.share > 0 ? 1 : 0);
+    sheet.place[axis_] = at.share;
+    if (const auto values = cell_values(scene_, curve_, sheet.cell)) sheet.value = values->at(sheet.place);
+    return sheet;
+  }
+
+  const glm::dvec3& normal(Sheet& sheet) const {
+    if (!sheet.normal) sheet.normal = trilinear(cell_normals(gradients_, sheet.cell), sheet.place);
+    return *sheet.normal;
+  }
+
+  Phong::Light light(const SlabIntegral& slab, Sheet& front, Sheet& back) const {
+    if (!scene_.shaded) return {};
+    const glm::dvec3 n0 = normal(front), n1 = normal(back);
+    const auto at = [&](double t) { return phong_.light((1 - t) * n0 + t * n1); };
+    if (scene_.sheets->light_points == 1) return at(slab.centroid);
+    const Phong::Light near = at(std::max(slab.centroid - slab.spread, 0.0)),
+                       far = at(std::min(slab.centroid + slab.spread, 1.0));
+    return {0.5 * (near.scale + far.scale), 0.5 * (near.highlight + far.highlight)};
+  }
+
+  void add_slab(const LatticeRay& ray, Sheet& front, Sheet& back, double part, Rgba& seen) const {
+    if (!front.value || !back.value) return;
+    const auto [low, high] = std::minmax({*front.value, *back.value});
+    if (!curve_.visible(low, high)) return;
+    const double slice = scene_.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
+    const SlabIntegral slab =
+        integrate_slab(curve_, *front.value, *back.value, slice * std::abs(back.z - front.z));
+    if (!(slab.opacity > 0)) return;
+    const double opacity =
+        part < 1 && slab.opacity < 1 ? -std::expm1(part * std::log1p(-slab.opacity)) : slab.opacity;
+    const glm::dvec3 colour = light(slab, front, back).on(slab.colour);
+    for (int c = 0; c < 3; ++c) seen[c] += seen.w * opacity * colour[c];
+    seen.w *= 1 - opacity;
+  }
+
+  const Scene& scene_;
+  Rays rays_;
+  Traversal traversal_;
+  int axis_;
+  std::vector<SheetPlace> places_;
+  TransferCurve curve_;
+  Phong phong_;
+  Gradients gradients_;
+};
+
+}  // namespace
+
+std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
+  check(scene);
+  if (!scene.sheets || scene.sheets->slabs < 1 || scene.sheets->light_points < 1 ||
+      scene.sheets->light_points > 2)
+    throw InputError("the scene does not say how sheets draw it",
+                     "give at least one slab a slice and one or two light points");
+  const SheetTracer tracer(scene);
+  std::vector<Rgba> colours(pixels.size());
+  parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {
+    for (std::size_t p = first; p < end; ++p) colours[p] = tracer.along(pixels[p]);
+  });
+  return colours;
+}
+
+}  // namespace ringsplat::truth

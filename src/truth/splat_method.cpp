@@ -1,0 +1,226 @@
+#include "truth/splat_method.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/mat2x2.hpp>
+#include <glm/matrix.hpp>
+#include <glm/vec2.hpp>
+#include <numbers>
+#include <optional>
+
+#include "classify/normals.hpp"
+#include "truth/parallel.hpp"
+#include "truth/ray.hpp"
+#include "truth/shading.hpp"
+#include "truth/transfer_curve.hpp"
+
+namespace ringsplat::truth {
+namespace {
+
+/// Lattice steps by which a kernel's reach is widened, so that no voxel is missed. Q decides which count.
+constexpr double slack = 1e-3;
+
+/// The kernel on the screen: Q = 1 − |root · offset|².
+struct Kernel {
+  glm::dmat2 root{1.0};
+  double weight = 1;
+  glm::dmat2 to_lattice{1.0};     ///< pixels to steps along (u, v)
+  glm::dvec2 lattice_reach{1.0};  ///< steps along u and v within which Q may be above zero
+  double q_squared(const glm::dvec2& offset) const {
+    const glm::dvec2 r = root * offset;
+    const double q = 1 - glm::dot(r, r);
+    return q > 0 ? q * q : 0;
+  }
+};
+
+Kernel make_kernel(const glm::dvec2& step_u, const glm::dvec2& step_v, double radius) {
+  const glm::dmat2 block(step_u, step_v);
+  const double cell = std::abs(glm::determinant(block));
+  Kernel kernel;
+  kernel.to_lattice = glm::inverse(block);
+  kernel.root = kernel.to_lattice / radius;
+  // The ellipse's half axes: the roots of radius² (u uᵀ + v vᵀ), made diagonal by one Jacobi rotation.
+  const double xx = radius * radius * (step_u.x * step_u.x + step_v.x * step_v.x);
+  const double xy = radius * radius * (step_u.x * step_u.y + step_v.x * step_v.y);
+  const double yy = radius * radius * (step_u.y * step_u.y + step_v.y * step_v.y);
+  const double turn = 0.5 * std::atan2(2 * xy, xx - yy), c = std::cos(turn), s = std::sin(turn);
+  const double along = c * c * xx + 2 * s * c * xy + s * s * yy,
+               across = s * s * xx - 2 * s * c * xy + c * c * yy;
+  constexpr double narrowest = 1;  // pixels from centre to edge
+  double area = std::numbers::pi * radius * radius * cell;
+  if (std::min(along, across) < narrowest * narrowest) {
+    const double a = std::max(std::sqrt(std::max(along, 0.0)), narrowest),
+                 b = std::max(std::sqrt(std::max(across, 0.0)), narrowest);
+    kernel.root = {{c / a, -s / b}, {s / a, c / b}};
+    area = std::numbers::pi * a * b;
+  }
+  // Q² integrates to a third of the ellipse's area, and each cell has one kernel.
+  kernel.weight = 3 * cell / area;
+  const glm::dmat2 reach = glm::inverse(kernel.root * block);
+  kernel.lattice_reach = {std::hypot(reach[0][0], reach[1][0]), std::hypot(reach[0][1], reach[1][1])};
+  return kernel;
+}
+
+/// Unit lengths between two neighbouring slices of `axis` along the ray.
+double slice_distance(const Grid& grid, const ViewTransform& view, int axis) {
+  const glm::dvec3 ray = glm::inverse(view.linear) * glm::dvec3(0, 0, 1);
+  const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
+  return glm::length(grid.direction * (grid.spacing / smallest * (ray / std::abs(ray[axis]))));
+}
+
+/// The truth's data that are the same for every pixel.
+class Method {
+ public:
+  Method(const Scene& scene, Normals normals)
+      : scene_(scene),
+        view_(make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height)),
+        traversal_(choose_traversal(view_, lattice_of(scene.grid))),
+        axis_(int(traversal_.axis)),
+        u_(in_plane(traversal_.axis).u),
+        v_(in_plane(traversal_.axis).v),
+        kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]), scene.radius)),
+        normalisation_(scene.normalisation),
+        distance_(scene.opacity_correction ? slice_distance(scene.grid, view_, axis_) : 1.0),
+        curve_(scene.transfer_function),
+        phong_(scene, view_),
+        gradients_(scene) {
+    if (normalisation_ == Normalisation::none) kernel_.weight = 1;
+    if (scene.shaded && normals == Normals::quantised) quantise_normals();
+    slice_.resize(std::size_t(scene.grid.dims[u_]) * std::size_t(scene.grid.dims[v_]));
+  }
+
+  std::vector<Rgba> evaluate(std::span<const Pixel> pixels) {
+    std::vector<Rgba> behind(pixels.size(), Rgba(0, 0, 0, 1));  // colour and transmittance so far
+    const int slices = scene_.grid.dims[axis_];
+    for (int step = 0; step < slices; ++step) {
+      const int slice = traversal_.ascending ? step : slices - 1 - step;
+      if (!classify(slice)) continue;
+      parallel_for(pixels.size(), 256, [&](std::size_t first, std::size_t end) {
+        for (std::size_t p = first; p < end; ++p) composite(behind[p], sum_at(pixels[p], slice));
+      });
+    }
+    for (auto& p : behind) p.w = 1 - p.w;
+    return behind;
+  }
+
+ private:
+  glm::dvec3 lattice_point(int u, int v, int slice) const {
+    glm::dvec3 p{0.0};
+    p[u_] = u;
+    p[v_] = v;
+    p[axis_] = slice;
+    return p;
+  }
+
+  void quantise_normals() {
+    Grid grid = scene_.grid;
+    grid.type = ScalarType::float64;
+    const std::size_t slice = grid.slice_voxels(Axis::z);
+    codes_.emplace(scene_.values.size());
+    const auto values = [&](int z) {
+      return z < 0 || z >= grid.dims.z
+                 ? nullptr
+                 : reinterpret_cast<const std::byte*>(scene_.values.data() + std::size_t(z) * slice);
+    };
+    for (int z = 0; z < grid.dims.z; ++z)
+      slice_normals(grid, values(z - 1), values(z), values(z + 1),
+                    std::span(*codes_).subspan(std::size_t(z) * slice, slice));
+  }
+
+  Rgba classify_voxel(const glm::ivec3& p) const {
+    const std::size_t at =
+        std::size_t(p.x) + std::size_t(scene_.grid.dims.x) *
+                               (std::size_t(p.y) + std::size_t(scene_.grid.dims.y) * std::size_t(p.z));
+    const auto sample = curve_.at(scene_.values[at]);
+    if (!(sample.opacity > 0)) return Rgba(0.0);
+    glm::dvec3 colour = sample.colour;
+    if (scene_.shaded)
+      colour = phong_.shade(colour, codes_ ? decode_normal((*codes_)[at]) : gradients_.at(p.x, p.y, p.z));
+    const double opacity = sample.opacity >= 1 ? 1 : -std::expm1(distance_ * std::log1p(-sample.opacity));
+    return Rgba(colour * opacity, opacity);
+  }
+
+  /// Fills slice_ with premultiplied colours; false when nothing is visible.
+  bool classify(int slice) {
+    const int width = scene_.grid.dims[u_], height = scene_.grid.dims[v_];
+    std::atomic<bool> visible{false};
+    parallel_for(std::size_t(height), 8, [&](std::size_t first, std::size_t end) {
+      for (std::size_t v = first; v < end; ++v)
+        for (int u = 0; u < width; ++u) {
+          const Rgba colour = classify_voxel(glm::ivec3(lattice_point(u, int(v), slice)));
+          slice_[v * std::size_t(width) + std::size_t(u)] = colour;
+          if (colour.w > 0) visible = true;
+        }
+    });
+    return visible;
+  }
+
+  Rgba sum_at(Pixel pixel, int slice) const {
+    const glm::dvec2 centre{pixel.x + 0.5, pixel.y + 0.5};
+    const glm::dvec2 middle =
+        kernel_.to_lattice * (centre - glm::dvec2(view_.project(lattice_point(0, 0, slice))));
+    const glm::dvec2 low = glm::ceil(middle - kernel_.lattice_reach - slack),
+                     high = glm::floor(middle + kernel_.lattice_reach + slack);
+    const auto weight_of = [&](double u, double v) {
+      glm::dvec3 p{0.0};
+      p[u_] = u;
+      p[v_] = v;
+      p[axis_] = slice;
+      return kernel_.q_squared(centre - glm::dvec2(view_.project(p)));
+    };
+    const int width = scene_.grid.dims[u_];
+    const double last_u = std::min(high.x, width - 1.0),
+                 last_v = std::min(high.y, scene_.grid.dims[v_] - 1.0);
+    Rgba sum(0.0);
+    for (double v = std::max(low.y, 0.0); v <= last_v; ++v)
+      for (double u = std::max(low.x, 0.0); u <= last_u; ++u) {
+        const Rgba& colour = slice_[std::size_t(v) * std::size_t(width) + std::size_t(u)];
+        if (colour.w > 0) sum += kernel_.weight * weight_of(u, v) * colour;
+      }
+    if (normalisation_ != Normalisation::exact || !(sum.w > 0)) return sum;
+    double weights = 0;
+    for (double v = low.y; v <= high.y; ++v)
+      for (double u = low.x; u <= high.x; ++u) weights += weight_of(u, v);
+    return sum / (kernel_.weight * weights);
+  }
+
+  static void composite(Rgba& behind, const Rgba& slice) {
+    const double opacity = std::clamp(slice.w, 0.0, 1.0);
+    for (int c = 0; c < 3; ++c) behind[c] += behind.w * std::clamp(slice[c], 0.0, opacity);
+    behind.w *= 1 - opacity;
+  }
+
+  const Scene& scene_;
+  ViewTransform view_;
+  Traversal traversal_;
+  int axis_, u_, v_;
+  Kernel kernel_;
+  Normalisation normalisation_;
+  double distance_;
+  TransferCurve curve_;
+  Phong phong_;
+  Gradients gradients_;
+  std::optional<std::vector<NormalCode>> codes_;
+  std::vector<Rgba> slice_;
+};
+
+}  // namespace
+
+std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels, Normals normals) {
+  check(scene);
+  return Method(scene, normals).evaluate(pixels);
+}
+
+ScreenBounds splat_method_bounds(const Scene& scene) {
+  const ViewTransform view = make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height);
+  const Axis axis = choose_traversal(view, lattice_of(scene.grid)).axis;
+  const auto [u, v] = in_plane(axis);
+  const Kernel kernel = make_kernel(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]), scene.radius);
+  glm::dvec3 reach(slack);
+  reach[u] += kernel.lattice_reach.x;
+  reach[v] += kernel.lattice_reach.y;
+  return Rays(scene, {-reach, glm::dvec3(scene.grid.dims) - 1.0 + reach}).bounds();
+}
+
+}  // namespace ringsplat::truth
