@@ -10,7 +10,8 @@ namespace ringsplat::app {
 
 /// Two views for each kept slice set: one straight on, where all slices err in the same places, and one
 /// oblique. Both have the largest zoom of the run's views, where the volume fills most of the picture. Up to
-/// four views given by matrices are taken as they are; so is the first view when no such direction fits.
+/// four views given by matrices or in perspective are taken as they are; so is the first view when no such
+/// direction fits.
 std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
                                       const Grid& grid, int width, int height);
 

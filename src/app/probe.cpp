@@ -81,7 +81,8 @@ TransferFunction make_for(const std::vector<Slab>& slabs, const TransferFunction
   return choice.make(histogram);
 }
 
-/// The view as a matrix, so that a part of the volume appears at its place in the whole.
+/// The view as a matrix, so that a part of the volume appears at its place in the whole. A perspective view
+/// becomes the orthographic one of the same size, which costs about as much.
 Camera fixed_to_world(const Camera& camera, const Grid& grid, int width, int height) {
   if (camera.matrix) return camera;
   const ViewTransform view = make_view(camera, lattice_frame(grid), width, height);
@@ -213,8 +214,7 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
 }
 
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
-                               const std::vector<Camera>& views, const LoadOptions& load,
-                               const Machine* machine) {
+                               const std::vector<Camera>& views, LoadOptions load, const Machine* machine) {
   const Grid grid = source.grid();
   const std::vector<Slab> slabs = read_slabs(source);
   frame.shown.transfer_function = make_for(slabs, choice);
@@ -234,6 +234,9 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
     costs.columns = geometry.regions.columns();
     frame.shown.camera = finely.shown.camera =
         fixed_to_world(camera, grid, frame.shown.width, frame.shown.height);
+    // It may traverse another axis than the perspective view does.
+    const Axis axis = traversed_axis(frame.shown.camera, grid, frame.shown.width, frame.shown.height);
+    load.kept_axes[std::size_t(axis)] = true;
     whole.push_back(frame);
     cut.push_back(finely);
   }

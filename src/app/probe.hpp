@@ -26,7 +26,7 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras);
 /// all frames share; its transfer function is made from the voxels read. Throws InputError when the volume is
 /// unreadable or has no finite value.
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
-                               const std::vector<Camera>& views, const LoadOptions& load,
+                               const std::vector<Camera>& views, LoadOptions load,
                                const Machine* machine = nullptr);
 
 /// Seconds a message takes to the next rank, measured by one that goes round all ranks many times. All ranks

@@ -27,6 +27,7 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   const double middle = reduction.prefilter ? 0.5 * (reduction.factor - 1) : 0.0;
   view.offset = view.project(glm::dvec3(middle));
   view.linear *= double(reduction.factor);
+  if (view.eye) *view.eye = (*view.eye - middle) / double(reduction.factor);
   return view;
 }
 
@@ -49,6 +50,10 @@ FrameGeometry screen_geometry(const Shown& shown, const Grid& grid) {
   if (shown.reduction.factor > 1) {
     g.grid = reduced_grid(grid, shown.reduction);
     g.view = reduced_view(g.view, shown.reduction);
+    // The reduced box may be larger, so that the eye lies among its slices. Only the whole's are loaded.
+    if (g.view.eye && choose_traversal(g.view, lattice_frame(g.grid)).axis != g.traversal.axis)
+      throw InputError("the eye is too near to the volume to see it undersampled",
+                       "use a larger --distance or --undersample 1");
     g.traversal.slice_distance *= shown.reduction.factor;
   }
   g.width = shown.width;
@@ -71,6 +76,16 @@ void fit(FrameGeometry& g, const Shown& shown, const Splats& splats) {
   check(splats.kernel, footprint);
 }
 
+/// The largest magnification in the volume's box.
+double most_magnified(const ViewTransform& view, const glm::ivec3& dims) {
+  double most = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 far{corner & 1, corner >> 1 & 1, corner >> 2};
+    most = std::max(most, view.magnification(far * glm::dvec3(dims) - 0.5));
+  }
+  return most;
+}
+
 /// A sheet's voxel is seen up to a lattice distance from its centre, or half of one beyond the box's faces.
 void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
   if (sheets.image_plane == ImagePlane::slices) lay_into_slices(g, shown, sheets.plane_samples, 1.0);
@@ -79,11 +94,13 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
   for (int along = 0; along < 2; ++along)
     g.reach[along] = std::abs(g.view.linear[u][along]) + std::abs(g.view.linear[v][along]) +
                      0.5 * std::abs(g.view.linear[k][along]);
+  g.reach *= most_magnified(g.view, g.grid.dims);
 }
 
 }  // namespace
 
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
+  check_projection(spec.shown.camera, spec.how);
   FrameGeometry g = screen_geometry(spec.shown, grid);
   std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
   lay_regions(g, spec.division,

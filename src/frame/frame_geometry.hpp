@@ -15,12 +15,14 @@ struct FrameGeometry {
   Grid grid;           ///< the rendered volume's: reduced when undersampled
   ViewTransform view;  ///< from that grid's lattice to the image plane
   Traversal traversal;
-  glm::dvec2 reach{0.0};      ///< reach of a voxel's footprint from its centre, in pixels of the image plane
-  int width = 0, height = 0;  ///< of the image plane, in pixels
-  Regions regions;            ///< of the image plane
-  PixelRect reached;          ///< block of regions that voxels can reach, in region columns and rows
-  int dealt_to = 0;           ///< how many Renderers get regions; 0: all
-  int slices = 0;             ///< in the traversed set
+  /// Reach of a voxel's footprint from its centre, in pixels of the image plane; of the nearest voxel in a
+  /// perspective view, and infinite when a corner of the box is beside or behind the eye.
+  glm::dvec2 reach{0.0};
+  int width = 0, height = 0;      ///< of the image plane, in pixels
+  Regions regions;                ///< of the image plane
+  PixelRect reached;              ///< block of regions that voxels can reach, in region columns and rows
+  int dealt_to = 0;               ///< how many Renderers get regions; 0: all
+  int slices = 0;                 ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen to the image plane, when they differ
 
   /// Owners of the reached regions among `renderers` Renderers.

@@ -19,6 +19,8 @@ json to_json(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 json to_json(const Camera& c) {
   json j{{"azimuth", c.azimuth}, {"elevation", c.elevation}, {"roll", c.roll}, {"zoom", c.zoom}};
   if (c.matrix) j["matrix"] = *c.matrix;
+  if (c.fov != 0) j["fov"] = c.fov;
+  if (c.distance != 0) j["distance"] = c.distance;
   return j;
 }
 
@@ -123,6 +125,19 @@ void check(const Sheets& sheets) {
     throw InputError(fmt::format("--light-points cannot be {}", sheets.light_points), "use 1 or 2");
 }
 
+void check_projection(const Splats&) {
+  throw InputError(
+      "splats cannot be drawn in perspective, where each voxel has another footprint: one serves all of an "
+      "orthographic view",
+      "use --engine sheets, or leave --fov out");
+}
+
+void check_projection(const Sheets& sheets) {
+  if (sheets.image_plane == ImagePlane::slices)
+    throw InputError("a perspective view has no image in the slices' plane: its rays are not parallel",
+                     "use --image-plane screen, or leave --fov out");
+}
+
 }  // namespace
 
 std::string name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
@@ -131,11 +146,16 @@ const char* name(const Method& method) {
   return std::visit([](const auto& how) { return how.name; }, method);
 }
 
+void check_projection(const Camera& camera, const Method& method) {
+  if (camera.fov != 0) std::visit([](const auto& how) { check_projection(how); }, method);
+}
+
 void check(const FrameSpec& spec) {
   const int region_size = spec.division.region_size;
   static_cast<void>(Regions(spec.shown.width, spec.shown.height, region_size == 0 ? 128 : region_size));
   check(spec.shown);
   std::visit([](const auto& how) { check(how); }, spec.how);
+  check_projection(spec.shown.camera, spec.how);
 }
 
 std::string to_json_text(const FrameSpec& spec) {

@@ -18,12 +18,16 @@ PixelWindow reached_pixels(const FrameGeometry& g) {
   glm::dvec2 low{INFINITY}, high{-INFINITY};
   for (int corner = 0; corner < 8; ++corner) {
     const glm::ivec3 far{corner & 1, corner >> 1 & 1, corner >> 2};
-    const glm::dvec2 at = g.view.project(glm::dvec3(far * (g.grid.dims - 1)));
+    // A voxel's reach is not the same all over a perspective view; no ray sees anything beyond the faces.
+    const glm::dvec3 end =
+        g.view.eye ? glm::dvec3(far * g.grid.dims) - 0.5 : glm::dvec3(far * (g.grid.dims - 1));
+    if (!std::isfinite(g.view.magnification(end))) return {0, 0, g.width, g.height};
+    const glm::dvec2 at = g.view.seen_at(end);
     low = glm::min(low, at);
     high = glm::max(high, at);
   }
   // A margin: GPs step from voxel to voxel with rounding, and round windows outwards.
-  const glm::dvec2 around = glm::trunc(g.reach) + 3.0;
+  const glm::dvec2 around = (g.view.eye ? glm::dvec2(0.0) : glm::trunc(g.reach)) + 3.0;
   const glm::dvec2 before(-1.0), behind(g.width, g.height);
   low = glm::clamp(glm::floor(low - around), before, behind);
   high = glm::clamp(glm::ceil(high + around), before, behind);

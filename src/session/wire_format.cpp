@@ -45,7 +45,8 @@ FrameSpec sample_frame() {
   FrameSpec f;
   Splats& splats = f.how.emplace<Splats>();
   f.frame = 101;
-  f.shown.camera = {another(), another(), another(), another(), std::array<double, 12>{}};
+  f.shown.camera = {another(), another(), another(), another(), std::array<double, 12>{},
+                    another(), another()};
   std::iota(f.shown.camera.matrix->begin(), f.shown.camera.matrix->end(), 200.0);
   f.shown.width = 102;
   f.shown.height = 103;

@@ -67,7 +67,8 @@ class FormulaIntegrator {
       const glm::dvec3 p = ray.origin + s * ray.step;
       const auto sample = curve_.at(scale_ * field_(p.x, p.y, p.z));
       Medium medium{extinction(sample.opacity), sample.colour};
-      if (scene_.shaded && sample.opacity > 0) medium.colour = phong_.shade(medium.colour, normal(p));
+      if (scene_.shaded && sample.opacity > 0)
+        medium.colour = phong_.shade(medium.colour, normal(p), lattice_ray.to_viewer);
       return medium;
     };
     constexpr int pieces = 512;

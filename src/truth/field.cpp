@@ -140,10 +140,10 @@ class FieldIntegrator {
       const auto sample = curve_.at(value_at(s));
       Medium medium{extinction(sample.opacity), sample.colour};
       if (scene_.shaded && sample.opacity > 0)
-        medium.colour = phong_.shade(medium.colour, trilinear(normals, place(s)));
+        medium.colour = phong_.shade(medium.colour, trilinear(normals, place(s)), ray.to_viewer);
       return medium;
     };
-    const auto cuts = smooth_pieces(crossing, place, value_at, normals);
+    const auto cuts = smooth_pieces(crossing, place, value_at, normals, ray.to_viewer);
     for (std::size_t i = 0; i + 1 < cuts.size() && seen.transmittance >= 0.1 * tolerance_; ++i) {
       const double a = cuts[i], b = cuts[i + 1];
       if (!(a < b)) continue;
@@ -156,7 +156,7 @@ class FieldIntegrator {
   /// one side of the surface.
   template <class Place, class ValueAt>
   std::vector<double> smooth_pieces(const Crossing& crossing, const Place& place, const ValueAt& value_at,
-                                    const Corners<glm::dvec3>& normals) const {
+                                    const Corners<glm::dvec3>& normals, const glm::dvec3& to_viewer) const {
     const double length = crossing.leave - crossing.enter;
     const auto cubic_of = [&](const auto& at) {
       return through_thirds(at(crossing.enter), at(crossing.enter + length / 3),
@@ -164,7 +164,7 @@ class FieldIntegrator {
     };
     std::vector<double> cuts = cuts_at_knots(cubic_of(value_at), curve_.knots());
     if (scene_.shaded) {
-      for (const glm::dvec3& direction : {phong_.to_light(), phong_.to_viewer()}) {
+      for (const glm::dvec3& direction : {phong_.to_light(), to_viewer}) {
         const auto more = cuts_at_knots(
             cubic_of([&](double s) { return glm::dot(trilinear(normals, place(s)), direction); }), {0.0});
         cuts.insert(cuts.end(), more.begin(), more.end());

@@ -18,32 +18,42 @@ Rays::Rays(const Scene& scene, const LatticeBox& box)
     : view_(make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height)),
       width_(scene.width),
       height_(scene.height),
-      box_(box) {
+      box_(box),
+      grid_(scene.grid) {
   to_lattice_ = glm::inverse(view_.linear);
-  const glm::dvec3& spacing = scene.grid.spacing;
+  if (view_.eye) return;
+  point(parallel_, to_lattice_ * glm::dvec3(0, 0, 1));
+  parallel_.to_viewer = view_.to_viewer;
+}
+
+void Rays::point(LatticeRay& ray, const glm::dvec3& steps) const {
+  const glm::dvec3& spacing = grid_.spacing;
   const double smallest = std::min({spacing.x, spacing.y, spacing.z});
-  const glm::dvec3 a_pixel_deeper = to_lattice_ * glm::dvec3(0, 0, 1);
-  step_ = a_pixel_deeper / glm::length(scene.grid.direction * (spacing / smallest * a_pixel_deeper));
+  const glm::dvec3 world = grid_.direction * (spacing / smallest * steps);
+  ray.step = steps / glm::length(world);
+  ray.to_viewer = -glm::normalize(world);
 }
 
 LatticeRay Rays::through(Pixel pixel) const {
-  LatticeRay ray;
+  LatticeRay ray = parallel_;
   ray.origin = to_lattice_ * (glm::dvec3(pixel.x + 0.5, pixel.y + 0.5, 0) - view_.offset);
-  ray.step = step_;
+  if (view_.eye) point(ray, ray.origin - *view_.eye);
   // s counts from the point nearest to the volume's middle, so that it is not a difference of large numbers.
   const glm::dvec3 middle = 0.5 * (box_.low + box_.high);
-  const double nearest = glm::dot(middle - ray.origin, step_) / glm::dot(step_, step_);
-  ray.origin += nearest * step_;
-  ray.enter = -std::numeric_limits<double>::infinity();
+  const glm::dvec3& step = ray.step;
+  const double nearest = glm::dot(middle - ray.origin, step) / glm::dot(step, step);
+  ray.origin += nearest * step;
+  ray.enter = view_.eye ? glm::dot(*view_.eye - ray.origin, step) / glm::dot(step, step)
+                        : -std::numeric_limits<double>::infinity();
   ray.leave = std::numeric_limits<double>::infinity();
   for (int k = 0; k < 3; ++k) {
     const double low = box_.low[k], high = box_.high[k];
-    if (step_[k] == 0) {
+    if (step[k] == 0) {
       if (ray.origin[k] >= low && ray.origin[k] < high) continue;
       ray.enter = ray.leave = 0;  // beside the box all the way
       return ray;
     }
-    const double s0 = (low - ray.origin[k]) / step_[k], s1 = (high - ray.origin[k]) / step_[k];
+    const double s0 = (low - ray.origin[k]) / step[k], s1 = (high - ray.origin[k]) / step[k];
     ray.enter = std::max(ray.enter, std::min(s0, s1));
     ray.leave = std::min(ray.leave, std::max(s0, s1));
   }

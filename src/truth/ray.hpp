@@ -17,9 +17,11 @@ struct LatticeBox {
 LatticeBox voxel_faces(const Grid& grid);
 
 /// A pixel's ray in lattice coordinates: origin + s · step, s in unit lengths. It enters the box at `enter`
-/// and leaves it at `leave`; enter ≥ leave when it misses.
+/// and leaves it at `leave`; enter ≥ leave when it misses. A ray from an eye inside the box enters at the
+/// eye.
 struct LatticeRay {
   glm::dvec3 origin, step;
+  glm::dvec3 to_viewer{0.0};  ///< world direction, unit length
   double enter = 0, leave = 0;
   glm::dvec3 at(double s) const { return origin + s * step; }
 };
@@ -38,8 +40,12 @@ class Rays {
   ViewTransform view_;
   int width_, height_;
   LatticeBox box_;
+  /// Sets the direction of a ray along `steps`, lattice steps of any length.
+  void point(LatticeRay& ray, const glm::dvec3& steps) const;
+
+  Grid grid_;
   glm::dmat3 to_lattice_{1.0};
-  glm::dvec3 step_{0.0};
+  LatticeRay parallel_;  ///< the direction of an orthographic view's rays
 };
 
 /// Extinction of opacity `opacity` per unit length: infinite for 1.

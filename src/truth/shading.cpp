@@ -10,20 +10,19 @@ namespace ringsplat::truth {
 Phong::Phong(const Scene& scene, const ViewTransform& view)
     : material_(scene.material),
       to_light_(glm::normalize(view.right * scene.light.x + view.up * scene.light.y +
-                               view.to_viewer * scene.light.z)),
-      to_viewer_(view.to_viewer) {}
+                               view.to_viewer * scene.light.z)) {}
 
-Phong::Light Phong::light(const glm::dvec3& normal) const {
+Phong::Light Phong::light(const glm::dvec3& normal, const glm::dvec3& to_viewer) const {
   const double length = glm::length(normal);
   if (!(length > 0) || !std::isfinite(length)) return {};
   glm::dvec3 n = normal / length;
-  if (glm::dot(n, to_viewer_) < 0) n = -n;  // the side that is seen
+  if (glm::dot(n, to_viewer) < 0) n = -n;  // the side that is seen
   const double towards_light = glm::dot(n, to_light_);
   Light light{material_.ambient + material_.diffuse * std::abs(towards_light), 0};
   if (towards_light > 0) {
     const glm::dvec3 mirrored = 2 * towards_light * n - to_light_;
-    const double toward_eye = glm::dot(mirrored, to_viewer_);
-    if (toward_eye > 0 && glm::dot(n, to_viewer_) > 0)
+    const double toward_eye = glm::dot(mirrored, to_viewer);
+    if (toward_eye > 0 && glm::dot(n, to_viewer) > 0)
       light.highlight = material_.specular * std::pow(toward_eye, material_.exponent);
   }
   return light;

@@ -17,17 +17,16 @@ class Phong {
     double scale = 1, highlight = 0;
     glm::dvec3 on(const glm::dvec3& colour) const { return glm::min(colour * scale + highlight, 1.0); }
   };
-  /// `normal` of any length.
-  Light light(const glm::dvec3& normal) const;
-  glm::dvec3 shade(const glm::dvec3& colour, const glm::dvec3& normal) const {
-    return light(normal).on(colour);
+  /// `normal`: of any length. `to_viewer`: a world direction of unit length.
+  Light light(const glm::dvec3& normal, const glm::dvec3& to_viewer) const;
+  glm::dvec3 shade(const glm::dvec3& colour, const glm::dvec3& normal, const glm::dvec3& to_viewer) const {
+    return light(normal, to_viewer).on(colour);
   }
   const glm::dvec3& to_light() const { return to_light_; }
-  const glm::dvec3& to_viewer() const { return to_viewer_; }
 
  private:
   PhongMaterial material_;
-  glm::dvec3 to_light_, to_viewer_;
+  glm::dvec3 to_light_;
 };
 
 /// Central differences of the voxels, against the gradient, in world directions, up to one common factor.

@@ -124,10 +124,10 @@ class SheetTracer {
     return *sheet.normal;
   }
 
-  Phong::Light light(const SlabIntegral& slab, Sheet& front, Sheet& back) const {
+  Phong::Light light(const SlabIntegral& slab, Sheet& front, Sheet& back, const glm::dvec3& to_viewer) const {
     if (!scene_.shaded) return {};
     const glm::dvec3 n0 = normal(front), n1 = normal(back);
-    const auto at = [&](double t) { return phong_.light((1 - t) * n0 + t * n1); };
+    const auto at = [&](double t) { return phong_.light((1 - t) * n0 + t * n1, to_viewer); };
     if (scene_.sheets->light_points == 1) return at(slab.centroid);
     const Phong::Light near = at(std::max(slab.centroid - slab.spread, 0.0)),
                        far = at(std::min(slab.centroid + slab.spread, 1.0));
@@ -144,7 +144,7 @@ class SheetTracer {
     if (!(slab.opacity > 0)) return;
     const double opacity =
         part < 1 && slab.opacity < 1 ? -std::expm1(part * std::log1p(-slab.opacity)) : slab.opacity;
-    const glm::dvec3 colour = light(slab, front, back).on(slab.colour);
+    const glm::dvec3 colour = light(slab, front, back, ray.to_viewer).on(slab.colour);
     for (int c = 0; c < 3; ++c) seen[c] += seen.w * opacity * colour[c];
     seen.w *= 1 - opacity;
   }

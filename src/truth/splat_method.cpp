@@ -10,6 +10,7 @@
 #include <optional>
 
 #include "classify/normals.hpp"
+#include "ringsplat/base/error.hpp"
 #include "truth/parallel.hpp"
 #include "truth/ray.hpp"
 #include "truth/shading.hpp"
@@ -136,7 +137,8 @@ class Method {
     if (!(sample.opacity > 0)) return Rgba(0.0);
     glm::dvec3 colour = sample.colour;
     if (scene_.shaded)
-      colour = phong_.shade(colour, codes_ ? decode_normal((*codes_)[at]) : gradients_.at(p.x, p.y, p.z));
+      colour = phong_.shade(colour, codes_ ? decode_normal((*codes_)[at]) : gradients_.at(p.x, p.y, p.z),
+                            view_.to_viewer);
     const double opacity = sample.opacity >= 1 ? 1 : -std::expm1(distance_ * std::log1p(-sample.opacity));
     return Rgba(colour * opacity, opacity);
   }
@@ -209,6 +211,8 @@ class Method {
 
 std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels, Normals normals) {
   check(scene);
+  if (scene.camera.fov != 0)
+    throw InputError("there is no truth of splats in perspective", "use an orthographic camera");
   return Method(scene, normals).evaluate(pixels);
 }
 

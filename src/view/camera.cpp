@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
 #include <glm/geometric.hpp>
+#include <limits>
+#include <numbers>
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
@@ -41,6 +43,19 @@ void check(const Camera& camera) {
                      "1 fits the volume to the image, 2 shows it twice as large");
 }
 
+void check_perspective(const Camera& camera) {
+  if (camera.fov == 0 && camera.distance == 0) return;
+  if (!(camera.fov >= 0.01 && camera.fov <= 179))
+    throw InputError(fmt::format("a field of view of {} degrees cannot be drawn in perspective", camera.fov),
+                     "give 0.01 to 179 degrees, for example 40; an orthographic camera has no distance");
+  if (camera.distance != 0 && !(camera.distance > 0 && camera.distance <= 1e5))
+    throw InputError(fmt::format("the eye cannot be {} radii from the volume's centre", camera.distance),
+                     "give a distance above 0 and up to 1e5, in radii of the volume's bounding sphere");
+  if (camera.matrix)
+    throw InputError("a camera matrix is orthographic and has no field of view",
+                     "give the perspective camera by angles");
+}
+
 /// Columns: the world vector from voxel to voxel along each lattice axis.
 glm::dmat3 lattice_to_world(const LatticeFrame& lattice) {
   return {lattice.direction[0] * lattice.spacing.x, lattice.direction[1] * lattice.spacing.y,
@@ -73,7 +88,15 @@ void turn(ViewTransform& view, const Camera& camera) {
 ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
   ViewTransform view;
   turn(view, camera);
-  view.pixels_per_unit = camera.zoom * (0.5 * std::min(width, height) / bounding_radius(lattice));
+  const double radius = bounding_radius(lattice);
+  double shown = radius;  // from the centre to the nearer edges of the picture at zoom 1
+  if (camera.fov > 0) {
+    const double slope = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
+    if (camera.distance > 0) shown = radius * camera.distance * slope;
+    view.eye = 0.5 * glm::dvec3(lattice.dims - 1) +
+               glm::inverse(lattice.direction) * (shown / slope * view.to_viewer) / lattice.spacing;
+  }
+  view.pixels_per_unit = camera.zoom * (0.5 * std::min(width, height) / shown);
   const glm::dmat3 axes = lattice_to_world(lattice);
   for (int k = 0; k < 3; ++k)
     view.linear[k] =
@@ -133,7 +156,8 @@ void check_representable(const ViewTransform& view) {
   const bool scale_ok = std::isfinite(view.pixels_per_unit) && view.pixels_per_unit > 0;
   bool columns_ok = true;
   for (int k = 0; k < 3; ++k) columns_ok = columns_ok && std::isnormal(largest_magnitude(view.linear[k]));
-  if (!scale_ok || !columns_ok || !is_finite(view.linear) || !is_finite(view.offset))
+  if (!scale_ok || !columns_ok || !is_finite(view.linear) || !is_finite(view.offset) ||
+      (view.eye && !is_finite(*view.eye)))
     throw InputError("the view maps voxels to pixels by numbers beyond double precision",
                      "use a zoom or a camera matrix nearer to the volume's size");
 }
@@ -146,10 +170,24 @@ ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int w
     throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),
                      "give a width and a height of at least 1");
   if (!camera.matrix) check(camera);
+  check_perspective(camera);
   const ViewTransform view = camera.matrix ? view_from_matrix(*camera.matrix, lattice)
                                            : view_from_angles(camera, lattice, width, height);
   check_representable(view);
   return view;
+}
+
+double ViewTransform::magnification(const glm::dvec3& lattice) const {
+  if (!eye) return 1;
+  const double from_eye = -project(*eye).z, depth = from_eye + project(lattice).z;
+  return depth > 0 ? from_eye / depth : std::numeric_limits<double>::infinity();
+}
+
+glm::dvec2 ViewTransform::seen_at(const glm::dvec3& lattice) const {
+  const glm::dvec2 place = project(lattice);
+  if (!eye) return place;
+  const glm::dvec2 centre = project(*eye);
+  return centre + magnification(lattice) * (place - centre);
 }
 
 }  // namespace ringsplat

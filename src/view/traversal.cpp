@@ -2,6 +2,7 @@
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
+#include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 #include "view/matrices.hpp"
 
@@ -36,6 +37,22 @@ Axis most_parallel(const glm::dvec3& cos_angles) {
   return Axis::x;
 }
 
+/// Zeros for the axes along which the eye lies among the slices: some of its rays would meet them in one
+/// order, some in the other.
+glm::dvec3 in_one_order(glm::dvec3 cos_angles, const glm::dvec3& eye, const glm::ivec3& dims) {
+  bool outside = false;
+  for (int k = 0; k < 3; ++k)
+    if (eye[k] < -0.5 || eye[k] > dims[k] - 0.5)
+      outside = true;
+    else
+      cos_angles[k] = 0;
+  if (!outside)
+    throw InputError("the perspective camera's eye is inside the volume's box",
+                     "use a larger --distance: above 1, in radii of the volume's bounding sphere, the eye is "
+                     "outside from every side");
+  return cos_angles;
+}
+
 /// World length of the ray between two neighbouring slices of the axis.
 double world_distance(const LatticeFrame& lattice, const glm::dvec3& ray, int axis) {
   const glm::dvec3 steps = ray / std::abs(ray[axis]);
@@ -47,7 +64,8 @@ double world_distance(const LatticeFrame& lattice, const glm::dvec3& ray, int ax
 Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice) {
   const SliceGeometry geometry = slice_geometry(view.linear);
   Traversal traversal;
-  traversal.axis = most_parallel(geometry.cos_angles);
+  traversal.axis = most_parallel(view.eye ? in_one_order(geometry.cos_angles, *view.eye, lattice.dims)
+                                          : geometry.cos_angles);
   const int k = int(traversal.axis);
   traversal.ascending = geometry.ray[k] > 0;
   traversal.cos_angle = std::abs(geometry.cos_angles[k]);

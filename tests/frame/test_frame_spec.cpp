@@ -1,6 +1,11 @@
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "support/catch.hpp"
+#include "support/message_of.hpp"
 #include "support/scenes.hpp"
 
 using namespace ringsplat;
@@ -12,7 +17,13 @@ namespace {
 FrameSpec unusual_spec() {
   FrameSpec spec;
   spec.frame = 1LL << 40;
-  spec.shown.camera = {.azimuth = 1.0 / 3, .elevation = -21, .roll = 8, .zoom = 1.2, .matrix = {{1, 2, 3}}};
+  spec.shown.camera = {.azimuth = 1.0 / 3,
+                       .elevation = -21,
+                       .roll = 8,
+                       .zoom = 1.2,
+                       .matrix = {{1, 2, 3}},
+                       .fov = 40,
+                       .distance = 3};
   spec.shown.width = 120;
   spec.shown.height = 104;
   spec.as<Splats>().image_plane = ImagePlane::slices;
@@ -60,5 +71,80 @@ TEST_CASE("bytes that are no frame announcement are refused, whatever their leng
     FrameSpec odd = unusual_spec();
     odd.as<Splats>().precision = static_cast<Precision>(unknown);
     REQUIRE_THROWS_AS(decode_frame_spec(encode(odd)), RunError);
+  }
+}
+
+TEST_CASE("perspective is refused by the methods that cannot draw it") {
+  FrameSpec spec;
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  spec.shown.camera.fov = 40;
+  CHECK(message_of([&] { check(spec); }).find("--engine sheets") != std::string::npos);
+  CHECK_THROWS_AS(make_geometry(spec, make_grid(glm::ivec3(8))), InputError);
+  spec.how = Sheets{};
+  check(spec);
+  CHECK(make_geometry(spec, make_grid(glm::ivec3(8))).view.eye);
+  CHECK(to_json_text(spec).find("\"fov\":40") != std::string::npos);
+  spec.as<Sheets>().image_plane = ImagePlane::slices;
+  CHECK(message_of([&] { check(spec); }).find("--image-plane screen") != std::string::npos);
+}
+
+TEST_CASE("a reduced volume in perspective is seen from the same place") {
+  FrameSpec spec;
+  spec.how = Sheets{};
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  spec.shown.camera = {.azimuth = 31, .elevation = 17, .fov = 60};
+  const FrameGeometry whole = make_geometry(spec, make_grid({17, 20, 23}));
+  for (const bool prefilter : {false, true}) {
+    spec.shown.reduction = {4, prefilter};
+    const FrameGeometry reduced = make_geometry(spec, make_grid({17, 20, 23}));
+    const double shift = prefilter ? 1.5 : 0.0;
+    for (const glm::dvec3& p : {glm::dvec3(0, 0, 0), {3, 1, 2}, {4, 5, 0}}) {
+      const glm::dvec2 expected = whole.view.seen_at(4.0 * p + shift), found = reduced.view.seen_at(p);
+      CHECK(found.x == Approx(expected.x));
+      CHECK(found.y == Approx(expected.y));
+    }
+    CHECK(reduced.traversal.axis == whole.traversal.axis);
+    CHECK(reduced.traversal.slice_distance == Approx(4 * whole.traversal.slice_distance));
+  }
+}
+
+TEST_CASE("an eye among the slices of the reduced volume only is refused") {
+  FrameSpec spec;
+  spec.how = Sheets{};
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  // A voxel before slice 0, where four-fold voxels still reach.
+  spec.shown.camera = {.azimuth = 90, .elevation = -80, .fov = 60, .distance = 1.055};
+  const Grid rod = make_grid({2, 2, 20});
+  CHECK(make_geometry(spec, rod).traversal.axis == Axis::z);
+  spec.shown.reduction = {4, false};
+  CHECK(message_of([&] { make_geometry(spec, rod); }).find("undersampled") != std::string::npos);
+}
+
+TEST_CASE("the regions reached in perspective hold every point of the volume's box") {
+  FrameSpec spec;
+  spec.how = Sheets{};
+  spec.shown.transfer_function = ramp(20, 255, 0.9);
+  spec.division.region_size = 16;
+  const glm::ivec3 dims{30, 20, 25};
+  for (const Camera& camera :
+       {Camera{.azimuth = 31, .elevation = 17, .zoom = 0.5, .fov = 60},
+        Camera{.azimuth = 120, .elevation = -40, .zoom = 0.6, .fov = 100, .distance = 1.05},
+        Camera{.azimuth = 0, .elevation = 0, .zoom = 0.4, .fov = 120, .distance = 0.6}}) {
+    spec.shown.camera = camera;
+    const FrameGeometry g = make_geometry(spec, make_grid(dims));
+    for (int i = 0; i <= 4; ++i)
+      for (int j = 0; j <= 4; ++j)
+        for (int k = 0; k <= 4; ++k) {
+          const glm::dvec3 p = 0.25 * glm::dvec3(i, j, k) * glm::dvec3(dims) - 0.5;
+          if (!std::isfinite(g.view.magnification(p))) continue;
+          const glm::dvec2 at = glm::floor(g.view.seen_at(p));
+          if (at.x < 0 || at.y < 0 || at.x >= g.width || at.y >= g.height) continue;
+          const int column = int(at.x) / 16, row = int(at.y) / 16;
+          REQUIRE(column >= g.reached.x0);
+          REQUIRE(column < g.reached.x1);
+          REQUIRE(row >= g.reached.y0);
+          REQUIRE(row < g.reached.y1);
+        }
+    CHECK((g.reached.x1 - g.reached.x0) * (g.reached.y1 - g.reached.y0) < 32 * 32);
   }
 }

@@ -232,8 +232,9 @@ TEST_CASE("differences at the volume's faces are one-sided, so that a ramp is li
     for (const int light_points : {1, 2}) {
       const auto spec = lit(sheets_spec(constant_opacity(0.4), 24, camera, 2, light_points));
       const auto scene = scene_of(volume, spec);
-      const truth::Phong phong(scene, make_view(camera, {.dims = {7, 8, 9}}, 24, 24));
-      const glm::dvec3 expected = phong.shade(glm::dvec3(1.0), {-3, -2, -1});
+      const ViewTransform view = make_view(camera, {.dims = {7, 8, 9}}, 24, 24);
+      const glm::dvec3 expected =
+          truth::Phong(scene, view).shade(glm::dvec3(1.0), {-3, -2, -1}, view.to_viewer);
       double largest = 0;
       for (const auto& colour : truth::method_truth(scene, truth::all_pixels(24, 24)))
         largest = std::max(largest, std::abs(colour.x - colour.w * expected.x));

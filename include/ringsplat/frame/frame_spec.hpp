@@ -105,8 +105,11 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), words with less than float precision.
+/// zero, a threshold outside [0, 1), words with less than float precision, a projection that the method has
+/// not.
 void check(const FrameSpec& spec);
+/// Throws InputError when the method cannot draw the camera's kind of view.
+void check_projection(const Camera& camera, const Method& method);
 
 /// Exact bytes and back, for ranks of one build. decode_frame_spec() throws RunError when they are no
 /// FrameSpec; check() tells whether its values make sense.

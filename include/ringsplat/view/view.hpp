@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <optional>
 
@@ -15,18 +16,27 @@ struct LatticeFrame {
   glm::dmat3 direction{1.0};
 };
 
-/// Orthographic camera. Angles in degrees. At azimuth = elevation = roll = 0 the viewer looks along world +y,
-/// world x to the right and world z up: in patient coordinates (LPS) at the face, with the patient's left at
-/// the right of the picture. Azimuth turns the viewer about world z (at 90 it stands at +x and looks along
-/// -x, world y to the right), elevation lifts it (at 90 it looks straight down, world y up in the picture),
-/// roll turns the picture clockwise. Multiples of 90 degrees are exact. Zoom 1 fits the bounding sphere of
-/// the volume's box (half a voxel beyond the outer voxel centres) to the shorter side of the image; the box's
-/// centre is at the image's centre, at depth 0.
+/// Orthographic camera, or with a `fov` a perspective one. Angles in degrees. At azimuth = elevation = roll =
+/// 0 the viewer looks along world +y, world x to the right and world z up: in patient coordinates (LPS) at
+/// the face, with the patient's left at the right of the picture. Azimuth turns the viewer about world z (at
+/// 90 it stands at +x and looks along -x, world y to the right), elevation lifts it (at 90 it looks straight
+/// down, world y up in the picture), roll turns the picture clockwise. Multiples of 90 degrees are exact.
+/// Zoom 1 fits the bounding sphere of the volume's box (half a voxel beyond the outer voxel centres) to the
+/// shorter side of the image; the box's centre is at the image's centre, at depth 0.
+///
+/// A perspective camera's eye lies before the box's centre, towards the viewer, at `distance`. The plane
+/// through that centre parallel to the picture, at depth 0, then fills `fov` degrees of the shorter side at
+/// zoom 1. Zoom enlarges the picture and leaves the eye where it is.
 struct Camera {
   double azimuth = 0, elevation = 0, roll = 0, zoom = 1;
   /// World to screen, instead of angles and zoom. Its rows give pixels right, pixels down, and pixels of
   /// depth away from the viewer. It may mirror.
   std::optional<std::array<double, 12>> matrix = std::nullopt;
+  /// Degrees of the picture's shorter side, 0.01 to 179; 0: orthographic. Not with a matrix.
+  double fov = 0;
+  /// From the eye to the box's centre in radii of the bounding sphere, up to 1e5. 0: 1 / tan(fov / 2), so
+  /// that the plane through the centre is shown as by the orthographic camera.
+  double distance = 0;
   bool operator==(const Camera&) const = default;
 };
 
@@ -38,11 +48,20 @@ struct ViewTransform {
   double pixels_per_unit = 1;              ///< pixels a world unit (of a matrix: the cube root of |det|)
   glm::dvec3 to_viewer{0, 0, 1};           ///< world direction, unit length
   glm::dvec3 right{1, 0, 0}, up{0, 0, 1};  ///< world directions of the picture's axes, unit length
+  /// Of a perspective view, in lattice coordinates. All else describes the orthographic view with which it
+  /// agrees at depth 0: a pixel's ray goes from the eye to the point there that the pixel's centre shows.
+  std::optional<glm::dvec3> eye = std::nullopt;
+  /// As the orthographic view shows it.
   glm::dvec3 project(const glm::dvec3& lattice) const { return linear * lattice + offset; }
+  /// How much larger than at depth 0 things are shown at a lattice point: infinitely beside or behind the
+  /// eye, 1 in an orthographic view.
+  double magnification(const glm::dvec3& lattice) const;
+  /// The point's place in the picture, in pixels. Its magnification must be finite.
+  glm::dvec2 seen_at(const glm::dvec3& lattice) const;
 };
 
 /// Image of width × height pixels. Throws InputError: zoom not positive and finite, an angle not finite, a
-/// singular matrix, an image without pixels, an invalid lattice.
+/// singular matrix, an image without pixels, an invalid lattice, a field of view or a distance out of range.
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height);
 
 /// The slice set most parallel to the view plane and the order of its slices, front to back.
@@ -57,6 +76,10 @@ struct Traversal {
 /// A pure function of the view. Ties (|cos| equal to 1e-9, relative) go to z before y before x. The view is
 /// never parallel to the chosen slices: the largest |cos| is at least 1/√3 when the lattice's axes are
 /// orthogonal, and above zero when they are oblique.
+///
+/// In a perspective view angle and distance are the central ray's. All rays must meet the slices in one
+/// order, so only axes count along which the eye lies outside of the box [−½, n − ½]. Throws InputError when
+/// the eye is inside the box.
 Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice);
 
 }  // namespace ringsplat
