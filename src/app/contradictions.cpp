@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <string>
 
+#include "app/method_options.hpp"
 #include "app/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -12,6 +13,27 @@ namespace ringsplat::app {
 namespace {
 
 using enum Relation;
+
+/// The options that choose an engine.
+std::vector<Which> choices_of(Engine engine) {
+  std::vector<Which> all{{.option = "--engine", .value = name(engine)}};
+  for (const Quality quality : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
+    if (engine_of(quality) == engine) all.push_back({.option = "--quality", .value = name(quality)});
+  return all;
+}
+
+const std::vector<Which> only_splats{{"--radius"},  {"--kernel"},        {"--phases"},   {"--qee-bits"},
+                                     {"--payload"}, {"--normalisation"}, {"--precision"}};
+const std::vector<Which> only_sheets{
+    {"--slabs"}, {"--light-points"}, {.option = "--samples", .value = "1.5"}};
+
+/// The rule for options of one engine: it must be the usual one, or be chosen.
+Rule rule_for(const std::vector<Which>& options, Engine engine, const char* way_out, const char* problem) {
+  if (engine_of(usual_quality) == engine)
+    return {options, excludes, choices_of(engine == Engine::splats ? Engine::sheets : Engine::splats),
+            way_out, problem};
+  return {options, needs, choices_of(engine), way_out, problem};
+}
 
 const Rule all_rules[] = {
     {{{"--orbit"}}, excludes, {{"--path"}}, "each says what all frames are: keep one"},
@@ -52,6 +74,20 @@ const Rule all_rules[] = {
      excludes,
      {{"--error"}},
      "--max-error measures each picture against the method's truth itself: leave out --error"},
+    {{{.option = "--engine", .value = "splats"}},
+     excludes,
+     {{.option = "--quality", .value = "draft"},
+      {.option = "--quality", .value = "normal"},
+      {.option = "--quality", .value = "best"}},
+     "only --quality paper draws splats: leave one out"},
+    {{{.option = "--engine", .value = "sheets"}},
+     excludes,
+     {{.option = "--quality", .value = "paper"}},
+     "--quality paper draws splats: leave one out"},
+    rule_for(only_splats, Engine::splats, "leave out {0} or use --quality paper",
+             "{0} has no effect on sheets"),
+    rule_for(only_sheets, Engine::sheets, "leave out {0} or use --quality best",
+             "{0} has no effect on splats"),
     {{{"--presets"}},
      excludes,
      {{"volume"}, {"--gps"}, {"--ranks"}},
@@ -98,10 +134,17 @@ const Rule all_rules[] = {
      "--phases has no effect on kernels that are computed"},
     {{{"--samples"}},
      needs,
-     {{.option = "--image-plane", .value = "slices"}},
+     {{.option = "--image-plane", .value = "slices"},
+      {.option = "--quality", .value = "draft"},
+      {.option = "--quality", .value = "normal"}},
      "leave out --samples or use --image-plane slices",
      "--samples has no effect on the screen, whose pixels --size counts"},
-    {{{"--light"}, {"--ambient"}, {"--diffuse"}, {"--specular"}, {"--exponent"}},
+    {{{"--samples"}},
+     excludes,
+     {{.option = "--image-plane", .value = "screen"}},
+     "leave out --samples or use --image-plane slices",
+     "--samples has no effect on the screen, whose pixels --size counts"},
+    {{{"--light"}, {"--light-points"}, {"--ambient"}, {"--diffuse"}, {"--specular"}, {"--exponent"}},
      excludes,
      {{.option = "--shading", .value = "none"}},
      "leave out {0} or use --shading phong",
@@ -168,6 +211,14 @@ bool has(const CLI::App& app, const Which& which) {
   const auto options = app.get_options();
   return std::any_of(options.begin(), options.end(),
                      [&](const auto* option) { return means(which, *option); });
+}
+
+bool concerns_one_engine(const CLI::Option& option) {
+  static const std::vector<Which> naming{{"--engine"}, {"--quality"}};
+  for (const auto* all : {&naming, &only_splats, &only_sheets})
+    for (const Which& which : *all)
+      if (given(option, which)) return true;
+  return false;
 }
 
 void refuse_contradictions(const CLI::App& app) {

@@ -35,6 +35,9 @@ bool means(const Which& which, const CLI::Option& option);
 /// True when a subcommand has an option that `which` means.
 bool has(const CLI::App& app, const Which& which);
 
+/// True when a parsed subcommand's option is given and names an engine, or has a meaning for one engine only.
+bool concerns_one_engine(const CLI::Option& option);
+
 /// Throws InputError, with the way out as hint, when a parsed subcommand's options break a rule.
 void refuse_contradictions(const CLI::App& app);
 

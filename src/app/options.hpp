@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "app/error_budget_options.hpp"
+#include "app/method_options.hpp"
 #include "app/option_values.hpp"
 #include "app/truth_options.hpp"
 #include "net/loopback.hpp"
@@ -42,7 +43,10 @@ struct RunOptions {
 struct RenderOptions {
   VolumeOptions volume;
   RunOptions run;
-  FrameSpec frame;  ///< without its transfer function, which may depend on the volume's histogram
+  /// Without its transfer function, which may depend on the volume's histogram. Its `how` follows from
+  /// `method`.
+  FrameSpec frame;
+  MethodOptions method;
   std::string transfer_function = "auto", transfer_function_out;
   int orbit = 0;
   std::string path;

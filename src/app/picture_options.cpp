@@ -1,4 +1,4 @@
-// The options of a picture. Only this file binds options to the frame's description.
+// The options of a picture, but for those of its method as a whole (method_options.cpp).
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -124,25 +124,25 @@ constexpr OptionRow<Render> picture_rows[] = {
     {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
      [](Render& o) { return value(o.frame.shown.material.exponent); }},
     {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
-     [](Render& o) { return value(o.frame.as<Splats>().kernel_radius); }},
+     [](Render& o) { return value(o.method.splats.kernel_radius); }},
     {"--kernel", nullptr, initial,
      "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().kernel.method,
+       return choice(o.method.splats.kernel.method,
                      {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
      }},
     {"--phases", nullptr, initial,
      "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
-     [](Render& o) { return value(o.frame.as<Splats>().kernel.phases); }},
+     [](Render& o) { return value(o.method.splats.kernel.phases); }},
     {"--qee-bits", nullptr, initial,
      "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32",
-     [](Render& o) { return value(o.frame.as<Splats>().kernel.qee_bits); }},
+     [](Render& o) { return value(o.method.splats.kernel.qee_bits); }},
     {"--normalisation", nullptr, initial,
      "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().kernel.normalisation, {{"none", Normalisation::none},
-                                                                 {"constant", Normalisation::constant},
-                                                                 {"exact", Normalisation::exact}});
+       return choice(o.method.splats.kernel.normalisation, {{"none", Normalisation::none},
+                                                            {"constant", Normalisation::constant},
+                                                            {"exact", Normalisation::exact}});
      }},
     {"--region", "N", nullptr,
      "Pixels of the side of a Renderer's region; without it 128, or 64 or 32 where the volume covers too few "
@@ -160,26 +160,27 @@ constexpr OptionRow<Render> shortcut_rows[] = {
     {"--prefilter", nullptr, nullptr,
      "Undersampled voxels are filtered from those that they stand for, not picked",
      [](Render& o) { return flag(o.frame.shown.reduction.prefilter); }},
-    {"--image-plane", nullptr, initial,
-     "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end",
+    {"--image-plane", nullptr, nullptr,
+     "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end; "
+     "without it slices for --quality draft and normal",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().image_plane,
-                     {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
+       return choice(o.method.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
      }},
-    {"--samples", "1|2|4", initial, "In the slices' plane: pixels a voxel along each axis",
-     [](Render& o) { return value(o.frame.as<Splats>().plane_samples); }},
+    {"--samples", "1|1.5|2|4", nullptr,
+     "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 2 for --quality "
+     "normal, else 1",
+     [](Render& o) { return value(o.method.samples); }},
     {"--opaque-threshold", nullptr, initial,
      "Nothing is added to a pixel through which less light than this comes; 0: everything is",
      [](Render& o) { return one_part(o.frame.shown.opaque_threshold); }},
     {"--payload", nullptr, initial,
      "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().payload,
-                     {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
+       return choice(o.method.splats.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
      }},
     {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
      [](Render& o) {
-       return choice(o.frame.as<Splats>().precision,
+       return choice(o.method.splats.precision,
                      {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}});
      }},
 };

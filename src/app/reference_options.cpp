@@ -34,7 +34,8 @@ constexpr OptionRow<Error> error_rows[] = {
 using Reference = ReferenceOptions;
 constexpr OptionRow<Reference> truth_rows[] = {
     {"--truth", "method|field|analytic", "field",
-     "The splatting method's own picture, the integral of the interpolated volume, or that of the formula it "
+     "The method's own picture (--quality), the integral of the interpolated volume, or that of the formula "
+     "it "
      "was made from",
      [](Reference& o) { return parsed(o.truth, truth_from); }},
     {"--tolerance", nullptr, initial, "Error of the integral that is allowed in a final colour",
@@ -76,7 +77,8 @@ void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
   if (o.truth == TruthKind::method)
     unknown.push_back("--tolerance");
   else
-    unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction"});
+    unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction", "--engine",
+                                   "--quality", "--slabs", "--light-points"});
   for (const char* name : unknown)
     if (app.get_option(name)->count() > 0) o.without_effect.emplace_back(name);
 }

@@ -46,13 +46,10 @@ FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, con
   spec.shown.width = list.width;
   spec.shown.height = list.height;
   spec.shown.transfer_function = tf;
-  spec.as<Splats>().kernel_radius = setting.radius;
-  spec.as<Splats>().kernel = setting.kernel;
+  spec.how = setting.how;
   spec.shown.opacity_correction = setting.opacity_correction;
   spec.shown.shading = setting.shading;
   spec.division.region_size = setting.region_size;
-  spec.as<Splats>().image_plane = setting.image_plane;
-  spec.as<Splats>().plane_samples = setting.samples;
   check(spec);
   return spec;
 }
@@ -95,37 +92,61 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
+/// A row's columns that say how it is drawn; what only the other engine has is null.
+nlohmann::ordered_json columns_of(const Method& method) {
+  const auto* splats = std::get_if<Splats>(&method);
+  const auto* sheets = std::get_if<Sheets>(&method);
+  nlohmann::ordered_json j{{"engine", name(method)}};
+  for (const char* column :
+       {"radius", "kernel", "phases", "qee_bits", "normalisation", "slabs", "light_points"})
+    j[column] = nullptr;
+  if (splats != nullptr) {
+    j["radius"] = splats->kernel_radius;
+    j["kernel"] = name(splats->kernel.method);
+    j["phases"] = splats->kernel.phases;
+    j["qee_bits"] = splats->kernel.qee_bits;
+    j["normalisation"] = name(splats->kernel.normalisation);
+  }
+  if (sheets != nullptr) {
+    j["slabs"] = sheets->slabs;
+    j["light_points"] = sheets->light_points;
+  }
+  std::visit(
+      [&](const auto& how) {
+        j["image_plane"] = name(how.image_plane);
+        j["plane_samples"] = how.plane_samples;
+      },
+      method);
+  return j;
+}
+
 nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
                               const Camera& camera, const Timed& timed, TruthKind truth,
                               const truth::SampledError& error, const KeptPictures& kept) {
   const NodeStats sum = timed.stats.total();
-  return {{"scene", s.name},
-          {"setting", setting.name},
-          {"radius", setting.radius},
-          {"kernel", name(setting.kernel.method)},
-          {"phases", setting.kernel.phases},
-          {"qee_bits", setting.kernel.qee_bits},
-          {"normalisation", name(setting.kernel.normalisation)},
-          {"opacity_correction", setting.opacity_correction},
-          {"phong", setting.shading == Shading::phong},
-          {"azimuth", camera.azimuth},
-          {"elevation", camera.elevation},
-          {"roll", camera.roll},
-          {"zoom", camera.zoom},
-          {"axis", std::string(1, name(timed.axis))},
-          {"seconds", median(timed.seconds)},
-          {"frames", timed.seconds.size()},
-          {"splats", sum.splats_sent},
-          {"bytes", sum.payload_bytes_sent},
-          {"truth", to_string(truth)},
-          {"pixels", error.pixels},
-          {"rmse", error.rmse},
-          {"rmse_low", error.rmse_low},
-          {"rmse_high", error.rmse_high},
-          {"largest", error.largest},
-          {"mean", error.mean},
-          {"picture", kept.picture},
-          {"truth_picture", kept.truth}};
+  nlohmann::ordered_json row{{"scene", s.name}, {"setting", setting.name}};
+  row.update(columns_of(setting.how));
+  row.update({{"opacity_correction", setting.opacity_correction},
+              {"phong", setting.shading == Shading::phong},
+              {"azimuth", camera.azimuth},
+              {"elevation", camera.elevation},
+              {"roll", camera.roll},
+              {"zoom", camera.zoom},
+              {"axis", std::string(1, name(timed.axis))},
+              {"seconds", median(timed.seconds)},
+              {"frames", timed.seconds.size()},
+              {"splats", sum.splats_sent},
+              {"bytes", sum.payload_bytes_sent},
+              {"truth", to_string(truth)},
+              {"pixels", error.pixels},
+              {"rmse", error.rmse},
+              {"rmse_low", error.rmse_low},
+              {"rmse_high", error.rmse_high},
+              {"largest", error.largest},
+              {"mean", error.mean},
+              {"picture", kept.picture},
+              {"truth_picture", kept.truth}});
+  return row;
 }
 
 std::string to_csv(const nlohmann::ordered_json& rows) {
@@ -135,7 +156,9 @@ std::string to_csv(const nlohmann::ordered_json& rows) {
   for (const auto& row : rows) {
     std::vector<std::string> cells;
     for (const auto& value : row)
-      cells.push_back(value.is_string() ? value.get<std::string>() : plain_json_text(value));
+      cells.push_back(value.is_string() ? value.get<std::string>()
+                      : value.is_null() ? ""
+                                        : plain_json_text(value));
     lines.push_back(joined(cells, ","));
   }
   return joined(lines, "\n") + "\n";

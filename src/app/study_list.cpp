@@ -71,6 +71,29 @@ qee_bits = 10
 [setting.ten-bits-exact]
 qee_bits = 10
 normalisation = "exact"
+[setting.slabs-1]
+engine = "sheets"
+slabs = 1
+[setting.slabs-2]
+engine = "sheets"
+slabs = 2
+[setting.slabs-3]
+engine = "sheets"
+slabs = 3
+[setting.light-points-1]
+engine = "sheets"
+light_points = 1
+phong = true
+[setting.light-points-2]
+engine = "sheets"
+light_points = 2
+phong = true
+[setting.draft]
+quality = "draft"
+[setting.normal]
+quality = "normal"
+[setting.best]
+quality = "best"
 )";
 
 namespace {
@@ -100,6 +123,7 @@ class Reader {
       else
         wrong(item, "is in no section [scene.NAME] or [setting.NAME]");
     }
+    for (auto& s : list_.settings) settle(s);
     check();
     return list_;
   }
@@ -136,12 +160,24 @@ class Reader {
     return word == "true";
   }
 
-  /// The value whose name() equals the item's text.
+  template <class T>
+  static std::string word_of(const T& value) {
+    return name(value);
+  }
+
+  double samples(const CLI::ConfigItem& item) const {
+    const double value = number(item, text(item));
+    if (value != 1 && value != 1.5 && value != 2 && value != 4)
+      wrong(item, fmt::format("is {}, not 1, 1.5, 2 or 4", text(item)));
+    return value;
+  }
+
+  /// The value whose word equals the item's text.
   template <class T>
   T one_of(const CLI::ConfigItem& item, std::initializer_list<T> values) const {
     std::vector<std::string> names;
     for (const T value : values) {
-      names.push_back(ringsplat::name(value));
+      names.push_back(word_of(value));
       if (names.back() == text(item)) return value;
     }
     wrong(item, fmt::format("is '{}', not {}", text(item), joined(names, " or ")));
@@ -220,28 +256,50 @@ class Reader {
 
   void setting(const CLI::ConfigItem& item, StudyList::Setting& s) const {
     if (item.name == "radius")
-      s.radius = number(item, text(item));
+      s.method.splats.kernel_radius = number(item, text(item));
     else if (item.name == "opacity_correction")
       s.opacity_correction = flag(item);
     else if (item.name == "phong")
       s.shading = flag(item) ? Shading::phong : Shading::none;
     else if (item.name == "kernel")
-      s.kernel.method = one_of(item, {KernelMethod::qee, KernelMethod::texture});
+      s.method.splats.kernel.method = one_of(item, {KernelMethod::qee, KernelMethod::texture});
     else if (item.name == "phases")
-      s.kernel.phases = count(item, 1, 16);
+      s.method.splats.kernel.phases = count(item, 1, 16);
     else if (item.name == "qee_bits")
-      s.kernel.qee_bits = count(item, 0, 16);
+      s.method.splats.kernel.qee_bits = count(item, 0, 16);
     else if (item.name == "normalisation")
-      s.kernel.normalisation =
+      s.method.splats.kernel.normalisation =
           one_of(item, {Normalisation::none, Normalisation::constant, Normalisation::exact});
     else if (item.name == "region")
       s.region_size = count(item, 1, 1 << 20);
     else if (item.name == "image_plane")
-      s.image_plane = one_of(item, {ImagePlane::screen, ImagePlane::slices});
+      s.method.image_plane = one_of(item, {ImagePlane::screen, ImagePlane::slices});
     else if (item.name == "samples")
-      s.samples = count(item, 1, 4);
+      s.method.samples = samples(item);
+    else if (item.name == "engine")
+      s.method.engine = one_of(item, {Engine::splats, Engine::sheets});
+    else if (item.name == "quality")
+      s.method.quality = one_of(item, {Quality::paper, Quality::draft, Quality::normal, Quality::best});
+    else if (item.name == "slabs")
+      s.method.slabs = count(item, 1, Sheets::most_slabs);
+    else if (item.name == "light_points")
+      s.method.light_points = count(item, 1, 2);
     else
       wrong(item, "is no key of a setting");
+  }
+
+  /// Throws InputError that names the setting when its keys contradict each other.
+  void settle(StudyList::Setting& s) const {
+    if (!s.method.engine && !s.method.quality) s.method.quality = Quality::paper;
+    try {
+      s.how = method_for(s.method);
+      if (const auto* splats = std::get_if<Splats>(&s.how))
+        ringsplat::check(splats->kernel, splats->kernel_radius);
+      if (s.method.light_points && s.shading == Shading::none)
+        throw InputError("light_points has no effect on what is not lit", "add phong = true");
+    } catch (const InputError& e) {
+      throw InputError(fmt::format("{}: setting {}: {}", where_, s.name, e.what()));
+    }
   }
 
   void check() const {
@@ -253,7 +311,6 @@ class Reader {
         throw InputError(fmt::format("{}: scene {} needs either synth or volume", where_, s.name), hint);
       if (!s.synth.empty()) static_cast<void>(synth_field(s.synth));
     }
-    for (const auto& s : list_.settings) ringsplat::check(s.kernel, s.radius);
     const bool analytic =
         std::find(list_.truths.begin(), list_.truths.end(), TruthKind::analytic) != list_.truths.end();
     for (const auto& s : list_.scenes)

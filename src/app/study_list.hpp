@@ -18,13 +18,11 @@ struct StudyList {
   };
   struct Setting {
     std::string name;
-    double radius = 1.6;
-    KernelOptions kernel = {};
+    MethodOptions method;
+    Method how;  ///< what `method` means
     bool opacity_correction = true;
     Shading shading = Shading::none;
     int region_size = 0;  ///< as in Division
-    ImagePlane image_plane = ImagePlane::screen;
-    int samples = 1;
   };
   std::vector<Scene> scenes;
   std::vector<Setting> settings;

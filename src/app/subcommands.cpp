@@ -21,6 +21,7 @@ void add_render_options(CLI::App& app, AllOptions& all) {
   add_options(app, view_options, o);
   add_options(app, size_options, o);
   add_options(app, tf_output_options, o);
+  add_options(app, method_options, o);
   add_options(app, picture_options, o);
   add_options(app, shortcut_options, o);
   add_options(app, rank_options, o.run);
@@ -37,6 +38,7 @@ Command settle_render(const CLI::App& app, AllOptions& all) {
   if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
+  o.frame.how = method_for(o.method);
   note_fixed_shortcuts(app, o.budget);
   if (o.budget.max_error) o.error.truth = TruthKind::method;
   return o;
@@ -49,12 +51,14 @@ void add_info_options(CLI::App& app, AllOptions& all) {
   add_options(app, prediction_options, o);
   add_options(app, view_options, o.picture);
   add_options(app, size_options, o.picture);
+  add_options(app, method_options, o.picture);
   add_options(app, picture_options, o.picture);
   add_options(app, shortcut_options, o.picture);
 }
 
 Command settle_info(const CLI::App& app, AllOptions& all) {
   if (!all.info.presets) require_volume(app, all.info.volume);
+  all.info.picture.frame.how = method_for(all.info.picture.method);
   return all.info;
 }
 
@@ -74,11 +78,13 @@ void add_reference_options(CLI::App& app, AllOptions& all) {
   add_options(app, view_options, o.picture);
   add_options(app, size_options, o.picture);
   add_options(app, tf_output_options, o.picture);
+  add_options(app, method_options, o.picture);
   add_options(app, picture_options, o.picture);
 }
 
 Command settle_reference(const CLI::App& app, AllOptions& all) {
   require_volume(app, all.reference.picture.volume);
+  all.reference.picture.frame.how = method_for(all.reference.picture.method);
   note_options_without_effect(app, all.reference);
   return all.reference;
 }
