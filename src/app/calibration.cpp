@@ -90,8 +90,8 @@ void Calibration::evaluate_truths() {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     reference_.shown.camera = views_[v];
     set_frame(scene_, reference_);
-    truths_.push_back(
-        sample_truth(pictures_[v], scene_, {.truth = TruthKind::method}, error_.pixels, error_.seed));
+    truths_.push_back(sample_truth(pictures_[v], scene_, {.truth = error_.truth.value_or(TruthKind::method)},
+                                   error_.pixels, error_.seed));
   }
   scene_ = {};
   pictures_.clear();

@@ -16,8 +16,8 @@ std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std:
                                       const Grid& grid, int width, int height);
 
 /// Measures time and error of each setting. It renders every view once to choose the pixels at which to
-/// evaluate the reference's truth of the method, then every view with each setting in turn: as often as some
-/// seconds allow, at most five times. Rank 0 only.
+/// evaluate the truth (`error.truth`: the reference's method's unless it says another), then every view with
+/// each setting in turn: as often as some seconds allow, at most five times. Rank 0 only.
 class Calibration {
  public:
   /// Reads the volume. Throws InputError as read_whole does.

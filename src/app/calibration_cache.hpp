@@ -12,8 +12,8 @@
 namespace ringsplat::app {
 
 /// All that a calibration depends on, as JSON text: the program, the volume's file (absolute path, size, time
-/// of its last change) and values (histogram), the frame without its view, the views measured, the choice,
-/// the layout and the sample of pixels.
+/// of its last change) and values (histogram), the frame without its view, the views measured, the truth, the
+/// choice, the layout and the sample of pixels.
 std::string calibration_key(const RenderOptions& options, const FrameSpec& reference, const Layout& layout,
                             const Histogram& histogram, const std::vector<Camera>& views);
 

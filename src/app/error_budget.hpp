@@ -12,10 +12,7 @@ namespace ringsplat::app {
 /// What an error budget may trade for speed (docs/accuracy.md, "An error budget").
 struct Shortcuts {
   double opaque_threshold = 0;
-  Precision precision = Precision::float32;
-  double radius = 1.6;  ///< kernel radius in lattice distances
-  ImagePlane plane = ImagePlane::screen;
-  int samples = 1;  ///< pixels a voxel in the slices' plane
+  Method how;  ///< engine, image plane, and what only this engine has
   int undersample = 1;
   bool operator==(const Shortcuts&) const = default;
 };
@@ -29,8 +26,9 @@ std::vector<int> levels_to_choose_from();
 /// The command-line options that set these shortcuts.
 std::string to_text(const Shortcuts& shortcuts);
 
-/// All combinations to choose from, the most exact first. Settings that the user has fixed, or that `frame`
-/// leaves no choice of (words carry only float), stay as in `frame`.
+/// All combinations to choose from, those of the frame's engine first, for each engine as it was asked for
+/// first. Settings that the user has fixed, or that `frame` leaves no choice of (words carry only float),
+/// stay as in `frame`.
 std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& options);
 
 struct MeasuredShortcuts {

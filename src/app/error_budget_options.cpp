@@ -23,8 +23,10 @@ Binding error_above_zero(std::optional<double>& target) {
 
 constexpr OptionRow<Budget> error_budget_rows[] = {
     {"--max-error", "RMSE", nullptr,
-     "Choose the cheapest --opaque-threshold, --precision, --radius, --image-plane and --undersample whose "
-     "RMSE against the method's truth stays within this, in 1/255; those given are kept",
+     "Choose the cheapest --opaque-threshold, --precision, --radius, --slabs, --light-points, --image-plane "
+     "and --undersample whose RMSE against the method's truth stays within this, in 1/255; with --error "
+     "field "
+     "against the field's, and --engine, too; those given are kept",
      [](Budget& o) { return error_above_zero(o.max_error); }},
 };
 
@@ -39,6 +41,8 @@ void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& o) {
   o.fixed_precision = given("--precision");
   o.fixed_radius = given("--radius");
   o.fixed_image_plane = given("--image-plane");
+  o.fixed_slabs = given("--slabs");
+  o.fixed_light_points = given("--light-points");
   o.fixed_undersample = given("--undersample") || given("--progressive");
 }
 

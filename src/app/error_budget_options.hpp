@@ -1,6 +1,8 @@
 #pragma once
 #include <optional>
 
+#include "ringsplat/frame/frame_spec.hpp"
+
 namespace CLI {
 class App;
 }
@@ -8,10 +10,13 @@ class App;
 namespace ringsplat::app {
 
 struct ErrorBudgetOptions {
-  std::optional<double> max_error;  ///< RMSE in 1/255 against the method's truth; nothing: choose nothing
+  std::optional<double> max_error;  ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
   /// Settings that the user gave, so they are not chosen.
   bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false,
-       fixed_image_plane = false, fixed_undersample = false;
+       fixed_image_plane = false, fixed_undersample = false, fixed_slabs = false, fixed_light_points = false;
+  bool to_field = false;  ///< the error is against the field's truth, not the method's
+  /// What the same options mean for the other engine, where the engine is to be chosen, too.
+  std::optional<Method> other_engine;
 };
 
 /// Records which settings the user of a parsed subcommand has fixed.

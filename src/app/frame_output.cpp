@@ -88,9 +88,9 @@ void FrameOutput::measure_kept() {
   truth::Scene scene = make_scene(read_whole(*source));
   for (const FinishedFrame& frame : kept_) {
     const auto& [result, file] = frame;
-    set_frame(scene, result.spec);
-    scene.radius = options_.frame.as<Splats>()
-                       .kernel_radius;  // the requested radius: an error budget may have chosen a smaller one
+    FrameSpec asked = result.spec;
+    asked.how = options_.frame.how;  // an error budget may have chosen a cheaper one
+    set_frame(scene, asked);
     const MeasuredError error = measure(result.image, scene, options_.error);
     write(frame, &error);
     progress_.print(to_text(error));

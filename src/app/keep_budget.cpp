@@ -21,9 +21,17 @@ std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double
   std::vector<std::string> fixed;
   if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
   if (o.fixed_undersample && frame.shown.reduction.factor > 1) fixed.push_back("--undersample");
-  if (o.fixed_image_plane && frame.as<Splats>().image_plane == ImagePlane::slices)
-    fixed.push_back("--image-plane");
-  if (o.fixed_precision && frame.as<Splats>().precision != Precision::float32) fixed.push_back("--precision");
+  std::visit(
+      [&](const auto& how) {
+        if (o.fixed_image_plane && how.image_plane == ImagePlane::slices) fixed.push_back("--image-plane");
+        if constexpr (std::is_same_v<std::decay_t<decltype(how)>, Splats>) {
+          if (o.fixed_precision && how.precision != Precision::float32) fixed.push_back("--precision");
+        } else {
+          if (o.fixed_slabs && how.slabs < Sheets::most_slabs) fixed.push_back("--slabs");
+          if (o.fixed_light_points && how.light_points < 2) fixed.push_back("--light-points");
+        }
+      },
+      frame.how);
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
 }
@@ -99,7 +107,7 @@ bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
   launch.check_on_rank_0([&] {
     const MeasuredShortcuts chosen = choose(*measured, o.budget, frame);
     frame = with(frame, chosen.shortcuts);
-    progress.print(to_text(chosen, measured->front()));
+    progress.print(to_text(chosen, (*measured)[most_exact(*measured)]));
   });
   return !known;
 }

@@ -40,7 +40,10 @@ Command settle_render(const CLI::App& app, AllOptions& all) {
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
   o.frame.how = method_for(o.method);
   note_fixed_shortcuts(app, o.budget);
-  if (o.budget.max_error) o.error.truth = TruthKind::method;
+  if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
+  o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;
+  // A method's truth is its own, so that only the field's tells which engine is nearer.
+  if (o.budget.to_field && !engine_is_chosen(app)) o.budget.other_engine = method_for_other_engine(o.method);
   return o;
 }
 

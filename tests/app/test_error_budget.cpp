@@ -2,12 +2,14 @@
 #include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "app/calibration_cache.hpp"
 #include "app/error_budget.hpp"
 #include "app/image_io.hpp"
 #include "app/program_runner.hpp"
 #include "support/catch.hpp"
+#include "support/scenes.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app;
@@ -22,7 +24,7 @@ namespace fs = std::filesystem;
 namespace {
 
 MeasuredShortcuts measured(double radius, double seconds, double rmse_high) {
-  return {{0, Precision::float32, radius}, seconds, 0.9 * rmse_high, rmse_high};
+  return {{0, Splats{.kernel_radius = radius, .kernel = {}}}, seconds, 0.9 * rmse_high, rmse_high};
 }
 
 /// Holds the volume and the cache of its runs in a folder that is removed with it.
@@ -91,7 +93,7 @@ TEST_CASE("what takes the same time up to its measurement is chosen by its error
 TEST_CASE("only what the user left open is to be chosen") {
   FrameSpec frame;
   const auto all = candidates(frame, {});
-  CHECK(all.front() == Shortcuts{0, Precision::float32, frame.as<Splats>().kernel_radius});
+  CHECK(all.front() == Shortcuts{0, frame.how});
   // Four radii on the screen, two kinds of the slices' plane, two levels in the coarser one.
   CHECK(all.size() == 4 * 3 * (4 + 2 + 2));
   ErrorBudgetOptions options;
@@ -100,14 +102,16 @@ TEST_CASE("only what the user left open is to be chosen") {
   frame.as<Splats>().kernel_radius = 1.3;
   frame.as<Splats>().precision = Precision::half;
   frame.shown.opaque_threshold = 0.25;
-  CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, Precision::half, 1.3}});
+  CHECK(candidates(frame, options) == std::vector{Shortcuts{0.25, frame.how}});
   options.fixed_opaque_threshold = false;
   CHECK(candidates(frame, options).size() == 4);
   FrameSpec words;
   words.as<Splats>().payload = PayloadForm::words;
   for (const Shortcuts& s : candidates(words, {})) {
-    CHECK(s.precision == Precision::float32);
-    CHECK_NOTHROW(check(with(words, s).as<Splats>().kernel, s.radius));
+    const Splats how = with(words, s).as<Splats>();
+    CHECK(how.precision == Precision::float32);
+    CHECK(how.payload == PayloadForm::words);
+    CHECK_NOTHROW(check(how.kernel, how.kernel_radius));
   }
 }
 
@@ -118,9 +122,10 @@ TEST_CASE("a fixed image plane or level is the only one") {
   ErrorBudgetOptions options;
   options.fixed_image_plane = true;
   for (const Shortcuts& s : candidates(frame, options)) {
-    CHECK(s.plane == ImagePlane::slices);
-    CHECK(s.samples == 2);
-    CHECK(s.radius == frame.as<Splats>().kernel_radius);
+    const Splats how = std::get<Splats>(s.how);
+    CHECK(how.image_plane == ImagePlane::slices);
+    CHECK(how.plane_samples == 2);
+    CHECK(how.kernel_radius == frame.as<Splats>().kernel_radius);
   }
   options.fixed_undersample = true;
   frame.shown.reduction.factor = 2;
@@ -128,6 +133,78 @@ TEST_CASE("a fixed image plane or level is the only one") {
     CHECK(s.undersample == 2);
     CHECK(with(FrameSpec{}, s).shown.reduction.factor == 2);
   }
+}
+
+TEST_CASE("sheets are chosen among by slabs, light points and planes") {
+  FrameSpec frame;
+  frame.how = Sheets{};
+  ErrorBudgetOptions options;
+  const auto all = candidates(frame, options);
+  CHECK(all.front() == Shortcuts{0, Sheets{}});
+  // Three kinds of slabs on the screen and in each of three planes, and two levels in the coarsest.
+  CHECK(all.size() == 4 * (3 * (1 + 3) + 2));
+  CHECK(all.back() ==
+        Shortcuts{
+            1.0 / 32,
+            Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 1, .light_points = 1}, 4});
+  const auto most = [](const std::vector<Shortcuts>& some) {
+    int slabs = 0;
+    for (const Shortcuts& s : some) slabs = std::max(slabs, std::get<Sheets>(s.how).slabs);
+    return slabs;
+  };
+  CHECK(most(all) == 2);
+  options.to_field = true;
+  CHECK(most(candidates(frame, options)) == 3);  // nearer to the field, though not to the method asked for
+  options.fixed_slabs = true;
+  CHECK(most(candidates(frame, options)) == 2);
+  options.fixed_light_points = options.fixed_image_plane = options.fixed_undersample =
+      options.fixed_opaque_threshold = true;
+  CHECK(candidates(frame, options).size() == 1);
+  // Light points mean nothing where nothing is lit.
+  ErrorBudgetOptions unlit;
+  frame.shown.shading = Shading::none;
+  for (const Shortcuts& s : candidates(frame, unlit)) CHECK(std::get<Sheets>(s.how).light_points == 2);
+}
+
+TEST_CASE("a budget that is free to choose the engine has both engines' settings, the frame's own first") {
+  FrameSpec frame;
+  ErrorBudgetOptions options;
+  options.to_field = true;
+  const auto splats = candidates(frame, options);
+  frame.how = Sheets{};
+  const auto sheets = candidates(frame, options);
+  frame.how = Splats{};
+  options.other_engine = Sheets{};
+  const auto both = candidates(frame, options);
+  REQUIRE(both.size() == splats.size() + sheets.size());
+  CHECK(std::equal(splats.begin(), splats.end(), both.begin()));
+  CHECK(std::equal(sheets.begin(), sheets.end(), both.begin() + std::ptrdiff_t(splats.size())));
+  std::set<std::string> texts;
+  for (const Shortcuts& s : both) {
+    texts.insert(to_text(s));
+    FrameSpec made = with(frame, s);
+    made.shown.transfer_function = test::constant_opacity(0.5);
+    CHECK_NOTHROW(check(made));
+    CHECK(made.how == s.how);
+  }
+  CHECK(texts.size() == both.size());  // a stored calibration tells them apart
+  // Of both engines the cheapest within the budget is chosen.
+  const std::vector table{MeasuredShortcuts{{0, Splats{}}, 1.0, 3, 3}, {{0, Sheets{}}, 2.0, 0.5, 0.5}};
+  CHECK(cheapest_within(table, 4) == 0);
+  CHECK(cheapest_within(table, 1) == 1);
+}
+
+TEST_CASE("a setting's text is the options that make it") {
+  CHECK(to_text({0, Splats{}}) == "--opaque-threshold 0 --engine splats --precision float --radius 1.6");
+  CHECK(
+      to_text({0, Splats{.image_plane = ImagePlane::slices, .plane_samples = 2, .kernel = {}}, 2}) ==
+      "--opaque-threshold 0 --engine splats --precision float --radius 1.6 --image-plane slices --samples 2 "
+      "--undersample 2");
+  CHECK(to_text({0.25, Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 3}}) ==
+        "--opaque-threshold 0.25 --engine sheets --slabs 3 --light-points 2 --image-plane slices --samples "
+        "1.5");
+  CHECK(to_text({0, Sheets{.light_points = 1}}) ==
+        "--opaque-threshold 0 --engine sheets --slabs 2 --light-points 1");
 }
 
 TEST_CASE("a calibration is read back for its own key and settings only") {
@@ -165,6 +242,27 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error") 
     CHECK(calibrated(ended) == (budget == 5.0));  // one calibration serves every budget
   }
   CHECK(w.calibrations() == 1);
+}
+
+TEST_CASE("a budget against the field is another one than against the method") {
+  const Workshop w;
+  const std::vector<std::string> splats{"--max-error", "2",     "--quality",          "paper",
+                                        "--precision", "float", "--opaque-threshold", "0"};
+  REQUIRE(calibrated(w.render(splats)));
+  CHECK(w.frame().at("error").at("truth") == "method");
+  auto field = splats;
+  field.insert(field.end(), {"--error", "field"});
+  const Ended ended = w.render(field);
+  INFO(ended.err);
+  REQUIRE(ended.code == 0);
+  CHECK(calibrated(ended));
+  CHECK(w.frame().at("error").at("truth") == "field");
+  CHECK(w.frame().at("error").at("rmse").get<double>() <= 2);
+  // However exact, splats do not come near the field.
+  field[1] = "0.01";
+  const Ended refused = w.render(field);
+  CHECK(refused.code == 2);
+  CHECK_THAT(refused.err, Catch::Matchers::Contains("cannot keep --max-error 0.01"));
 }
 
 TEST_CASE("a tight budget leaves the exact setting") {
@@ -321,7 +419,7 @@ TEST_CASE("a budget that means nothing is refused") {
     INFO(value);
     CHECK(w.render({"--max-error", value}).code == 2);
   }
-  const Ended ended = w.render({"--max-error", "1", "--error", "field"});
+  const Ended ended = w.render({"--max-error", "1", "--error", "analytic"});
   CHECK(ended.code == 2);
   CHECK_THAT(ended.err, Catch::Matchers::Contains("--error") && Catch::Matchers::Contains("hint:"));
 }

@@ -169,3 +169,36 @@ TEST_CASE("numbers that sheets cannot have end the program before the volume's v
     CHECK_THAT(ended.err, Catch::Matchers::Contains(part));
   }
 }
+
+TEST_CASE("an error budget against the field chooses the engine where the user has not") {
+  const auto budget = [](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"--max-error", "1"};
+    words.insert(words.end(), more.begin(), more.end());
+    const CommandLine line = parse_render(words);
+    INFO(line.error);
+    REQUIRE(line.error.empty());
+    return std::get<RenderOptions>(line.command);
+  };
+  const RenderOptions open = budget({"--error", "field"});
+  CHECK(open.budget.to_field);
+  REQUIRE(open.budget.other_engine.has_value());
+  CHECK(open.budget.other_engine->index() != open.frame.how.index());
+  for (const auto& chosen : std::vector<std::vector<std::string>>{
+           {"--quality", "paper"}, {"--engine", "sheets"}, {"--quality", "draft", "--slabs", "1"}}) {
+    auto words = chosen;
+    words.insert(words.end(), {"--error", "field"});
+    CHECK_FALSE(budget(words).budget.other_engine.has_value());
+  }
+  // An option of the usual engine alone chooses it.
+  const char* own = engine_of(usual_quality) == Engine::splats ? "--radius" : "--slabs";
+  CHECK_FALSE(budget({"--error", "field", own, "1"}).budget.other_engine.has_value());
+  // A method's truth is its own.
+  for (const auto& words : std::vector<std::vector<std::string>>{{}, {"--error", "method"}}) {
+    CHECK(budget(words).error.truth == TruthKind::method);
+    CHECK_FALSE(budget(words).budget.other_engine.has_value());
+  }
+  // What both engines have is the same for both.
+  const RenderOptions flat = budget({"--error", "field", "--image-plane", "slices", "--samples", "2"});
+  CHECK(std::get<Sheets>(*flat.budget.other_engine).image_plane == ImagePlane::slices);
+  CHECK(std::get<Sheets>(*flat.budget.other_engine).plane_samples == 2);
+}
