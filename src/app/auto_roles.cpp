@@ -47,8 +47,15 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
   const Places places = count_places(launch.collectives());
   // On several machines none may be idle: the last ranks could be all of one machine's.
   const int cores = places.machines == 1 ? places.cores : 0;
-  const auto layouts =
-      those_that_fit(layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), cores), grid, load);
+  auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), cores);
+  if (std::holds_alternative<Sheets>(o.frame.how))
+    if (const auto ring = colocated_ring(layouts)) {
+      if (launch.rank() == 0)
+        log_info("chose {} without a measurement: sheets are the Renderers' work, so each of them draws",
+                 describe(*ring));
+      return *ring;
+    }
+  layouts = those_that_fit(std::move(layouts), grid, load);
   RankCosts ranks = usual_rank_costs(launch.ranks(), places.cores);
   ranks.hop = measure_hop(*launch.transport());
   Layout chosen;

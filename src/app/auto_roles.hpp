@@ -9,8 +9,9 @@ namespace ringsplat::app {
 
 /// The layout for --gps auto and --renderers auto. Rank 0 measures what frames of these views cost, all ranks
 /// measure what a message costs, and rank 0 prints its choice and the reason on stderr. Layouts whose GPs
-/// cannot hold their slices are left out. `cameras` are needed on rank 0 only; without any, the options' own
-/// view is measured. All ranks call it before the volume is loaded; all throw the same InputError.
+/// cannot hold their slices are left out. Sheets get a colocated ring without a measurement. `cameras` are
+/// needed on rank 0 only; without any, the options' own view is measured. All ranks call it before the volume
+/// is loaded; all throw the same InputError.
 Layout choose_roles(const RenderOptions& options, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, Launch& launch);
 

@@ -185,6 +185,9 @@ struct Forecast {
 Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {
   if (o.picture.path == "-")
     throw InputError("info takes no views from stdin", "write them into a file for --path");
+  if (!o.machine.empty() && std::holds_alternative<Sheets>(o.picture.frame.how))
+    throw InputError("a described machine has costs of splats only, so --machine cannot predict sheets",
+                     "add --quality paper, or leave out --machine");
   const auto cameras = views_of(o.picture);
   const FrameSpec& frame = o.picture.frame;
   const auto axes = needed_axes(cameras, source.grid(), frame.shown.width, frame.shown.height);

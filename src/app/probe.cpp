@@ -198,10 +198,12 @@ void add_regions(FrameCosts& costs, const FrameGeometry& geometry, const std::ve
       costs.region[std::size_t(region)] += total / sum * renderers[k] / double(owned[k].size());
 }
 
-/// The frame cut so finely that its regions' costs tell the load of any number of Renderers.
+/// The frame cut so finely that its regions' costs tell the load of any number of Renderers. All but splats
+/// on the screen are cut into strips by themselves.
 FrameSpec cut_finely(FrameSpec frame, const Grid& grid) {
   frame.division.dealt_to = probed_renderers;
-  if (frame.as<Splats>().image_plane == ImagePlane::screen && frame.division.region_size == 0)
+  const auto* const splats = std::get_if<Splats>(&frame.how);
+  if (splats != nullptr && splats->image_plane == ImagePlane::screen && frame.division.region_size == 0)
     frame.division.region_size = make_geometry(frame, grid).regions.rect(0).width();
   return frame;
 }

@@ -142,6 +142,15 @@ std::vector<Prediction> predict_all(const FrameCosts& costs, const RankCosts& ra
   return all;
 }
 
+std::optional<Layout> colocated_ring(const std::vector<Layout>& layouts) {
+  std::optional<Layout> found;
+  for (const Layout& layout : layouts)
+    if (layout.placement == Placement::colocated && layout.topology == Topology::ring &&
+        (!found || layout.idle > found->idle))
+      found = layout;
+  return found;
+}
+
 std::string describe(const Layout& layout) {
   const auto some = [](int count, const char* what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");

@@ -59,6 +59,11 @@ std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores = 0);
 std::vector<Prediction> predict_all(const FrameCosts& costs, const RankCosts& ranks,
                                     const std::vector<Layout>& layouts);
 
+/// The layout for sheets among `layouts`: the colocated ring, with idle ranks where that is allowed. Nearly
+/// all work is the Renderers', so every working rank should be one, and its GP only copies. Nothing when none
+/// is colocated.
+std::optional<Layout> colocated_ring(const std::vector<Layout>& layouts);
+
 /// "4 GPs + 2 Renderers", "3 colocated ranks, 5 idle", "mesh of 4x3 + 6 Renderers".
 std::string describe(const Layout& layout);
 /// "668005 visible voxels of 39.5 ns on a GP, 725382 splats of 59.1 ns on a Renderer", for messages.

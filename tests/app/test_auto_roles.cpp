@@ -61,6 +61,25 @@ TEST_CASE("chosen roles are said, and give the bits of any others") {
   CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);  // no rank is idle
 }
 
+TEST_CASE("sheets get a colocated ring without a measurement") {
+  const TemporaryFolder folder;
+  const std::string volume = make_volume(folder);
+  const auto said = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> all{"render", volume, "-o",       folder / "x.exr",
+                                 "--size", "64",   "--engine", "sheets"};
+    all.insert(all.end(), more.begin(), more.end());
+    const Ended ended = run_program(all, 2);
+    INFO(ended.err);
+    CHECK(lines_with(ended.err, "info: measured ").empty());
+    const auto lines = lines_with(ended.err, "info: chose ");
+    REQUIRE(lines.size() == 1);
+    return lines.front();
+  };
+  CHECK_THAT(said({"--gps", "auto", "--renderers", "2"}),
+             Catch::Matchers::Contains("chose 2 colocated ranks"));
+  CHECK_THAT(said({"--gps", "auto"}), Catch::Matchers::Contains("colocated rank"));
+}
+
 TEST_CASE("roles that cannot be chosen are refused") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
@@ -101,6 +120,7 @@ TEST_CASE("info predicts every layout for a number of ranks") {
   for (const auto& wrong : std::vector<std::vector<std::string>>{{"--azimuth", "30"},
                                                                  {"--cores", "2"},
                                                                  {"--machine", "x.toml"},
+                                                                 {"--quality", "paper"},
                                                                  {"--ranks", "0"},
                                                                  {"--ranks", "2", "--zoom", "0"}}) {
     std::vector<std::string> arguments{"info", volume};

@@ -81,6 +81,17 @@ TEST_CASE("of more ranks than cores some may be idle") {
   CHECK(predict(c, shared, all.front().layout).seconds == Approx(50 * ms));
 }
 
+TEST_CASE("sheets' roles are colocated, on as many ranks as there are cores") {
+  CHECK(colocated_ring(possible_layouts(5, true)) ==
+        Layout{.gps = 5, .renderers = 5, .placement = Placement::colocated});
+  const auto sharing = colocated_ring(possible_layouts(16, false, 2));
+  REQUIRE(sharing.has_value());
+  CHECK(sharing->working_ranks() == 2);
+  CHECK(sharing->idle == 14);
+  CHECK(sharing->placement == Placement::colocated);
+  CHECK_FALSE(colocated_ring({{.gps = 3, .renderers = 2}, {.gps = 2, .renderers = 3}}).has_value());
+}
+
 TEST_CASE("the best split shares the work as the two sides' costs ask for") {
   // Without rounding G : R = gp : renderer. Colocated ranks share the work evenly, which can only be better.
   for (const int ranks : {2, 3, 5, 7, 8, 12, 13, 16, 23, 31, 32, 47, 61, 64}) {
