@@ -15,6 +15,7 @@
 #include "app/keep_budget.hpp"
 #include "app/output_names.hpp"
 #include "app/simulation_options.hpp"
+#include "app/steepness.hpp"
 #include "app/text_output.hpp"
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
@@ -271,6 +272,18 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   return frame;
 }
 
+/// Says on rank 0 what the usual method errs, where the user has chosen neither engine nor error.
+void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
+                       Progress& progress, const Launch& launch) {
+  const bool chosen = o.method.engine || o.method.quality || o.budget.to_field;
+  const bool drawn = !o.run.engine.simulation.count_only;
+  if (launch.rank() != 0 || chosen || !drawn || !std::holds_alternative<Splats>(frame.how)) return;
+  if (const std::string why = why_splats_err(frame.shown.transfer_function, range); !why.empty()) {
+    progress.clear();
+    log_warning("{}", why);
+  }
+}
+
 }  // namespace
 
 ExitCode run_render(const RenderOptions& given, Launch& launch) {
@@ -283,6 +296,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);
 
   const ValueRange range = scene.range;
+  warn_of_steepness(o, frame, range, progress, launch);
   FrameOutput output(o, job.layout, range, job.memory, progress);
   const bool reads_stdin = o.path == "-";
   Browsing browsing(

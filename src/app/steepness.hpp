@@ -1,0 +1,15 @@
+#pragma once
+#include <string>
+
+#include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/volume/statistics.hpp"
+
+namespace ringsplat::app {
+
+/// The largest rise or fall of opacity, 0 to 1, within 1/64 of the values' range.
+double steepness(const TransferFunction& tf, const ValueRange& range);
+
+/// Why splats err with such a transfer function, by how much, and what to do; empty where it is gentle.
+std::string why_splats_err(const TransferFunction& tf, const ValueRange& range);
+
+}  // namespace ringsplat::app
