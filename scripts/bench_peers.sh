@@ -28,7 +28,7 @@ prepare_peers() {
 prepare_scene() {
   local name
   for name in soft surface; do
-    "$build/ringsplat" render "$head" --tf "mr-$name" --tf-out "$work/mr-$name.json" --size 16 -o "$work/x.exr" >/dev/null
+    "$build/ringsplat" render "$head" --tf "mr-$name" --tf-out "$work/mr-$name.json" --quality paper --size 16 -o "$work/x.exr" >/dev/null
   done
   "$peers/venv/bin/python" "$repo/scripts/peers/scene.py" "$head" "$work" "$work/mr-soft.json" "$work/mr-surface.json"
   read -r -a dims <<<"$(scene_field dims)"
@@ -64,11 +64,11 @@ frames() {
 }
 
 declare -A setting=(
-  [screen]="${colocated[*]}"
-  [slices]="${colocated[*]} --image-plane slices"
-  [sharp]="${colocated[*]} --image-plane slices --radius 1.1"
-  [apart]="${dedicated[*]} --image-plane slices"
-  [sharp-apart]="${dedicated[*]} --image-plane slices --radius 1.1"
+  [screen]="${colocated[*]} --quality paper"
+  [slices]="${colocated[*]} --quality paper --image-plane slices"
+  [sharp]="${colocated[*]} --quality paper --image-plane slices --radius 1.1"
+  [apart]="${dedicated[*]} --quality paper --image-plane slices"
+  [sharp-apart]="${dedicated[*]} --quality paper --image-plane slices --radius 1.1"
 )
 
 ringsplat() { # SETTING FUNCTION SHADING VIEWS OPTION...

@@ -28,7 +28,7 @@ def main():
     parser.add_argument("machine", nargs="?", default=os.path.join(MACHINES, "infiniband-fat-tree.toml"))
     arguments = parser.parse_args()
     build()
-    said = subprocess.run([os.path.join(BUILD, "ringsplat"), "info", HEAD, *VIEW, "--ranks", str(arguments.ranks), "--machine",
+    said = subprocess.run([os.path.join(BUILD, "ringsplat"), "info", HEAD, *VIEW, "--quality", "paper", "--ranks", str(arguments.ranks), "--machine",
                            arguments.machine, "--json"], check=True, capture_output=True, text=True).stdout
     print("| layout | predicted ms | limit | simulated ms | simulated / predicted |\n|---|---|---|---|---|", flush=True)
     both = []

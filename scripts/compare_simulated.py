@@ -38,7 +38,7 @@ def run_really(layout, folder):
     stats = os.path.join(folder, "real.json")
     options = [word for key, value in layout.items() for word in (f"--{key}", str(value))]
     command = ["bash", "-c", f'source "{REPO}/scripts/lib.sh"; run_ranks "$@"', "bash", str(ranks_of(layout)), os.path.join(BUILD, "ringsplat"),
-               "render", HEAD, *VIEW, "--frames-in-flight", "1", *options, "--stats", stats]
+               "render", HEAD, *VIEW, "--quality", "paper", "--frames-in-flight", "1", *options, "--stats", stats]
     ended = subprocess.run(command, capture_output=True, text=True)
     if ended.returncode != 0:
         sys.exit(f"{name_of(layout)} failed:\n{ended.stderr}")

@@ -22,7 +22,7 @@ timeline() {
   local name=$1 title=$2 zoom=$3
   shift 3
   for _ in {1..40}; do echo "20 15 0 $zoom"; done >"$work/views"
-  run_ranks 5 "$build/ringsplat" render "$@" --gps 3 --renderers 2 --path "$work/views" --tf grey --frames-in-flight 1 \
+  run_ranks 5 "$build/ringsplat" render --quality paper "$@" --gps 3 --renderers 2 --path "$work/views" --tf grey --frames-in-flight 1 \
     -o "$work/picture.exr" --trace "$work/$name.json" >/dev/null
   say "$name, its fastest frame:"
   python3 "$repo/scripts/plot_timeline.py" "$work/$name.json" --frame fastest --title "$title" -o "$folder/timeline-$name.png"

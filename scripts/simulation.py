@@ -36,7 +36,8 @@ def simulate(settings, *arguments, monitors=None):
     with tempfile.TemporaryDirectory() as work:
         config, stats = os.path.join(work, "config.toml"), os.path.join(work, "stats.json")
         with open(config, "w", encoding="utf-8") as file:
-            for key, value in settings.items():
+            # Machines are described by what splats cost.
+            for key, value in {"quality": "paper", **settings}.items():
                 file.write(f"{key} = {json.dumps(value)}\n")
         environment = dict(os.environ, **{f"RINGSPLAT_{name.upper()}": value for name, value in (monitors or {}).items()})
         ended = subprocess.run([os.path.join(REPO, "scripts/simulate.sh"), config, *map(str, arguments), "--stats", stats],
@@ -87,7 +88,7 @@ class PaperVolumes:
 
         # Turned as one looks at things, and as large as the image.
         turned = ["--azimuth", "30", "--elevation", "20", "--zoom", "1.5"]
-        program("render", HEAD, "-o", path("head.png"), "--size", "64", "--tf", "mr-soft", "--tf-out", path("soft.json"))
+        program("render", HEAD, "-o", path("head.png"), "--quality", "paper", "--size", "64", "--tf", "mr-soft", "--tf-out", path("soft.json"))
         self.head = [HEAD, "--tf", path("soft.json"), *turned]
         self.undersampled = [every_other_voxel(HEAD, path("half.nrrd")), "--tf", path("soft.json"), *turned]
 

@@ -21,7 +21,8 @@ std::string make_volume(const TemporaryFolder& folder) {
 
 std::vector<std::string> render(const std::string& volume, const std::string& picture,
                                 const std::vector<std::string>& more) {
-  std::vector<std::string> all{"render", volume, "-o", picture, "--size", "96x64", "--region", "32"};
+  std::vector<std::string> all{"render", volume,     "-o", picture,     "--size",
+                               "96x64",  "--region", "32", "--quality", "paper"};
   all.insert(all.end(), more.begin(), more.end());
   return all;
 }
@@ -100,7 +101,8 @@ TEST_CASE("roles that cannot be chosen are refused") {
 TEST_CASE("info predicts every layout for a number of ranks") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
-  const Ended ended = run_program({"info", volume, "--ranks", "6", "--size", "96", "--json", "--cores", "6"});
+  const Ended ended = run_program(
+      {"info", volume, "--ranks", "6", "--size", "96", "--quality", "paper", "--json", "--cores", "6"});
   INFO(ended.err);
   REQUIRE(ended.code == 0);
   const json prediction = json::parse(ended.out).at("prediction");
@@ -113,8 +115,9 @@ TEST_CASE("info predicts every layout for a number of ranks") {
     CHECK(layout.at("seconds").get<double>() >= before);
     before = layout.at("seconds").get<double>();
   }
-  const std::string text =
-      run_program({"info", volume, "--ranks", "6", "--size", "96", "--azimuth", "30", "--tf", "grey"}).out;
+  const std::string text = run_program({"info", volume, "--ranks", "6", "--size", "96", "--quality", "paper",
+                                        "--azimuth", "30", "--tf", "grey"})
+                               .out;
   for (const char* part : {"a frame on 6 ranks", "mesh of 2x2 + 2 Renderers", "6 colocated ranks", "best: "})
     CHECK_THAT(text, Catch::Matchers::Contains(part));
   for (const auto& wrong : std::vector<std::vector<std::string>>{{"--azimuth", "30"},
@@ -152,8 +155,8 @@ bandwidth = 1e15
 latency = 0
 )");
   const std::string volume = make_volume(folder);
-  const Ended ended = run_program(
-      {"info", volume, "--ranks", "2", "--size", "96", "--tf", "grey", "--json", "--machine", machine});
+  const Ended ended = run_program({"info", volume, "--ranks", "2", "--size", "96", "--quality", "paper",
+                                   "--tf", "grey", "--json", "--machine", machine});
   INFO(ended.err);
   REQUIRE(ended.code == 0);
   const json all = json::parse(ended.out), prediction = all.at("prediction");
@@ -172,7 +175,12 @@ latency = 0
   CHECK(payloads == Approx(std::round(payloads)));
   CHECK(payloads > slices / 2);
   CHECK(payloads <= slices);
-  const Ended refused = run_program({"info", volume, "--ranks", "2", "--machine", folder / "none.toml"});
+  const Ended sheets = run_program(
+      {"info", volume, "--ranks", "2", "--size", "96", "--quality", "best", "--machine", machine});
+  CHECK(sheets.code == 2);
+  CHECK_THAT(sheets.err, Catch::Matchers::Contains("--machine cannot predict sheets"));
+  const Ended refused =
+      run_program({"info", volume, "--ranks", "2", "--quality", "paper", "--machine", folder / "none.toml"});
   CHECK(refused.code == 2);
   CHECK_THAT(refused.err, Catch::Matchers::Contains("none.toml"));
 }

@@ -213,7 +213,8 @@ TEST_CASE("the budget that a hint allows is kept") {
   REQUIRE(app_test::run_program({"synth", "gaussians", "--dims", "12x12x12", "-o", volume}).code == 0);
   const auto render = [&](const std::string& budget) {
     return app_test::run_program({"render", volume, "-o", folder / "x.exr", "--size", "48", "--tf", "grey",
-                                  "--shading", "none", "--precision", "u8", "--max-error", budget});
+                                  "--shading", "none", "--quality", "paper", "--precision", "u8",
+                                  "--max-error", budget});
   };
   const auto refused = render("1e-9");
   REQUIRE(refused.code == 2);

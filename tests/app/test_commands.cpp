@@ -58,7 +58,7 @@ TEST_CASE("help and version go to stdout") {
 
 TEST_CASE("render writes a picture with something in it and says so") {
   const Workshop w;
-  const Ended ended = w.render("x.exr");
+  const Ended ended = w.render("x.exr", {"--quality", "paper"});
   CHECK(ended.err.empty());
   CHECK_THAT(ended.out, Catch::Matchers::Contains("x.exr") && Catch::Matchers::Contains("visible voxels") &&
                             Catch::Matchers::Contains("splats"));
@@ -95,7 +95,8 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit") {
 
 TEST_CASE("an orbit makes numbered frames and a summary") {
   const Workshop w;
-  const Ended ended = w.render("turn.png", {"--orbit", "3", "--stats", w / "turn.json"}, 3);
+  const Ended ended =
+      w.render("turn.png", {"--orbit", "3", "--quality", "paper", "--stats", w / "turn.json"}, 3);
   for (const char* name : {"turn-0000.png", "turn-0001.png", "turn-0002.png"}) CHECK(fs::exists(w / name));
   CHECK_FALSE(fs::exists(w / "turn.png"));
   // Frames overlap, so a frame takes longer than the time from one to the next.
@@ -214,7 +215,7 @@ TEST_CASE("a picture with nothing in it is the background, takes no payload and 
     for (const char* sum : {"payloads_sent", "payload_bytes_sent", "splats_sent", "tiles", "tile_bytes"})
       CHECK(total.at(sum) == 0);
   };
-  const std::vector<std::string> red{"--background", "1,0,0", "--stats", w / "s.json"};
+  const std::vector<std::string> red{"--background", "1,0,0", "--stats", w / "s.json", "--quality", "paper"};
   auto with_tf = red, outside = red;
   with_tf.insert(with_tf.end(), {"--tf", w / "tf.json"});
   outside.insert(outside.end(), {"--matrix", "1", "0", "0", "1e4", "0", "1", "0", "0", "0", "0", "1", "0"});

@@ -84,11 +84,12 @@ TEST_CASE("reference names the options that change nothing in its truth") {
     return lines_with(ended.err, "warning");
   };
   CHECK(warned({}).empty());
-  CHECK(warned({"--truth", "method", "--radius", "1.4"}).empty());
-  const auto field = warned({"--radius", "1.4", "--region", "32"}),
+  CHECK(warned({"--truth", "method", "--quality", "paper", "--radius", "1.4"}).empty());
+  const auto field = warned({"--quality", "paper", "--radius", "1.4", "--region", "32"}),
              method = warned({"--truth", "method", "--tolerance", "0.01"});
   REQUIRE(field.size() == 1);
-  CHECK_THAT(field[0], Catch::Matchers::Contains("--region, --radius change nothing in the field truth"));
+  CHECK_THAT(field[0],
+             Catch::Matchers::Contains("--region, --radius, --quality change nothing in the field truth"));
   REQUIRE(method.size() == 1);
   CHECK_THAT(method[0], Catch::Matchers::Contains("--tolerance changes nothing in the method truth"));
 }

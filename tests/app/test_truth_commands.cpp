@@ -24,8 +24,8 @@ class Workshop {
     return ended;
   }
   std::vector<std::string> view(const std::string& command, const std::string& output) const {
-    return {command, volume(),    "-o",   folder_ / output, "--size", "64x48",       "--tf",
-            "grey",  "--shading", "none", "--azimuth",      "20",     "--elevation", "10"};
+    return {command, volume(),    "-o", folder_ / output, "--size", "64x48",     "--tf", "grey", "--shading",
+            "none",  "--azimuth", "20", "--elevation",    "10",     "--quality", "paper"};
   }
 
  private:
@@ -104,12 +104,16 @@ TEST_CASE("study writes a line for each measurement, and the same as JSON") {
   w.must({"study", w / "list.toml", "-o", w / "results.csv", "--keep-images", w / "pictures/kept"});
   const std::string csv = read_text(w / "results.csv");
   CHECK(lines_with(csv, "one,").size() == 8);  // two settings, two views, two truths
+  CHECK(lines_with(csv, "null").empty());
   const json rows = json::parse(read_text(w / "results.json"));
   REQUIRE(rows.size() == 8);
   for (const auto& row : rows) {
     CHECK(row.at("frames") == 2);
     CHECK(row.at("seconds").get<double>() > 0);
     CHECK(row.at("splats").get<int>() > 0);
+    CHECK(row.at("engine") == "splats");
+    CHECK(row.at("image_plane") == "screen");
+    CHECK(row.at("slabs").is_null());
     const std::string picture = row.at("picture"), truth = row.at("truth_picture");
     if (row.at("truth") == "method") {
       CHECK((picture.empty() && truth.empty()));

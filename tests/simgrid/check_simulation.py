@@ -32,7 +32,7 @@ class Run:
 
     def attempt(self, layout, *arguments, machine=PP5, **monitors):
         """Simulates `layout` (TOML lines); returns what became of it. `monitors` is what simulate.sh takes from the environment."""
-        config = self.write("job.toml", layout + f'\nmachine = "{machine}"\n')
+        config = self.write("job.toml", layout + f'\nmachine = "{machine}"\nquality = "paper"\n')
         environment = dict(os.environ, RINGSPLAT_BUILD=self.build)
         environment.update({f"RINGSPLAT_{name.upper()}": value for name, value in monitors.items()})
         return subprocess.run([os.path.join(REPO, "scripts/simulate.sh"), config, *arguments], env=environment,
