@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Renders a head with six ranks:  scripts/demo.sh [VOLUME [RENDER OPTION...]]
+# Renders a head with six ranks, as in the paper and at its best:  scripts/demo.sh [VOLUME [RENDER OPTION...]]
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -13,10 +13,19 @@ if (($# > 0)); then
   shift
   look=("$@")
 fi
-picture=$repo/out/$(basename "${volume%%.*}").png
-statistics=${picture%.png}.json
+name=$repo/out/$(basename "${volume%%.*}")
 mkdir -p "$repo/out"
 
-say "rendering with 4 GPs and 2 Renderers; the picture, and the seconds that the frame took:"
-run_ranks 6 "$build/ringsplat" render "$volume" --gps 4 --renderers 2 --size 512x512 "${look[@]}" -o "$picture" --stats "$statistics"
-say "what each of them did: $statistics"
+# demo QUALITY RANKS_OPTION...: the picture, the seconds that the frame took, and how far it is from the truth.
+demo() {
+  local quality=$1
+  shift
+  say "--quality $quality, $*:"
+  run_ranks 6 "$build/ringsplat" render "$volume" --quality "$quality" "$@" --size 512x512 "${look[@]}" --error field \
+    -o "$name-$quality.png" --stats "$name-$quality.json"
+  say "what each of them did: $name-$quality.json"
+}
+
+demo paper --gps 4 --renderers 2
+# Sheets are the Renderers' work: every rank that has a core is one.
+demo best --gps auto
