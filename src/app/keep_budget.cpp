@@ -32,6 +32,7 @@ std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double
         }
       },
       frame.how);
+  if (o.to_field && !o.other_engine) fixed.push_back("the choice of an engine");
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
 }

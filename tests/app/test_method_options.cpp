@@ -199,6 +199,11 @@ TEST_CASE("an error budget against the field chooses the engine where the user h
   }
   // What both engines have is the same for both.
   const RenderOptions flat = budget({"--error", "field", "--image-plane", "slices", "--samples", "2"});
-  CHECK(std::get<Sheets>(*flat.budget.other_engine).image_plane == ImagePlane::slices);
-  CHECK(std::get<Sheets>(*flat.budget.other_engine).plane_samples == 2);
+  for (const Method& how : {flat.frame.how, *flat.budget.other_engine})
+    std::visit(
+        [](const auto& h) {
+          CHECK(h.image_plane == ImagePlane::slices);
+          CHECK(h.plane_samples == 2);
+        },
+        how);
 }
