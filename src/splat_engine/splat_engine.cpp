@@ -1,29 +1,14 @@
 #include "splat_engine/splat_engine.hpp"
 
-#include <fmt/format.h>
-
-#include <deque>
 #include <map>
 #include <utility>
 
 #include "classify/empty_space.hpp"
-#include "ringsplat/base/error.hpp"
+#include "engine_parts/announced_frames.hpp"
+#include "engine_parts/picture_canvas.hpp"
 
 namespace ringsplat {
 namespace {
-
-/// Throws RunError, not InputError: another rank made the announcement.
-std::shared_ptr<const SplatFrame> announced_frame(const Announcement& a, const EngineSetup& setup) {
-  const FrameSpec spec = decode_frame_spec(a.body);
-  if (spec.frame != a.frame)
-    throw RunError(fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
-  try {
-    check(spec);
-    return make_splat_frame(spec, setup.grid, setup.gps, setup.renderers);
-  } catch (const InputError& e) {
-    throw RunError(fmt::format("rank 0 told of a frame that cannot be: {}", e.what()));
-  }
-}
 
 class SplatEngine final : public Engine {
  public:
@@ -48,22 +33,20 @@ class SplatEngine final : public Engine {
   }
 
   std::unique_ptr<Canvas> canvas(const Announcement& a) override {
-    return make_picture_canvas(frame(a), setup_.take);
+    const auto its = frame(a);
+    return make_picture_canvas(its->number, its->shown, {its, &its->geometry}, setup_.take);
   }
 
  private:
-  /// The rank's nodes share the few frames in flight.
   std::shared_ptr<const SplatFrame> frame(const Announcement& a) {
-    for (const auto& known : frames_)
-      if (known->number == a.frame) return known;
-    constexpr std::size_t most_remembered = 4;
-    if (frames_.size() == most_remembered) frames_.pop_front();
-    return frames_.emplace_back(announced_frame(a, setup_));
+    return frames_.get(a, [this](const FrameSpec& spec) {
+      return make_splat_frame(spec, setup_.grid, setup_.gps, setup_.renderers);
+    });
   }
 
   EngineSetup setup_;
   ThreadTeam encoder_threads_, painter_threads_;
-  std::deque<std::shared_ptr<const SplatFrame>> frames_;
+  AnnouncedFrames<SplatFrame> frames_;
   std::map<int, std::unique_ptr<EmptySpace>> empty_space_;  ///< by level
   std::map<int, std::unique_ptr<FramePainter>> painters_;   ///< by Renderer
 };

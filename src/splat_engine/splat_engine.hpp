@@ -27,9 +27,6 @@ class FramePainter : public Painter {
 /// `threads` must outlive it; the image has the same bits with any number of them.
 std::unique_ptr<FramePainter> make_splat_painter(int renderer, int renderers, ThreadTeam& threads);
 
-/// Puts tiles into the picture, by a warp where the image plane is not the screen.
-std::unique_ptr<Canvas> make_picture_canvas(std::shared_ptr<const SplatFrame> frame, TakePicture take);
-
 /// The paper's engine for one rank.
 std::unique_ptr<Engine> make_splat_engine(const EngineSetup& setup);
 

@@ -2,17 +2,13 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cstring>
-#include <map>
 #include <utility>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "engine_parts/owned_images.hpp"
 #include "frame/frame_geometry.hpp"
-#include "raster/opaque_news.hpp"
-#include "raster/region_image.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/payload_reader.hpp"
@@ -27,22 +23,22 @@ namespace {
 class SplatPainter final : public FramePainter {
  public:
   SplatPainter(int renderer, int renderers, ThreadTeam& threads)
-      : renderer_(renderer), renderers_(renderers), threads_(threads), lanes_(std::size_t(threads.size())) {}
+      : renderer_(renderer),
+        images_(renderer, renderers),
+        threads_(threads),
+        lanes_(std::size_t(threads.size())) {}
 
   void begin_frame(std::shared_ptr<const SplatFrame> frame) override {
     // Readers refer to the last frame; their memory goes on to the next.
     for (Lane& lane : lanes_) lane.reader.reset();
-    const bool as_before = frame_ && same_regions(frame_->geometry, frame->geometry);
     frame_ = std::move(frame);
-    if (!as_before) lay_out();
+    if (images_.begin_frame(geometry(), frame_->shown.opaque_threshold)) find_largest_region();
     const FrameKernel kernel = make_frame_kernel(frame_->footprint, geometry().view,
                                                  geometry().traversal.axis, frame_->splats.kernel);
-    for (RegionImage& image : images_) image.begin_frame(static_cast<float>(frame_->shown.opaque_threshold));
     for (Lane& lane : lanes_) {
       lane.reader = make_reader(kernel, {lane.memory, largest_region_});
       lane.drawing = false;
     }
-    told_.clear();
     counts_ = {};
     composite_seconds_ = 0;
   }
@@ -53,10 +49,7 @@ class SplatPainter final : public FramePainter {
       throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
                                  step, geometry().slices),
                      "all ranks must run the same build");
-    const auto owned = [this](int region) {
-      return region >= 0 && region < geometry().regions.count() &&
-             slot_of_region_[std::size_t(region)] != not_owned;
-    };
+    const auto owned = [this](int region) { return images_.owns(region); };
     try {
       parts_ = lanes_.front().reader->parts(body, owned);
     } catch (const RunError& e) {
@@ -97,32 +90,12 @@ class SplatPainter final : public FramePainter {
     return complete;
   }
 
-  void news(int gp, Bytes& news) override {
-    if (images_.empty()) return;
-    auto& told = told_[gp];
-    told.resize(images_.size(), 0);
-    for (std::size_t k = 0; k < images_.size(); ++k) {
-      const OpaqueTiles& tiles = images_[k].opaque_tiles();
-      if (tiles.opaque() == std::exchange(told[k], tiles.opaque())) continue;
-      if (news.empty()) news = Message::body_buffer();
-      append_opaque_news(owned_[k], tiles, news);
-    }
-  }
+  void news(int gp, Bytes& news) override { images_.news(gp, news); }
 
   ItemCounts counts() const override { return counts_; }
   double composite_seconds() const override { return composite_seconds_; }
 
-  void finish(const std::function<void(int, Bytes)>& deliver) override {
-    for (std::size_t k = 0; k < images_.size(); ++k) {
-      if (!images_[k].touched()) continue;
-      const PixelRect& rect = images_[k].rect();
-      std::vector<float> rgba(std::size_t(4) * std::size_t(rect.width()) * std::size_t(rect.height()));
-      images_[k].read_tile(rgba);
-      Bytes body(sizeof(Header) + rgba.size() * sizeof(float));
-      std::memcpy(body.data() + sizeof(Header), rgba.data(), rgba.size() * sizeof(float));
-      deliver(owned_[k], std::move(body));
-    }
-  }
+  void finish(const std::function<void(int, Bytes)>& deliver) override { images_.deliver(deliver); }
 
  private:
   /// What a thread draws with.
@@ -158,17 +131,13 @@ class SplatPainter final : public FramePainter {
   bool take_part(Lane& lane) {
     const std::size_t k = next_part_++;
     if (k >= parts_.size()) return false;
-    lane.reader->sum().begin(images_[slot_of_region_[std::size_t(parts_[k].region)]]);
+    lane.reader->sum().begin(images_.image(images_.slot_of(parts_[k].region)));
     lane.reader->begin(slice_, parts_[k]);
     lane.drawing = true;
     return true;
   }
 
   const FrameGeometry& geometry() const { return frame_->geometry; }
-
-  static bool same_regions(const FrameGeometry& one, const FrameGeometry& other) {
-    return one.regions == other.regions && one.reached == other.reached && one.dealt_to == other.dealt_to;
-  }
 
   std::unique_ptr<PayloadReader> make_reader(const FrameKernel& kernel, SumMemory memory) const {
     if (frame_->splats.payload == PayloadForm::words) return make_word_reader(kernel, memory);
@@ -177,16 +146,10 @@ class SplatPainter final : public FramePainter {
     return make_run_reader(*frame_, kernel, memory);
   }
 
-  void lay_out() {
-    const Regions& regions = geometry().regions;
-    images_.clear();
+  void find_largest_region() {
     largest_region_ = {};
-    slot_of_region_.assign(std::size_t(regions.count()), not_owned);
-    owned_ = regions.owned(renderer_, geometry().owners(renderers_));
-    for (const int region : owned_) {
-      const PixelRect rect = regions.rect(region);
-      slot_of_region_[std::size_t(region)] = images_.size();
-      images_.emplace_back(rect);
+    for (std::size_t k = 0; k < images_.count(); ++k) {
+      const PixelRect& rect = images_.image(k).rect();
       largest_region_ = {std::max(largest_region_.width, rect.width()),
                          std::max(largest_region_.height, rect.height())};
     }
@@ -199,13 +162,10 @@ class SplatPainter final : public FramePainter {
     return geometry().view.project(voxel);
   }
 
-  int renderer_, renderers_;
+  int renderer_;
   std::shared_ptr<const SplatFrame> frame_;
-  static constexpr std::size_t not_owned = ~std::size_t{0};
-  std::vector<int> owned_;                   ///< owned regions, ascending
-  std::vector<RegionImage> images_;          ///< one for each owned region
-  std::vector<std::size_t> slot_of_region_;  ///< into images_
-  RegionSize largest_region_;                ///< the largest owned region's size
+  OwnedImages images_;
+  RegionSize largest_region_;  ///< the largest owned region's size
   ThreadTeam& threads_;
   std::vector<Lane> lanes_;  ///< one for each thread
   int lanes_in_use_ = 1;     ///< lanes that this payload uses
@@ -213,8 +173,6 @@ class SplatPainter final : public FramePainter {
   std::atomic<std::size_t> next_part_ = 0;
   int slice_ = 0;
   glm::dvec2 voxel_{0.0};  ///< position of one of the slice's voxels in the image plane
-  /// By GP: for each owned region, the opaque tiles that the GP knows.
-  std::map<int, std::vector<int>> told_;
   ItemCounts counts_;
   double composite_seconds_ = 0;
 };

@@ -1,3 +1,4 @@
+#include "engine_parts/picture_canvas.hpp"
 #include "ringsplat/net/message.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
@@ -17,7 +18,7 @@ TEST_CASE("pixels for which no tile comes are empty, whatever their memory held"
   for (int round = 0; round < 8; ++round) {
     Image picture;
     const auto canvas =
-        make_picture_canvas(frame, [&](std::int64_t, Image&& image) { picture = std::move(image); });
+        make_picture_canvas(frame->number, frame->shown, {frame, &frame->geometry}, [&](std::int64_t, Image&& image) { picture = std::move(image); });
     // All tiles, whose values then remain in freed memory, and next a single tile.
     const std::size_t some = round % 2 == 0 ? tiles.size() : 1;
     float expected = 0;

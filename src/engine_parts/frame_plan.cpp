@@ -1,0 +1,23 @@
+#include "engine_parts/frame_plan.hpp"
+
+#include "volume/slice_store.hpp"
+
+namespace ringsplat {
+
+FramePlan plan_of(const FrameGeometry& g, int gps, int renderers) {
+  FramePlan plan;
+  plan.ascending = g.traversal.ascending;
+  plan.owners.resize(std::size_t(g.slices));
+  for (int step = 0; step < g.slices; ++step)
+    plan.owners[std::size_t(step)] = SliceStore::owner_of(g.traversal.slice_at(step, g.slices), gps);
+  const RegionOwners owners = g.owners(renderers);
+  plan.tiles.resize(std::size_t(g.regions.count()));
+  for (int region = 0; region < g.regions.count(); ++region) {
+    const PixelRect rect = g.regions.rect(region);
+    plan.tiles[std::size_t(region)] = {
+        owners.of(region), std::size_t(rect.width()) * std::size_t(rect.height()) * 4 * sizeof(float)};
+  }
+  return plan;
+}
+
+}  // namespace ringsplat
