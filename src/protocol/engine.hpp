@@ -97,8 +97,10 @@ class Painter {
   virtual bool prepare() { return false; }
   /// Begins a payload. Throws RunError when the bytes are no payload for this Renderer.
   virtual void begin(const PayloadToDraw& payload) = 0;
-  /// Does a bounded piece of the payload on each thread; true once it is drawn and composited.
+  /// Does a bounded piece of the payload on each thread; true once its memory and its slot may go to another.
   virtual bool work() = 0;
+  /// Called until false, once all payloads are done: does a bounded piece of what they left to do.
+  virtual bool conclude() { return false; }
   /// Appends to `news` what GP `gp` has not yet been told of this Renderer's tiles in this frame.
   virtual void news(int gp, Bytes& news) = 0;
   virtual ItemCounts counts() const = 0;  ///< of this frame so far

@@ -95,11 +95,12 @@ bool Renderer::advance() {
     book({Activity::draw, frame.announcement.frame, -1});
     return true;
   }
-  if (frame.drawn()) {
+  if (!frame.drawn()) return draw_some(frame);
+  if (!frame.dropped && frame.painter->conclude())
+    book({Activity::draw, frame.announcement.frame, -1});
+  else
     deliver(frame);
-    return true;
-  }
-  return draw_some(frame);
+  return true;
 }
 
 void Renderer::begin_drawing(Frame& frame) {

@@ -38,10 +38,12 @@ std::uint64_t* RegionImage::opaque_bits(std::size_t words) {
   return opaque_bits_.data();
 }
 
-void RegionImage::slice_composited() {
+void RegionImage::slices_composited(int slices) {
   // Reading the whole image takes as long as compositing a slice, and news of an opaque tile can wait.
   constexpr int slices_between = 8;
-  if (opaque_threshold_ > 0 && ++slices_ % slices_between == 0) find_opaque_tiles();
+  const int looks = slices_ / slices_between;
+  slices_ += slices;
+  if (opaque_threshold_ > 0 && slices_ / slices_between > looks) find_opaque_tiles();
 }
 
 bool RegionImage::is_opaque(int column, int row) const {

@@ -38,9 +38,9 @@ class RegionImage {
   /// are 0 when a frame's first call asks for them.
   std::uint64_t* opaque_bits(std::size_t words);
 
-  /// Call after each slice that was composited. Every few slices looks for opaque tiles.
-  void slice_composited();
-  /// Tiles that take nothing more in this frame, as slice_composited() last found them.
+  /// Call after slices were composited. Every few slices looks for opaque tiles.
+  void slices_composited(int slices = 1);
+  /// Tiles that take nothing more in this frame, as slices_composited() last found them.
   const OpaqueTiles& opaque_tiles() const { return tiles_; }
 
   /// Writes width × height premultiplied RGBA floats, rows from the top. Throws InputError when `rgba` has

@@ -64,6 +64,7 @@ class ChargedPainter final : public Painter {
     }
     return !debt_.pay();
   }
+  bool conclude() override { return inner_.conclude(); }
   void news(int gp, Bytes& news) override { inner_.news(gp, news); }
   ItemCounts counts() const override { return inner_.counts(); }
   double composite_seconds() const override { return inner_.composite_seconds(); }

@@ -70,7 +70,7 @@ void SplatSum::composite(glm::dvec2 voxel) {
       composite_row(sums, image + y * image_->row_floats() + first * floats_a_pixel, pixels * floats_a_pixel,
                     image_->opaque_threshold());
     }
-    image_->slice_composited();
+    image_->slices_composited();
     empty_ = true;
   }
   adder_->forget();

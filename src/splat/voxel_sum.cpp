@@ -90,7 +90,7 @@ void VoxelSum::composite(glm::dvec2 voxel) {
                      {image_->pixels(), image_->row_floats(), image_->opaque_threshold(),
                       image_->opaque_bits(words_), lattice_sum != nullptr ? factors : nullptr},
                      covered_.data());
-    image_->slice_composited();
+    image_->slices_composited();
   } else {
     take_out(placed(), top_, bottom_);
   }

@@ -54,14 +54,14 @@ TEST_CASE("tiles whose pixels let through less than the threshold are found opaq
   RegionImage image({0, 0, width, height});
   image.begin_frame(0.01F);
   fill(image, 33, 0.999F);
-  for (int slice = 0; slice < 8; ++slice) image.slice_composited();
+  for (int slice = 0; slice < 8; ++slice) image.slices_composited();
   CHECK(image.opaque_tiles().opaque() == 4);  // of three columns the last has transparent pixels
   CHECK(image.opaque_tiles().is_opaque(1, 1));
   CHECK_FALSE(image.opaque_tiles().is_opaque(2, 0));
   image.begin_frame(0);
   CHECK(image.opaque_tiles().opaque() == 0);
   fill(image, width, 1);
-  for (int slice = 0; slice < 8; ++slice) image.slice_composited();
+  for (int slice = 0; slice < 8; ++slice) image.slices_composited();
   CHECK(image.opaque_tiles().opaque() == 0);
 }
 
