@@ -124,7 +124,8 @@ void check_memory(const RenderOptions& o, std::size_t frames_in_all, const Slice
 }  // namespace
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  LoadOptions load{axes, o.frame.shown.shading == Shading::phong, {}, o.frame.shown.reduction.prefilter};
+  LoadOptions load{
+      axes, needs_normals(o.frame), {}, o.frame.shown.reduction.prefilter, needs_cell_ranges(o.frame)};
   for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
     load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();

@@ -146,6 +146,11 @@ const char* name(const Method& method) {
   return std::visit([](const auto& how) { return how.name; }, method);
 }
 
+bool needs_normals(const FrameSpec& spec) {
+  return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
+}
+bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
+
 void check_projection(const Camera& camera, const Method& method) {
   if (camera.fov != 0) std::visit([](const auto& how) { check_projection(how); }, method);
 }

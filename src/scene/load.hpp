@@ -17,8 +17,9 @@ namespace ringsplat {
 struct LoadOptions {
   std::array<bool, 3> kept_axes{true, true, true};
   bool with_normals = true;
-  std::vector<int> factors{1};  ///< reduction factors of the levels to keep; 1 is the volume itself
-  bool prefilter = false;       ///< for reduced levels (volume/reduced.hpp)
+  std::vector<int> factors{1};    ///< reduction factors of the levels to keep; 1 is the volume itself
+  bool prefilter = false;         ///< for reduced levels (volume/reduced.hpp)
+  bool with_cell_ranges = false;  ///< what sheets need to leave out what cannot be seen
 };
 
 struct OpenedVolume {
@@ -48,6 +49,11 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
 
 /// Tells every store the value range of every slice of the kept axes.
 void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives);
+
+/// Tells every store the ranges of the cells of its slices of the kept axes and of their neighbours, two to
+/// either side.
+void share_cell_ranges(std::map<int, SliceStore>& stores, int gps,
+                       const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
 
 /// Value range and histogram over all GPs' slices; the same on every process.
 ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives);

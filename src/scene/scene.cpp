@@ -10,12 +10,18 @@ namespace {
 
 constexpr int histogram_bins = 1024;
 
+void share_ranges(std::map<int, SliceStore>& stores, const LoadOptions& options, int gps,
+                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+  share_slice_ranges(stores, collectives);
+  if (options.with_cell_ranges) share_cell_ranges(stores, gps, gps_of_process, collectives);
+}
+
 void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
                int gps, const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
   auto stores = deal_slices(reduced, options, gps, gps_of_process, collectives);
-  share_slice_ranges(stores, collectives);
+  share_ranges(stores, options, gps, gps_of_process, collectives);
   for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
 }
 
@@ -32,7 +38,7 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   scene.range = value_range(scene.stores, collectives);
   scene.histogram = histogram(scene.stores, scene.range, histogram_bins, collectives);
   if (whole)
-    share_slice_ranges(scene.stores, collectives);
+    share_ranges(scene.stores, options, gps, gps_of_process, collectives);
   else
     for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, gps, {}, false);
   for (const int factor : options.factors)

@@ -75,9 +75,10 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
   return {needed_axes({spec.shown.camera}, grid, spec.shown.width, spec.shown.height),
-          spec.shown.shading == Shading::phong,
+          needs_normals(spec),
           {spec.shown.reduction.factor},
-          spec.shown.reduction.prefilter};
+          spec.shown.reduction.prefilter,
+          needs_cell_ranges(spec)};
 }
 
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,

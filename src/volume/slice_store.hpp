@@ -5,6 +5,7 @@
 #include <map>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "ringsplat/volume/grid.hpp"
@@ -29,6 +30,7 @@ struct SliceView {
 };
 
 class SliceRanges;
+class CellRanges;
 
 /// GP `g` of `G` owns slices s ≡ g (mod G) of every kept axis (Neumann 1992, section 3: a static,
 /// interleaved slab distribution). Owns its memory; slices start out zero.
@@ -65,6 +67,17 @@ class SliceStore {
   void know_ranges(std::shared_ptr<const SliceRanges> ranges) { ranges_ = std::move(ranges); }
   const SliceRanges* ranges() const { return ranges_.get(); }
 
+  /// The ranges of the cells of an owned slice, or of one next to it or next but one.
+  void know_cell_ranges(Axis axis, int index, std::shared_ptr<const CellRanges> ranges) {
+    cell_ranges_[std::size_t(axis)][index] = std::move(ranges);
+  }
+  /// Null when unknown.
+  const CellRanges* cell_ranges(Axis axis, int index) const {
+    const auto& of_axis = cell_ranges_[std::size_t(axis)];
+    const auto found = of_axis.find(index);
+    return found == of_axis.end() ? nullptr : found->second.get();
+  }
+
  private:
   struct Set {
     std::vector<std::byte> values;
@@ -79,6 +92,7 @@ class SliceStore {
   std::array<Set, 3> sets_;
   std::map<int, SliceStore> levels_;  ///< by factor
   std::shared_ptr<const SliceRanges> ranges_;
+  std::array<std::map<int, std::shared_ptr<const CellRanges>>, 3> cell_ranges_;  ///< by axis and slice
 };
 
 /// The exchange by which GPs that read z slices get their x and y slices: takes the lines of one GP's slices

@@ -67,7 +67,7 @@ struct Sheets {
   double plane_samples = 1;  ///< in the slices' plane: most pixels a voxel along either axis
   int slabs = 2;             ///< pre-integrated slabs from slice to slice
   int light_points = 2;      ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
-  /// Take one slab or one light point where two would hardly differ (docs/engines.md, "Sheets").
+  /// Take one slab or one light point where two would hardly differ (docs/sheets.md).
   bool adaptive = true;
   bool operator==(const Sheets&) const = default;
 };
@@ -103,6 +103,11 @@ struct FrameSpec {
     return std::get<How>(how);
   }
 };
+
+/// What GPs must know of their slices to draw a frame: voxels' normals for lit splats; for sheets, ranges of
+/// what lies between voxels.
+bool needs_normals(const FrameSpec& spec);
+bool needs_cell_ranges(const FrameSpec& spec);
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
 /// zero, a threshold outside [0, 1), words with less than float precision, a projection that the method has

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "net/blocks.hpp"
+#include "scene/load.hpp"
+#include "volume/cell_ranges.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr int reach = 2;  ///< slices to either side
+
+struct Head {
+  Axis axis;
+  int slice, gp;
+  std::uint64_t bytes;
+};
+
+void append_ranges(const Head& head, const CellRanges& ranges, Block& out) {
+  const auto first = std::as_bytes(std::span(&head, 1));
+  out.insert(out.end(), first.begin(), first.end());
+  out.insert(out.end(), ranges.bytes().begin(), ranges.bytes().end());
+}
+
+/// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
+void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis, int slice, int gps,
+                 const std::vector<int>& process_of_gp, int here, std::vector<Block>& out) {
+  const SliceStore& owner = stores.at(SliceStore::owner_of(slice, gps));
+  const auto ranges = std::make_shared<const CellRanges>(owner.slice(axis, slice));
+  std::vector<int> told;
+  for (int other = slice - reach; other <= slice + reach; ++other) {
+    if (other < 0 || other >= grid.slices(axis)) continue;
+    const int gp = SliceStore::owner_of(other, gps);
+    if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
+    told.push_back(gp);
+    const int process = process_of_gp[std::size_t(gp)];
+    if (process == here)
+      stores.at(gp).know_cell_ranges(axis, slice, ranges);
+    else
+      append_ranges({axis, slice, gp, ranges->bytes().size()}, *ranges, out[std::size_t(process)]);
+  }
+}
+
+void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceStore>& stores) {
+  for (std::size_t at = 0; at < in.size();) {
+    Head head{};
+    const bool whole = take(in, at, head) && head.bytes <= in.size() - at;
+    const auto store = stores.find(head.gp);
+    if (!whole || head.axis != axis || store == stores.end() || head.slice < 0 ||
+        head.slice >= store->second.grid().slices(axis))
+      throw RunError("a rank sent ranges of cells that fit no slice", "all ranks must run the same build");
+    const Grid& grid = store->second.grid();
+    store->second.know_cell_ranges(
+        axis, head.slice,
+        std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
+                                           in.subspan(at, head.bytes)));
+    at += head.bytes;
+  }
+}
+
+}  // namespace
+
+void share_cell_ranges(std::map<int, SliceStore>& stores, int gps,
+                       const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+  std::vector<int> process_of_gp(static_cast<std::size_t>(gps));
+  for (std::size_t p = 0; p < gps_of_process.size(); ++p)
+    for (const int gp : gps_of_process[p]) process_of_gp[std::size_t(gp)] = static_cast<int>(p);
+  for (const Axis axis : all_axes) {
+    std::vector<Block> out(std::size_t(collectives.processes()));
+    for (auto& [gp, store] : stores)
+      for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
+        if (store.owns(s))
+          give_around(stores, store.grid(), axis, s, gps, process_of_gp, collectives.process(), out);
+    for (const Block& block : collectives.all_to_all(std::move(out))) take_given(block, axis, stores);
+  }
+}
+
+}  // namespace ringsplat
