@@ -5,6 +5,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
+#include "sheet_engine/sheet_engine.hpp"
 #include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat {
@@ -14,7 +15,7 @@ struct EngineRow {
   const char* method;
   std::unique_ptr<Engine> (*make)(const EngineSetup& setup);
 };
-constexpr EngineRow engine_rows[] = {{Splats::name, make_splat_engine}};
+constexpr EngineRow engine_rows[] = {{Splats::name, make_splat_engine}, {Sheets::name, make_sheet_engine}};
 
 std::unique_ptr<Engine> make_engine(const std::string& method, const EngineSetup& setup) {
   for (const EngineRow& row : engine_rows)

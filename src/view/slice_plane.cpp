@@ -20,7 +20,7 @@ double to_multiple(double value, double unit) { return std::nearbyint(value / un
 
 /// Pixels a voxel along an axis whose voxels are `screen_pixels` apart on the screen.
 double sampling(double screen_pixels, double samples) {
-  while (samples > 1 && samples > screen_pixels) samples /= 2;
+  while (samples > 1 && samples > screen_pixels) samples = samples > 2 ? 0.5 * samples : 1;
   if (samples <= screen_pixels) return samples;
   // Rounded up to a number whose products with voxel indices are exact.
   const double unit = std::exp2(std::floor(std::log2(screen_pixels)) - 10);

@@ -131,7 +131,11 @@ std::vector<Input> path_seeds() {
           "Azimuth,Elevation,Roll,Zoom\n0,0,0,1\n1e1,+2,-3,0.5\n"};
 }
 
-std::vector<app::Shortcuts> calibrated() { return {{}, {.precision = Precision::half, .undersample = 2}}; }
+std::vector<app::Shortcuts> calibrated() {
+  Splats half;
+  half.precision = Precision::half;
+  return {{}, {.how = half, .undersample = 2}, {.how = Sheets{}}};
+}
 
 void run_calibration(std::span<const std::byte> input) {
   const auto path = files::write(scratch() / "calibration.json", std::string(text_of(input)));

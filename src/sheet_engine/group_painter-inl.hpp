@@ -1,0 +1,414 @@
+// Per-target include guard: Highway compiles this once for each instruction set.
+#if defined(RINGSPLAT_GROUP_PAINTER_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_GROUP_PAINTER_INL
+#undef RINGSPLAT_GROUP_PAINTER_INL
+#else
+#define RINGSPLAT_GROUP_PAINTER_INL
+#endif
+
+#include <algorithm>
+#include <array>
+
+#include "sheet_engine/lanes-inl.hpp"
+#include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/reflection-inl.hpp"
+#include "sheet_engine/samplers-inl.hpp"
+#include "sheet_engine/slab_lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// Paints one group's pixels. Its lanes are those of tiles that lie row by row; see paint_group.hpp.
+template <class Sampler>
+class GroupPainter {
+ public:
+  GroupPainter(const SheetPaint& paint, const PixelGroup& group) : p_(paint), group_(group) {}
+
+  void paint(const SheetSlab& slab, TileMask mask) {
+    count_ = 0;
+    for (int t = 0; t < tiles; ++t)
+      if ((mask >> mask_bit(t) & 1) != 0 && !state_[t].dead) {
+        if (!state_[t].started) start(t);
+        list_[count_++] = t;
+      }
+    if (count_ == 0) return;
+    slab_ = &slab;
+    find_spans();
+    resample();
+    if (count_ == 0) return;
+    divide();
+    for (int k = 0; k < whole_count_; ++k) paint_whole(whole_[k]);
+    for (int k = 0; k < split_count_; ++k) paint_pieces(split_[k]);
+  }
+
+  void store_pixels() {
+    for (int t = 0; t < tiles; ++t) {
+      HWY_ALIGN float rgba[4][lanes];
+      const State& s = state_[t];
+      if (!s.started) continue;
+      ringsplat::HWY_NAMESPACE::store(s.red, rgba[0]);
+      ringsplat::HWY_NAMESPACE::store(s.green, rgba[1]);
+      ringsplat::HWY_NAMESPACE::store(s.blue, rgba[2]);
+      ringsplat::HWY_NAMESPACE::store(s.opacity, rgba[3]);
+      for (int l = 0; l < lanes; ++l)
+        if (float* pixel = pixel_of(t, l))
+          for (int c = 0; c < 4; ++c) pixel[c] = rgba[c][l];
+    }
+  }
+
+ private:
+  static constexpr int across = group_side / tile_width, tiles = across * (group_side / tile_height);
+  static constexpr int none = -1 << 20;
+
+  struct State {
+    F red, green, blue, opacity;
+    F place;                                    ///< of the last sheet's values
+    Gradient gradient;                          ///< at the last sheet
+    I u, v;                                     ///< positions in slice 0
+    int sheet = none, gradient_sheet = none;    ///< the steps of these last sheets
+    std::int32_t low_u, high_u, low_v, high_v;  ///< ends of u and v
+    bool started = false, dead = false;
+  };
+  /// A tile in the current slab.
+  struct Work {
+    std::array<F, Sheets::most_slabs + 1> place;
+    std::array<typename Sampler::Sheet, Sheets::most_slabs + 1> sheet;  ///< from 1 on
+    typename Sampler::Plane front, back;
+    Corner corner;
+    M visible, split;
+    Entry whole;
+    bool at_faces, cut;
+  };
+
+  static int mask_bit(int t) {
+    return (t / across) * tile_height / tile_side * (group_side / tile_side) +
+           (t % across) * tile_width / tile_side;
+  }
+  float* pixel_of(int t, int lane) const {
+    const int x = (t % across) * tile_width + lane % tile_width,
+              y = (t / across) * tile_height + lane / tile_width;
+    return x < group_.width && y < group_.height ? group_.rgba + y * group_.row_floats + 4 * x : nullptr;
+  }
+
+  void start(int t) {
+    State& s = state_[t];
+    s.started = true;
+    HWY_ALIGN std::int32_t u[lanes], v[lanes];
+    HWY_ALIGN float rgba[4][lanes];
+    for (int l = 0; l < lanes; ++l) {
+      const std::int64_t x = group_.x + (t % across) * tile_width + l % tile_width,
+                         y = group_.y + (t / across) * tile_height + l / tile_width;
+      const auto at = [&](int axis) {
+        constexpr std::int64_t limit = std::int64_t{1} << 30;
+        const RayGrid& r = p_.rays;
+        return static_cast<std::int32_t>(
+            std::clamp((r.origin[axis] + x * r.step_x[axis] + y * r.step_y[axis]) >> (40 - position_bits),
+                       -limit, limit));
+      };
+      u[l] = at(0);
+      v[l] = at(1);
+      const float* pixel = pixel_of(t, l);
+      for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
+    }
+    s.u = load(u);
+    s.v = load(v);
+    s.low_u = *std::min_element(u, u + lanes);
+    s.high_u = *std::max_element(u, u + lanes);
+    s.low_v = *std::min_element(v, v + lanes);
+    s.high_v = *std::max_element(v, v + lanes);
+    s.red = load(rgba[0]);
+    s.green = load(rgba[1]);
+    s.blue = load(rgba[2]);
+    s.opacity = load(rgba[3]);
+  }
+
+  /// The ends of the slab's sheets' shifts: of all, and of those behind the front.
+  void find_spans() {
+    const auto ends = [&](const auto& shifts, int first, std::int32_t& low, std::int32_t& high) {
+      low = *std::min_element(shifts.begin() + first, shifts.begin() + slab_->pieces + 1);
+      high = *std::max_element(shifts.begin() + first, shifts.begin() + slab_->pieces + 1);
+    };
+    ends(slab_->shift_u, 0, all_.low_u, all_.high_u);
+    ends(slab_->shift_v, 0, all_.low_v, all_.high_v);
+    ends(slab_->shift_u, 1, behind_.low_u, behind_.high_u);
+    ends(slab_->shift_v, 1, behind_.low_v, behind_.high_v);
+  }
+
+  std::int32_t most_u() const { return (p_.rays.voxels[0] - 1) << position_bits; }
+  std::int32_t most_v() const { return (p_.rays.voxels[1] - 1) << position_bits; }
+  Corner corner_below(const State& s, std::int32_t shift_u, std::int32_t shift_v) const {
+    return {(std::clamp(s.low_u - shift_u, 0, most_u()) >> position_bits) - 1,
+            (std::clamp(s.low_v - shift_v, 0, most_v()) >> position_bits) - 1};
+  }
+
+  /// Where the lanes lie in sheet i of the slab. Beyond the outer voxels the field has their values.
+  HWY_INLINE typename Sampler::Sheet sheet_at(const State& s, bool at_faces, int i, Corner corner) const {
+    I u = sub(s.u, set_int(slab_->shift_u[std::size_t(i)])),
+      v = sub(s.v, set_int(slab_->shift_v[std::size_t(i)]));
+    if (at_faces) {
+      u = min(max(u, set_int(0)), set_int(most_u()));
+      v = min(max(v, set_int(0)), set_int(most_v()));
+    }
+    return Sampler::sheet(u, v, p_.pitch, corner);
+  }
+
+  /// Places of values along the table's axes.
+  HWY_INLINE F place_of(F number) const {
+    const PlaceMap& map = p_.places;
+    if (map.even) return fma(number, set(map.scale), set(map.offset));
+    F place = set(0.0F);
+    for (int k = 0; k < map.count; ++k) {
+      const auto& ramp = map.ramps[std::size_t(k)];
+      // Limits are second: a value that is not a number becomes one, and is found by itself.
+      const F above = min(max(sub(number, set(ramp.from)), set(0.0F)), set(ramp.width));
+      place = fma(above, set(ramp.rise), place);
+    }
+    if (p_.floats) place = choose(equal(number, number), place, set(-1.0F));
+    return place;
+  }
+
+  /// Interpolates the values of all sheets; keeps in the list the tiles where something may be visible.
+  void resample() {
+    const int pieces = slab_->pieces;
+    int kept = 0;
+    for (int k = 0; k < count_; ++k) {
+      const int t = list_[k];
+      State& s = state_[t];
+      Work& w = work_[t];
+      const M alive =
+          but_not(equal(s.opacity, s.opacity), greater(set(p_.opaque_threshold), sub(set(1.0F), s.opacity)));
+      if (!any(alive)) {
+        s.dead = true;
+        continue;
+      }
+      w.corner = corner_below(s, behind_.high_u, behind_.high_v);
+      w.at_faces = s.low_u < all_.high_u || s.low_v < all_.high_v || s.high_u - all_.low_u > most_u() ||
+                   s.high_v - all_.low_v > most_v();
+      w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
+      w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
+      w.place[0] = s.sheet == slab_->step - 1 && !slab_->face ? s.place : front_place(s, w);
+      F low = w.place[0], high = w.place[0];
+      for (int i = 1; i <= pieces; ++i) {
+        w.sheet[std::size_t(i)] = sheet_at(s, w.at_faces, i, w.corner);
+        const auto& sheet = w.sheet[std::size_t(i)];
+        const F number = i == pieces ? Sampler::value(w.back, sheet, p_.pitch)
+                                     : Sampler::value_between(w.front, w.back, sheet, i, pieces, p_.pitch);
+        w.place[std::size_t(i)] = place_of(number);
+        low = min(low, w.place[std::size_t(i)]);
+        high = max(high, w.place[std::size_t(i)]);
+      }
+      s.place = w.place[std::size_t(pieces)];
+      s.sheet = slab_->step;
+      w.visible = both(alive, may_show(low, high));
+      list_[kept] = t;
+      kept += any(w.visible) ? 1 : 0;
+    }
+    count_ = kept;
+  }
+
+  HWY_INLINE F front_place(const State& s, const Work& w) const {
+    const Corner corner = corner_below(s, slab_->shift_u[0], slab_->shift_v[0]);
+    const auto sheet = sheet_at(s, w.at_faces, 0, corner);
+    return place_of(Sampler::value(Sampler::plane(slab_->front, p_.pitch, corner), sheet, p_.pitch));
+  }
+
+  HWY_INLINE M may_show(F low, F high) const {
+    const PlaceMap& map = p_.places;
+    M shows = both(greater(high, set(map.visible_low)), greater(set(map.visible_high), low));
+    for (int k = 0; k < map.gap_count; ++k) {
+      const auto& gap = map.gaps[std::size_t(k)];
+      // Not (gap.low <= low and high <= gap.high).
+      shows = both(shows, either(greater(set(gap.low), low), greater(high, set(gap.high))));
+    }
+    return shows;
+  }
+
+  HWY_INLINE I entry_of(F place) const { return to_int(min(max(place, set(0.0F)), set(float(255)))); }
+
+  /// Finds the lanes that a single slab serves: its opacity, and what the value half-way may change of it,
+  /// are small. Divides the tiles into those where it serves all and others.
+  void divide() {
+    whole_count_ = split_count_ = 0;
+    const bool may_be_whole = p_.adaptive && slab_->pieces == 2 && p_.places.even;
+    for (int k = 0; k < count_; ++k) {
+      const int t = list_[k];
+      const State& s = state_[t];
+      Work& w = work_[t];
+      constexpr std::int32_t half = one_voxel / 2;
+      w.cut = s.low_u - all_.high_u < -half || s.low_v - all_.high_v < -half ||
+              s.high_u - all_.low_u >= most_u() + half || s.high_v - all_.low_v >= most_v() + half;
+      w.split = w.visible;
+      if (may_be_whole) {
+        w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[2]));
+        w.split = but_not(w.visible, single_slab_serves(s, w));
+      }
+      if (any(w.split))
+        split_[split_count_++] = t;
+      else
+        whole_[whole_count_++] = t;
+    }
+  }
+
+  HWY_INLINE M single_slab_serves(const State& s, const Work& w) const {
+    constexpr float most_opacity = 0.02F, most_change = 0.004F, most_entries = 8;
+    const F half = OpacityOf(w.whole), opacity = mul(half, sub(set(2.0F), half)),
+            through = sub(set(1.0F), s.opacity);
+    const F bend = mul(set(0.5F), abs(sub(add(w.place[1], w.place[1]), add(w.place[0], w.place[2]))));
+    const F over_steepness = from_bits(sub(set_int((127 + 15) << 23), up<23>(down<28>(w.whole.high))));
+    M serves = both(both(greater(set(most_opacity), mul(through, opacity)),
+                         greater(mul(set(most_change), over_steepness), mul(through, bend))),
+                    greater(set(most_entries), bend));
+    if (w.cut)
+      for (int i = 0; i <= slab_->pieces; ++i) serves = both(serves, in_box(s, i));
+    return serves;
+  }
+
+  HWY_INLINE M in_box(const State& s, int i) const {
+    constexpr std::int32_t half = one_voxel / 2;
+    const I u = sub(s.u, set_int(slab_->shift_u[std::size_t(i)])),
+            v = sub(s.v, set_int(slab_->shift_v[std::size_t(i)]));
+    return both(both(greater(u, set_int(-half - 1)), greater(set_int(most_u() + half), u)),
+                both(greater(v, set_int(-half - 1)), greater(set_int(most_v() + half), v)));
+  }
+
+  using Planes = typename Sampler::Plane;
+  Planes plane_of(const void* origin, Corner corner) const {
+    return Sampler::plane(origin, p_.pitch, corner);
+  }
+
+  HWY_INLINE Gradient front_gradient(const State& s, const Work& w) const {
+    if (s.gradient_sheet == slab_->step - 1 && !slab_->face) return s.gradient;
+    const Corner corner = corner_below(s, slab_->shift_u[0], slab_->shift_v[0]);
+    const auto sheet = sheet_at(s, w.at_faces, 0, corner);
+    const void* next = slab_->face ? slab_->after : slab_->back;
+    return Sampler::gradient(plane_of(slab_->front, corner),
+                             plane_of(next, corner) - plane_of(slab_->before, corner), sheet, p_.pitch);
+  }
+  HWY_INLINE Gradient gradient_behind(const Work& w, int i) const {
+    const Planes after = plane_of(slab_->after, w.corner);
+    const auto& sheet = w.sheet[std::size_t(i)];
+    if (i < slab_->pieces)
+      return Sampler::gradient_between(plane_of(slab_->before, w.corner), w.front, w.back, after, sheet, i,
+                                       slab_->pieces, p_.pitch);
+    const Planes last = slab_->face ? plane_of(slab_->before, w.corner) : w.front;
+    return Sampler::gradient(w.back, after - last, sheet, p_.pitch);
+  }
+
+  static HWY_INLINE Gradient difference(const Gradient& a, const Gradient& b) {
+    return {sub(a.u, b.u), sub(a.v, b.v), sub(a.k, b.k)};
+  }
+  HWY_INLINE Reflected lit_at(F way, const Gradient& front, const Gradient& change) const {
+    return Reflect(p_.light,
+                   {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
+  }
+
+  static HWY_INLINE void composite(State& s, const Slab& slab, F opacity, const Reflected& light) {
+    const F added = mul(sub(set(1.0F), s.opacity), opacity);
+    const auto lit = [&](F colour)
+                         HWY_ATTR { return min(fma(colour, light.scale, light.highlight), set(1.0F)); };
+    s.red = fma(added, lit(slab.red), s.red);
+    s.green = fma(added, lit(slab.green), s.green);
+    s.blue = fma(added, lit(slab.blue), s.blue);
+    s.opacity = add(s.opacity, added);
+  }
+
+  static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
+
+  /// One slab for all visible lanes, lit at its centroid.
+  HWY_INLINE void paint_whole(int t) {
+    State& s = state_[t];
+    const Work& w = work_[t];
+    const Slab slab = Unpack(w.whole);
+    Reflected light = unlit();
+    if (p_.lit) {
+      const Gradient back = gradient_behind(w, 2), front = front_gradient(s, w);
+      s.gradient = back;
+      s.gradient_sheet = slab_->step;
+      light = lit_at(slab.centroid, front, difference(back, front));
+    }
+    composite(s, slab, only(w.visible, mul(slab.opacity, sub(set(2.0F), slab.opacity))), light);
+  }
+
+  /// The slab's pieces one by one; lanes that a single slab serves take it in place of the first.
+  HWY_INLINE void paint_pieces(int t) {
+    State& s = state_[t];
+    const Work& w = work_[t];
+    const int pieces = slab_->pieces;
+    std::array<Gradient, Sheets::most_slabs + 1> gradients;
+    if (p_.lit) {
+      gradients[0] = front_gradient(s, w);
+      for (int i = 1; i <= pieces; ++i) gradients[std::size_t(i)] = gradient_behind(w, i);
+      s.gradient = gradients[std::size_t(pieces)];
+      s.gradient_sheet = slab_->step;
+    }
+    for (int i = 0; i < pieces; ++i) {
+      const auto front = std::size_t(i), back = front + 1;
+      const bool may_be_whole = i == 0 && pieces == 2;
+      const M here = i == 0 ? w.visible : w.split;
+      const F end = may_be_whole ? choose(w.split, w.place[back], w.place[2]) : w.place[back];
+      const Slab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
+      F opacity = slab.opacity;
+      if (w.cut || slab_->face) opacity = Shortened(opacity, share_in_box(s, w, i));
+      if (may_be_whole) opacity = choose(w.split, opacity, mul(slab.opacity, sub(set(2.0F), slab.opacity)));
+      opacity = only(here, opacity);
+      if (p_.floats)
+        opacity = only(both(greater(w.place[front], set(-0.5F)), greater(end, set(-0.5F))), opacity);
+      Reflected light = unlit();
+      if (p_.lit) {
+        Gradient change = difference(gradients[back], gradients[front]);
+        if (may_be_whole) {
+          const Gradient over_all = difference(gradients[2], gradients[0]);
+          change = {choose(w.split, change.u, over_all.u), choose(w.split, change.v, over_all.v),
+                    choose(w.split, change.k, over_all.k)};
+        }
+        light = lit(s, w, slab, opacity, gradients[front], change);
+      }
+      composite(s, slab, opacity, light);
+    }
+  }
+
+  /// Lit at the slab's centroid, or where it shows at centroid - spread and centroid + spread.
+  HWY_INLINE Reflected lit(const State& s, const Work& w, const Slab& slab, F opacity, const Gradient& front,
+                           const Gradient& change) const {
+    M two = w.split;
+    constexpr float worth_two = 0.02F;
+    if (p_.adaptive) two = both(two, greater(mul(sub(set(1.0F), s.opacity), opacity), set(worth_two)));
+    if (p_.light_points == 1 || !any(two)) return lit_at(slab.centroid, front, change);
+    // Lanes of one point have it twice: half the sum of equal numbers is that number.
+    const F spread = only(two, slab.spread), half = set(0.5F);
+    const Reflected a = lit_at(max(sub(slab.centroid, spread), set(0.0F)), front, change),
+                    b = lit_at(min(add(slab.centroid, spread), set(1.0F)), front, change);
+    return {mul(half, add(a.scale, b.scale)), mul(half, add(a.highlight, b.highlight))};
+  }
+
+  /// The part of piece i that lies in the volume's box, in pieces of the table.
+  HWY_INLINE F share_in_box(const State& s, const Work& w, int i) const {
+    const F length = set(slab_->face ? p_.face_pieces : 1.0F);
+    if (!w.cut) return length;
+    const auto from = std::size_t(i), to = from + 1;
+    Way way{set(0.0F), set(1.0F)};
+    way.narrow(sub(s.u, set_int(slab_->shift_u[from])), sub(s.u, set_int(slab_->shift_u[to])),
+               p_.rays.voxels[0]);
+    way.narrow(sub(s.v, set_int(slab_->shift_v[from])), sub(s.v, set_int(slab_->shift_v[to])),
+               p_.rays.voxels[1]);
+    return mul(length, way.length());
+  }
+
+  /// Ends of sheets' shifts.
+  struct Spans {
+    std::int32_t low_u = 0, high_u = 0, low_v = 0, high_v = 0;
+  };
+
+  const SheetPaint& p_;
+  const PixelGroup& group_;
+  const SheetSlab* slab_ = nullptr;
+  Spans all_, behind_;
+  std::array<State, tiles> state_;
+  std::array<Work, tiles> work_;
+  std::array<int, tiles> list_, whole_, split_;
+  int count_ = 0, whole_count_ = 0, split_count_ = 0;
+};
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,63 @@
+#include "base/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "sheet_engine/paint_group.cpp"
+#include <hwy/foreach_target.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "sheet_engine/group_painter-inl.hpp"
+#include "sheet_engine/paint_group.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+template <class Sampler>
+void PaintWith(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+               const TileMask* masks, std::ptrdiff_t mask_stride) {
+  GroupPainter<Sampler> painter(paint, group);
+  for (std::size_t k = 0; k < slabs.size(); ++k)
+    if (const TileMask mask = masks[std::ptrdiff_t(k) * mask_stride]; mask != 0)
+      painter.paint(slabs[k], mask);
+  painter.store_pixels();
+}
+
+void PaintGroup(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+                const TileMask* masks, std::ptrdiff_t mask_stride) {
+  if (paint.floats) return PaintWith<FloatSampler>(paint, group, slabs, masks, mask_stride);
+#if RINGSPLAT_LANES_PATCHES
+  if (paint.patches) return PaintWith<PatchSampler>(paint, group, slabs, masks, mask_stride);
+#endif
+  PaintWith<PairSampler>(paint, group, slabs, masks, mask_stride);
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+
+HWY_EXPORT(PaintGroup);
+
+std::int32_t fixed_position(double voxels) {
+  return static_cast<std::int32_t>(std::floor(voxels * one_voxel + 0.5));
+}
+
+float place_of_number(const PlaceMap& map, float number) {
+  if (map.even) return std::fma(number, map.scale, map.offset);
+  float place = 0;
+  for (int k = 0; k < map.count; ++k) {
+    const auto& ramp = map.ramps[std::size_t(k)];
+    place = std::fma(std::min(std::max(number - ramp.from, 0.0F), ramp.width), ramp.rise, place);
+  }
+  return place;
+}
+
+void paint_group(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+                 const TileMask* masks, std::ptrdiff_t mask_stride) {
+  HWY_DYNAMIC_DISPATCH(PaintGroup)(paint, group, slabs, masks, mask_stride);
+}
+
+}  // namespace ringsplat
+#endif

@@ -1,0 +1,102 @@
+#pragma once
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "ringsplat/frame/frame_spec.hpp"
+
+namespace ringsplat {
+
+/// Pixels are painted in groups of 16 x 16, which go through many slabs in turn, so that their state stays in
+/// the processor's nearest cache. Tiles of 4 x 4 of them are left out where a slab shows nothing.
+inline constexpr int group_side = 16, tile_side = 4;
+/// A bit for each tile of a group, row by row.
+using TileMask = std::uint16_t;
+
+/// Positions in the lattice are whole numbers of 2^-16 voxels.
+inline constexpr int position_bits = 16;
+inline constexpr std::int32_t one_voxel = 1 << position_bits;
+/// No slice of a frame may be so many voxels wide or lie so many voxels beside another one.
+inline constexpr double most_voxels = 16384;
+std::int32_t fixed_position(double voxels);
+
+/// The planes round a slab and its sheets. Planes are pointers to voxel (0, 0); beyond the volume's first and
+/// last slice they are extrapolated.
+struct SheetSlab {
+  const void* before = nullptr;  ///< the slice before the slab
+  const void* front = nullptr;   ///< at the slab's front
+  const void* back = nullptr;    ///< at its back; at a face of the volume the same as `front`
+  const void* after = nullptr;   ///< behind it
+  bool face = false;             ///< a half slice beyond the first or last one
+  int step = 0;                  ///< of its back
+  int pieces = 1;                ///< slabs in it; its sheets are 0 ... pieces
+  std::array<std::int32_t, Sheets::most_slabs + 1> shift_u{}, shift_v{};  ///< of each sheet against slice 0
+};
+
+/// The rays of a frame: a pixel's position in slice 0, as 2^-40 voxels.
+struct RayGrid {
+  std::int64_t origin[2] = {}, step_x[2] = {},
+               step_y[2] = {};  ///< u and v of pixel (0, 0), and a pixel's step
+  int voxels[2] = {};           ///< along u and v
+};
+
+/// A table's axis, what is transparent of it, and how planes' numbers become places.
+struct PlaceMap {
+  struct Ramp {
+    float from, width, rise;
+  };
+  std::array<Ramp, 8> ramps{};
+  int count = 1;
+  float scale = 0, offset = 0;              ///< of an even axis: place = number · scale + offset
+  bool even = false;                        ///< scale and offset are all
+  float visible_low = 0, visible_high = 0;  ///< places outside are transparent
+  struct Gap {
+    float low, high;
+  };
+  std::array<Gap, 4> gaps{};  ///< transparent places between
+  int gap_count = 0;
+};
+
+/// The place of a plane's number, by the very operations that lanes do.
+float place_of_number(const PlaceMap& map, float number);
+
+/// Phong's reflection in the coordinates of gradients (u, v, along the rays' slices).
+struct GradientLight {
+  /// Upper triangular: gradients times this have world lengths and angles.
+  float uu = 1, uv = 0, uk = 0, vv = 1, vk = 0, kk = 1;
+  bool oblique = false;                 ///< uv, uk or vk is not 0
+  float light[3] = {}, viewer[3] = {};  ///< unit vectors in those coordinates
+  float between = 0;                    ///< light · viewer
+  float ambient = 0, diffuse = 0, specular = 0, exponent = 0;
+};
+
+/// What all groups of a frame share.
+struct SheetPaint {
+  RayGrid rays;
+  PlaceMap places;
+  GradientLight light;
+  const std::uint64_t* table = nullptr;  ///< SlabTable::entries()
+  std::ptrdiff_t pitch = 0;              ///< numbers from a plane's row to the next
+  bool floats = false;                   ///< planes are floats, not 16-bit numbers
+  bool patches = false;                  ///< a tile sees at most 8 x 8 voxels of a slice
+  bool lit = false, adaptive = false;
+  int light_points = 1;
+  float opaque_threshold = 0;
+  float face_pieces = 1;  ///< slabs of the table in half a slice
+};
+
+/// One group: its pixels in the image plane, of which `width` x `height` are wanted.
+struct PixelGroup {
+  int x = 0, y = 0, width = group_side, height = group_side;
+  float* rgba = nullptr;  ///< premultiplied, of its first pixel
+  std::ptrdiff_t row_floats = 0;
+};
+
+/// Composites slabs, front to back, behind a group's pixels; masks[k * mask_stride] has the tiles that may
+/// show something of slab k. A pixel's bits do not depend on the group's place, on how slabs are divided into
+/// calls, or on tiles that show nothing.
+void paint_group(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+                 const TileMask* masks, std::ptrdiff_t mask_stride);
+
+}  // namespace ringsplat

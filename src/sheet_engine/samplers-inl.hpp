@@ -1,0 +1,252 @@
+// Per-target include guard: Highway compiles this once for each instruction set.
+#if defined(RINGSPLAT_SAMPLERS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_SAMPLERS_INL
+#undef RINGSPLAT_SAMPLERS_INL
+#else
+#define RINGSPLAT_SAMPLERS_INL
+#endif
+
+#include <algorithm>
+
+#include "sheet_engine/lanes-inl.hpp"
+#include "sheet_engine/paint_group.hpp"
+
+/// Bilinear interpolation of values and of central differences in a slice's plane. A sampler has
+///   Plane    what it reads; planes of whole numbers can be added and subtracted,
+///   Sheet    where lanes lie in a plane, and their weights,
+///   value()    in a plane's numbers,
+///   gradient() up to a factor that is the same for all sheets,
+/// and the same between two slices.
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+struct Gradient {
+  F u, v, k;
+};
+HWY_INLINE Gradient scaled(const Gradient& g, float by) {
+  return {mul(g.u, set(by)), mul(g.v, set(by)), mul(g.k, set(by))};
+}
+
+/// Voxel below a tile's lanes, all at once: those of patch-based samplers count from it.
+struct Corner {
+  int u = 0, v = 0;
+};
+
+/// Weights of the four voxels round each lane as pairs of 16 bits, for whole numbers: (1 - fx) fy and fx fy
+/// to 14 bits. Sums of products of whole numbers are exact, so however voxels are fetched, bits are the same.
+struct PairWeights {
+  I upper, lower;
+};
+HWY_INLINE PairWeights PairWeightsAt(I u, I v) {
+  const I fx = both(down<2>(u), set_int(0x3fff)), fy = both(down<1>(v), set_int(0x7fff));
+  const I along = add(sub(up<16>(fx), fx), set_int(16384));  // (16384 - fx, fx)
+  const I lower = mul_halves_15(along, either(fy, up<16>(fy)));
+  return {sub_halves(along, lower), lower};
+}
+inline constexpr float pair_unit = 1.0F / 16384;
+
+/// What samplers of whole numbers share: the sheet half-way between two slices is their sum's half.
+template <class Sampler>
+struct HalfWay {
+  template <class P, class S>
+  static HWY_INLINE F value_between(const P& front, const P& back, const S& s, int, int,
+                                    std::ptrdiff_t pitch) {
+    return mul(Sampler::value(front + back, s, pitch), set(0.5F));
+  }
+  template <class P, class S>
+  static HWY_INLINE Gradient gradient_between(const P& before, const P& front, const P& back, const P& after,
+                                              const S& s, int, int, std::ptrdiff_t pitch) {
+    return scaled(Sampler::gradient(front + back, (back - before) + (after - front), s, pitch), 0.5F);
+  }
+};
+
+#if RINGSPLAT_LANES_PATCHES
+
+/// 8 x 8 voxels of a plane in two registers, of which lanes pick theirs by permutation.
+struct PatchSampler : HalfWay<PatchSampler> {
+  using Number = std::int16_t;
+  static constexpr float unit = pair_unit;
+  using Words = hn::Vec<Dw>;
+  struct Plane {
+    Words upper, lower;  ///< four rows each
+    HWY_INLINE Plane operator+(const Plane& o) const {
+      return {hn::Add(upper, o.upper), hn::Add(lower, o.lower)};
+    }
+    HWY_INLINE Plane operator-(const Plane& o) const {
+      return {hn::Sub(upper, o.upper), hn::Sub(lower, o.lower)};
+    }
+  };
+  struct Sheet {
+    Words at;  ///< pairs of places in the patch
+    PairWeights weights;
+  };
+
+  static HWY_INLINE Plane plane(const void* origin, std::ptrdiff_t pitch, Corner corner) {
+    const auto* p = static_cast<const Number*>(origin) + corner.v * pitch + corner.u;
+    return {FourRows(p, pitch), FourRows(p + 4 * pitch, pitch)};
+  }
+  static HWY_INLINE Sheet sheet(I u, I v, std::ptrdiff_t, Corner corner) {
+    const I at = sub(add(up<3>(down_signed<16>(v)), down_signed<16>(u)), set_int(corner.v * 8 + corner.u));
+    return {hn::BitCast(Dw(), add(add(up<16>(at), at), set_int(0x10000))), PairWeightsAt(u, v)};
+  }
+  template <class P>
+  static HWY_INLINE F value(const P& p, const Sheet& s, std::ptrdiff_t) {
+    return mul(to_float(Sum(p, s)), set(unit));
+  }
+  template <class Along>
+  static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s, std::ptrdiff_t) {
+    const I u = add(sum_of_products(sub_halves(Pairs(p, s, 0, 1), Pairs(p, s, 0, -1)), s.weights.upper),
+                    sum_of_products(sub_halves(Pairs(p, s, 1, 1), Pairs(p, s, 1, -1)), s.weights.lower));
+    const I v = add(sum_of_products(sub_halves(Pairs(p, s, 1, 0), Pairs(p, s, -1, 0)), s.weights.upper),
+                    sum_of_products(sub_halves(Pairs(p, s, 2, 0), Pairs(p, s, 0, 0)), s.weights.lower));
+    return {to_float(u), to_float(v), to_float(Sum(along, s))};
+  }
+
+ private:
+  static HWY_INLINE Words FourRows(const Number* p, std::ptrdiff_t pitch) {
+    const hn::Full128<Number> row;
+    const hn::Full256<Number> two;
+    const auto pair = [&](const Number* q)
+                          HWY_ATTR { return hn::Combine(two, hn::LoadU(row, q + pitch), hn::LoadU(row, q)); };
+    return hn::Combine(Dw(), pair(p + 2 * pitch), pair(p));
+  }
+  static HWY_INLINE I Pairs(const Plane& p, const Sheet& s, int down, int right) {
+    const auto at = down == 0 && right == 0
+                        ? s.at
+                        : hn::Add(s.at, hn::Set(Dw(), static_cast<std::int16_t>(down * 8 + right)));
+    return hn::BitCast(Di(), Words{_mm512_permutex2var_epi16(p.upper.raw, at.raw, p.lower.raw)});
+  }
+  static HWY_INLINE I Sum(const Plane& p, const Sheet& s) {
+    return add(sum_of_products(Pairs(p, s, 0, 0), s.weights.upper),
+               sum_of_products(Pairs(p, s, 1, 0), s.weights.lower));
+  }
+};
+
+#endif
+
+/// Fetches pairs of neighbouring voxels from memory.
+struct PairSampler : HalfWay<PairSampler> {
+  using Number = std::int16_t;
+  static constexpr float unit = pair_unit;
+  struct Plane {
+    const Number* origin;
+    static constexpr bool is_plane = true;
+  };
+  template <class A, class B, bool difference>
+  struct Two {
+    A a;
+    B b;
+    static constexpr bool is_plane = true;
+  };
+  struct Sheet {
+    I at;  ///< bytes from a plane's origin
+    PairWeights weights;
+  };
+
+  static HWY_INLINE Plane plane(const void* origin, std::ptrdiff_t, Corner) {
+    return {static_cast<const Number*>(origin)};
+  }
+  static HWY_INLINE Sheet sheet(I u, I v, std::ptrdiff_t pitch, Corner) {
+    const I at = add(mul(down_signed<16>(v), set_int(static_cast<std::int32_t>(pitch))), down_signed<16>(u));
+    return {add(at, at), PairWeightsAt(u, v)};
+  }
+  template <class P>
+  static HWY_INLINE F value(const P& p, const Sheet& s, std::ptrdiff_t pitch) {
+    return mul(to_float(Sum(p, s, pitch)), set(unit));
+  }
+  template <class P, class Along>
+  static HWY_INLINE Gradient gradient(const P& p, const Along& along, const Sheet& s, std::ptrdiff_t pitch) {
+    const auto across = [&](std::ptrdiff_t plus, std::ptrdiff_t minus, I weights) HWY_ATTR {
+      return sum_of_products(sub_halves(Pairs(p, s, plus), Pairs(p, s, minus)), weights);
+    };
+    const I u = add(across(1, -1, s.weights.upper), across(pitch + 1, pitch - 1, s.weights.lower));
+    const I v = add(across(pitch, -pitch, s.weights.upper), across(2 * pitch, 0, s.weights.lower));
+    return {to_float(u), to_float(v), to_float(Sum(along, s, pitch))};
+  }
+
+ private:
+  static HWY_INLINE I Pairs(const Plane& p, const Sheet& s, std::ptrdiff_t numbers) {
+    return gather_int(p.origin + numbers, s.at);
+  }
+  template <class A, class B, bool difference>
+  static HWY_INLINE I Pairs(const Two<A, B, difference>& p, const Sheet& s, std::ptrdiff_t numbers) {
+    const I a = Pairs(p.a, s, numbers), b = Pairs(p.b, s, numbers);
+    return difference ? sub_halves(a, b) : add_halves(a, b);
+  }
+  template <class P>
+  static HWY_INLINE I Sum(const P& p, const Sheet& s, std::ptrdiff_t pitch) {
+    return add(sum_of_products(Pairs(p, s, 0), s.weights.upper),
+               sum_of_products(Pairs(p, s, pitch), s.weights.lower));
+  }
+};
+template <class A, class B>
+requires(A::is_plane&& B::is_plane) HWY_INLINE PairSampler::Two<A, B, false>
+operator+(const A& a, const B& b) { return {a, b}; }
+template <class A, class B>
+requires(A::is_plane&& B::is_plane) HWY_INLINE PairSampler::Two<A, B, true>
+operator-(const A& a, const B& b) { return {a, b}; }
+
+/// Fetches floats from memory.
+struct FloatSampler {
+  using Number = float;
+  static constexpr float unit = 1;
+  struct Along;
+  struct Plane {
+    const float* origin;
+    HWY_INLINE Along operator-(const Plane& last) const;
+  };
+  struct Sheet {
+    I at;
+    F fx, fy;
+  };
+  /// Two slices, whose difference is the gradient along the slices.
+  struct Along {
+    Plane next, last;
+  };
+
+  static HWY_INLINE Plane plane(const void* origin, std::ptrdiff_t, Corner) {
+    return {static_cast<const float*>(origin)};
+  }
+  static HWY_INLINE Sheet sheet(I u, I v, std::ptrdiff_t pitch, Corner) {
+    const F fraction = set(1.0F / 65536);
+    return {add(mul(down_signed<16>(v), set_int(static_cast<std::int32_t>(pitch))), down_signed<16>(u)),
+            mul(to_float(both(u, set_int(0xffff))), fraction),
+            mul(to_float(both(v, set_int(0xffff))), fraction)};
+  }
+  static HWY_INLINE F value(const Plane& p, const Sheet& s, std::ptrdiff_t pitch) {
+    return Mix(s.fy, AlongRow(p, s, 0), AlongRow(p, s, pitch));
+  }
+  static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s,
+                                      std::ptrdiff_t pitch) {
+    const auto difference = [&](std::ptrdiff_t plus, std::ptrdiff_t minus)
+                                HWY_ATTR { return sub(AlongRow(p, s, plus), AlongRow(p, s, minus)); };
+    return {Mix(s.fy, difference(1, -1), difference(pitch + 1, pitch - 1)),
+            Mix(s.fy, difference(pitch, -pitch), difference(2 * pitch, 0)),
+            sub(value(along.next, s, pitch), value(along.last, s, pitch))};
+  }
+  static HWY_INLINE F value_between(const Plane& front, const Plane& back, const Sheet& s, int i, int pieces,
+                                    std::ptrdiff_t pitch) {
+    return Mix(set(float(i) / float(pieces)), value(front, s, pitch), value(back, s, pitch));
+  }
+  static HWY_INLINE Gradient gradient_between(const Plane& before, const Plane& front, const Plane& back,
+                                              const Plane& after, const Sheet& s, int i, int pieces,
+                                              std::ptrdiff_t pitch) {
+    const F t = set(float(i) / float(pieces));
+    const Gradient a = gradient(front, back - before, s, pitch), b = gradient(back, after - front, s, pitch);
+    return {Mix(t, a.u, b.u), Mix(t, a.v, b.v), Mix(t, a.k, b.k)};
+  }
+
+ private:
+  static HWY_INLINE F Mix(F t, F a, F b) { return fma(t, sub(b, a), a); }
+  static HWY_INLINE F AlongRow(const Plane& p, const Sheet& s, std::ptrdiff_t numbers) {
+    return Mix(s.fx, gather(p.origin + numbers, s.at), gather(p.origin + numbers + 1, s.at));
+  }
+};
+
+HWY_INLINE FloatSampler::Along FloatSampler::Plane::operator-(const Plane& last) const {
+  return {*this, last};
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

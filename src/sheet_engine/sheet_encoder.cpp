@@ -1,0 +1,257 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "raster/opaque_news.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/net/message.hpp"
+#include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/sheet_engine.hpp"
+#include "sheet_engine/sheet_payload.hpp"
+#include "sheet_engine/slice_blocks.hpp"
+#include "volume/cell_ranges.hpp"
+#include "volume/slice_ranges.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr int side = CellRanges::side;
+
+/// Sends each Renderer the blocks of a slice that its pixels can show. Blocks and their voxels are copied as
+/// they are; all else is the Renderer's work.
+class SheetEncoder final : public Encoder {
+ public:
+  SheetEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
+               SliceBlocks& blocks, bool skip_empty)
+      : frame_(std::move(frame)),
+        whole_store_(store),
+        store_(store.level(frame_->shown.reduction.factor)),
+        blocks_(blocks),
+        skip_empty_(skip_empty),
+        windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
+        parts_(std::size_t(renderers)) {
+    if (!store_.keeps(axis()))
+      throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
+                                 frame_->number, name(axis())),
+                     "load it with --axes all");
+    const Regions& regions = geometry().regions;
+    for (int region = 0; region < regions.count(); ++region) {
+      const PixelRect rect = regions.rect(region);
+      opaque_.emplace_back(rect.width(), rect.height());
+    }
+    tile_marked_.resize(std::size_t(regions.count()));
+  }
+
+  std::vector<int> shown() override {
+    std::vector<bool> may_show(std::size_t(geometry().slices), true);
+    if (skip_empty_)
+      may_show = blocks_.shown_slices(store_, axis(), frame_->reach(), frame_->shown.transfer_function);
+    std::vector<int> steps;
+    for (int step = 0; step < geometry().slices; ++step)
+      if (may_show[std::size_t(frame_->slice_at(step))]) steps.push_back(step);
+    return steps;
+  }
+
+  EncodeCounts left_out(std::size_t steps) const override {
+    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(axis()));
+    return {.voxels = voxels, .outside = voxels};
+  }
+
+  void begin(int step) override {
+    slice_ = store_.slice(axis(), frame_->slice_at(step));
+    columns_ = CellRanges::blocks_along(slice_.width);
+    states_ = blocks_.of(store_, axis(), slice_.index, frame_->reach(), frame_->shown.transfer_function);
+    counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height)};
+    next_row_ = 0;
+    for (Part& part : parts_) part.begin(states_.size());
+    std::fill(tile_marked_.begin(), tile_marked_.end(), false);
+  }
+
+  bool work() override {
+    const int rows = int(states_.size()) / columns_, row_of_pieces = std::max(1, 1024 / columns_);
+    const int end = std::min(rows, next_row_ + row_of_pieces);
+    for (; next_row_ < end; ++next_row_)
+      for (int column = 0; column < columns_; ++column) deal(column, next_row_);
+    return next_row_ == rows;
+  }
+
+  EncodedStep finish() override {
+    EncodedStep step;
+    step.parts.resize(parts_.size());
+    step.counts = counts_;
+    for (std::size_t r = 0; r < parts_.size(); ++r)
+      if (parts_[r].present > 0) write(parts_[r], step.parts[r]);
+    for (std::size_t region = 0; region < tile_marked_.size(); ++region)
+      if (tile_marked_[region])
+        step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(static_cast<int>(region));
+    return step;
+  }
+
+  void take_news(std::span<const std::byte> news) override {
+    if (!news.empty()) read_opaque_news(news, opaque_);
+  }
+  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
+
+ private:
+  /// The blocks for one Renderer.
+  struct Part {
+    std::vector<bool> here;  ///< by block
+    std::uint32_t present = 0;
+    std::size_t voxels = 0;
+    void begin(std::size_t blocks) {
+      here.assign(blocks, false);
+      present = 0;
+      voxels = 0;
+    }
+  };
+
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+  Axis axis() const { return geometry().traversal.axis; }
+  int owner_of(int region) const { return frame_->plan.tiles[std::size_t(region)].renderer; }
+
+  int block_width(int column) const { return std::min(side, slice_.width - column * side); }
+  int block_height(int row) const { return std::min(side, slice_.height - row * side); }
+
+  /// Finds the Renderers of a block that is needed.
+  void deal(int column, int row) {
+    const std::size_t block = std::size_t(row) * std::size_t(columns_) + std::size_t(column);
+    if (!states_[block].needed) return;
+    const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
+    const PixelWindow window = windows_.of(column, row, slice_.index);
+    const Regions& regions = geometry().regions;
+    const PixelRect touched = regions.touched(window.x0, window.y0, window.x1, window.y1);
+    (touched.empty() ? counts_.outside : counts_.visible) += voxels;
+    for (int y = touched.y0; y < touched.y1; ++y)
+      for (int x = touched.x0; x < touched.x1; ++x) {
+        const int region = y * regions.columns() + x, renderer = owner_of(region);
+        if (renderer == FramePlan::nobody || hidden(region, window)) continue;
+        tile_marked_[std::size_t(region)] = true;
+        Part& part = parts_[std::size_t(renderer)];
+        if (part.here[block]) continue;
+        part.here[block] = true;
+        ++part.present;
+        part.voxels += voxels;
+      }
+  }
+
+  bool hidden(int region, const PixelWindow& window) const {
+    const OpaqueTiles& tiles = opaque_[std::size_t(region)];
+    if (tiles.opaque() == 0) return false;
+    const PixelRect rect = geometry().regions.rect(region);
+    return tiles.hides(window.x0 - rect.x0, window.y0 - rect.y0, window.x1 - rect.x0, window.y1 - rect.y0);
+  }
+
+  /// A block's byte in a payload. One that only other Renderers need may be anything.
+  std::uint8_t byte_of(const Part& part, std::size_t block, std::uint8_t elsewhere) const {
+    const BlockState& state = states_[block];
+    if (part.here[block]) {
+      const bool visible = geometry().traversal.ascending ? state.visible_above : state.visible_below;
+      return std::uint8_t(block_present | (visible ? cells_visible : 0));
+    }
+    return state.needed ? elsewhere : state.transparent;
+  }
+
+  /// The byte of most blocks that nobody needs.
+  std::uint8_t byte_elsewhere() const {
+    std::array<std::size_t, BlockState::not_a_number + 1> blocks{};
+    for (const BlockState& state : states_)
+      if (!state.needed) ++blocks[state.transparent];
+    return std::uint8_t(std::max_element(blocks.begin(), blocks.end()) - blocks.begin());
+  }
+
+  void write(const Part& part, EncodedPart& out) const {
+    SheetHeader header;
+    const auto [low, high] = volume_range();
+    header.low = low;
+    header.high = high;
+    header.present = part.present;
+    header.elsewhere = byte_elsewhere();
+    header.scalar = std::uint8_t(slice_.type);
+    std::vector<BlockRow> rows(states_.size() / std::size_t(columns_));
+    for (std::size_t row = 0; row < rows.size(); ++row) rows[row] = said_of_row(part, row, header.elsewhere);
+    const auto says = [](const BlockRow& row) { return row.first < row.end; };
+    const auto first = std::find_if(rows.begin(), rows.end(), says);
+    const auto end = std::find_if(rows.rbegin(), rows.rend(), says).base();
+    header.first_row = std::uint16_t(first - rows.begin());
+    header.rows = std::uint16_t(end - first);
+    out.payload = Message::body_buffer();
+    out.payload.reserve(out.payload.size() + sizeof header +
+                        std::size_t(end - first) * (sizeof(BlockRow) + std::size_t(columns_)) +
+                        part.voxels * size_of(slice_.type));
+    append(out.payload, header);
+    for (auto row = first; row != end; ++row) {
+      append(out.payload, *row);
+      const std::size_t start = std::size_t(row - rows.begin()) * std::size_t(columns_);
+      for (std::size_t column = row->first; column < row->end; ++column)
+        append(out.payload, byte_of(part, start + column, header.elsewhere));
+    }
+    const std::size_t before = out.payload.size();
+    out.payload.resize(before + part.voxels * size_of(slice_.type));
+    std::byte* to = out.payload.data() + before;
+    for (auto row = first; row != end; ++row) to = copy_voxels(part, int(row - rows.begin()), to);
+    out.items = part.present;
+    out.passes = 1;
+  }
+
+  /// The columns of blocks that are not as `elsewhere`, from the first to the last.
+  BlockRow said_of_row(const Part& part, std::size_t row, std::uint8_t elsewhere) const {
+    const std::size_t start = row * std::size_t(columns_);
+    int first = 0, end = columns_;
+    while (first < end && byte_of(part, start + std::size_t(first), elsewhere) == elsewhere) ++first;
+    while (first < end && byte_of(part, start + std::size_t(end - 1), elsewhere) == elsewhere) --end;
+    return {std::uint16_t(first), std::uint16_t(end)};
+  }
+
+  /// Copies the voxels of a row's present blocks to `to`; returns the end of what it wrote.
+  std::byte* copy_voxels(const Part& part, int row, std::byte* to) const {
+    const std::size_t scalar = size_of(slice_.type), pitch = std::size_t(slice_.width) * scalar;
+    const int high = block_height(row);
+    const std::byte* first = slice_.values_of_row(row * side);
+    for (int column = 0; column < columns_; ++column) {
+      if (!part.here[std::size_t(row) * std::size_t(columns_) + std::size_t(column)]) continue;
+      const std::size_t bytes = std::size_t(block_width(column)) * scalar;
+      const std::byte* from = first + std::size_t(column * side) * scalar;
+      for (int y = 0; y < high; ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
+    }
+    return to;
+  }
+
+  /// Of all slices, other GPs' too.
+  std::pair<double, double> volume_range() const {
+    double low = INFINITY, high = -INFINITY;
+    if (const SliceRanges* ranges = store_.ranges())
+      for (const SliceRange& range : ranges->of(axis())) {
+        low = std::min(low, range.low);
+        high = std::max(high, range.high);
+      }
+    return {low, high};
+  }
+
+  std::shared_ptr<const SheetFrame> frame_;
+  const SliceStore& whole_store_;
+  const SliceStore& store_;  ///< the frame's level
+  SliceBlocks& blocks_;
+  bool skip_empty_;
+  BlockWindows windows_;
+  std::vector<OpaqueTiles> opaque_;  ///< by region, as far as news have come
+  SliceView slice_;
+  int columns_ = 1;  ///< of blocks
+  std::span<const BlockState> states_;
+  int next_row_ = 0;
+  EncodeCounts counts_;
+  std::vector<Part> parts_;        ///< by Renderer
+  std::vector<bool> tile_marked_;  ///< by region: has a block of the slice
+};
+
+}  // namespace
+
+std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty) {
+  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,31 @@
+#pragma once
+#include <memory>
+
+#include "base/thread_team.hpp"
+#include "frame/engine_setup.hpp"
+#include "sheet_engine/sheet_frame.hpp"
+#include "volume/slice_store.hpp"
+
+namespace ringsplat {
+
+class SliceBlocks;
+
+/// A GP's encoder for one frame. `store` and `blocks` must outlive it; `blocks` is kept from frame to frame,
+/// one for each level of the store. EngineSetup explains `skip_empty`. Throws RunError when the slices that
+/// the frame traverses were not loaded.
+std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty);
+
+/// A Renderer's painter, which keeps its buffers from frame to frame.
+class SheetPainter : public Painter {
+ public:
+  /// Clears the image.
+  virtual void begin_frame(std::shared_ptr<const SheetFrame> frame) = 0;
+};
+/// `threads` must outlive it; the image has the same bits with any number of them.
+std::unique_ptr<SheetPainter> make_sheet_painter(int renderer, int renderers, ThreadTeam& threads);
+
+/// The engine of sheets for one rank.
+std::unique_ptr<Engine> make_sheet_engine(const EngineSetup& setup);
+
+}  // namespace ringsplat

@@ -1,0 +1,33 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "frame/frame_geometry.hpp"
+#include "protocol/engine.hpp"
+
+namespace ringsplat {
+
+/// A frame as the nodes of a rank share it: what was announced, and what follows from it.
+struct SheetFrame {
+  std::int64_t number = 0;
+  Shown shown;
+  Sheets sheets;
+  FrameGeometry geometry;
+  FramePlan plan;
+
+  bool lit() const { return shown.shading == Shading::phong; }
+  /// A ray's length from slice to slice, in unit lengths.
+  double step_length() const {
+    return shown.opacity_correction ? geometry.traversal.slice_distance : double(shown.reduction.factor);
+  }
+  /// Slices to either side that are drawn with a slice's voxels: those that the slabs at it lie between, and
+  /// for gradients one more.
+  int reach() const { return lit() ? 2 : 1; }
+  int slice_at(int step) const { return geometry.traversal.slice_at(step, geometry.slices); }
+};
+
+/// `spec` must be of this method. Throws InputError when its view cannot be drawn.
+std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid, int gps,
+                                                   int renderers);
+
+}  // namespace ringsplat

@@ -1,0 +1,11 @@
+#pragma once
+#include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/sheet_frame.hpp"
+
+namespace ringsplat {
+
+/// Phong's reflection for gradients that are differences of plane numbers along u, v and the traversed axis.
+/// `most`: the largest number; gradients are scaled by it so that their squares neither overflow nor vanish.
+GradientLight gradient_light(const SheetFrame& frame, double most);
+
+}  // namespace ringsplat

@@ -1,0 +1,343 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "engine_parts/owned_images.hpp"
+#include "ringsplat/base/error.hpp"
+#include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/scalar_planes.hpp"
+#include "sheet_engine/sheet_engine.hpp"
+#include "sheet_engine/sheet_light.hpp"
+#include "sheet_engine/sheet_payload.hpp"
+#include "sheet_engine/sheet_rays.hpp"
+#include "sheet_engine/slab_table.hpp"
+#include "sheet_engine/visible_tiles.hpp"
+#include "volume/cell_ranges.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Slices that are kept before what lies between them is painted: many, so that a group of pixels goes
+/// through many slabs at once, but no more than this memory.
+constexpr std::size_t most_plane_bytes = std::size_t{64} << 20;
+constexpr int most_slots = 36, least_slots = 8;
+
+/// Draws sheets on a Renderer. A slab between the slices of two steps is painted once the slice behind them
+/// is there or known not to come, together with as many others as there are.
+class SlabPainter final : public SheetPainter {
+ public:
+  SlabPainter(int renderer, int renderers, ThreadTeam& threads)
+      : renderer_(renderer), threads_(threads), images_(renderer, renderers) {}
+
+  void begin_frame(std::shared_ptr<const SheetFrame> frame) override {
+    frame_ = std::move(frame);
+    images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
+    tiles_.lay_out(geometry(), images_);
+    rays_ = make_sheet_rays(*frame_);
+    const bool ascending = geometry().traversal.ascending;
+    const auto windows = [&](double before, double after) {
+      return BlockWindows(geometry(), 1.0, ascending ? before : after, ascending ? after : before);
+    };
+    between_slices_.emplace(windows(0, 1));
+    before_first_.emplace(windows(0.5, 0));
+    after_last_.emplace(windows(0, 0.5));
+    transparent_ = TransparentValues(frame_->shown.transfer_function);
+    slabs_.clear();
+    painting_ = 0;
+    payload_.reset();
+    concluded_ = false;
+    ready_ = false;
+    counts_ = {};
+  }
+
+  bool prepare() override {
+    if (ready_ || !(low_ < high_)) return false;
+    make_ready();
+    return true;
+  }
+
+  void begin(const PayloadToDraw& payload) override {
+    const auto& [step, passes, body] = payload;
+    if (step < 0 || step >= geometry().slices)
+      throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
+                                 step, geometry().slices),
+                     "all ranks must run the same build");
+    try {
+      payload_ = read_sheet_payload(body, rays_.grid.voxels[0], rays_.grid.voxels[1], geometry().grid.type);
+    } catch (const RunError& e) {
+      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
+    }
+    step_ = step;
+    take_range(payload_->header);
+    counts_.drawn += payload_->header.present;
+  }
+
+  bool work() override {
+    if (make_room(step_)) return false;
+    planes_.place(step_, *payload_, geometry().grid.type);
+    add_slabs();
+    payload_.reset();
+    return true;
+  }
+
+  bool conclude() override {
+    if (slabs_.empty()) return false;
+    const int slices = geometry().slices;
+    if (!concluded_) {
+      if (make_room(slices)) return true;
+      if (frame_->lit() && slabs_.back().step >= slices - 1)
+        planes_.extrapolate(slices, slices - 1, std::max(slices - 2, 0));
+      concluded_ = true;
+    }
+    paint_some(slabs_.size());
+    return true;
+  }
+
+  void news(int gp, Bytes& news) override { images_.news(gp, news); }
+  ItemCounts counts() const override { return counts_; }
+  void finish(const std::function<void(int, Bytes)>& deliver) override { images_.deliver(deliver); }
+
+ private:
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+
+  void take_range(const SheetHeader& header) {
+    const bool known = std::isfinite(header.low) && std::isfinite(header.high) && header.low <= header.high;
+    if (!known && geometry().grid.type != ScalarType::float32 && geometry().grid.type != ScalarType::float64)
+      throw RunError(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
+                                 renderer_, header.low, header.high),
+                     "all ranks must run the same build");
+    const auto [low, high] = finite_range(header);
+    if (ready_ && low == low_ && high == high_) return;
+    low_ = low;
+    high_ = high;
+    make_ready();
+  }
+
+  /// What stands for infinite values: some beyond the transfer function's ends, as in the truths.
+  std::pair<double, double> beyond_function() const {
+    const TransferFunction& tf = frame_->shown.transfer_function;
+    const double first = std::min(tf.opacities.front().value, tf.colours.front().value),
+                 last = std::max(tf.opacities.back().value, tf.colours.back().value);
+    return {first - 1 - std::abs(first), last + 1 + std::abs(last)};
+  }
+
+  /// The ends of the table's axis.
+  std::pair<double, double> finite_range(const SheetHeader& header) const {
+    const auto [below, above] = beyond_function();
+    double low = std::isfinite(header.low) ? header.low : below,
+           high = std::isfinite(header.high) ? header.high : above;
+    if (!(low <= high)) std::swap(low, high);
+    // A volume of a single value needs an axis, too.
+    if (!(low < high)) high = low + std::max(1.0, std::abs(low) * 1e-3);
+    return {low, high};
+  }
+
+  /// Makes tables and planes for the frame and the volume's range.
+  void make_ready() {
+    ready_ = true;
+    const Sheets& sheets = frame_->sheets;
+    const TableAxis axis(frame_->shown.transfer_function, low_, high_);
+    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, axis, sheets.slabs);
+    std::tie(code_.below, code_.above) = beyond_function();
+    table_.set_function(frame_->shown.transfer_function, low_, high_);
+    table_.set_length(frame_->step_length() / sheets.slabs);
+    const int wide = rays_.grid.voxels[0], high = rays_.grid.voxels[1];
+    const auto affordable = static_cast<int>(
+        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slots));
+    planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slots), code_,
+                        make_fillers(transparent_, geometry().grid.type, low_, high_));
+    paint_ = {};
+    paint_.rays = rays_.grid;
+    paint_.places = place_map();
+    paint_.light = gradient_light(*frame_, code_.floats ? largest_number() : 4095);
+    paint_.table = table_.entries();
+    paint_.pitch = planes_.pitch();
+    paint_.floats = code_.floats;
+    paint_.patches = rays_.patches;
+    paint_.lit = frame_->lit();
+    paint_.adaptive = sheets.adaptive;
+    paint_.light_points = sheets.light_points;
+    paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
+    paint_.face_pieces = 0.5F * float(sheets.slabs);
+  }
+
+  double largest_number() const { return std::max(std::abs(code_.of(low_)), std::abs(code_.of(high_))); }
+
+  PlaceMap place_map() const {
+    PlaceMap map;
+    const TableAxis& axis = table_.axis();
+    map.count = axis.count;
+    map.even = axis.even() && !code_.floats;
+    for (int k = 0; k < axis.count; ++k) {
+      const auto& ramp = axis.ramps[std::size_t(k)];
+      map.ramps[std::size_t(k)] = {float(code_.of(ramp.from)), float(ramp.width * code_.scale),
+                                   float(ramp.rise / code_.scale)};
+    }
+    const double a_number = axis.ramps[0].rise / code_.scale;
+    map.scale = float(a_number);
+    map.offset = float(-code_.of(low_) * a_number);
+    set_transparent(map);
+    return map;
+  }
+
+  /// Ends are rounded as the planes' numbers are, so that what lies in an interval does so after rounding. A
+  /// place counts as transparent up to and with `visible_low`, so an end that is visible lies beyond it.
+  void set_transparent(PlaceMap& map) const {
+    const auto place = [&](double value) {
+      const double number = code_.of(std::clamp(value, low_, high_));
+      return place_of_number(map, float(code_.floats ? number : double(std::lround(number))));
+    };
+    constexpr float before_all = -1, after_all = TableAxis::last + 1;
+    map.visible_low = before_all;
+    map.visible_high = after_all;
+    for (const auto& i : transparent_.intervals()) {
+      if (i.high < low_ || i.low > high_) continue;
+      const float low = i.low < low_ ? before_all
+                        : i.has_low  ? place(i.low)
+                                     : std::nextafter(place(i.low), after_all),
+                  high = i.high > high_ ? after_all
+                         : i.has_high   ? place(i.high)
+                                        : std::nextafter(place(i.high), before_all);
+      if (!std::isfinite(i.low))
+        map.visible_low = high;
+      else if (!std::isfinite(i.high))
+        map.visible_high = low;
+      else
+        map.gaps[std::size_t(map.gap_count++)] = {low, high};
+    }
+  }
+
+  /// Room for the slice of `step`: while there is none, paints some of what can be painted without it.
+  /// Returns whether it did.
+  bool make_room(int step) {
+    if (slabs_.empty() || step - (slabs_.front().step - 2) < planes_.slots()) return false;
+    std::size_t complete = 0;
+    while (complete < slabs_.size() && slabs_[complete].step + 1 < step) ++complete;
+    paint_some(complete);
+    return true;
+  }
+
+  void add_slabs() {
+    if (step_ == 0) add_slab(-1, *before_first_);
+    add_slab(step_, step_ == geometry().slices - 1 ? *after_last_ : *between_slices_);
+  }
+
+  void add_slab(int step, const BlockWindows& windows) {
+    tiles_.add_slab();
+    bool any = false;
+    const SheetPayload& payload = *payload_;
+    for (std::size_t row = 0; row < payload.rows.size(); ++row)
+      for (int column = payload.rows[row].first; column < payload.rows[row].end; ++column)
+        if ((payload.bytes[row][column - payload.rows[row].first] & cells_visible) != 0)
+          any |=
+              tiles_.mark(windows.of(column, payload.header.first_row + int(row), frame_->slice_at(step_)));
+    if (any)
+      slabs_.push_back(make_slab(*frame_, rays_, step));
+    else
+      tiles_.drop_slab();
+  }
+
+  /// Gives the first `count` slabs their planes.
+  void find_planes(std::size_t count) {
+    const int last = geometry().slices - 1;
+    if (frame_->lit() && slabs_.front().step <= 1) planes_.extrapolate(-1, 0, std::min(1, last));
+    for (std::size_t k = 0; k < count; ++k) {
+      SheetSlab& slab = slabs_[k];
+      const int back = std::min(slab.step, last), front = std::max(slab.step - 1, 0);
+      slab.front = planes_.plane(front);
+      slab.back = planes_.plane(back);
+      slab.before = planes_.plane(slab.step == last + 1 ? last - 1 : front - 1);
+      slab.after = planes_.plane(slab.step == 0 ? 1 : back + 1);
+      // The one slice of a volume has itself on both sides.
+      if (last == 0) slab.before = slab.after = slab.front;
+    }
+  }
+
+  /// Does a bounded piece of painting the first `count` slabs, on each thread.
+  void paint_some(std::size_t count) {
+    if (painting_ == 0) {
+      find_planes(count);
+      painting_ = count;
+      next_group_ = 0;
+      touch_images();
+    }
+    threads_.run(threads_.size(), [this](int) { paint_groups(); });
+    if (next_group_ < tiles_.groups().size()) return;
+    for (std::size_t slot = 0; slot < images_.count(); ++slot)
+      if (images_.image(slot).touched()) images_.image(slot).slices_composited(int(painting_));
+    slabs_.erase(slabs_.begin(), slabs_.begin() + std::ptrdiff_t(painting_));
+    tiles_.drop_first(painting_);
+    painting_ = 0;
+  }
+
+  bool has_tiles(std::size_t group) const {
+    const TileMask* masks = tiles_.masks_of(group);
+    for (std::size_t k = 0; k < painting_; ++k)
+      if (masks[std::ptrdiff_t(k) * tiles_.stride()] != 0) return true;
+    return false;
+  }
+
+  /// Before threads share them.
+  void touch_images() {
+    for (std::size_t g = 0; g < tiles_.groups().size(); ++g)
+      if (RegionImage& image = images_.image(tiles_.groups()[g].slot); !image.touched() && has_tiles(g))
+        image.pixels();
+  }
+
+  void paint_groups() {
+    constexpr int at_once = 16;
+    for (int painted = 0; painted < at_once;) {
+      const std::size_t g = next_group_++;
+      if (g >= tiles_.groups().size()) return;
+      if (!has_tiles(g)) continue;
+      const auto& group = tiles_.groups()[g];
+      RegionImage& image = images_.image(group.slot);
+      const PixelRect& rect = image.rect();
+      const int x = group.column * group_side, y = group.row * group_side;
+      PixelGroup pixels{rect.x0 + x,
+                        rect.y0 + y,
+                        std::min(group_side, rect.width() - x),
+                        std::min(group_side, rect.height() - y),
+                        image.pixels() + y * image.row_floats() + 4 * x,
+                        image.row_floats()};
+      paint_group(paint_, pixels, std::span(slabs_).first(painting_), tiles_.masks_of(g), tiles_.stride());
+      ++painted;
+    }
+  }
+
+  int renderer_;
+  ThreadTeam& threads_;
+  std::shared_ptr<const SheetFrame> frame_;
+  OwnedImages images_;
+  VisibleTiles tiles_;
+  SheetRays rays_;
+  std::optional<BlockWindows> between_slices_, before_first_, after_last_;
+  TransparentValues transparent_;
+  double low_ = 0, high_ = 0;  ///< of the volume's values; kept for the next frame
+  PlaneCode code_;
+  SlabTable table_;
+  ScalarPlanes planes_;
+  SheetPaint paint_;
+  bool ready_ = false;  ///< tables and planes are the frame's
+  std::optional<SheetPayload> payload_;
+  int step_ = 0;
+  std::vector<SheetSlab> slabs_;  ///< pending ones, front to back; masks in tiles_
+  std::size_t painting_ = 0;      ///< how many of them are being painted
+  std::atomic<std::size_t> next_group_ = 0;
+  bool concluded_ = false;  ///< the last slice's surroundings are there
+  ItemCounts counts_;
+};
+
+}  // namespace
+
+std::unique_ptr<SheetPainter> make_sheet_painter(int renderer, int renderers, ThreadTeam& threads) {
+  return std::make_unique<SlabPainter>(renderer, renderers, threads);
+}
+
+}  // namespace ringsplat

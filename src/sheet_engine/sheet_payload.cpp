@@ -1,0 +1,61 @@
+#include "sheet_engine/sheet_payload.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "ringsplat/base/error.hpp"
+#include "sheet_engine/slice_blocks.hpp"
+#include "volume/cell_ranges.hpp"
+
+namespace ringsplat {
+namespace {
+
+RunError no_payload(const char* what) {
+  return RunError(fmt::format("a slice's payload {}", what), "all ranks must run the same build");
+}
+
+bool is_block_byte(std::uint8_t byte) {
+  return byte == block_present || byte == (block_present | cells_visible) || byte <= BlockState::not_a_number;
+}
+
+}  // namespace
+
+SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int height, ScalarType type) {
+  constexpr int side = CellRanges::side;
+  const int columns = CellRanges::blocks_along(width), block_rows = CellRanges::blocks_along(height);
+  SheetPayload payload;
+  SheetHeader& header = payload.header;
+  std::size_t at = 0;
+  if (!take(body, at, header)) throw no_payload("ends within its header");
+  if (header.scalar != std::uint8_t(type)) throw no_payload("is of another type of voxels");
+  if (header.first_row + header.rows > block_rows || header.elsewhere > BlockState::not_a_number)
+    throw no_payload("has rows of blocks outside the slice");
+  std::uint32_t present = 0;
+  std::size_t voxels = 0;
+  for (int row = 0; row < header.rows; ++row) {
+    BlockRow& blocks = payload.rows.emplace_back();
+    if (!take(body, at, blocks) || blocks.first > blocks.end || blocks.end > columns ||
+        std::size_t(blocks.end - blocks.first) > body.size() - at)
+      throw no_payload("has a row of blocks outside the slice");
+    const auto* bytes = reinterpret_cast<const std::uint8_t*>(body.data() + at);
+    payload.bytes.push_back(bytes);
+    at += std::size_t(blocks.end - blocks.first);
+    const int rows_here = std::min(side, height - (header.first_row + row) * side);
+    for (int column = blocks.first; column < blocks.end; ++column) {
+      const std::uint8_t byte = bytes[column - blocks.first];
+      if (!is_block_byte(byte)) throw no_payload("says of a block what cannot be");
+      if (byte < block_present) continue;
+      ++present;
+      voxels += std::size_t(rows_here) * std::size_t(std::min(side, width - column * side));
+    }
+  }
+  if (present != header.present || body.size() - at != voxels * size_of(type))
+    throw no_payload(fmt::format("has {} bytes of voxels where {} blocks have {}", body.size() - at, present,
+                                 voxels * size_of(type))
+                         .c_str());
+  payload.voxels = body.subspan(at);
+  return payload;
+}
+
+}  // namespace ringsplat

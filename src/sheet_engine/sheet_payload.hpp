@@ -1,0 +1,43 @@
+#pragma once
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat {
+
+/// A slice's payload for one Renderer: a SheetHeader, then for each of `rows` rows of blocks from `first_row`
+/// on a BlockRow and a byte for each of its blocks, then the voxels of all present blocks, in order, each row
+/// by row in the volume's own type. Blocks of which nothing is said are as `elsewhere`.
+struct SheetHeader {
+  double low = 0, high = 0;   ///< of the volume's (the level's) values; low > high: all are not-a-number
+  std::uint32_t present = 0;  ///< blocks with voxels
+  std::uint16_t first_row = 0, rows = 0;
+  std::uint8_t elsewhere = 0;  ///< a block byte without flags
+  std::uint8_t scalar = 0;     ///< ScalarType
+  std::uint16_t unused[3] = {};
+};
+static_assert(sizeof(SheetHeader) == 32);
+
+struct BlockRow {
+  std::uint16_t first = 0, end = 0;  ///< columns of blocks
+};
+
+/// A block's byte: the interval of transparent values that holds it (BlockState::transparent), or flags.
+inline constexpr std::uint8_t block_present = 0x80;  ///< its voxels follow
+inline constexpr std::uint8_t cells_visible = 0x40;  ///< its cells before the next step's slice may be seen
+
+/// A payload taken apart; its spans look into the payload.
+struct SheetPayload {
+  SheetHeader header;
+  std::vector<BlockRow> rows;              ///< from header.first_row on
+  std::vector<const std::uint8_t*> bytes;  ///< by row: those of blocks first ... end - 1
+  std::span<const std::byte> voxels;
+};
+
+/// Throws RunError unless `body` is a payload for slices of this width, height and type, and nothing else.
+SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int height, ScalarType type);
+
+}  // namespace ringsplat

@@ -1,0 +1,71 @@
+// Per-target include guard: Highway compiles this once for each instruction set.
+#if defined(RINGSPLAT_SLAB_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_SLAB_LANES_INL
+#undef RINGSPLAT_SLAB_LANES_INL
+#else
+#define RINGSPLAT_SLAB_LANES_INL
+#endif
+
+#include "sheet_engine/lanes-inl.hpp"
+#include "sheet_engine/paint_group.hpp"
+
+/// Slabs of a table, and parts of them, a lane each.
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// A table entry in each lane, as it is stored.
+struct Entry {
+  I low, high;
+};
+HWY_INLINE Entry Look(const std::uint64_t* table, I front, I back) {
+  const I at = up<3>(add(up<8>(front), back));
+  return {gather_int(table, at), gather_int(table, add(at, set_int(4)))};
+}
+HWY_INLINE F OpacityOf(const Entry& e) {
+  const F root_of = mul(to_float(both(e.low, set_int(0xffff))), set(1.0F / 65535));
+  return mul(root_of, root_of);
+}
+
+struct Slab {
+  F opacity, red, green, blue, centroid, spread;
+};
+HWY_INLINE Slab Unpack(const Entry& e) {
+  const I low = e.low, high = e.high;
+  const I ten = set_int(1023);
+  const F colour = set(1.0F / 1023);
+  return {OpacityOf(e),
+          mul(colour, to_float(both(down<16>(low), ten))),
+          mul(colour, to_float(either(down<26>(low), both(up<6>(high), ten)))),
+          mul(colour, to_float(both(down<4>(high), ten))),
+          mul(set(1.0F / 255), to_float(both(down<14>(high), set_int(255)))),
+          mul(set(1.0F / 127), to_float(both(down<22>(high), set_int(63))))};
+}
+
+/// 1 - (1 - a)^w, to 1e-6; lanes with w = 1 keep their bits. Any part of what is opaque is.
+HWY_INLINE F Shortened(F a, F w) {
+  const F one = set(1.0F), through = max(sub(one, a), set(1e-12F));
+  const F shorter = max(sub(one, exp2_of(max(mul(w, log2_of(through)), set(-126.0F)))), set(0.0F));
+  const M opaque = both(equal(a, one), greater(w, set(0.0F)));
+  return choose(either(equal(w, one), opaque), a, shorter);
+}
+
+/// The part of the way from sheet to sheet that lies in the volume's box.
+struct Way {
+  F enter, leave;  ///< 0 and 1 at first
+
+  /// Limits it along one axis, on which it goes from position `a` to `b`.
+  HWY_INLINE void narrow(I a, I b, int voxels) {
+    const F voxel = set(1.0F / one_voxel), from = mul(voxel, to_float(a)), to = mul(voxel, to_float(b));
+    const F low = set(-0.5F), high = set(float(voxels) - 0.5F), step = sub(to, from);
+    const M moves = either(greater(step, set(0.0F)), greater(set(0.0F), step));
+    const F x = div(sub(low, from), step), y = div(sub(high, from), step);
+    const M outside = either(greater(low, from), greater(from, sub(high, set(1e-6F))));
+    enter = max(enter, choose(moves, min(x, y), choose(outside, set(2.0F), set(0.0F))));
+    leave = min(leave, choose(moves, max(x, y), set(1.0F)));
+  }
+  HWY_INLINE F length() const { return max(sub(leave, enter), set(0.0F)); }
+};
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

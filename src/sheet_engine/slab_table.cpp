@@ -1,0 +1,112 @@
+#include "sheet_engine/slab_table.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sheet_engine/fill_slab_table.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Extinction of an opacity per unit length. That of opacity 1 would be infinite.
+double extinction(double opacity) {
+  constexpr double most = 1e4;
+  return opacity < 1 ? std::min(-std::log1p(-opacity), most) : most;
+}
+
+SlabTable::Curve integrate(const TransferFunction& tf, const TableAxis& axis) {
+  using Curve = SlabTable::Curve;
+  constexpr int samples = 8;  // between two nodes
+  // At a jump a value has the opacity behind it, also when its entry lies a rounding before.
+  const double nudge = 0.5 * TableAxis::narrowest * axis.ramps[0].width;
+  Curve curve;
+  const auto count = std::size_t(Curve::nodes);
+  for (auto* integral : {&curve.extinction, &curve.red, &curve.green, &curve.blue})
+    integral->resize(count, 0.0);
+  for (int node = 0; node < Curve::nodes; ++node)
+    curve.value.push_back(axis.value_at(double(node) / Curve::nodes_an_entry));
+  for (std::size_t node = 1; node < count; ++node) {
+    const double start = curve.value[node - 1], step = (curve.value[node] - start) / samples;
+    double sums[4] = {};
+    for (int k = 0; k < samples; ++k) {
+      const auto sample = tf.evaluate(start + (k + 0.5) * step + nudge);
+      const double here = extinction(sample.opacity) * step;
+      sums[0] += here;
+      for (int c = 0; c < 3; ++c) sums[c + 1] += here * sample.colour[c];
+    }
+    curve.extinction[node] = curve.extinction[node - 1] + sums[0];
+    curve.red[node] = curve.red[node - 1] + sums[1];
+    curve.green[node] = curve.green[node - 1] + sums[2];
+    curve.blue[node] = curve.blue[node - 1] + sums[3];
+  }
+  for (int entry = 0; entry < TableAxis::entries; ++entry) {
+    const auto here = tf.evaluate(curve.value[std::size_t(entry) * Curve::nodes_an_entry] + nudge);
+    curve.at_entry.push_back(extinction(here.opacity));
+    curve.colour.push_back(here.colour);
+  }
+  return curve;
+}
+
+/// The slab of one value: a uniform medium.
+std::uint64_t uniform_slab(double extinction_here, const glm::dvec3& colour, double length) {
+  const double x = extinction_here * length, opacity = -std::expm1(-x);
+  if (!(opacity > 0)) return 0;
+  double centroid = 0.5, spread = std::sqrt(1.0 / 12);
+  if (x > 1e-3) {
+    const double left = std::exp(-x) / opacity;
+    centroid = 1 / x - left;
+    const double square = 2 / (x * x) - left * (1 + 2 / x);
+    spread = std::sqrt(std::max(0.0, square - centroid * centroid));
+  }
+  return packed({opacity, colour.r, colour.g, colour.b, centroid, spread});
+}
+
+/// By entry: the steepness' code of values near it.
+std::vector<int> steepness(const std::vector<double>& extinctions, double length) {
+  const int last = TableAxis::last;
+  std::vector<double> through;
+  for (const double e : extinctions) through.push_back(std::exp(-2 * length * e));
+  std::vector<int> codes;
+  for (int entry = 0; entry <= last; ++entry) {
+    double most = 0;
+    for (int k = std::max(entry - SlabTable::steep_reach, 0);
+         k < std::min(entry + SlabTable::steep_reach, last); ++k)
+      most = std::max(most, std::abs(through[std::size_t(k)] - through[std::size_t(k) + 1]));
+    codes.push_back(std::clamp(static_cast<int>(std::ceil(std::log2(std::max(most, 1e-9)) + 15)), 0, 15));
+  }
+  return codes;
+}
+
+}  // namespace
+
+void SlabTable::set_function(const TransferFunction& transfer_function, double low, double high) {
+  if (axis_ && low == low_ && high == high_ && transfer_function == transfer_function_) return;
+  transfer_function_ = transfer_function;
+  low_ = low;
+  high_ = high;
+  length_ = 0;
+  axis_.emplace(transfer_function_, low, high);
+  curve_ = integrate(transfer_function_, *axis_);
+}
+
+void SlabTable::set_length(double length) {
+  if (length == length_) return;
+  length_ = length;
+  constexpr std::size_t size = TableAxis::entries;
+  entries_.resize(size * size);
+  fill_slab_table(curve_, length, entries_);
+  for (std::size_t i = 0; i < size; ++i)
+    entries_[i * size + i] = uniform_slab(curve_.at_entry[i], curve_.colour[i], length);
+  const std::vector<int> codes = steepness(curve_.at_entry, length);
+  for (std::size_t front = 0; front < size; ++front) {
+    int code = 0;
+    for (std::size_t back = front; back < size; ++back) {
+      code = std::max(code, codes[back]);
+      const auto bits = std::uint64_t(code) << 60;
+      entries_[front * size + back] |= bits;
+      if (front != back) entries_[back * size + front] |= bits;
+    }
+  }
+}
+
+}  // namespace ringsplat

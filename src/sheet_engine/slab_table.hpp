@@ -1,0 +1,53 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "sheet_engine/table_axis.hpp"
+
+namespace ringsplat {
+
+/// The pre-integrated slab between two sheets (Engel, Kraus and Ertl 2001): for the values at its front and
+/// back, between which the field is taken as linear, its opacity, its colour with what it hides of itself,
+/// and where its opacity lies.
+///
+/// An entry has 64 bits: from the lowest on the root of its opacity (16), straight red, green and blue (10
+/// each), centroid (8, of 255ths of the way from front to back), spread (6, of 127ths), steepness (4). The
+/// root of opacity keeps the digits of faint slabs.
+///
+/// Steepness s: a change of the value half-way by an entry changes the opacity of two such slabs in turn by
+/// at most 2^(s - 15), for values within `steep_reach` entries of the ends.
+class SlabTable {
+ public:
+  static constexpr int steep_reach = 8;
+
+  /// For values low < high. Does nothing when they are as before.
+  void set_function(const TransferFunction& transfer_function, double low, double high);
+  /// For slabs of `length` unit lengths. Call set_function() first.
+  void set_length(double length);
+
+  const TableAxis& axis() const { return *axis_; }
+  /// [front * TableAxis::entries + back].
+  const std::uint64_t* entries() const { return entries_.data(); }
+
+  /// The transfer function integrated over value, by quarters of entries; what a length does not change.
+  struct Curve {
+    static constexpr int nodes_an_entry = 4, nodes = TableAxis::last * nodes_an_entry + 1;
+    std::vector<double> value;             ///< by node
+    std::vector<double> extinction;        ///< integral up to each node
+    std::vector<double> red, green, blue;  ///< integrals of extinction times straight colour
+    std::vector<double> at_entry;          ///< extinction of each entry's value
+    std::vector<glm::dvec3> colour;        ///< at each entry, straight
+  };
+
+ private:
+  TransferFunction transfer_function_;
+  double low_ = 0, high_ = 0, length_ = 0;
+  std::optional<TableAxis> axis_;
+  Curve curve_;
+  std::vector<std::uint64_t> entries_;
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,44 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "sheet_engine/transparent_values.hpp"
+#include "volume/slice_store.hpp"
+
+namespace ringsplat {
+
+/// What can be seen of a block of 8 x 8 voxels.
+struct BlockState {
+  static constexpr int not_a_number = TransparentValues::most;
+  bool needed = false;         ///< interpolation or gradients in visible cells use its voxels
+  bool visible_above = false;  ///< its cells between this slice and the next can be visible
+  bool visible_below = false;  ///< its cells between this slice and the one before can be visible
+  std::uint8_t transparent =
+      0;  ///< of one that is not needed: the interval of TransparentValues that holds it
+};
+
+/// The blocks of a GP's slices as a transfer function shows them: found when a slice is first asked for, and
+/// again when the transfer function has changed.
+class SliceBlocks {
+ public:
+  /// By block, row by row. `reach`: SheetFrame::reach(). Valid until the next call with another transfer
+  /// function. Without the ranges of the slice's surroundings all blocks are needed and visible.
+  std::span<const BlockState> of(const SliceStore& store, Axis axis, int slice, int reach,
+                                 const TransferFunction& transfer_function);
+  /// By slice of the whole volume, whether any GP may have a needed block of it.
+  std::vector<bool> shown_slices(const SliceStore& store, Axis axis, int reach,
+                                 const TransferFunction& transfer_function);
+
+ private:
+  void use(const TransferFunction& transfer_function);
+  std::vector<BlockState> find(const SliceStore& store, Axis axis, int slice, int reach) const;
+
+  TransferFunction transfer_function_;
+  TransparentValues transparent_;
+  bool known_ = false;
+  std::array<std::array<std::vector<std::vector<BlockState>>, 3>, 3> blocks_;  ///< by reach, axis and slice
+};
+
+}  // namespace ringsplat

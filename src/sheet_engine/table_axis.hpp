@@ -1,0 +1,50 @@
+#pragma once
+#include <array>
+#include <vector>
+
+#include "ringsplat/classify/transfer_function.hpp"
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat {
+
+/// Where values lie along an axis of the slab table, whose entries are at 0, 1 ... TableAxis::last: a rising,
+/// piecewise linear function. Evenly over the volume's range where that resolves the opacities; otherwise
+/// half of the entries are spent on the steepest parts of their curve and what lies near them.
+struct TableAxis {
+  static constexpr int entries = 256, last = entries - 1;
+  static constexpr int most_ramps = 8;
+  static constexpr double narrowest = 1e-6;  ///< feature that is told apart, of the range
+  /// `rise` entries a unit, from `from` on over `width` units; ramps add up.
+  struct Ramp {
+    double from = 0, width = 1, rise = 1;
+  };
+  std::array<Ramp, most_ramps> ramps;
+  int count = 1;
+
+  /// Over values `low` < `high`.
+  TableAxis(const TransferFunction& transfer_function, double low, double high);
+  bool even() const { return count == 1; }
+  double place_of(double value) const;
+  /// The smallest value at a place; the inverse of place_of().
+  double value_at(double place) const;
+
+ private:
+  std::vector<double> corners_;  ///< values where the slope changes, ascending
+};
+
+/// How stored values become the numbers of a Renderer's planes: (value - offset) · scale, as whole numbers of
+/// 16 bits or as floats.
+struct PlaneCode {
+  bool floats = false;
+  double offset = 0, scale = 1;
+  /// What stands for infinite values: values beyond the transfer function's ends.
+  double below = 0, above = 0;
+  double finite(double value) const;
+  double of(double value) const { return (finite(value) - offset) * scale; }
+
+  /// Whole numbers where they are exact, or where a step is a sixteenth of an even axis' entry. Differences
+  /// and sums of up to four of them fit 16 bits. `pieces`: slabs a slice.
+  static PlaneCode choose(ScalarType type, double low, double high, const TableAxis& axis, int pieces);
+};
+
+}  // namespace ringsplat

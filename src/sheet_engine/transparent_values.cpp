@@ -1,0 +1,52 @@
+#include "sheet_engine/transparent_values.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ringsplat {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+bool is_gap(const TransparentValues::Interval& i) { return std::isfinite(i.low) && std::isfinite(i.high); }
+
+}  // namespace
+
+TransparentValues::TransparentValues(const TransferFunction& tf) {
+  const auto& points = tf.opacities;
+  const auto add = [this](double low, double high) {
+    if (!intervals_.empty() && intervals_.back().high == low)
+      intervals_.back().high = high;
+    else
+      intervals_.push_back({low, high, true, true});
+  };
+  if (points.front().opacity == 0) add(-infinity, points.front().value);
+  for (std::size_t i = 0; i + 1 < points.size(); ++i)
+    if (points[i].opacity == 0 && points[i + 1].opacity == 0) add(points[i].value, points[i + 1].value);
+  if (points.back().opacity == 0) add(points.back().value, infinity);
+  for (Interval& i : intervals_) {
+    i.has_low = !std::isfinite(i.low) || tf.evaluate(i.low).opacity == 0;
+    i.has_high = !std::isfinite(i.high) || tf.evaluate(i.high).opacity == 0;
+  }
+  // Keeps the widest gaps.
+  while (std::count_if(intervals_.begin(), intervals_.end(), is_gap) > most_gaps) {
+    const auto width = [](const Interval& i) { return is_gap(i) ? i.high - i.low : infinity; };
+    intervals_.erase(std::min_element(intervals_.begin(), intervals_.end(),
+                                      [&](const auto& a, const auto& b) { return width(a) < width(b); }));
+  }
+}
+
+int TransparentValues::holding(double low, double high) const {
+  // An end that is visible itself: numbers of a Renderer's planes must not round to it.
+  const auto apart = [](double end) { return 1e-6 * std::abs(end); };
+  for (std::size_t k = 0; k < intervals_.size(); ++k) {
+    const Interval& i = intervals_[k];
+    if ((i.has_low ? low >= i.low : low > i.low + apart(i.low)) &&
+        (i.has_high ? high <= i.high : high < i.high - apart(i.high)))
+      return static_cast<int>(k);
+  }
+  return nowhere;
+}
+
+}  // namespace ringsplat

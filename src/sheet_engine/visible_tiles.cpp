@@ -1,0 +1,65 @@
+#include "sheet_engine/visible_tiles.hpp"
+
+#include <algorithm>
+
+namespace ringsplat {
+namespace {
+
+constexpr int tiles_across = group_side / tile_side;
+static_assert(tiles_across == 4);
+
+/// Bits first ... last of four.
+unsigned bits(int first, int last) { return (0xFU >> (3 - last)) & (0xFU << first); }
+
+}  // namespace
+
+void VisibleTiles::lay_out(const FrameGeometry& geometry, const OwnedImages& images) {
+  images_ = &images;
+  all_ = geometry.regions;
+  regions_.clear();
+  groups_.clear();
+  masks_.clear();
+  for (std::size_t slot = 0; slot < images.count(); ++slot) {
+    const PixelRect& rect = images.image(slot).rect();
+    const int columns = (rect.width() + group_side - 1) / group_side,
+              rows = (rect.height() + group_side - 1) / group_side;
+    regions_.push_back({rect, groups_.size(), columns});
+    for (int row = 0; row < rows; ++row)
+      for (int column = 0; column < columns; ++column) groups_.push_back({slot, column, row});
+  }
+}
+
+bool VisibleTiles::mark(const PixelWindow& pixels) {
+  const PixelRect touched = all_.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
+  TileMask* masks = masks_.data() + masks_.size() - groups_.size();
+  bool any = false;
+  for (int y = touched.y0; y < touched.y1; ++y)
+    for (int x = touched.x0; x < touched.x1; ++x)
+      if (const int region = y * all_.columns() + x; images_->owns(region))
+        any |= mark_region(regions_[images_->slot_of(region)], pixels, masks);
+  return any;
+}
+
+bool VisibleTiles::mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks) {
+  const PixelRect& rect = region.rect;
+  const auto tile = [](std::int64_t pixel, int first, int end) {
+    return int(std::clamp<std::int64_t>(pixel, first, end - 1) - first) / tile_side;
+  };
+  const int left = tile(pixels.x0, rect.x0, rect.x1), right = tile(pixels.x1, rect.x0, rect.x1),
+            top = tile(pixels.y0, rect.y0, rect.y1), bottom = tile(pixels.y1, rect.y0, rect.y1);
+  for (int column = left / tiles_across; column <= right / tiles_across; ++column) {
+    const unsigned across = bits(std::max(left - column * tiles_across, 0),
+                                 std::min(right - column * tiles_across, tiles_across - 1));
+    for (int row = top / tiles_across; row <= bottom / tiles_across; ++row) {
+      const int first = std::max(top - row * tiles_across, 0),
+                last = std::min(bottom - row * tiles_across, tiles_across - 1);
+      unsigned mask = 0;
+      for (int y = first; y <= last; ++y) mask |= across << (y * tiles_across);
+      TileMask& here = masks[region.first_group + std::size_t(row * region.columns + column)];
+      here = TileMask(here | mask);
+    }
+  }
+  return true;
+}
+
+}  // namespace ringsplat

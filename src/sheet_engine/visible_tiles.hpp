@@ -1,0 +1,56 @@
+#pragma once
+#include <cstddef>
+#include <vector>
+
+#include "engine_parts/owned_images.hpp"
+#include "screen/pixel_window.hpp"
+#include "sheet_engine/paint_group.hpp"
+
+namespace ringsplat {
+
+/// The groups of pixels of a Renderer's regions, and which of their tiles each pending slab may show.
+class VisibleTiles {
+ public:
+  /// A group of pixels in an owned region.
+  struct Group {
+    std::size_t slot;  ///< of the region in OwnedImages
+    int column, row;   ///< in groups, within the region
+  };
+
+  /// Lays out the groups of all owned regions.
+  void lay_out(const FrameGeometry& geometry, const OwnedImages& images);
+  /// Forgets all slabs.
+  void clear() { masks_.clear(); }
+  std::size_t slabs() const { return groups_.empty() ? 0 : masks_.size() / groups_.size(); }
+  /// Adds a slab; mark() then marks its tiles.
+  void add_slab() { masks_.resize(masks_.size() + groups_.size(), 0); }
+  /// Takes back the last slab.
+  void drop_slab() { masks_.resize(masks_.size() - groups_.size()); }
+  /// Forgets the first slabs.
+  void drop_first(std::size_t slabs) {
+    masks_.erase(masks_.begin(), masks_.begin() + std::ptrdiff_t(slabs * groups_.size()));
+  }
+  /// Marks the tiles of the last slab that pixels of the image plane touch; false when there are none.
+  bool mark(const PixelWindow& pixels);
+
+  const std::vector<Group>& groups() const { return groups_; }
+  /// By slab, from the first pending one: masks_of(g)[slab * stride()].
+  const TileMask* masks_of(std::size_t group) const { return masks_.data() + group; }
+  std::ptrdiff_t stride() const { return std::ptrdiff_t(groups_.size()); }
+
+ private:
+  struct Region {
+    PixelRect rect;
+    std::size_t first_group = 0;
+    int columns = 0;  ///< of groups
+  };
+  bool mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks);
+
+  const OwnedImages* images_ = nullptr;
+  Regions all_;
+  std::vector<Region> regions_;  ///< by slot
+  std::vector<Group> groups_;
+  std::vector<TileMask> masks_;  ///< [slab][group]
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,154 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+#include "raster/vector_targets.hpp"
+#include "support/catch.hpp"
+#include "support/views.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+/// Bright from 60 to 110 and, faintly, from 170 on; nothing between.
+TransferFunction two_bands(double scale = 1) {
+  TransferFunction tf;
+  tf.colours = {{0.0, {0.9, 0.4, 0.2}}, {255 * scale, {0.3, 0.6, 1.0}}};
+  tf.opacities = {{60 * scale, 0.0},  {70 * scale, 0.8},  {100 * scale, 0.8},
+                  {110 * scale, 0.0}, {170 * scale, 0.0}, {255 * scale, 0.3}};
+  return tf;
+}
+
+FrameSpec sheets_view(const Camera& camera, const Sheets& sheets = {}) {
+  FrameSpec spec = oblique_view(90, 74, 0);
+  spec.shown.camera = camera;
+  spec.shown.transfer_function = two_bands();
+  spec.how = sheets;
+  return spec;
+}
+
+const Camera views[] = {{.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2},
+                        {.azimuth = 123, .elevation = -30, .zoom = 0.4},
+                        {.azimuth = 10, .elevation = 75, .zoom = 3},
+                        {.azimuth = 0, .elevation = 0, .zoom = 1}};
+
+bool shows_something(const Image& image) {
+  return *std::max_element(image.rgba.begin(), image.rgba.end()) > 0.1F;
+}
+
+/// Values of a test volume, scaled into another type; some are not a number.
+std::unique_ptr<VolumeSource> retyped(const std::string& name, glm::ivec3 dims, ScalarType type, double scale,
+                                      std::vector<std::byte>& storage) {
+  const auto source = synth_source(name, make_grid(dims));
+  std::vector<std::byte> voxels(source->grid().bytes());
+  source->read_slices(0, dims.z, voxels);
+  const Grid grid = make_grid(dims, type, {1, 1.3, 0.7});
+  storage.resize(grid.bytes());
+  visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    for (std::size_t k = 0; k < voxels.size(); ++k) {
+      T value = static_cast<T>(double(std::to_integer<int>(voxels[k])) * scale);
+      if constexpr (std::is_floating_point_v<T>)
+        if (k % 1009 == 0) value = std::numeric_limits<T>::quiet_NaN();
+      std::memcpy(storage.data() + k * sizeof(T), &value, sizeof(T));
+    }
+  });
+  return memory_source(grid, storage);
+}
+
+}  // namespace
+
+TEST_CASE("sheets draw the same bits for any ranks, regions, roles and order of messages") {
+  const auto source = synth_source("jack", make_grid({41, 37, 45}));
+  for (const Camera& camera : views)
+    for (const Sheets& sheets : {Sheets{}, Sheets{ImagePlane::slices, 2}}) {
+      FrameSpec spec = sheets_view(camera, sheets);
+      const Image alone = render_loopback(*source, spec, 1, 1).image;
+      REQUIRE(shows_something(alone));
+      for (const std::uint64_t seed : {1U, 2U, 3U}) {
+        LoopbackOptions shuffled;
+        shuffled.reorder = true;
+        shuffled.seed = seed;
+        for (const auto& [gps, renderers] : {std::pair{3, 2}, {1, 4}, {5, 7}})
+          for (const auto placement : {Placement::dedicated, Placement::colocated}) {
+            spec.division.region_size = seed == 3 ? 20 : 0;
+            INFO(fmt::format("azimuth {}, {} GPs, {} Renderers, seed {}", camera.azimuth, gps, renderers,
+                             seed));
+            CHECK(render_loopback(*source, spec, gps, renderers, shuffled, placement).image == alone);
+          }
+      }
+    }
+}
+
+TEST_CASE("sheets draw the same bits with every vector instruction set and any number of threads") {
+  std::vector<std::byte> storage;
+  struct {
+    ScalarType type;
+    double scale;
+    Sheets sheets;
+  } const cases[] = {{ScalarType::uint8, 1, {}},
+                     {ScalarType::uint8, 1, {.slabs = 1, .light_points = 1}},
+                     {ScalarType::uint8, 1, {.adaptive = false}},
+                     {ScalarType::uint16, 257, {}},
+                     {ScalarType::int16, 3, {.slabs = 3}},
+                     {ScalarType::float32, 1e-3, {}},
+                     {ScalarType::float64, 1e35, {.slabs = 4}}};
+  for (const auto& [type, scale, sheets] : cases)
+    for (const Camera& camera : views) {
+      const auto source = retyped("jack", {30, 34, 27}, type, scale, storage);
+      FrameSpec spec = sheets_view(camera, sheets);
+      spec.shown.transfer_function = two_bands(scale);
+      const Image best = render_loopback(*source, spec, 1, 1).image;
+      INFO(fmt::format("{} values, azimuth {}, {} slabs", to_string(type), camera.azimuth, sheets.slabs));
+      REQUIRE(shows_something(best));
+      for (const std::string& target : vector_targets()) {
+        INFO(target);
+        use_vector_target(target);
+        CHECK(render_loopback(*source, spec, 1, 2).image == best);
+      }
+      use_vector_target("");
+      EngineOptions three;
+      three.threads_per_rank = 3;
+      CHECK(render_loopback(*source, spec, 2, 2, {}, Placement::dedicated, {}, three).image == best);
+    }
+}
+
+TEST_CASE("what hides pixels changes no bit of those that it does not hide") {
+  // With the threshold at its least, nothing is hidden: pixels that stay clear must not change.
+  const auto source = synth_source("jack", make_grid({41, 37, 45}));
+  for (const Camera& camera : views) {
+    FrameSpec spec = sheets_view(camera);
+    spec.shown.transfer_function.opacities[1].opacity = spec.shown.transfer_function.opacities[2].opacity =
+        0.999;
+    spec.shown.opaque_threshold = 0;
+    const Image all = render_loopback(*source, spec, 1, 1).image;
+    spec.shown.opaque_threshold = 1.0 / 512;
+    const Image hidden = render_loopback(*source, spec, 2, 3).image;
+    std::size_t clear = 0;
+    for (std::size_t k = 0; k < all.rgba.size(); k += 4) {
+      if (!(all.rgba[k + 3] < 1 - 1.0F / 256)) continue;
+      ++clear;
+      for (std::size_t c = 0; c < 4; ++c) REQUIRE(all.rgba[k + c] == hidden.rgba[k + c]);
+    }
+    CHECK(clear > all.rgba.size() / 16);
+    CHECK(largest_difference(all, hidden) < 1.0 / 255);
+  }
+}
+
+TEST_CASE("blocks and slices that cannot be seen are not sent, and a picture of nothing costs no payload") {
+  const auto source = synth_source("ball", make_grid({64, 64, 64}));
+  FrameSpec spec = sheets_view(views[0]);
+  const auto payload_bytes = [&] {
+    return render_loopback(*source, spec, 2, 1).stats.total().payload_bytes_sent;
+  };
+  spec.shown.transfer_function = ramp(0, 255, 0.3);
+  const auto all = payload_bytes();
+  spec.shown.transfer_function = ramp(250, 255, 0.3);
+  const auto some = payload_bytes();
+  CHECK(some < all / 2);
+  spec.shown.transfer_function = ramp(300, 400, 0.3);
+  CHECK(payload_bytes() == 0);
+}

@@ -1,0 +1,236 @@
+// Pictures of the sheets engine against its own method's truth and against the field.
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "support/catch.hpp"
+#include "truth_support.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+const Camera oblique{.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2};
+
+FrameSpec sheets_spec(const TransferFunction& tf, Shading shading = Shading::phong, Sheets sheets = {},
+                      const Camera& camera = oblique, int size = 96) {
+  FrameSpec spec = plain_spec(tf, size, camera);
+  spec.shown.shading = shading;
+  spec.how = sheets;
+  return spec;
+}
+
+/// RMSE against the method's truth in 1/255: what tables, whole numbers and floats cost.
+double table_error(const Volume& volume, const FrameSpec& spec) {
+  return truth::compare(rendered(volume, spec), method_image(volume, spec)).total.rmse;
+}
+double field_error(const Volume& volume, const FrameSpec& spec) {
+  return truth::compare(rendered(volume, spec), field_image(volume, spec)).total.rmse;
+}
+
+double pattern(int x, int y, int z) { return double((x * 7 + y * 13 + z * 29) % 32) / 31; }
+
+bool all_finite(const Image& image) {
+  return std::all_of(image.rgba.begin(), image.rgba.end(),
+                     [](float v) { return std::isfinite(v) && v >= 0 && v <= 1.000001F; });
+}
+
+/// Marschner and Lobb 1994.
+Volume marschner_lobb(int n) {
+  return sample_field(
+      n,
+      [](double x, double y, double z) {
+        constexpr double pi = 3.14159265358979, f = 6, a = 0.25;
+        x = 2 * x - 1, y = 2 * y - 1, z = 2 * z - 1;
+        const double rho = std::cos(2 * pi * f * std::cos(pi * std::hypot(x, y) / 2));
+        return 255 * ((1 - std::sin(pi * z / 2)) + a * (1 + rho)) / (2 * (1 + a));
+      },
+      ScalarType::uint8);
+}
+
+}  // namespace
+
+TEST_CASE("the head's pictures are their method's, and near the field, whatever the axis") {
+  const Volume volume = head();
+  struct {
+    const char* preset;
+    Shading shading;
+    double field;
+  } const cases[] = {{"mr-soft", Shading::phong, 0.65},
+                     {"mr-soft", Shading::none, 0.3},
+                     {"mr-surface", Shading::phong, 1.2},
+                     {"mr-surface", Shading::none, 0.75}};
+  const Camera views[] = {
+      {.azimuth = 20, .elevation = 10}, {.azimuth = 70, .elevation = 20}, {.elevation = 65}};
+  for (const auto& [preset, shading, bound] : cases)
+    for (const Camera& camera : views) {
+      FrameSpec spec = sheets_spec(head_preset(preset), shading, {}, camera, 160);
+      const Image picture = rendered(volume, spec);
+      const double field = truth::compare(picture, field_image(volume, spec)).total.rmse,
+                   method = truth::compare(picture, method_image(volume, spec)).total.rmse;
+      spec.as<Sheets>().adaptive = false;
+      const double fixed = field_error(volume, spec);
+      UNSCOPED_INFO(fmt::format("{}, {}, azimuth {}: field {:.3f}, not adaptive {:.3f}, method {:.3f}",
+                                preset, shading == Shading::phong ? "lit" : "unlit", camera.azimuth, field,
+                                fixed, method));
+      CHECK(field < bound);
+      CHECK(method < 0.45);
+      CHECK(field < fixed + std::max(0.1 * fixed, 0.05));
+    }
+}
+
+TEST_CASE("an image in the slices' plane errs by its warp, and less with more samples") {
+  const Volume volume = head();
+  double last = 1e300;
+  for (const double samples : {1.0, 1.5, 2.0}) {
+    const double error =
+        field_error(volume, sheets_spec(head_preset("mr-soft"), Shading::phong, {ImagePlane::slices, samples},
+                                        {.azimuth = 20, .elevation = 10, .zoom = 2}, 320));
+    UNSCOPED_INFO(fmt::format("{} samples: {:.3f}", samples, error));
+    CHECK(error < std::min(last, 2.8));
+    last = error;
+  }
+}
+
+TEST_CASE("Marschner and Lobb's signal behind a steep function") {
+  const Volume volume = marschner_lobb(64);
+  TransferFunction tf;
+  tf.colours = {{0, {0.9, 0.5, 0.2}}, {255, {0.9, 0.8, 0.6}}};
+  tf.opacities = {{120, 0.0}, {132, 0.9}, {255, 0.9}};
+  // Between slices a ray runs through several cells, where the field is not linear: oblique views need more
+  // slabs, as their method's truth says.
+  for (const auto& [azimuth, bound] : {std::pair{0.0, 0.8}, {20.0, 1.4}, {45.0, 2.6}}) {
+    const double error =
+        field_error(volume, sheets_spec(tf, Shading::phong, {}, {.azimuth = azimuth, .zoom = 2}, 160));
+    UNSCOPED_INFO(fmt::format("azimuth {}: {:.3f}", azimuth, error));
+    CHECK(error < bound);
+  }
+}
+
+TEST_CASE("more slabs come nearer to the field by the second power") {
+  const Volume volume = head();
+  double last = 0;
+  for (const int slabs : {1, 2, 4}) {
+    const double error = field_error(
+        volume, sheets_spec(head_preset("mr-soft"), Shading::none, {.slabs = slabs, .adaptive = false},
+                            {.azimuth = 20, .elevation = 10}, 160));
+    UNSCOPED_INFO(fmt::format("{} slabs: {:.4f}", slabs, error));
+    if (last > 0) CHECK(error < 0.45 * last);
+    last = error;
+  }
+}
+
+TEST_CASE("4,096 faint slices") {
+  for (const double opacity : {1e-4, 1e-6}) {
+    const Volume volume = make_volume({6, 4096, 6}, ScalarType::uint8, [](int, int, int) { return 100; });
+    const FrameSpec spec = sheets_spec(constant_opacity(opacity), Shading::none, {}, {.zoom = 300}, 16);
+    const Image image = rendered(volume, spec), exact = method_image(volume, spec);
+    UNSCOPED_INFO(fmt::format("opacity {} for {}", image.pixel(8, 8)[3], exact.pixel(8, 8)[3]));
+    CHECK(exact.pixel(8, 8)[3] > 0.8 * (1 - std::exp(-4096 * opacity)));
+    CHECK(std::abs(image.pixel(8, 8)[3] / exact.pixel(8, 8)[3] - 1) < 0.02);
+  }
+}
+
+TEST_CASE("a jump from clear to opaque, and all opaque") {
+  // Of lit noise the light would be that at the slab's front, wherever the ray enters it.
+  const Volume noise = make_volume({20, 21, 22}, ScalarType::float32, pattern);
+  const Volume smooth =
+      make_volume({20, 21, 22}, ScalarType::float32, [](int x, int y, int z) { return (x + y + z) / 60.0; });
+  for (const double from : {0.5, -1.0}) {
+    const FrameSpec lit = sheets_spec(constant_opacity(1.0, from)),
+                    unlit = sheets_spec(constant_opacity(1.0, from), Shading::none);
+    CHECK(all_finite(rendered(noise, lit)));
+    const double of_noise = table_error(noise, unlit), of_smooth = table_error(smooth, lit);
+    UNSCOPED_INFO(fmt::format("from {}: {:.3f}, {:.3f}", from, of_noise, of_smooth));
+    CHECK(of_noise < 0.6);
+    CHECK(of_smooth < 0.3);
+  }
+}
+
+TEST_CASE("values that are not a number, infinite, tiny and huge") {
+  for (const double scale : {1.0, 1e30, 1e-30}) {
+    for (const auto type : {ScalarType::float32, ScalarType::float64}) {
+      const Volume volume = make_volume({20, 21, 22}, type, [&](int x, int y, int z) {
+        if (x + y + z == 31) return std::numeric_limits<double>::quiet_NaN();
+        if (scale == 1 && x == 3 && y == 4) return std::numeric_limits<double>::infinity();
+        return scale * double(x + y + z) / 63;
+      });
+      FrameSpec spec = sheets_spec(ramp(0.2 * scale, scale, 0.5), Shading::none);
+      const Image picture = rendered(volume, spec);
+      CHECK(all_finite(picture));
+      CHECK(brightest(picture) > 0.1F);
+      const double error = truth::compare(picture, method_image(volume, spec)).total.rmse;
+      UNSCOPED_INFO(fmt::format("{} x {}: {:.3f}", to_string(type), scale, error));
+      CHECK(error < 1.0);
+    }
+  }
+}
+
+TEST_CASE("a narrow function of wide integers, and one outlier") {
+  // Three units of sixteen bits: an even table would have one entry for eighty such functions.
+  const Volume narrow = make_volume({24, 25, 26}, ScalarType::uint16,
+                                    [](int x, int y, int z) { return 30000 + 0.5 * (x + y + z); });
+  Volume outlier = narrow;
+  const std::uint16_t far = 65535;
+  std::memcpy(outlier.bytes.data(), &far, sizeof far);
+  TransferFunction tf;
+  tf.colours = {{30010, {1, 0.5, 0.2}}, {30020, {0.2, 0.5, 1}}};
+  tf.opacities = {{30010, 0.0}, {30011, 0.6}, {30012, 0.6}, {30013, 0.0}};
+  for (const Volume* volume : {&narrow, static_cast<const Volume*>(&outlier)}) {
+    const FrameSpec spec = sheets_spec(tf, Shading::none, {.adaptive = false});
+    const double error = table_error(*volume, spec);
+    UNSCOPED_INFO(fmt::format("{:.3f}", error));
+    CHECK(brightest(rendered(*volume, spec)) > 0.2F);
+    CHECK(error < 1.5);
+  }
+}
+
+TEST_CASE("thin sheets of voxels, flat and single-slice volumes, and tilted lattices of 1 : 1 : 10") {
+  const auto sheet = [](int, int, int z) { return z == 11 ? 200.0 : 0.0; };
+  struct {
+    Volume volume;
+    Camera camera;
+  } const cases[] = {
+      {make_volume({24, 24, 24}, ScalarType::uint8, sheet), oblique},
+      {make_volume({30, 30, 1}, ScalarType::uint8, [](int x, int y, int) { return x * y % 200; }),
+       {.elevation = 60}},
+      {make_volume({1, 1, 1}, ScalarType::uint8, [](int, int, int) { return 200; }), oblique},
+      {make_volume({1, 30, 2}, ScalarType::uint8, [](int, int y, int z) { return 50 + 3 * y + z; }), oblique},
+      {make_volume({40, 40, 6}, ScalarType::uint8,
+                   [](int x, int y, int z) { return 100 + 50 * std::sin(x + y * z); }, {1, 1, 10}),
+       oblique}};
+  for (const auto& [volume, camera] : cases)
+    for (const Shading shading : {Shading::none, Shading::phong}) {
+      const FrameSpec spec = sheets_spec(ramp(20, 255, 0.6), shading, {.adaptive = false}, camera);
+      const double error = table_error(volume, spec);
+      UNSCOPED_INFO(fmt::format("{} x {} x {}: {:.3f}", volume.grid.dims.x, volume.grid.dims.y,
+                                volume.grid.dims.z, error));
+      CHECK(brightest(rendered(volume, spec)) > 0.05F);
+      CHECK(error < 0.6);
+    }
+}
+
+TEST_CASE("values exactly at a jump have the opacity behind it") {
+  for (const auto type : {ScalarType::uint8, ScalarType::uint16, ScalarType::float32}) {
+    const Volume volume =
+        make_volume({20, 21, 22}, type, [](int x, int y, int) { return x > 9 && y > 9 ? 100.0 : 3.0; });
+    const FrameSpec spec = sheets_spec(constant_opacity(0.5, 100), Shading::none, {.adaptive = false});
+    CHECK(brightest(rendered(volume, spec)) > 0.9F);
+    CHECK(table_error(volume, spec) < 0.6);
+  }
+}
+
+TEST_CASE("far and near, a voxel may be a tenth of a pixel or a hundred") {
+  const Volume volume = make_volume({40, 41, 42}, ScalarType::uint8, [](int x, int y, int z) {
+    return 120 + 100 * std::sin(0.3 * x) * std::cos(0.25 * y) * std::sin(0.2 * z);
+  });
+  for (const double zoom : {0.05, 0.3, 1.0, 8.0, 60.0}) {
+    Camera camera = oblique;
+    camera.zoom = zoom;
+    const FrameSpec spec = sheets_spec(ramp(100, 255, 0.4), Shading::phong, {}, camera);
+    const double error = table_error(volume, spec);
+    UNSCOPED_INFO(fmt::format("zoom {}: {:.3f}", zoom, error));
+    CHECK(error < 0.6);
+  }
+}
