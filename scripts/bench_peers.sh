@@ -4,7 +4,7 @@
 #
 # The repository's head, 512x512, 24 views that traverse all three slice sets, the opacities of mr-soft (about 32 % of
 # the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded; ringsplat with two colocated ranks, on the screen and in the
-# plane of the slices, and there with kernels of radius 1.1 and with one GP and one Renderer as well. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
+# plane of the slices, and there with kernels of radius 1.1 and with one GP and one Renderer as well, and sheets of all three qualities. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
 # Prints a Markdown table. VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
@@ -64,6 +64,9 @@ frames() {
 }
 
 declare -A setting=(
+  [best]="${colocated[*]} --quality best"
+  [normal]="${colocated[*]} --quality normal"
+  [draft]="${colocated[*]} --quality draft"
   [screen]="${colocated[*]} --quality paper"
   [slices]="${colocated[*]} --quality paper --image-plane slices"
   [sharp]="${colocated[*]} --quality paper --image-plane slices --radius 1.1"

@@ -11,6 +11,9 @@ import sys
 from pathlib import Path
 
 NAMES = {
+    "best": "ringsplat, sheets, best",
+    "normal": "ringsplat, sheets, normal",
+    "draft": "ringsplat, sheets, draft",
     "screen": "ringsplat, on the screen",
     "slices": "ringsplat, in the slices' plane",
     "sharp": "ringsplat, in the slices' plane, radius 1.1",
