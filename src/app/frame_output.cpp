@@ -121,8 +121,9 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   }
   const std::string after =
       seconds_.empty() ? "" : fmt::format(", {:.4f} s after the one before", result.stats.period);
-  progress_.print(fmt::format("{}  {:.4f} s{}  {} visible voxels  {} splats", label, result.stats.seconds,
-                              after, sum.visible_voxels, sum.splats_sent));
+  const char* items = std::holds_alternative<Sheets>(result.spec.how) ? "blocks" : "splats";
+  progress_.print(fmt::format("{}  {:.4f} s{}  {} visible voxels  {} {}", label, result.stats.seconds, after,
+                              sum.visible_voxels, sum.splats_sent, items));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
   if (!options_.stats.empty())
