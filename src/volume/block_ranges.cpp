@@ -1,17 +1,16 @@
 #include "volume/block_ranges.hpp"
 
 #include <algorithm>
-#include <cstring>
+#include <vector>
 
 #include "volume/value_ends.hpp"
 
 namespace ringsplat {
 
 BlockRanges::BlockRanges(const SliceView& slice)
-    : type_(slice.type),
-      columns_((slice.width + block_width - 1) / block_width),
+    : columns_((slice.width + block_width - 1) / block_width),
       rows_((slice.height + block_height - 1) / block_height) {
-  visit_type(type_, [&](auto zero) {
+  visit_type(slice.type, [&](auto zero) {
     using T = decltype(zero);
     std::vector<ValueEnds<T>> ends(std::size_t(columns_) * std::size_t(rows_), no_values<T>());
     for (int y = 0; y < slice.height; ++y) {
@@ -22,20 +21,7 @@ BlockRanges::BlockRanges(const SliceView& slice)
               row + std::size_t(first) * sizeof(T), std::size_t(std::min(block_width, slice.width - first)));
       }
     }
-    ranges_.resize(ends.size() * sizeof(ValueEnds<T>));
-    std::memcpy(ranges_.data(), ends.data(), ranges_.size());
-  });
-}
-
-BlockRanges::Range BlockRanges::range(int column, int row) const {
-  return visit_type(type_, [&](auto zero) {
-    using T = decltype(zero);
-    ValueEnds<T> ends;
-    std::memcpy(
-        &ends,
-        ranges_.data() + (std::size_t(row) * std::size_t(columns_) + std::size_t(column)) * sizeof ends,
-        sizeof ends);
-    return Range{static_cast<double>(ends.low), static_cast<double>(ends.high)};
+    ends_ = BlockEnds(slice.type, ends);
   });
 }
 

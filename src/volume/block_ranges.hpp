@@ -1,7 +1,7 @@
 #pragma once
 #include <cstddef>
-#include <vector>
 
+#include "volume/block_ends.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -14,19 +14,18 @@ class BlockRanges {
   static constexpr int block_width = 16,
                        block_height = 8;  ///< voxels; those at the end of a row or column may be smaller
 
-  struct Range {
-    double low, high;  ///< low > high: the whole block is not-a-number
-  };
+  using Range = BlockEnds::Range;
 
   explicit BlockRanges(const SliceView& slice);
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  Range range(int column, int row) const;
+  Range range(int column, int row) const {
+    return ends_.range(std::size_t(row) * std::size_t(columns_) + std::size_t(column));
+  }
 
  private:
-  ScalarType type_;
   int columns_, rows_;
-  std::vector<std::byte> ranges_;  ///< low and high of each block in the slice's scalar type, row by row
+  BlockEnds ends_;  ///< row by row
 };
 
 }  // namespace ringsplat

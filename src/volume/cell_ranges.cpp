@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
+#include <vector>
 
 #include "ringsplat/base/error.hpp"
 #include "volume/value_ends.hpp"
@@ -11,8 +11,8 @@
 namespace ringsplat {
 
 CellRanges::CellRanges(const SliceView& slice)
-    : type_(slice.type), columns_(blocks_along(slice.width)), rows_(blocks_along(slice.height)) {
-  visit_type(type_, [&](auto zero) {
+    : columns_(blocks_along(slice.width)), rows_(blocks_along(slice.height)) {
+  visit_type(slice.type, [&](auto zero) {
     using T = decltype(zero);
     std::vector<ValueEnds<T>> ends(std::size_t(columns_) * std::size_t(rows_), no_values<T>());
     std::vector<ValueEnds<T>> of_row(static_cast<std::size_t>(columns_));
@@ -36,32 +36,16 @@ CellRanges::CellRanges(const SliceView& slice)
       widen_blocks(y / side);
       if (y % side == 0 && y > 0) widen_blocks(y / side - 1);
     }
-    ranges_.resize(ends.size() * sizeof(ValueEnds<T>));
-    std::memcpy(ranges_.data(), ends.data(), ranges_.size());
+    ends_ = BlockEnds(slice.type, ends);
   });
 }
 
 CellRanges::CellRanges(ScalarType type, int width, int height, std::span<const std::byte> bytes)
-    : type_(type),
-      columns_(blocks_along(width)),
-      rows_(blocks_along(height)),
-      ranges_(bytes.begin(), bytes.end()) {
-  if (ranges_.size() != std::size_t(columns_) * std::size_t(rows_) * 2 * size_of(type))
+    : columns_(blocks_along(width)), rows_(blocks_along(height)), ends_(type, bytes) {
+  if (bytes.size() != std::size_t(columns_) * std::size_t(rows_) * 2 * size_of(type))
     throw RunError(
-        fmt::format("a rank sent {} bytes as the ranges of {} x {} blocks", ranges_.size(), columns_, rows_),
+        fmt::format("a rank sent {} bytes as the ranges of {} x {} blocks", bytes.size(), columns_, rows_),
         "all ranks must run the same build");
-}
-
-CellRanges::Range CellRanges::range(int column, int row) const {
-  return visit_type(type_, [&](auto zero) {
-    using T = decltype(zero);
-    ValueEnds<T> ends;
-    std::memcpy(
-        &ends,
-        ranges_.data() + (std::size_t(row) * std::size_t(columns_) + std::size_t(column)) * sizeof ends,
-        sizeof ends);
-    return Range{static_cast<double>(ends.low), static_cast<double>(ends.high)};
-  });
 }
 
 }  // namespace ringsplat

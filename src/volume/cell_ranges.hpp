@@ -1,8 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <span>
-#include <vector>
 
+#include "volume/block_ends.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -14,9 +14,7 @@ class CellRanges {
  public:
   static constexpr int side = 8;  ///< voxels; blocks at the end of a row or column may be smaller
 
-  struct Range {
-    double low, high;  ///< low > high: the whole block is not-a-number
-  };
+  using Range = BlockEnds::Range;
 
   explicit CellRanges(const SliceView& slice);
   /// From bytes() of a slice of the same size and type. Throws RunError when their number is another.
@@ -25,14 +23,15 @@ class CellRanges {
   static int blocks_along(int voxels) { return (voxels + side - 1) / side; }
   int columns() const { return columns_; }
   int rows() const { return rows_; }
-  Range range(int column, int row) const;
+  Range range(int column, int row) const {
+    return ends_.range(std::size_t(row) * std::size_t(columns_) + std::size_t(column));
+  }
   /// For processes of one build.
-  std::span<const std::byte> bytes() const { return ranges_; }
+  std::span<const std::byte> bytes() const { return ends_.bytes(); }
 
  private:
-  ScalarType type_;
   int columns_, rows_;
-  std::vector<std::byte> ranges_;  ///< low and high of each block in the slice's scalar type, row by row
+  BlockEnds ends_;  ///< row by row
 };
 
 }  // namespace ringsplat
