@@ -17,7 +17,6 @@ class OwnedImages {
   /// Clears all images; their memory stays while the regions do. Returns whether the regions changed.
   bool begin_frame(const FrameGeometry& geometry, double opaque_threshold);
 
-  const std::vector<int>& regions() const { return owned_; }  ///< ascending
   std::size_t count() const { return images_.size(); }
   RegionImage& image(std::size_t slot) { return images_[slot]; }
   const RegionImage& image(std::size_t slot) const { return images_[slot]; }
@@ -40,7 +39,7 @@ class OwnedImages {
   Regions regions_;
   PixelRect reached_;
   int dealt_to_ = 0;
-  std::vector<int> owned_;
+  std::vector<int> owned_;                   ///< owned regions, ascending
   std::vector<RegionImage> images_;          ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into images_
   std::map<int, std::vector<int>> told_;     ///< by GP: for each owned region, the opaque tiles it knows of

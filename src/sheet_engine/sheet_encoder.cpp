@@ -1,13 +1,11 @@
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
 
+#include "engine_parts/checks.hpp"
 #include "raster/opaque_news.hpp"
-#include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
 #include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/sheet_engine.hpp"
@@ -34,16 +32,14 @@ class SheetEncoder final : public Encoder {
         skip_empty_(skip_empty),
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
         parts_(std::size_t(renderers)) {
-    if (!store_.keeps(axis()))
-      throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
-                                 frame_->number, name(axis())),
-                     "load it with --axes all");
+    check_loaded(store_, axis(), frame_->number);
     const Regions& regions = geometry().regions;
     for (int region = 0; region < regions.count(); ++region) {
       const PixelRect rect = regions.rect(region);
       opaque_.emplace_back(rect.width(), rect.height());
     }
     tile_marked_.resize(std::size_t(regions.count()));
+    find_volume_range();
   }
 
   std::vector<int> shown() override {
@@ -83,8 +79,9 @@ class SheetEncoder final : public Encoder {
     EncodedStep step;
     step.parts.resize(parts_.size());
     step.counts = counts_;
+    const std::uint8_t elsewhere = byte_elsewhere();
     for (std::size_t r = 0; r < parts_.size(); ++r)
-      if (parts_[r].present > 0) write(parts_[r], step.parts[r]);
+      if (parts_[r].present > 0) write(parts_[r], elsewhere, step.parts[r]);
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
         step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(static_cast<int>(region));
@@ -163,16 +160,15 @@ class SheetEncoder final : public Encoder {
     return std::uint8_t(std::max_element(blocks.begin(), blocks.end()) - blocks.begin());
   }
 
-  void write(const Part& part, EncodedPart& out) const {
+  void write(const Part& part, std::uint8_t elsewhere, EncodedPart& out) const {
     SheetHeader header;
-    const auto [low, high] = volume_range();
-    header.low = low;
-    header.high = high;
+    header.low = low_;
+    header.high = high_;
     header.present = part.present;
-    header.elsewhere = byte_elsewhere();
+    header.elsewhere = elsewhere;
     header.scalar = std::uint8_t(slice_.type);
     std::vector<BlockRow> rows(states_.size() / std::size_t(columns_));
-    for (std::size_t row = 0; row < rows.size(); ++row) rows[row] = said_of_row(part, row, header.elsewhere);
+    for (std::size_t row = 0; row < rows.size(); ++row) rows[row] = said_of_row(part, row, elsewhere);
     const auto says = [](const BlockRow& row) { return row.first < row.end; };
     const auto first = std::find_if(rows.begin(), rows.end(), says);
     const auto end = std::find_if(rows.rbegin(), rows.rend(), says).base();
@@ -187,7 +183,7 @@ class SheetEncoder final : public Encoder {
       append(out.payload, *row);
       const std::size_t start = std::size_t(row - rows.begin()) * std::size_t(columns_);
       for (std::size_t column = row->first; column < row->end; ++column)
-        append(out.payload, byte_of(part, start + column, header.elsewhere));
+        append(out.payload, byte_of(part, start + column, elsewhere));
     }
     const std::size_t before = out.payload.size();
     out.payload.resize(before + part.voxels * size_of(slice_.type));
@@ -221,14 +217,12 @@ class SheetEncoder final : public Encoder {
   }
 
   /// Of all slices, other GPs' too.
-  std::pair<double, double> volume_range() const {
-    double low = INFINITY, high = -INFINITY;
+  void find_volume_range() {
     if (const SliceRanges* ranges = store_.ranges())
       for (const SliceRange& range : ranges->of(axis())) {
-        low = std::min(low, range.low);
-        high = std::max(high, range.high);
+        low_ = std::min(low_, range.low);
+        high_ = std::max(high_, range.high);
       }
-    return {low, high};
   }
 
   std::shared_ptr<const SheetFrame> frame_;
@@ -237,7 +231,8 @@ class SheetEncoder final : public Encoder {
   SliceBlocks& blocks_;
   bool skip_empty_;
   BlockWindows windows_;
-  std::vector<OpaqueTiles> opaque_;  ///< by region, as far as news have come
+  double low_ = INFINITY, high_ = -INFINITY;  ///< of the volume's values
+  std::vector<OpaqueTiles> opaque_;           ///< by region, as far as news have come
   SliceView slice_;
   int columns_ = 1;  ///< of blocks
   std::span<const BlockState> states_;

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "base/thread_team.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "frame/engine_setup.hpp"
 #include "sheet_engine/sheet_frame.hpp"
 #include "volume/slice_store.hpp"
@@ -16,14 +17,9 @@ class SliceBlocks;
 std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
                                             const SliceStore& store, SliceBlocks& blocks, bool skip_empty);
 
-/// A Renderer's painter, which keeps its buffers from frame to frame.
-class SheetPainter : public Painter {
- public:
-  /// Clears the image.
-  virtual void begin_frame(std::shared_ptr<const SheetFrame> frame) = 0;
-};
-/// `threads` must outlive it; the image has the same bits with any number of them.
-std::unique_ptr<SheetPainter> make_sheet_painter(int renderer, int renderers, ThreadTeam& threads);
+/// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
+std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,
+                                                             ThreadTeam& threads);
 
 /// The engine of sheets for one rank.
 std::unique_ptr<Engine> make_sheet_engine(const EngineSetup& setup);

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "engine_parts/checks.hpp"
 #include "engine_parts/owned_images.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
@@ -30,7 +31,7 @@ constexpr int most_slots = 36, least_slots = 8;
 
 /// Draws sheets on a Renderer. A slab between the slices of two steps is painted once the slice behind them
 /// is there or known not to come, together with as many others as there are.
-class SlabPainter final : public SheetPainter {
+class SlabPainter final : public FramePainter<SheetFrame> {
  public:
   SlabPainter(int renderer, int renderers, ThreadTeam& threads)
       : renderer_(renderer), threads_(threads), images_(renderer, renderers) {}
@@ -64,10 +65,7 @@ class SlabPainter final : public SheetPainter {
 
   void begin(const PayloadToDraw& payload) override {
     const auto& [step, passes, body] = payload;
-    if (step < 0 || step >= geometry().slices)
-      throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
-                                 step, geometry().slices),
-                     "all ranks must run the same build");
+    check_step(renderer_, step, geometry().slices);
     try {
       payload_ = read_sheet_payload(body, rays_.grid.voxels[0], rays_.grid.voxels[1], geometry().grid.type);
     } catch (const RunError& e) {
@@ -142,10 +140,9 @@ class SlabPainter final : public SheetPainter {
   void make_ready() {
     ready_ = true;
     const Sheets& sheets = frame_->sheets;
-    const TableAxis axis(frame_->shown.transfer_function, low_, high_);
-    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, axis, sheets.slabs);
-    std::tie(code_.below, code_.above) = beyond_function();
     table_.set_function(frame_->shown.transfer_function, low_, high_);
+    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, table_.axis(), sheets.slabs);
+    std::tie(code_.below, code_.above) = beyond_function();
     table_.set_length(frame_->step_length() / sheets.slabs);
     const int wide = rays_.grid.voxels[0], high = rays_.grid.voxels[1];
     const auto affordable = static_cast<int>(
@@ -265,10 +262,10 @@ class SlabPainter final : public SheetPainter {
       find_planes(count);
       painting_ = count;
       next_group_ = 0;
-      touch_images();
+      find_groups();
     }
     threads_.run(threads_.size(), [this](int) { paint_groups(); });
-    if (next_group_ < tiles_.groups().size()) return;
+    if (next_group_ < groups_.size()) return;
     for (std::size_t slot = 0; slot < images_.count(); ++slot)
       if (images_.image(slot).touched()) images_.image(slot).slices_composited(int(painting_));
     slabs_.erase(slabs_.begin(), slabs_.begin() + std::ptrdiff_t(painting_));
@@ -283,19 +280,22 @@ class SlabPainter final : public SheetPainter {
     return false;
   }
 
-  /// Before threads share them.
-  void touch_images() {
-    for (std::size_t g = 0; g < tiles_.groups().size(); ++g)
-      if (RegionImage& image = images_.image(tiles_.groups()[g].slot); !image.touched() && has_tiles(g))
-        image.pixels();
+  /// Finds the groups that the slabs may show. Their images' memory is made before threads share them.
+  void find_groups() {
+    groups_.clear();
+    for (std::size_t g = 0; g < tiles_.groups().size(); ++g) {
+      if (!has_tiles(g)) continue;
+      groups_.push_back(g);
+      images_.image(tiles_.groups()[g].slot).pixels();
+    }
   }
 
   void paint_groups() {
     constexpr int at_once = 16;
-    for (int painted = 0; painted < at_once;) {
-      const std::size_t g = next_group_++;
-      if (g >= tiles_.groups().size()) return;
-      if (!has_tiles(g)) continue;
+    for (int painted = 0; painted < at_once; ++painted) {
+      const std::size_t next = next_group_++;
+      if (next >= groups_.size()) return;
+      const std::size_t g = groups_[next];
       const auto& group = tiles_.groups()[g];
       RegionImage& image = images_.image(group.slot);
       const PixelRect& rect = image.rect();
@@ -307,7 +307,6 @@ class SlabPainter final : public SheetPainter {
                         image.pixels() + y * image.row_floats() + 4 * x,
                         image.row_floats()};
       paint_group(paint_, pixels, std::span(slabs_).first(painting_), tiles_.masks_of(g), tiles_.stride());
-      ++painted;
     }
   }
 
@@ -327,16 +326,18 @@ class SlabPainter final : public SheetPainter {
   bool ready_ = false;  ///< tables and planes are the frame's
   std::optional<SheetPayload> payload_;
   int step_ = 0;
-  std::vector<SheetSlab> slabs_;  ///< pending ones, front to back; masks in tiles_
-  std::size_t painting_ = 0;      ///< how many of them are being painted
-  std::atomic<std::size_t> next_group_ = 0;
-  bool concluded_ = false;  ///< the last slice's surroundings are there
+  std::vector<SheetSlab> slabs_;             ///< pending ones, front to back; masks in tiles_
+  std::size_t painting_ = 0;                 ///< how many of them are being painted
+  std::vector<std::size_t> groups_;          ///< those that they may show
+  std::atomic<std::size_t> next_group_ = 0;  ///< in groups_
+  bool concluded_ = false;                   ///< the last slice's surroundings are there
   ItemCounts counts_;
 };
 
 }  // namespace
 
-std::unique_ptr<SheetPainter> make_sheet_painter(int renderer, int renderers, ThreadTeam& threads) {
+std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,
+                                                             ThreadTeam& threads) {
   return std::make_unique<SlabPainter>(renderer, renderers, threads);
 }
 

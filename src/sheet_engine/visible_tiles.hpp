@@ -21,7 +21,6 @@ class VisibleTiles {
   void lay_out(const FrameGeometry& geometry, const OwnedImages& images);
   /// Forgets all slabs.
   void clear() { masks_.clear(); }
-  std::size_t slabs() const { return groups_.empty() ? 0 : masks_.size() / groups_.size(); }
   /// Adds a slab; mark() then marks its tiles.
   void add_slab() { masks_.resize(masks_.size() + groups_.size(), 0); }
   /// Takes back the last slab.

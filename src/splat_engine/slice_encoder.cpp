@@ -9,6 +9,7 @@
 
 #include "base/clock.hpp"
 #include "classify/empty_space.hpp"
+#include "engine_parts/checks.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/net/message.hpp"
@@ -34,10 +35,7 @@ class SliceEncoder final : public Encoder {
         skip_empty_(skip_empty),
         timed_(timed),
         renderers_(renderers) {
-    if (!store_.keeps(geometry().traversal.axis))
-      throw RunError(fmt::format("frame {} traverses the {} axis, whose slices were not loaded",
-                                 announced_->number, name(geometry().traversal.axis)),
-                     "load it with --axes all");
+    check_loaded(store_, geometry().traversal.axis, announced_->number);
     if (announced_->shown.shading == Shading::phong && !store_.has_normals())
       throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->number),
                      "load them with --shading phong");

@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "base/thread_team.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "frame/engine_setup.hpp"
 #include "splat_engine/splat_frame.hpp"
 #include "volume/slice_store.hpp"
@@ -18,14 +19,9 @@ std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> fr
                                             const SliceStore& store, EmptySpace& empty_space,
                                             ThreadTeam& threads, bool skip_empty = true, bool timed = false);
 
-/// A Renderer's painter, which keeps its buffers from frame to frame.
-class FramePainter : public Painter {
- public:
-  /// Clears the image.
-  virtual void begin_frame(std::shared_ptr<const SplatFrame> frame) = 0;
-};
-/// `threads` must outlive it; the image has the same bits with any number of them.
-std::unique_ptr<FramePainter> make_splat_painter(int renderer, int renderers, ThreadTeam& threads);
+/// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
+std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, int renderers,
+                                                             ThreadTeam& threads);
 
 /// The paper's engine for one rank.
 std::unique_ptr<Engine> make_splat_engine(const EngineSetup& setup);

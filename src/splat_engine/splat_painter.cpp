@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
+#include "engine_parts/checks.hpp"
 #include "engine_parts/owned_images.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
@@ -20,7 +21,7 @@ namespace {
 
 /// The paper's engine on a Renderer: sums each slice's splats region by region and composites the slice
 /// behind the image.
-class SplatPainter final : public FramePainter {
+class SplatPainter final : public FramePainter<SplatFrame> {
  public:
   SplatPainter(int renderer, int renderers, ThreadTeam& threads)
       : renderer_(renderer),
@@ -45,10 +46,7 @@ class SplatPainter final : public FramePainter {
 
   void begin(const PayloadToDraw& payload) override {
     const auto& [step, passes, body] = payload;
-    if (step < 0 || step >= geometry().slices)
-      throw RunError(fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer_,
-                                 step, geometry().slices),
-                     "all ranks must run the same build");
+    check_step(renderer_, step, geometry().slices);
     const auto owned = [this](int region) { return images_.owns(region); };
     try {
       parts_ = lanes_.front().reader->parts(body, owned);
@@ -179,7 +177,8 @@ class SplatPainter final : public FramePainter {
 
 }  // namespace
 
-std::unique_ptr<FramePainter> make_splat_painter(int renderer, int renderers, ThreadTeam& threads) {
+std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, int renderers,
+                                                             ThreadTeam& threads) {
   return std::make_unique<SplatPainter>(renderer, renderers, threads);
 }
 

@@ -37,7 +37,7 @@ class SmallRun {
   EmptySpace empty_space_;
   ThreadTeam alone_;
   std::unique_ptr<Encoder> encoder_;
-  std::unique_ptr<FramePainter> painter_;
+  std::unique_ptr<FramePainter<SplatFrame>> painter_;
 };
 inline constexpr int small_renderers = 2;
 

@@ -85,7 +85,7 @@ class Sent {
   FrameSpec spec_;
   std::shared_ptr<const SplatFrame> frame_;
   ThreadTeam threads_;
-  std::unique_ptr<FramePainter> painter_;
+  std::unique_ptr<FramePainter<SplatFrame>> painter_;
 };
 
 /// Offsets of the groups of runs, and of the end.
