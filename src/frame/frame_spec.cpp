@@ -21,6 +21,13 @@ json to_json(const Camera& c) {
   if (c.matrix) j["matrix"] = *c.matrix;
   if (c.fov != 0) j["fov"] = c.fov;
   if (c.distance != 0) j["distance"] = c.distance;
+  if (c.pan != std::array<double, 2>{}) j["pan"] = c.pan;
+  return j;
+}
+
+json to_json(const VoxelBox& box) {
+  json j = json::array();
+  for (int k = 0; k < 3; ++k) j.push_back({box.first[k], box.end[k]});
   return j;
 }
 
@@ -50,16 +57,18 @@ json to_json(const KernelOptions& k) {
 
 /// One flat object: readers of images and statistics rely on it.
 json to_json(const Shown& s) {
-  return {{"camera", to_json(s.camera)},
-          {"size", {s.width, s.height}},
-          {"transfer_function", to_json(s.transfer_function)},
-          {"shading", s.shading == Shading::phong ? "phong" : "none"},
-          {"material", to_json(s.material)},
-          {"light", to_json(s.light)},
-          {"opacity_correction", s.opacity_correction},
-          {"opaque_threshold", s.opaque_threshold},
-          {"undersample", s.reduction.factor},
-          {"prefilter", s.reduction.prefilter}};
+  json j{{"camera", to_json(s.camera)},
+         {"size", {s.width, s.height}},
+         {"transfer_function", to_json(s.transfer_function)},
+         {"shading", s.shading == Shading::phong ? "phong" : "none"},
+         {"material", to_json(s.material)},
+         {"light", to_json(s.light)},
+         {"opacity_correction", s.opacity_correction},
+         {"opaque_threshold", s.opaque_threshold},
+         {"undersample", s.reduction.factor},
+         {"prefilter", s.reduction.prefilter}};
+  if (s.clip) j["clip"] = to_json(*s.clip);
+  return j;
 }
 
 json to_json(const Splats& s) {

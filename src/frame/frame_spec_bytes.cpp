@@ -86,13 +86,13 @@ template <class Wire, class S>
 requires std::same_as<std::remove_const_t<S>, Shown>
 bool pass(Wire& wire, S& shown) {
   auto& [camera, width, height, transfer_function, shading, material, light, opacity_correction,
-         opaque_threshold, reduction] = shown;
-  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance] = camera;
+         opaque_threshold, reduction, clip] = shown;
+  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan] = camera;
   auto& [name, colours, opacities, nan_srgb] = transfer_function;
   auto& [factor, prefilter] = reduction;
-  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, width, height, name, colours,
-                  opacities, nan_srgb, shading, material, light, opacity_correction, opaque_threshold, factor,
-                  prefilter);
+  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, pan, width, height, name,
+                  colours, opacities, nan_srgb, shading, material, light, opacity_correction,
+                  opaque_threshold, factor, prefilter, clip);
 }
 
 template <class Wire, class S>

@@ -45,8 +45,14 @@ FrameSpec sample_frame() {
   FrameSpec f;
   Splats& splats = f.how.emplace<Splats>();
   f.frame = 101;
-  f.shown.camera = {another(), another(), another(), another(), std::array<double, 12>{},
-                    another(), another()};
+  f.shown.camera = {another(),
+                    another(),
+                    another(),
+                    another(),
+                    std::array<double, 12>{},
+                    another(),
+                    another(),
+                    {another(), another()}};
   std::iota(f.shown.camera.matrix->begin(), f.shown.camera.matrix->end(), 200.0);
   f.shown.width = 102;
   f.shown.height = 103;
@@ -63,6 +69,7 @@ FrameSpec sample_frame() {
   f.shown.opacity_correction = false;
   f.shown.opaque_threshold = another();
   f.shown.reduction = {109, true};
+  f.shown.clip = VoxelBox{{110, 111, 112}, {113, 114, 115}};
   splats.payload = PayloadForm::runs;
   splats.precision = Precision::u8;
   return f;

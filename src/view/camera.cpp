@@ -41,6 +41,11 @@ void check(const Camera& camera) {
   if (!std::isfinite(camera.zoom) || !(camera.zoom > 0))
     throw InputError(fmt::format("camera zoom {} is not positive and finite", camera.zoom),
                      "1 fits the volume to the image, 2 shows it twice as large");
+  constexpr double most_pan = 1e6;
+  for (const double shift : camera.pan)
+    if (!(std::abs(shift) <= most_pan))
+      throw InputError(fmt::format("the camera cannot be panned by {} pictures", shift),
+                       "give lengths of the picture's shorter side, for example 0.25 -0.1");
 }
 
 void check_perspective(const Camera& camera) {
@@ -104,7 +109,9 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
                                           -glm::dot(view.to_viewer, axes[k]));
   // The centre is subtracted in lattice coordinates, so a large world origin costs no precision.
   const glm::dvec3 centre = 0.5 * glm::dvec3(lattice.dims - 1);
-  view.offset = glm::dvec3(0.5 * width, 0.5 * height, 0.0) - view.linear * centre;
+  const double side = std::min(width, height);
+  view.offset = glm::dvec3(0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side, 0.0) -
+                view.linear * centre;
   return view;
 }
 
@@ -170,6 +177,8 @@ ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int w
     throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),
                      "give a width and a height of at least 1");
   if (!camera.matrix) check(camera);
+  if (camera.matrix && camera.pan != std::array<double, 2>{})
+    throw InputError("a camera matrix is not panned", "add the pixels to its fourth column");
   check_perspective(camera);
   const ViewTransform view = camera.matrix ? view_from_matrix(*camera.matrix, lattice)
                                            : view_from_angles(camera, lattice, width, height);

@@ -23,7 +23,8 @@ FrameSpec unusual_spec() {
                        .zoom = 1.2,
                        .matrix = {{1, 2, 3}},
                        .fov = 40,
-                       .distance = 3};
+                       .distance = 3,
+                       .pan = {0.5, -2}};
   spec.shown.width = 120;
   spec.shown.height = 104;
   spec.as<Splats>().image_plane = ImagePlane::slices;
@@ -42,6 +43,7 @@ FrameSpec unusual_spec() {
   spec.shown.opacity_correction = false;
   spec.shown.opaque_threshold = 0;
   spec.shown.reduction = {.factor = 2, .prefilter = true};
+  spec.shown.clip = VoxelBox{{1, 2, 3}, {40, 50, 60}};
   spec.as<Splats>().payload = PayloadForm::words;
   spec.as<Splats>().precision = Precision::u8;
   return spec;

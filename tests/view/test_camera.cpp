@@ -230,6 +230,8 @@ TEST_CASE("bad cameras are refused with a message that names what is wrong") {
   for (const double zoom : {0.0, -1.0, nan_value, infinity}) fails({.zoom = zoom}, cube, 10, "zoom");
   fails({.zoom = 1e308}, cube, 10, "beyond double precision");
   fails({.zoom = 1e-320}, cube, 10, "beyond double precision");
+  for (const double pan : {nan_value, -infinity, 1e7}) fails({.pan = {0, pan}}, cube, 10, "panned");
+  fails({.matrix = Matrix{2, 0, 0, 0, 0, 0, -2, 0, 0, 2, 0, 0}, .pan = {1, 0}}, cube, 10, "fourth column");
   fails({.matrix = Matrix{}}, cube, 10, "singular");
   fails({.matrix = Matrix{1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0}}, cube, 10, "singular");
   fails({.matrix = Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}}, cube, 10, "singular");

@@ -98,6 +98,21 @@ TEST_CASE("an orthographic view has no eye and magnifies nothing") {
   CHECK(view.seen_at({1, 2, 3}) == glm::dvec2(view.project({1, 2, 3})));
 }
 
+TEST_CASE("a pan moves the whole picture, in perspective as well") {
+  for (const double fov : {0.0, 40.0}) {
+    Camera camera{.azimuth = 31, .elevation = 17, .zoom = 1.5, .fov = fov};
+    const LatticeFrame lattice{.dims = {20, 30, 25}};
+    const ViewTransform view = make_view(camera, lattice, 200, 100);
+    camera.pan = {0.25, -0.5};
+    const ViewTransform panned = make_view(camera, lattice, 200, 100);
+    for (const glm::dvec3& p : {glm::dvec3(0), glm::dvec3(19, 3, 24), glm::dvec3(10, 29, 2)}) {
+      const glm::dvec2 moved = panned.seen_at(p) - view.seen_at(p);
+      CHECK(moved.x == Approx(25).margin(1e-9));
+      CHECK(moved.y == Approx(-50).margin(1e-9));
+    }
+  }
+}
+
 TEST_CASE("perspective cameras that cannot be are refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double fov : {-40.0, 0.001, 180.0, 400.0, nan})

@@ -13,6 +13,7 @@
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/reduced.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 
 namespace ringsplat {
 
@@ -43,6 +44,8 @@ struct Shown {
   /// Pixels with less transmittance are final. 0: all slices are composited.
   double opaque_threshold = 1.0 / 512;
   Reduction reduction;  ///< reduces the volume; opacities are corrected for the larger voxels
+  /// The part of the volume that is shown, as if the rest were cut off; the camera fits the whole.
+  std::optional<VoxelBox> clip = std::nullopt;
   bool operator==(const Shown&) const = default;
 };
 

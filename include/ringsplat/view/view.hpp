@@ -22,7 +22,7 @@ struct LatticeFrame {
 /// 90 it stands at +x and looks along -x, world y to the right), elevation lifts it (at 90 it looks straight
 /// down, world y up in the picture), roll turns the picture clockwise. Multiples of 90 degrees are exact.
 /// Zoom 1 fits the bounding sphere of the volume's box (half a voxel beyond the outer voxel centres) to the
-/// shorter side of the image; the box's centre is at the image's centre, at depth 0.
+/// shorter side of the image; the box's centre is at the image's centre, unless it is panned, at depth 0.
 ///
 /// A perspective camera's eye lies before the box's centre, towards the viewer, at `distance`. The plane
 /// through that centre parallel to the picture, at depth 0, then fills `fov` degrees of the shorter side at
@@ -37,6 +37,9 @@ struct Camera {
   /// From the eye to the box's centre in radii of the bounding sphere, up to 1e5. 0: 1 / tan(fov / 2), so
   /// that the plane through the centre is shown as by the orthographic camera.
   double distance = 0;
+  /// Where the box's centre lies in the picture: right and down of its middle, in lengths of the shorter
+  /// side. A perspective picture is shifted as a whole, as by a shift lens. Not with a matrix.
+  std::array<double, 2> pan{0, 0};
   bool operator==(const Camera&) const = default;
 };
 
