@@ -29,9 +29,9 @@ std::vector<Camera> thinned(const std::vector<Camera>& views, std::size_t most) 
 
 std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
                                       const Grid& grid, int width, int height) {
-  // A matrix has no angles to change; from another side the eye might be inside the volume.
-  const bool own_only =
-      std::any_of(run.begin(), run.end(), [](const Camera& c) { return c.matrix || c.fov != 0; });
+  // A matrix or an eye has no angles to change; from another side the eye might be inside the volume.
+  const bool own_only = std::any_of(
+      run.begin(), run.end(), [](const Camera& c) { return c.matrix || c.eye || c.target || c.fov != 0; });
   if (own_only) return thinned(run, 4);
   double zoom = 0;
   for (const Camera& camera : run) zoom = std::max(zoom, camera.zoom);

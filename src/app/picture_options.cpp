@@ -26,6 +26,14 @@ Binding direction(glm::dvec3& target) {
   return handed<Numbers>([&target](const Numbers& v) { target = {v.at(0), v.at(1), v.at(2)}; }, 3);
 }
 
+Binding place(std::optional<glm::dvec3>& target) {
+  return handed<Numbers>([&target](const Numbers& v) { target.emplace(v.at(0), v.at(1), v.at(2)); }, 3);
+}
+
+Binding two_numbers(std::array<double, 2>& target) {
+  return handed<Numbers>([&target](const Numbers& v) { target = {v.at(0), v.at(1)}; }, 2);
+}
+
 Binding image_size(FrameSpec& frame) {
   return handed<std::string>([&frame](const std::string& text) {
     const Size s = parse_size(text, "--size");
@@ -85,6 +93,25 @@ constexpr OptionRow<Render> view_rows[] = {
     {"--matrix", "M11 ... M34", nullptr,
      "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
      [](Render& o) { return matrix(o.frame.shown.camera); }},
+    {"--pan", "RIGHT DOWN", "0 0", "Moves the picture, in lengths of its shorter side",
+     [](Render& o) { return two_numbers(o.frame.shown.camera.pan); }},
+    {"--projection", nullptr, initial, "How the volume is seen; perspective needs sheets",
+     [](Render& o) {
+       return choice(o.frame.shown.camera.fov, {{"orthographic", 0.0}, {"perspective", 40.0}});
+     }},
+    {"--fov", "DEGREES", "40", "Field of view of the picture's shorter side, 0.01 to 179, in perspective",
+     [](Render& o) { return value(o.frame.shown.camera.fov); }},
+    {"--distance", "RADII", nullptr,
+     "From the eye to the volume's centre, in radii of its bounding sphere, in perspective; else so that the "
+     "sphere fits the field of view",
+     [](Render& o) { return value(o.frame.shown.camera.distance); }},
+    {"--eye", "X Y Z", nullptr, "World position of the eye, instead of the angles and the distance",
+     [](Render& o) { return place(o.frame.shown.camera.eye); }},
+    {"--target", "X Y Z", nullptr,
+     "World position that the picture shows in its middle, instead of the volume's centre",
+     [](Render& o) { return place(o.frame.shown.camera.target); }},
+    {"--up", "X Y Z", "0 0 1", "World direction that points up in the picture, with --eye",
+     [](Render& o) { return direction(o.frame.shown.camera.up); }},
     {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
      [](Render& o) { return value(o.orbit, up_to_a_million_frames()); }},
     {"--path", "FILE", nullptr,

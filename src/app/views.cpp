@@ -6,6 +6,7 @@
 #include <cctype>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <sstream>
 
 #include "app/option_values.hpp"
@@ -21,10 +22,10 @@ struct Field {
   const char* name;
   double Camera::*part;
 };
-constexpr Field fields[] = {{"azimuth", &Camera::azimuth},
-                            {"elevation", &Camera::elevation},
-                            {"roll", &Camera::roll},
-                            {"zoom", &Camera::zoom}};
+constexpr Field fields[] = {{"azimuth", &Camera::azimuth}, {"elevation", &Camera::elevation},
+                            {"roll", &Camera::roll},       {"zoom", &Camera::zoom},
+                            {"fov", &Camera::fov},         {"distance", &Camera::distance}};
+constexpr std::size_t usual_columns = 4;
 
 double Camera::*field_named(const std::string& name) {
   for (const auto& field : fields)
@@ -58,10 +59,10 @@ Camera from_json(const std::string& line, const std::string& where, Camera camer
     } else if (const auto part = field_named(key); part != nullptr && value.is_number()) {
       camera.*part = value.get<double>();
     } else {
-      throw InputError(
-          fmt::format("{}: '{}' is not azimuth, elevation, roll or zoom with a number, nor matrix with 12",
-                      where, excerpt(key)),
-          path_line_hint);
+      throw InputError(fmt::format("{}: '{}' is not azimuth, elevation, roll, zoom, fov or distance with a "
+                                   "number, nor matrix with 12",
+                                   where, excerpt(key)),
+                       path_line_hint);
     }
   }
   return camera;
@@ -89,7 +90,7 @@ std::vector<Camera> orbit(const Camera& start, int frames) {
 }
 
 PathReader::PathReader(const Camera& defaults) : defaults_(defaults) {
-  for (const auto& field : fields) columns_.push_back(field.part);
+  for (const auto& field : std::span(fields).first(usual_columns)) columns_.push_back(field.part);
 }
 
 std::optional<Camera> PathReader::read(std::string line, const std::string& where) {

@@ -17,9 +17,9 @@ std::vector<Camera> orbit(const Camera& start, int frames);
 extern const char* const path_line_hint;
 
 /// Reads a path line by line. A line is a camera: "azimuth elevation [roll [zoom]]" with blanks, commas or
-/// semicolons, or a JSON object with these keys or "matrix" (12 numbers). Column names before the first view
-/// give another order; lines that are empty or begin with # are skipped. Missing values are taken from
-/// `defaults`.
+/// semicolons, or a JSON object with these keys, "fov", "distance" or "matrix" (12 numbers). Column names
+/// before the first view give another order; lines that are empty or begin with # are skipped. Missing values
+/// are taken from `defaults`.
 class PathReader {
  public:
   explicit PathReader(const Camera& defaults);

@@ -22,6 +22,8 @@ json to_json(const Camera& c) {
   if (c.fov != 0) j["fov"] = c.fov;
   if (c.distance != 0) j["distance"] = c.distance;
   if (c.pan != std::array<double, 2>{}) j["pan"] = c.pan;
+  if (c.eye) j.update({{"eye", to_json(*c.eye)}, {"up", to_json(c.up)}});
+  if (c.target) j["target"] = to_json(*c.target);
   return j;
 }
 

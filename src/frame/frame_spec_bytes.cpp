@@ -87,11 +87,11 @@ requires std::same_as<std::remove_const_t<S>, Shown>
 bool pass(Wire& wire, S& shown) {
   auto& [camera, width, height, transfer_function, shading, material, light, opacity_correction,
          opaque_threshold, reduction, clip] = shown;
-  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan] = camera;
+  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up] = camera;
   auto& [name, colours, opacities, nan_srgb] = transfer_function;
   auto& [factor, prefilter] = reduction;
-  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, pan, width, height, name,
-                  colours, opacities, nan_srgb, shading, material, light, opacity_correction,
+  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, width,
+                  height, name, colours, opacities, nan_srgb, shading, material, light, opacity_correction,
                   opaque_threshold, factor, prefilter, clip);
 }
 

@@ -52,7 +52,10 @@ FrameSpec sample_frame() {
                     std::array<double, 12>{},
                     another(),
                     another(),
-                    {another(), another()}};
+                    {another(), another()},
+                    colour(),
+                    colour(),
+                    colour()};
   std::iota(f.shown.camera.matrix->begin(), f.shown.camera.matrix->end(), 200.0);
   f.shown.width = 102;
   f.shown.height = 103;

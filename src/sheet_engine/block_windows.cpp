@@ -7,29 +7,84 @@
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
+namespace {
 
-BlockWindows::BlockWindows(const FrameGeometry& g, double around, double slices_before, double slices_after) {
+constexpr double everywhere = 1e9;
+
+std::int64_t floored(double x) { return std::int64_t(std::floor(std::clamp(x, -everywhere, everywhere))); }
+
+/// Where a view shows lattice points, times their depth, and that depth: linear in the points. An
+/// orthographic view has depth 1.
+class Homogeneous {
+ public:
+  explicit Homogeneous(const ViewTransform& view) : view_(view) {
+    if (view.eye) eye_ = view.project(*view.eye);
+  }
+  glm::dvec3 point(const glm::dvec3& lattice) const {
+    const glm::dvec3 place = view_.project(lattice);
+    if (!view_.eye) return {place.x, place.y, 1};
+    const double depth = place.z - eye_.z;
+    return {eye_.x * depth - eye_.z * (place.x - eye_.x), eye_.y * depth - eye_.z * (place.y - eye_.y),
+            depth};
+  }
+  glm::dvec3 step(int axis) const {
+    glm::dvec3 next(0.0);
+    next[axis] = 1;
+    return point(next) - point(glm::dvec3(0.0));
+  }
+
+ private:
+  const ViewTransform& view_;
+  glm::dvec3 eye_{0.0};
+};
+
+}  // namespace
+
+BlockWindows::BlockWindows(const FrameGeometry& g, double around, double slices_before, double slices_after)
+    : from_eye_(g.view.eye.has_value()) {
   const auto [u, v] = in_plane(g.traversal.axis);
-  const glm::dvec2 along_u(g.view.linear[u]), along_v(g.view.linear[v]),
-      along_k(g.view.linear[static_cast<int>(g.traversal.axis)]);
+  const Homogeneous seen(g.view);
+  const glm::dvec3 along_u = seen.step(u), along_v = seen.step(v),
+                   along_k = seen.step(static_cast<int>(g.traversal.axis));
   constexpr double side = CellRanges::side, middle = 0.5 * (side - 1);
-  first_ = glm::dvec2(g.view.offset) + middle * (along_u + along_v) +
+  first_ = seen.point(glm::dvec3(0.0)) + middle * (along_u + along_v) +
            0.5 * (slices_after - slices_before) * along_k;
   column_ = side * along_u;
   row_ = side * along_v;
   slice_ = along_k;
-  // Positions and rays are rounded to 2^-16 voxels.
-  constexpr double rounding = 1.0 / 1024;
-  half_ = (middle + around + rounding) * (glm::abs(along_u) + glm::abs(along_v)) +
-          (0.5 * (slices_before + slices_after) + rounding) * glm::abs(along_k);
+  // Positions and rays are rounded to 2^-10 voxels or less.
+  constexpr double rounding = 1.0 / 512;
+  const double in_plane = middle + around + rounding,
+               across = 0.5 * (slices_before + slices_after) + rounding;
+  reach_[0] = in_plane * along_u;
+  reach_[1] = in_plane * along_v;
+  reach_[2] = across * along_k;
+  half_ = glm::abs(glm::dvec2(reach_[0])) + glm::abs(glm::dvec2(reach_[1])) + glm::abs(glm::dvec2(reach_[2]));
 }
 
 PixelWindow BlockWindows::of(int column, int row, int slice) const {
-  const glm::dvec2 centre = first_ + double(column) * column_ + double(row) * row_ + double(slice) * slice_;
+  const glm::dvec3 centre = first_ + double(column) * column_ + double(row) * row_ + double(slice) * slice_;
+  if (from_eye_) return seen_from_eye(centre);
   // A pixel's ray goes through its centre, half a pixel behind its number.
-  const auto floored = [](double x) { return std::int64_t(std::floor(std::clamp(x, -1e9, 1e9))); };
   return {floored(centre.x - half_.x - 0.5), floored(centre.y - half_.y - 0.5),
           floored(centre.x + half_.x + 0.5), floored(centre.y + half_.y + 0.5)};
+}
+
+PixelWindow BlockWindows::seen_from_eye(const glm::dvec3& centre) const {
+  const double least_depth = 1e-9 * (std::abs(centre.z) + std::abs(reach_[0].z));
+  glm::dvec2 low(everywhere), high(-everywhere);
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 p = centre + ((corner & 1) != 0 ? reach_[0] : -reach_[0]) +
+                         ((corner & 2) != 0 ? reach_[1] : -reach_[1]) +
+                         ((corner & 4) != 0 ? reach_[2] : -reach_[2]);
+    // What reaches beside or behind the eye may be seen anywhere.
+    if (!(p.z > least_depth))
+      return {floored(-everywhere), floored(-everywhere), floored(everywhere), floored(everywhere)};
+    const glm::dvec2 place = glm::dvec2(p) / p.z;
+    low = glm::min(low, place);
+    high = glm::max(high, place);
+  }
+  return {floored(low.x - 0.5), floored(low.y - 0.5), floored(high.x + 0.5), floored(high.y + 0.5)};
 }
 
 }  // namespace ringsplat

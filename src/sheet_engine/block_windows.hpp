@@ -1,4 +1,7 @@
 #pragma once
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
 #include "screen/pixel_window.hpp"
 #include "sheet_engine/sheet_frame.hpp"
 
@@ -14,7 +17,13 @@ class BlockWindows {
   PixelWindow of(int column, int row, int slice) const;
 
  private:
-  glm::dvec2 first_, column_, row_, slice_, half_;
+  PixelWindow seen_from_eye(const glm::dvec3& centre) const;
+
+  bool from_eye_;
+  /// Of a block's centre, with z = 1; from an eye, places times their depth, with z the depth.
+  glm::dvec3 first_, column_, row_, slice_;
+  glm::dvec2 half_;      ///< a block's reach in an orthographic view
+  glm::dvec3 reach_[3];  ///< a block's reach along u, v and k from an eye
 };
 
 }  // namespace ringsplat

@@ -11,6 +11,7 @@
 
 #include "sheet_engine/lanes-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/rays-inl.hpp"
 #include "sheet_engine/reflection-inl.hpp"
 #include "sheet_engine/samplers-inl.hpp"
 #include "sheet_engine/slab_lanes-inl.hpp"
@@ -19,10 +20,10 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
 /// Paints one group's pixels. Its lanes are those of tiles that lie row by row; see paint_group.hpp.
-template <class Sampler>
+template <class Sampler, class Rays>
 class GroupPainter {
  public:
-  GroupPainter(const SheetPaint& paint, const PixelGroup& group) : p_(paint), group_(group) {}
+  GroupPainter(const SheetPaint& paint, const PixelGroup& group) : p_(paint), group_(group), rays_(paint) {}
 
   void paint(const SheetSlab& slab, TileMask mask) {
     count_ = 0;
@@ -33,7 +34,7 @@ class GroupPainter {
       }
     if (count_ == 0) return;
     slab_ = &slab;
-    find_spans();
+    rays_.begin(slab);
     resample();
     if (count_ == 0) return;
     divide();
@@ -62,11 +63,10 @@ class GroupPainter {
 
   struct State {
     F red, green, blue, opacity;
-    F place;                                    ///< of the last sheet's values
-    Gradient gradient;                          ///< at the last sheet
-    I u, v;                                     ///< positions in slice 0
-    int sheet = none, gradient_sheet = none;    ///< the steps of these last sheets
-    std::int32_t low_u, high_u, low_v, high_v;  ///< ends of u and v
+    F place;            ///< of the last sheet's values
+    Gradient gradient;  ///< at the last sheet
+    typename Rays::Tile ray;
+    int sheet = none, gradient_sheet = none;  ///< the steps of these last sheets
     bool started = false, dead = false;
   };
   /// A tile in the current slab.
@@ -93,63 +93,39 @@ class GroupPainter {
   void start(int t) {
     State& s = state_[t];
     s.started = true;
-    HWY_ALIGN std::int32_t u[lanes], v[lanes];
+    s.ray = rays_.start(group_.x + (t % across) * tile_width, group_.y + (t / across) * tile_height);
     HWY_ALIGN float rgba[4][lanes];
     for (int l = 0; l < lanes; ++l) {
-      const std::int64_t x = group_.x + (t % across) * tile_width + l % tile_width,
-                         y = group_.y + (t / across) * tile_height + l / tile_width;
-      const auto at = [&](int axis) {
-        constexpr std::int64_t limit = std::int64_t{1} << 30;
-        const RayGrid& r = p_.rays;
-        return static_cast<std::int32_t>(
-            std::clamp((r.origin[axis] + x * r.step_x[axis] + y * r.step_y[axis]) >> (40 - position_bits),
-                       -limit, limit));
-      };
-      u[l] = at(0);
-      v[l] = at(1);
       const float* pixel = pixel_of(t, l);
       for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
     }
-    s.u = load(u);
-    s.v = load(v);
-    s.low_u = *std::min_element(u, u + lanes);
-    s.high_u = *std::max_element(u, u + lanes);
-    s.low_v = *std::min_element(v, v + lanes);
-    s.high_v = *std::max_element(v, v + lanes);
     s.red = load(rgba[0]);
     s.green = load(rgba[1]);
     s.blue = load(rgba[2]);
     s.opacity = load(rgba[3]);
   }
 
-  /// The ends of the slab's sheets' shifts: of all, and of those behind the front.
-  void find_spans() {
-    const auto ends = [&](const auto& shifts, int first, std::int32_t& low, std::int32_t& high) {
-      low = *std::min_element(shifts.begin() + first, shifts.begin() + slab_->pieces + 1);
-      high = *std::max_element(shifts.begin() + first, shifts.begin() + slab_->pieces + 1);
-    };
-    ends(slab_->shift_u, 0, all_.low_u, all_.high_u);
-    ends(slab_->shift_v, 0, all_.low_v, all_.high_v);
-    ends(slab_->shift_u, 1, behind_.low_u, behind_.high_u);
-    ends(slab_->shift_v, 1, behind_.low_v, behind_.high_v);
-  }
-
   std::int32_t most_u() const { return (p_.rays.voxels[0] - 1) << position_bits; }
   std::int32_t most_v() const { return (p_.rays.voxels[1] - 1) << position_bits; }
-  Corner corner_below(const State& s, std::int32_t shift_u, std::int32_t shift_v) const {
-    return {(std::clamp(s.low_u - shift_u, 0, most_u()) >> position_bits) - 1,
-            (std::clamp(s.low_v - shift_v, 0, most_v()) >> position_bits) - 1};
+  Corner corner_below(const Ends& ends) const {
+    return {(std::clamp(ends.low_u, 0, most_u()) >> position_bits) - 1,
+            (std::clamp(ends.low_v, 0, most_v()) >> position_bits) - 1};
   }
 
   /// Where the lanes lie in sheet i of the slab. Beyond the outer voxels the field has their values.
   HWY_INLINE typename Sampler::Sheet sheet_at(const State& s, bool at_faces, int i, Corner corner) const {
-    I u = sub(s.u, set_int(slab_->shift_u[std::size_t(i)])),
-      v = sub(s.v, set_int(slab_->shift_v[std::size_t(i)]));
+    auto [u, v] = rays_.at(s.ray, i);
     if (at_faces) {
       u = min(max(u, set_int(0)), set_int(most_u()));
       v = min(max(v, set_int(0)), set_int(most_v()));
     }
     return Sampler::sheet(u, v, p_.pitch, corner);
+  }
+
+  /// Whether a lane may leave what is `beyond` the outer voxels' centres.
+  bool leaves(const Ends& ends, std::int32_t beyond) const {
+    return ends.low_u < -beyond || ends.low_v < -beyond || ends.high_u > most_u() + beyond ||
+           ends.high_v > most_v() + beyond;
   }
 
   /// Places of values along the table's axes.
@@ -181,9 +157,11 @@ class GroupPainter {
         s.dead = true;
         continue;
       }
-      w.corner = corner_below(s, behind_.high_u, behind_.high_v);
-      w.at_faces = s.low_u < all_.high_u || s.low_v < all_.high_v || s.high_u - all_.low_u > most_u() ||
-                   s.high_v - all_.low_v > most_v();
+      const Ends all = rays_.ends(s.ray);
+      w.corner = corner_below(all);
+      const bool some_miss = Rays::some_miss(s.ray);
+      w.at_faces = some_miss || leaves(all, 0);
+      w.cut = some_miss || leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
       w.place[0] = s.sheet == slab_->step - 1 && !slab_->face ? s.place : front_place(s, w);
@@ -207,9 +185,7 @@ class GroupPainter {
   }
 
   HWY_INLINE F front_place(const State& s, const Work& w) const {
-    const Corner corner = corner_below(s, slab_->shift_u[0], slab_->shift_v[0]);
-    const auto sheet = sheet_at(s, w.at_faces, 0, corner);
-    return place_of(Sampler::value(Sampler::plane(slab_->front, p_.pitch, corner), sheet, p_.pitch));
+    return place_of(Sampler::value(w.front, sheet_at(s, w.at_faces, 0, w.corner), p_.pitch));
   }
 
   HWY_INLINE M may_show(F low, F high) const {
@@ -234,9 +210,6 @@ class GroupPainter {
       const int t = list_[k];
       const State& s = state_[t];
       Work& w = work_[t];
-      constexpr std::int32_t half = one_voxel / 2;
-      w.cut = s.low_u - all_.high_u < -half || s.low_v - all_.high_v < -half ||
-              s.high_u - all_.low_u >= most_u() + half || s.high_v - all_.low_v >= most_v() + half;
       w.split = w.visible;
       if (may_be_whole) {
         w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[2]));
@@ -265,8 +238,7 @@ class GroupPainter {
 
   HWY_INLINE M in_box(const State& s, int i) const {
     constexpr std::int32_t half = one_voxel / 2;
-    const I u = sub(s.u, set_int(slab_->shift_u[std::size_t(i)])),
-            v = sub(s.v, set_int(slab_->shift_v[std::size_t(i)]));
+    const auto [u, v] = rays_.at(s.ray, i);
     return both(both(greater(u, set_int(-half - 1)), greater(set_int(most_u() + half), u)),
                 both(greater(v, set_int(-half - 1)), greater(set_int(most_v() + half), v)));
   }
@@ -278,11 +250,9 @@ class GroupPainter {
 
   HWY_INLINE Gradient front_gradient(const State& s, const Work& w) const {
     if (s.gradient_sheet == slab_->step - 1 && !slab_->face) return s.gradient;
-    const Corner corner = corner_below(s, slab_->shift_u[0], slab_->shift_v[0]);
-    const auto sheet = sheet_at(s, w.at_faces, 0, corner);
-    const void* next = slab_->face ? slab_->after : slab_->back;
-    return Sampler::gradient(plane_of(slab_->front, corner),
-                             plane_of(next, corner) - plane_of(slab_->before, corner), sheet, p_.pitch);
+    const Planes next = slab_->face ? plane_of(slab_->after, w.corner) : w.back;
+    return Sampler::gradient(w.front, next - plane_of(slab_->before, w.corner),
+                             sheet_at(s, w.at_faces, 0, w.corner), p_.pitch);
   }
   HWY_INLINE Gradient gradient_behind(const Work& w, int i) const {
     const Planes after = plane_of(slab_->after, w.corner);
@@ -297,8 +267,8 @@ class GroupPainter {
   static HWY_INLINE Gradient difference(const Gradient& a, const Gradient& b) {
     return {sub(a.u, b.u), sub(a.v, b.v), sub(a.k, b.k)};
   }
-  HWY_INLINE Reflected lit_at(F way, const Gradient& front, const Gradient& change) const {
-    return Reflect(p_.light,
+  HWY_INLINE Reflected lit_at(const State& s, F way, const Gradient& front, const Gradient& change) const {
+    return Reflect(p_.light, rays_.viewer(s.ray),
                    {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
   }
 
@@ -314,6 +284,12 @@ class GroupPainter {
 
   static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
 
+  /// Of a whole slab, which is two of the table's.
+  HWY_INLINE F whole_opacity(const State& s, const Slab& slab) const {
+    const F opacity = mul(slab.opacity, sub(set(2.0F), slab.opacity));
+    return Rays::same_lengths ? opacity : Shortened(opacity, rays_.length(s.ray));
+  }
+
   /// One slab for all visible lanes, lit at its centroid.
   HWY_INLINE void paint_whole(int t) {
     State& s = state_[t];
@@ -324,9 +300,9 @@ class GroupPainter {
       const Gradient back = gradient_behind(w, 2), front = front_gradient(s, w);
       s.gradient = back;
       s.gradient_sheet = slab_->step;
-      light = lit_at(slab.centroid, front, difference(back, front));
+      light = lit_at(s, slab.centroid, front, difference(back, front));
     }
-    composite(s, slab, only(w.visible, mul(slab.opacity, sub(set(2.0F), slab.opacity))), light);
+    composite(s, slab, only(w.visible, whole_opacity(s, slab)), light);
   }
 
   /// The slab's pieces one by one; lanes that a single slab serves take it in place of the first.
@@ -348,8 +324,8 @@ class GroupPainter {
       const F end = may_be_whole ? choose(w.split, w.place[back], w.place[2]) : w.place[back];
       const Slab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
       F opacity = slab.opacity;
-      if (w.cut || slab_->face) opacity = Shortened(opacity, share_in_box(s, w, i));
-      if (may_be_whole) opacity = choose(w.split, opacity, mul(slab.opacity, sub(set(2.0F), slab.opacity)));
+      if (!Rays::same_lengths || w.cut || slab_->face) opacity = Shortened(opacity, length_in_box(s, w, i));
+      if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(s, slab));
       opacity = only(here, opacity);
       if (p_.floats)
         opacity = only(both(greater(w.place[front], set(-0.5F)), greater(end, set(-0.5F))), opacity);
@@ -373,36 +349,29 @@ class GroupPainter {
     M two = w.split;
     constexpr float worth_two = 0.02F;
     if (p_.adaptive) two = both(two, greater(mul(sub(set(1.0F), s.opacity), opacity), set(worth_two)));
-    if (p_.light_points == 1 || !any(two)) return lit_at(slab.centroid, front, change);
+    if (p_.light_points == 1 || !any(two)) return lit_at(s, slab.centroid, front, change);
     // Lanes of one point have it twice: half the sum of equal numbers is that number.
     const F spread = only(two, slab.spread), half = set(0.5F);
-    const Reflected a = lit_at(max(sub(slab.centroid, spread), set(0.0F)), front, change),
-                    b = lit_at(min(add(slab.centroid, spread), set(1.0F)), front, change);
+    const Reflected a = lit_at(s, max(sub(slab.centroid, spread), set(0.0F)), front, change),
+                    b = lit_at(s, min(add(slab.centroid, spread), set(1.0F)), front, change);
     return {mul(half, add(a.scale, b.scale)), mul(half, add(a.highlight, b.highlight))};
   }
 
-  /// The part of piece i that lies in the volume's box, in pieces of the table.
-  HWY_INLINE F share_in_box(const State& s, const Work& w, int i) const {
-    const F length = set(slab_->face ? p_.face_pieces : 1.0F);
+  /// The length of the part of piece i that lies in the volume's box, in the table's lengths.
+  HWY_INLINE F length_in_box(const State& s, const Work& w, int i) const {
+    const F length = mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F));
     if (!w.cut) return length;
-    const auto from = std::size_t(i), to = from + 1;
+    const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
     Way way{set(0.0F), set(1.0F)};
-    way.narrow(sub(s.u, set_int(slab_->shift_u[from])), sub(s.u, set_int(slab_->shift_u[to])),
-               p_.rays.voxels[0]);
-    way.narrow(sub(s.v, set_int(slab_->shift_v[from])), sub(s.v, set_int(slab_->shift_v[to])),
-               p_.rays.voxels[1]);
+    way.narrow(from.u, to.u, p_.rays.voxels[0]);
+    way.narrow(from.v, to.v, p_.rays.voxels[1]);
     return mul(length, way.length());
   }
 
-  /// Ends of sheets' shifts.
-  struct Spans {
-    std::int32_t low_u = 0, high_u = 0, low_v = 0, high_v = 0;
-  };
-
   const SheetPaint& p_;
   const PixelGroup& group_;
+  Rays rays_;
   const SheetSlab* slab_ = nullptr;
-  Spans all_, behind_;
   std::array<State, tiles> state_;
   std::array<Work, tiles> work_;
   std::array<int, tiles> list_, whole_, split_;

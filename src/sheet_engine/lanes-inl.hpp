@@ -92,6 +92,8 @@ inline M both(M a, M b) { return a && b; }
 inline M either(M a, M b) { return a || b; }
 inline M but_not(M a, M b) { return a && !b; }
 inline bool any(M a) { return a; }
+inline float least(F a) { return a; }
+inline float greatest(F a) { return a; }
 inline F choose(M m, F a, F b) { return m ? a : b; }
 inline I choose(M m, I a, I b) { return m ? a : b; }
 inline F only(M m, F a) { return m ? a : 0.0F; }
@@ -174,6 +176,8 @@ HWY_INLINE M both(M a, M b) { return hn::And(a, b); }
 HWY_INLINE M either(M a, M b) { return hn::Or(a, b); }
 HWY_INLINE M but_not(M a, M b) { return hn::AndNot(b, a); }
 HWY_INLINE bool any(M a) { return !hn::AllFalse(Df(), a); }
+HWY_INLINE float least(F a) { return hn::GetLane(hn::MinOfLanes(Df(), a)); }
+HWY_INLINE float greatest(F a) { return hn::GetLane(hn::MaxOfLanes(Df(), a)); }
 HWY_INLINE F choose(M m, F a, F b) { return hn::IfThenElse(m, a, b); }
 HWY_INLINE I choose(M m, I a, I b) { return hn::IfThenElse(hn::RebindMask(Di(), m), a, b); }
 HWY_INLINE F only(M m, F a) { return hn::IfThenElseZero(m, a); }

@@ -13,23 +13,33 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-template <class Sampler>
+template <class Sampler, class Rays>
 void PaintWith(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
                const TileMask* masks, std::ptrdiff_t mask_stride) {
-  GroupPainter<Sampler> painter(paint, group);
+  GroupPainter<Sampler, Rays> painter(paint, group);
   for (std::size_t k = 0; k < slabs.size(); ++k)
     if (const TileMask mask = masks[std::ptrdiff_t(k) * mask_stride]; mask != 0)
       painter.paint(slabs[k], mask);
   painter.store_pixels();
 }
 
+template <class Rays>
+void PaintAlong(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+                const TileMask* masks, std::ptrdiff_t mask_stride, [[maybe_unused]] bool patches) {
+  if (paint.floats) return PaintWith<FloatSampler, Rays>(paint, group, slabs, masks, mask_stride);
+#if RINGSPLAT_LANES_PATCHES
+  if (patches) return PaintWith<PatchSampler, Rays>(paint, group, slabs, masks, mask_stride);
+#endif
+  PaintWith<PairSampler, Rays>(paint, group, slabs, masks, mask_stride);
+}
+
 void PaintGroup(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
                 const TileMask* masks, std::ptrdiff_t mask_stride) {
-  if (paint.floats) return PaintWith<FloatSampler>(paint, group, slabs, masks, mask_stride);
-#if RINGSPLAT_LANES_PATCHES
-  if (paint.patches) return PaintWith<PatchSampler>(paint, group, slabs, masks, mask_stride);
-#endif
-  PaintWith<PairSampler>(paint, group, slabs, masks, mask_stride);
+  if (const auto& eye = paint.rays.eye)
+    PaintAlong<EyeRays>(paint, group, slabs, masks, mask_stride,
+                        eye->spans_less(group.x, group.y, group_side, tile_side, patch_span));
+  else
+    PaintAlong<ParallelRays>(paint, group, slabs, masks, mask_stride, paint.rays.patches);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE

@@ -2,15 +2,20 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "ringsplat/frame/frame_spec.hpp"
+#include "sheet_engine/eye_grid.hpp"
 
 namespace ringsplat {
 
 /// Pixels are painted in groups of 16 x 16, which go through many slabs in turn, so that their state stays in
 /// the processor's nearest cache. Tiles of 4 x 4 of them are left out where a slab shows nothing.
 inline constexpr int group_side = 16, tile_side = 4;
+/// What a tile may span in a slab for its 8 x 8 voxels to hold all that it reads: the voxel below its lowest
+/// position, one before and two behind each lane's.
+inline constexpr double patch_span = 4;
 /// A bit for each tile of a group, row by row.
 using TileMask = std::uint16_t;
 
@@ -32,13 +37,22 @@ struct SheetSlab {
   int step = 0;                  ///< of its back
   int pieces = 1;                ///< slabs in it; its sheets are 0 ... pieces
   std::array<std::int32_t, Sheets::most_slabs + 1> shift_u{}, shift_v{};  ///< of each sheet against slice 0
+  std::array<float, Sheets::most_slabs + 1> slice{};  ///< of each sheet, from the middle one, for EyeGrid
 };
 
-/// The rays of a frame: a pixel's position in slice 0, as 2^-40 voxels.
+/// The rays of an orthographic frame: a pixel's position in slice 0, as 2^-40 voxels.
 struct RayGrid {
   std::int64_t origin[2] = {}, step_x[2] = {},
                step_y[2] = {};  ///< u and v of pixel (0, 0), and a pixel's step
-  int voxels[2] = {};           ///< along u and v
+};
+
+/// The rays of a frame's pixels in its slices.
+struct SheetRays {
+  int voxels[2] = {};          ///< along u and v
+  RayGrid grid;                ///< of an orthographic view
+  double shear[2] = {};        ///< voxels along u and v that slice 0 lies beside slice 1, seen along its rays
+  bool patches = false;        ///< its tiles see at most 8 x 8 voxels of a slice
+  std::optional<EyeGrid> eye;  ///< of a perspective view, instead
 };
 
 /// A table's axis, what is transparent of it, and how planes' numbers become places.
@@ -73,13 +87,12 @@ struct GradientLight {
 
 /// What all groups of a frame share.
 struct SheetPaint {
-  RayGrid rays;
+  SheetRays rays;
   PlaceMap places;
   GradientLight light;
   const std::uint64_t* table = nullptr;  ///< SlabTable::entries()
   std::ptrdiff_t pitch = 0;              ///< numbers from a plane's row to the next
   bool floats = false;                   ///< planes are floats, not 16-bit numbers
-  bool patches = false;                  ///< a tile sees at most 8 x 8 voxels of a slice
   bool lit = false, adaptive = false;
   int light_points = 1;
   float opaque_threshold = 0;

@@ -18,6 +18,11 @@ struct Reflected {
   F scale, highlight;
 };
 
+/// The direction to the viewer, in the coordinates of GradientLight, and its product with the light's.
+struct Viewer {
+  F u, v, k, light;
+};
+
 /// x to the power of a whole number, by squares.
 HWY_INLINE F WholePower(F x, int exponent) {
   F power = set(1.0F);
@@ -44,7 +49,7 @@ HWY_INLINE F OverRoot(F x) {
 
 /// Phong's reflection (Phong 1975), two-sided; gradients of any length. Where there is no gradient colours
 /// stay as they are.
-HWY_INLINE Reflected Reflect(const GradientLight& light, Gradient g) {
+HWY_INLINE Reflected Reflect(const GradientLight& light, const Viewer& viewer, Gradient g) {
   if (light.oblique) {
     g.u = fma(g.u, set(light.uu), fma(g.v, set(light.uv), mul(g.k, set(light.uk))));
     g.v = fma(g.v, set(light.vv), mul(g.k, set(light.vk)));
@@ -53,16 +58,15 @@ HWY_INLINE Reflected Reflect(const GradientLight& light, Gradient g) {
     g.v = mul(g.v, set(light.vv));
   }
   g.k = mul(g.k, set(light.kk));
-  const auto along = [&](const float* direction) HWY_ATTR {
-    return fma(g.u, set(direction[0]), fma(g.v, set(direction[1]), mul(g.k, set(direction[2]))));
-  };
+  const auto along = [&](F u, F v, F k) HWY_ATTR { return fma(g.u, u, fma(g.v, v, mul(g.k, k))); };
   const F zero = set(0.0F);
   const F square = fma(g.u, g.u, fma(g.v, g.v, mul(g.k, g.k))), over = OverRoot(square);
-  const F to_light = mul(along(light.light), over), to_viewer = mul(along(light.viewer), over);
+  const F to_light = mul(along(set(light.light[0]), set(light.light[1]), set(light.light[2])), over),
+          to_viewer = mul(along(viewer.u, viewer.v, viewer.k), over);
   const M surface = greater(square, zero);
   // Light and viewer on the same side: their product is above zero whichever way the gradient points.
   const F product = mul(to_light, to_viewer);
-  const F mirrored = min(max(fma(product, set(2.0F), set(-light.between)), zero), set(1.0F));
+  const F mirrored = min(max(sub(mul(product, set(2.0F)), viewer.light), zero), set(1.0F));
   const F highlight =
       only(both(surface, greater(product, zero)), mul(Power(mirrored, light.exponent), set(light.specular)));
   return {choose(surface, fma(abs(to_light), set(light.diffuse), set(light.ambient)), set(1.0F)), highlight};

@@ -1,14 +1,11 @@
 #include "sheet_engine/sheet_frame.hpp"
 
 #include "engine_parts/frame_plan.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
 std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid, int gps,
                                                    int renderers) {
-  if (spec.shown.camera.fov != 0)
-    throw InputError("sheets cannot be drawn in perspective yet", "leave out the field of view");
   auto frame = std::make_shared<SheetFrame>();
   frame->number = spec.frame;
   frame->shown = spec.shown;

@@ -8,8 +8,16 @@
 
 namespace ringsplat {
 
-GradientLight gradient_light(const SheetFrame& frame, double most) {
-  const FrameGeometry& g = frame.geometry;
+namespace {
+
+/// Orthonormal coordinates of the world in which gradients are an upper triangle times differences along u, v
+/// and the traversed axis, in front to back order.
+struct GradientAxes {
+  glm::dvec3 basis[3];
+  double upper[3][3] = {};
+};
+
+GradientAxes gradient_axes(const FrameGeometry& g) {
   const Grid& grid = g.grid;
   const glm::dmat3 inverse = glm::inverse(grid.direction);
   const double smallest = std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z});
@@ -25,17 +33,24 @@ GradientLight gradient_light(const SheetFrame& frame, double most) {
   if (!g.traversal.ascending) world[2] = -world[2];
 
   // Gram and Schmidt: world = basis · upper triangle.
-  glm::dvec3 basis[3];
-  double upper[3][3] = {};
+  GradientAxes to;
   for (int i = 0; i < 3; ++i) {
     glm::dvec3 rest = world[i];
     for (int k = 0; k < i; ++k) {
-      upper[k][i] = glm::dot(basis[k], world[i]);
-      rest -= upper[k][i] * basis[k];
+      to.upper[k][i] = glm::dot(to.basis[k], world[i]);
+      rest -= to.upper[k][i] * to.basis[k];
     }
-    upper[i][i] = glm::length(rest);
-    basis[i] = rest / upper[i][i];
+    to.upper[i][i] = glm::length(rest);
+    to.basis[i] = rest / to.upper[i][i];
   }
+  return to;
+}
+
+}  // namespace
+
+GradientLight gradient_light(const SheetFrame& frame, double most) {
+  const FrameGeometry& g = frame.geometry;
+  const auto [basis, upper] = gradient_axes(g);
   const ViewTransform& view = g.view;
   const Shown& shown = frame.shown;
   const glm::dvec3 to_light =
@@ -61,6 +76,22 @@ GradientLight gradient_light(const SheetFrame& frame, double most) {
   light.specular = static_cast<float>(shown.material.specular);
   light.exponent = static_cast<float>(shown.material.exponent);
   return light;
+}
+
+void set_lengths(const SheetFrame& frame, EyeGrid& eye) {
+  const FrameGeometry& g = frame.geometry;
+  const Grid& grid = g.grid;
+  const GradientAxes axes = gradient_axes(g);
+  const auto [u, v] = in_plane(g.traversal.axis);
+  const int lattice[] = {u, v, static_cast<int>(g.traversal.axis)};
+  // In unit lengths of the volume, which a reduced grid's are multiples of.
+  const double unit =
+      std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}) / frame.shown.reduction.factor;
+  for (int i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k)
+      eye.axes[i][k] = static_cast<float>(
+          glm::dot(axes.basis[i], grid.direction[lattice[k]] * (grid.spacing[lattice[k]] / unit)));
+  eye.table_length = frame.shown.opacity_correction ? static_cast<float>(frame.step_length()) : 0;
 }
 
 }  // namespace ringsplat

@@ -67,7 +67,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     const auto& [step, passes, body] = payload;
     check_step(renderer_, step, geometry().slices);
     try {
-      payload_ = read_sheet_payload(body, rays_.grid.voxels[0], rays_.grid.voxels[1], geometry().grid.type);
+      payload_ = read_sheet_payload(body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
     } catch (const RunError& e) {
       throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
     }
@@ -144,19 +144,18 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     code_ = PlaneCode::choose(geometry().grid.type, low_, high_, table_.axis(), sheets.slabs);
     std::tie(code_.below, code_.above) = beyond_function();
     table_.set_length(frame_->step_length() / sheets.slabs);
-    const int wide = rays_.grid.voxels[0], high = rays_.grid.voxels[1];
+    const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
         std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slots));
     planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slots), code_,
                         make_fillers(transparent_, geometry().grid.type, low_, high_));
     paint_ = {};
-    paint_.rays = rays_.grid;
+    paint_.rays = rays_;
     paint_.places = place_map();
     paint_.light = gradient_light(*frame_, code_.floats ? largest_number() : 4095);
     paint_.table = table_.entries();
     paint_.pitch = planes_.pitch();
     paint_.floats = code_.floats;
-    paint_.patches = rays_.patches;
     paint_.lit = frame_->lit();
     paint_.adaptive = sheets.adaptive;
     paint_.light_points = sheets.light_points;

@@ -46,6 +46,13 @@ void check(const Camera& camera) {
     if (!(std::abs(shift) <= most_pan))
       throw InputError(fmt::format("the camera cannot be panned by {} pictures", shift),
                        "give lengths of the picture's shorter side, for example 0.25 -0.1");
+  for (const auto& place : {camera.eye, camera.target})
+    if (place && !is_finite(*place))
+      throw InputError("the camera's eye or target is not finite", "give three world coordinates");
+  if (!is_finite(camera.up) || !(safe_length(camera.up) > 0))
+    throw InputError("the camera's up has no direction", "give three numbers, for example 0 0 1");
+  if (camera.eye && camera.distance != 0)
+    throw InputError("the camera's eye and its distance are both given", "leave out the distance");
 }
 
 void check_perspective(const Camera& camera) {
@@ -78,6 +85,28 @@ double bounding_radius(const LatticeFrame& lattice) {
   return radius;
 }
 
+/// The point that the camera turns about, at depth 0, in lattice coordinates.
+glm::dvec3 centre_of(const Camera& camera, const LatticeFrame& lattice) {
+  if (!camera.target) return 0.5 * glm::dvec3(lattice.dims - 1);
+  return glm::inverse(lattice.direction) * (*camera.target - lattice.origin) / lattice.spacing;
+}
+
+/// Sets the picture's world axes for an eye that looks at a target; returns how far it is from there.
+double look(ViewTransform& view, const Camera& camera, const glm::dvec3& target) {
+  const glm::dvec3 from_target = *camera.eye - target;
+  const double distance = safe_length(from_target);
+  if (!(distance > 0))
+    throw InputError("the camera's eye is where it looks at", "give an --eye away from the --target");
+  view.to_viewer = unit(from_target);
+  const glm::dvec3 right = glm::cross(unit(camera.up), view.to_viewer);
+  constexpr double least_sine = 1e-9;
+  if (!(glm::length(right) > least_sine))
+    throw InputError("the camera looks along its own up", "give an --up across the view, for example 0 1 0");
+  view.right = unit(right);
+  view.up = glm::cross(view.to_viewer, view.right);
+  return distance;
+}
+
 /// Sets the picture's world axes: right, up and to_viewer.
 void turn(ViewTransform& view, const Camera& camera) {
   const auto azimuth = sin_cos_degrees(camera.azimuth);
@@ -92,14 +121,18 @@ void turn(ViewTransform& view, const Camera& camera) {
 
 ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
   ViewTransform view;
-  turn(view, camera);
+  const glm::dvec3 centre = centre_of(camera, lattice);
   const double radius = bounding_radius(lattice);
+  double distance = radius * camera.distance;  // in the world; 0: follows from the field of view
+  if (camera.eye)
+    distance = look(view, camera, lattice.origin + lattice_to_world(lattice) * centre);
+  else
+    turn(view, camera);
   double shown = radius;  // from the centre to the nearer edges of the picture at zoom 1
   if (camera.fov > 0) {
     const double slope = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
-    if (camera.distance > 0) shown = radius * camera.distance * slope;
-    view.eye = 0.5 * glm::dvec3(lattice.dims - 1) +
-               glm::inverse(lattice.direction) * (shown / slope * view.to_viewer) / lattice.spacing;
+    if (distance > 0) shown = distance * slope;
+    view.eye = centre + glm::inverse(lattice.direction) * (shown / slope * view.to_viewer) / lattice.spacing;
   }
   view.pixels_per_unit = camera.zoom * (0.5 * std::min(width, height) / shown);
   const glm::dmat3 axes = lattice_to_world(lattice);
@@ -108,7 +141,6 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
         view.pixels_per_unit * glm::dvec3(glm::dot(view.right, axes[k]), -glm::dot(view.up, axes[k]),
                                           -glm::dot(view.to_viewer, axes[k]));
   // The centre is subtracted in lattice coordinates, so a large world origin costs no precision.
-  const glm::dvec3 centre = 0.5 * glm::dvec3(lattice.dims - 1);
   const double side = std::min(width, height);
   view.offset = glm::dvec3(0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side, 0.0) -
                 view.linear * centre;
@@ -177,8 +209,8 @@ ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int w
     throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),
                      "give a width and a height of at least 1");
   if (!camera.matrix) check(camera);
-  if (camera.matrix && camera.pan != std::array<double, 2>{})
-    throw InputError("a camera matrix is not panned", "add the pixels to its fourth column");
+  if (camera.matrix && (camera.pan != std::array<double, 2>{} || camera.eye || camera.target))
+    throw InputError("a camera matrix has no pan, eye or target", "add the pixels to its fourth column");
   check_perspective(camera);
   const ViewTransform view = camera.matrix ? view_from_matrix(*camera.matrix, lattice)
                                            : view_from_angles(camera, lattice, width, height);

@@ -48,8 +48,8 @@ glm::dvec3 in_one_order(glm::dvec3 cos_angles, const glm::dvec3& eye, const glm:
       cos_angles[k] = 0;
   if (!outside)
     throw InputError("the perspective camera's eye is inside the volume's box",
-                     "use a larger --distance: above 1, in radii of the volume's bounding sphere, the eye is "
-                     "outside from every side");
+                     "move the --eye away, or use a larger --distance: above 1, in radii of the volume's "
+                     "bounding sphere, the eye is outside from every side");
   return cos_angles;
 }
 

@@ -24,7 +24,10 @@ FrameSpec unusual_spec() {
                        .matrix = {{1, 2, 3}},
                        .fov = 40,
                        .distance = 3,
-                       .pan = {0.5, -2}};
+                       .pan = {0.5, -2},
+                       .eye = glm::dvec3(7, 8, 9),
+                       .target = glm::dvec3(-1, 2, 3),
+                       .up = {0, 1, 0}};
   spec.shown.width = 120;
   spec.shown.height = 104;
   spec.as<Splats>().image_plane = ImagePlane::slices;

@@ -232,6 +232,11 @@ TEST_CASE("bad cameras are refused with a message that names what is wrong") {
   fails({.zoom = 1e-320}, cube, 10, "beyond double precision");
   for (const double pan : {nan_value, -infinity, 1e7}) fails({.pan = {0, pan}}, cube, 10, "panned");
   fails({.matrix = Matrix{2, 0, 0, 0, 0, 0, -2, 0, 0, 2, 0, 0}, .pan = {1, 0}}, cube, 10, "fourth column");
+  fails({.eye = glm::dvec3(0, 0, nan_value)}, cube, 10, "eye or target");
+  fails({.eye = glm::dvec3(1, 2, 3), .target = glm::dvec3(1, 2, 3)}, cube, 10, "where it looks");
+  fails({.eye = glm::dvec3(0, 0, 30), .target = glm::dvec3(0)}, cube, 10, "along its own up");
+  fails({.fov = 40, .distance = 3, .eye = glm::dvec3(30, 0, 0)}, cube, 10, "both given");
+  fails({.up = glm::dvec3(0)}, cube, 10, "up has no direction");
   fails({.matrix = Matrix{}}, cube, 10, "singular");
   fails({.matrix = Matrix{1, 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0}}, cube, 10, "singular");
   fails({.matrix = Matrix{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0}}, cube, 10, "singular");

@@ -113,6 +113,39 @@ TEST_CASE("a pan moves the whole picture, in perspective as well") {
   }
 }
 
+TEST_CASE("an eye that looks at a target sees it in the middle, with up upwards") {
+  const LatticeFrame lattice = tilted();
+  const glm::dvec3 eye{130, -260, 90}, target{108, -190, 60};
+  for (const double fov : {0.0, 40.0}) {
+    const ViewTransform view =
+        make_view({.fov = fov, .eye = eye, .target = target, .up = {0, 1, 2}}, lattice, 200, 100);
+    const auto seen = [&](const glm::dvec3& place) {
+      return view.seen_at(glm::inverse(lattice.direction) * (place - lattice.origin) / lattice.spacing);
+    };
+    CHECK(glm::length(seen(target) - glm::dvec2(100, 50)) < 1e-9);
+    const glm::dvec2 above = seen(target + glm::dvec3(0, 1, 2));
+    CHECK(above.x == Approx(100).margin(1e-9));
+    CHECK(above.y < 50);
+    CHECK(glm::length(view.to_viewer - glm::normalize(eye - target)) < 1e-12);
+    CHECK(glm::dot(glm::cross(view.right, view.up), view.to_viewer) == Approx(1));
+    if (fov == 0) continue;
+    CHECK(glm::length(world(lattice, *view.eye) - eye) < 1e-9);
+    // At the target's depth the shorter side is as wide as the field of view says.
+    const double half = glm::length(eye - target) * std::tan(fov * M_PI / 360);
+    CHECK(seen(target + half * view.up).y == Approx(0).margin(1e-6));
+  }
+}
+
+TEST_CASE("angles turn about the target") {
+  const LatticeFrame lattice = tilted();
+  const glm::dvec3 corner = world(lattice, {39, 0, 8});
+  for (const double azimuth : {0.0, 70.0, 200.0}) {
+    const ViewTransform view =
+        make_view({.azimuth = azimuth, .elevation = 20, .target = corner}, lattice, 200, 100);
+    CHECK(glm::length(view.seen_at({39, 0, 8}) - glm::dvec2(100, 50)) < 1e-9);
+  }
+}
+
 TEST_CASE("perspective cameras that cannot be are refused") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const double fov : {-40.0, 0.001, 180.0, 400.0, nan})

@@ -40,6 +40,11 @@ struct Camera {
   /// Where the box's centre lies in the picture: right and down of its middle, in lengths of the shorter
   /// side. A perspective picture is shifted as a whole, as by a shift lens. Not with a matrix.
   std::array<double, 2> pan{0, 0};
+  /// World positions. The target takes the place of the box's centre. An eye that is given looks at it,
+  /// instead of the angles and the distance, and `up` points up in the picture as far as it can. Not with a
+  /// matrix.
+  std::optional<glm::dvec3> eye = std::nullopt, target = std::nullopt;
+  glm::dvec3 up{0, 0, 1};
   bool operator==(const Camera&) const = default;
 };
 
