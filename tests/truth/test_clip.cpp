@@ -134,11 +134,14 @@ TEST_CASE("clipped pictures of both engines are their methods'") {
       REQUIRE(brightest(rendered(whole, spec)) > 0.03F);
       CHECK(numerical_error(whole, spec) < 1e-5);
       spec.how = Sheets{.adaptive = false};
-      const Image sheets = rendered(whole, spec);
-      REQUIRE(brightest(sheets) > 0.03F);
-      const auto error = truth::compare(sheets, method_image(whole, spec)).total;
-      CHECK(error.rmse < 0.25);
-      CHECK(error.largest < 6);
+      for (const double fov : {0.0, 40.0}) {
+        spec.shown.camera.fov = fov;
+        const Image sheets = rendered(whole, spec);
+        REQUIRE(brightest(sheets) > 0.03F);
+        const auto error = truth::compare(sheets, method_image(whole, spec)).total;
+        CHECK(error.rmse < 0.25);
+        CHECK(error.largest < 6);
+      }
     }
 }
 
