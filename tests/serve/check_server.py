@@ -280,6 +280,32 @@ def watchers(options, server):
     first.close()
 
 
+def probes(options, server):
+    client = server.client()
+    client.send({"type": "probe", "id": 1, "x": 5, "y": 5})
+    client.text("error")  # no view yet
+    client.view(width=200, height=200)
+    client.picture(at_rest=1)
+    client.send({"type": "probe", "id": 2, "x": 100, "y": 100})
+    found = client.text("probe")
+    expect(found["id"] == 2 and found["hit"], found)
+    dims = client.hello["volume"]["dims"]
+    # Seen from the front: straight through the volume's middle, in its front half.
+    expect(abs(found["voxel"][0] - dims[0] / 2) < 2 and abs(found["voxel"][2] - dims[2] / 2) < 2, found)
+    expect(client.hello["volume"]["range"][0] < found["value"] <= client.hello["volume"]["range"][1], found)
+    clip = [[0, dims[0]], [0, dims[1] // 2], [0, dims[2]]]  # the head's rows go from back to front
+    client.view(width=200, height=200, clip=clip)
+    client.picture(seq=client.seq, at_rest=1)
+    client.send({"type": "probe", "id": 3, "x": 100, "y": 100})
+    behind = client.text("probe")
+    expect(behind["hit"] and behind["voxel"][1] < dims[1] // 2 < found["voxel"][1], "the clip box does not count")
+    client.send({"type": "probe", "id": 4, "x": 1, "y": 1})
+    expect(not client.text("probe")["hit"], "there is nothing in the corner")
+    client.send({"type": "probe", "id": 5, "x": 300, "y": 1})
+    client.text("error")
+    client.close()
+
+
 def same_as_program(options, server):
     """The picture at rest and the one that `render --quality best` writes: 45 dB or more."""
     client = server.client()
@@ -352,7 +378,7 @@ def idle(options, server):
 CASES = {"page": (page,), "strangers": (strangers,),
          "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
-         "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,),
+         "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
          "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,)}
 
 if __name__ == "__main__":

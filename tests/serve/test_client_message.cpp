@@ -85,6 +85,6 @@ TEST_CASE("Deep nesting is refused before it is parsed, brackets in texts do not
 
 TEST_CASE("Texts from outside are written as JSON whatever bytes they have") {
   SceneState scene = rules().initial;
-  scene.transfer_function.name = "\xff\x00\"";
+  scene.transfer_function.name = std::string("\xff\"");
   CHECK(nlohmann::json::accept(text_of(to_json(scene))));
 }

@@ -1,0 +1,118 @@
+#include "serve/probe.hpp"
+
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "ringsplat/net/collectives.hpp"
+#include "ringsplat/session/render.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::serve;
+
+namespace {
+
+constexpr int side = 32;
+
+/// A ball whose values fall from 250 at its centre to 0.
+double ball(const glm::dvec3& p) { return std::max(0.0, 250 - 15 * glm::distance(p, glm::dvec3(15.5))); }
+
+Grid grid() {
+  Grid g;
+  g.dims = glm::ivec3(side);
+  g.spacing = {1, 1.5, 2};
+  g.origin = {5, 6, 7};
+  return g;
+}
+
+std::vector<std::uint8_t> voxels() {
+  std::vector<std::uint8_t> values;
+  for (int z = 0; z < side; ++z)
+    for (int y = 0; y < side; ++y)
+      for (int x = 0; x < side; ++x) values.push_back(static_cast<std::uint8_t>(ball({x, y, z})));
+  return values;
+}
+
+FrameSpec view(double azimuth, double elevation) {
+  FrameSpec spec;
+  spec.how = Sheets{};
+  spec.shown.width = 120;
+  spec.shown.height = 100;
+  spec.shown.camera = {.azimuth = azimuth, .elevation = elevation, .zoom = 1.3, .pan = {0.05, -0.1}};
+  spec.shown.transfer_function = {.name = "step",
+                                  .colours = {{0, glm::dvec3(1.0)}, {250, glm::dvec3(1.0)}},
+                                  .opacities = {{0, 0}, {99.5, 0}, {100.5, 1}, {250, 1}}};
+  return spec;
+}
+
+Image render(const FrameSpec& spec) {
+  SoloCollectives alone;
+  const auto values = voxels();
+  return render_image(grid(), std::as_bytes(std::span(values)), spec, {.gps = 1, .renderers = 1}, {alone});
+}
+
+Probed probe(const FrameSpec& spec, double x, double y) {
+  ValueRange range;
+  const auto values = voxels();
+  range.add(ScalarType::uint8, std::as_bytes(std::span(values)));
+  Probe all(spec, grid(), range, x, y);
+  while (const auto frame = all.next_frame()) {
+    FrameSpec one = *frame;
+    one.frame = 0;
+    all.take(render(one));
+  }
+  return all.answer();
+}
+
+}  // namespace
+
+TEST_CASE("The picture of one pixel is that pixel of the whole picture") {
+  FrameSpec spec = view(30, 20);
+  const Image whole = render(spec);
+  for (const auto& [x, y] : {std::pair{60, 50}, {40, 42}, {71, 60}, {2, 3}}) {
+    FrameSpec one = spec;
+    one.shown.camera = camera_of_pixel(spec.shown.camera, 120, 100, x, y);
+    one.shown.width = one.shown.height = 1;
+    const Image pixel = render(one);
+    for (int c = 0; c < 4; ++c) CHECK(std::abs(pixel.rgba[std::size_t(c)] - whole.pixel(x, y)[c]) < 0.01F);
+  }
+}
+
+TEST_CASE("A probe finds the surface under a pixel and the value there") {
+  for (const auto& [azimuth, elevation] :
+       {std::pair{0.0, 0.0}, {30.0, 20.0}, {90.0, 0.0}, {180.0, -40.0}, {0.0, 90.0}}) {
+    const FrameSpec spec = view(azimuth, elevation);
+    const ViewTransform seen = make_view(
+        spec.shown.camera, {grid().dims, grid().spacing, grid().origin, grid().direction}, 120, 100);
+    const glm::dvec3 centre = seen.project(glm::dvec3(15.5));
+    const Probed probed = probe(spec, centre.x + 3, centre.y - 4);
+    REQUIRE(probed.hit);
+    // On the pixel's ray, on the side of the viewer, where the values are 100.
+    const glm::dvec3 back = seen.project(probed.voxel);
+    CHECK(std::abs(back.x - (std::floor(centre.x + 3) + 0.5)) < 0.01);
+    CHECK(std::abs(back.y - (std::floor(centre.y - 4) + 0.5)) < 0.01);
+    CHECK(back.z < centre.z);
+    CHECK(std::abs(ball(probed.voxel) - 100) < 15);
+    // The slice's value, at most a voxel's step beside.
+    CHECK(std::abs(probed.value - 100) < 16);
+    const glm::dvec3 world = grid().origin + grid().spacing * probed.voxel;
+    CHECK(glm::distance(world, probed.world) < 1e-9);
+  }
+}
+
+TEST_CASE("A probe beside the volume hits nothing") {
+  const Probed probed = probe(view(30, 20), 1, 1);
+  CHECK(!probed.hit);
+}
+
+TEST_CASE("A probe knows the clip box") {
+  FrameSpec spec = view(0, 0);
+  spec.shown.clip = VoxelBox{{0, 14, 0}, {side, side, side}};
+  const ViewTransform seen =
+      make_view(spec.shown.camera, {grid().dims, grid().spacing, grid().origin, grid().direction}, 120, 100);
+  const glm::dvec3 centre = seen.project(glm::dvec3(15.5));
+  const Probed probed = probe(spec, centre.x, centre.y);
+  REQUIRE(probed.hit);
+  CHECK(std::abs(probed.voxel.y - 14) < 1);
+  CHECK(std::abs(probed.value - ball({15.5, 14, 15.5})) < 8);
+}
