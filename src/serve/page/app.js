@@ -53,6 +53,9 @@ export class App {
     byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
     this.scene.subscribe((keys) => this.sceneChanged(keys));
     window.addEventListener('hashchange', () => this.readAddress() && this.connection.reopen());
+    // A page that the browser keeps for "back" must not go on driving.
+    window.addEventListener('pagehide', () => this.connection.close());
+    window.addEventListener('pageshow', (event) => event.persisted && this.connection.reopen());
     matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.refreshPanels());
   }
 

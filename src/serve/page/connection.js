@@ -57,6 +57,15 @@ export class Connection {
     old?.close();
   }
 
+  /** Leaves without coming back by itself. */
+  close() {
+    clearTimeout(this.timer);
+    const old = this.socket;
+    this.socket = null;
+    this.become('lost');
+    old?.close(1000);
+  }
+
   retry() {
     this.become('lost');
     this.timer = setTimeout(() => this.open(), this.wait * (0.75 + 0.5 * Math.random()));

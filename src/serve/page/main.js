@@ -13,6 +13,12 @@ window.ringsplat = Object.freeze({
   get connection() { return app.connection.status; },
   get driving() { return app.driving; },
   get seq() { return app.sender.seq; },
+  /** The present view's final picture is on the canvas. */
+  get settled() {
+    const last = app.stage.list.at(-1);
+    return app.connection.status === 'open' && !app.sender.moving && !app.sender.scheduled && !app.stage.scheduled &&
+           last !== undefined && last.atRest && (!app.driving || last.seq === app.sender.seq);
+  },
   get letters() { return letters(app.scene.state.camera, app.volume.patient); },
   get scale() { return structuredClone(app.scale); },
   get probe() { return structuredClone(app.probing.result); },

@@ -72,6 +72,7 @@ export class Stage {
 
   isStale(head) {
     const last = this.shown;
+    if (this.view().driving && !this.sent.has(head.seq)) return last !== null;  // of another page's view
     return last !== null && last.seq >= 0 &&
            (head.seq < last.seq || (head.seq === last.seq && head.level < last.level));
   }
@@ -91,7 +92,8 @@ export class Stage {
     }
     this.shown?.bitmap.close();
     const asked = this.sent.get(head.seq) ?? { camera: null, width: head.width, height: head.height };
-    this.shown = { ...asked, bitmap, seq: head.seq, level: head.level };
+    const own = !this.view().driving || this.sent.has(head.seq);
+    this.shown = { ...asked, bitmap, seq: own ? head.seq : -1, level: head.level };
     const { seq, level, levels, atRest, bytes, error, seconds, rate, width, height } = head;
     const now = performance.now();
     this.list.push({ seq, level, levels, atRest, bytes, error, seconds, rate, width, height, at: now,
