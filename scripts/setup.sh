@@ -14,6 +14,7 @@ required=(
   libopenmpi-dev openmpi-bin                  # MPI
   libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev
   libopenimageio-dev                          # pictures
+  libboost-dev libturbojpeg0-dev              # the viewer's server and its JPEGs
   libinsighttoolkit5-dev                      # volumes
   catch2                                      # tests
 )

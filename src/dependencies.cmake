@@ -15,10 +15,16 @@ find_package(ITK REQUIRED COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIF
              ITKIOTIFF ITKIOVTK)
 unset(CMAKE_MESSAGE_LOG_LEVEL)
 
+# Of Boost only headers: Beast and Asio, for the viewer's server.
+find_package(Boost 1.74 REQUIRED)
+
 # Debian's OpenImageIO CMake package names an include folder of another package
 # (OpenEXR's Imath); pkg-config describes the same library without it.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
+
+# The viewer's JPEGs.
+pkg_check_modules(TurboJpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 
 # Simulated machines, where SimGrid is installed.
 set(RINGSPLAT_SIMULATION AUTO CACHE STRING "Build the program for SimGrid's simulated MPI: ON, OFF or AUTO (when it is there)")

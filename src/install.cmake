@@ -1,8 +1,8 @@
 # Included when all rooms are known. ringsplat::ringsplat is the whole library: every room but the command
-# line, with what the rooms use.
+# line and its viewer's server, with what the rooms use.
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
-list(REMOVE_ITEM rooms ringsplat_app)
+list(REMOVE_ITEM rooms ringsplat_app ringsplat_serve)
 add_library(ringsplat_library INTERFACE)
 add_library(ringsplat::ringsplat ALIAS ringsplat_library)
 set_target_properties(ringsplat_library PROPERTIES EXPORT_NAME ringsplat)

@@ -12,6 +12,8 @@ namespace ringsplat::app {
 ExitCode run_render(const RenderOptions& options, Launch& launch);
 /// What these options need loaded when the views traverse `axes`.
 LoadOptions load_options(const RenderOptions& options, std::array<bool, 3> axes);
+/// All ranks call it.
+ExitCode run_serve(const ServeOptions& options, Launch& launch);
 // The others run on one process.
 ExitCode run_info(const InfoOptions& options);
 ExitCode run_compare(const CompareOptions& options);

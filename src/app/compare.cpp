@@ -6,11 +6,11 @@
 
 #include "app/commands.hpp"
 #include "app/difference_image.hpp"
-#include "app/image_io.hpp"
 #include "app/json_text.hpp"
 #include "app/output_names.hpp"
 #include "base/output_file.hpp"
 #include "base/printable.hpp"
+#include "images/image_io.hpp"
 #include "truth/metrics.hpp"
 
 namespace ringsplat::app {

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
-#include "app/image_io.hpp"
 #include "app/json_text.hpp"
 #include "app/option_values.hpp"
 #include "app/text_output.hpp"
@@ -13,6 +12,7 @@
 #include "app/views.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "images/image_io.hpp"
 
 namespace ringsplat::app {
 

@@ -13,19 +13,6 @@
 namespace ringsplat::app {
 namespace {
 
-Sheets sheets_of(Quality quality) {
-  switch (quality) {
-    case Quality::draft:
-      return {.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
-    case Quality::normal:
-      return {.image_plane = ImagePlane::slices, .plane_samples = 2, .slabs = 2, .light_points = 2};
-    case Quality::paper:
-    case Quality::best:
-      break;
-  }
-  return {.image_plane = ImagePlane::screen, .slabs = 2, .light_points = 2};
-}
-
 [[noreturn]] void refuse(const char* what, Engine engine) {
   throw InputError(fmt::format("{} no effect on {}", what, name(engine)),
                    engine == Engine::splats ? "use --quality best" : "use --quality paper");
@@ -94,6 +81,19 @@ constexpr OptionRow<Render> method_rows[] = {
 }  // namespace
 
 constexpr OptionGroup<Render> method_options{"Picture", method_rows};
+
+Sheets sheets_of(Quality quality) {
+  switch (quality) {
+    case Quality::draft:
+      return {.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
+    case Quality::normal:
+      return {.image_plane = ImagePlane::slices, .plane_samples = 2, .slabs = 2, .light_points = 2};
+    case Quality::paper:
+    case Quality::best:
+      break;
+  }
+  return {.image_plane = ImagePlane::screen, .slabs = 2, .light_points = 2};
+}
 
 const char* name(Engine engine) { return engine == Engine::splats ? Splats::name : Sheets::name; }
 

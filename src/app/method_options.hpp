@@ -21,6 +21,9 @@ constexpr const char* name(Quality quality) {
   return names[static_cast<int>(quality)];
 }
 
+/// The settings of a quality that draws sheets.
+Sheets sheets_of(Quality quality);
+
 /// How pictures are drawn when neither --engine nor --quality says.
 inline constexpr Quality usual_quality = Quality::paper;
 

@@ -11,8 +11,11 @@ extern const OptionGroup<RunOptions> rank_options, protocol_options, machine_opt
 /// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
 extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,
     method_options, picture_options, shortcut_options;
+/// Parts of the above that a viewer has, too.
+extern const OptionGroup<RenderOptions> camera_options, shading_options;
 extern const OptionGroup<ErrorOptions> error_options;
 extern const OptionGroup<ErrorBudgetOptions> error_budget_options;
+extern const OptionGroup<ServeOptions> server_options;
 extern const OptionGroup<InfoOptions> info_output_options, prediction_options;
 extern const OptionGroup<CompareOptions> compare_options;
 extern const OptionGroup<ReferenceOptions> truth_options, reference_output_options;

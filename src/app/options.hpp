@@ -58,6 +58,16 @@ struct RenderOptions {
   std::optional<glm::dvec3> background;  ///< linear light
 };
 
+struct ServeOptions {
+  /// The volume, the run, and the view that is shown first. Its method is the viewer's to choose.
+  RenderOptions picture;
+  double target_ms = 40;
+  std::string address = "127.0.0.1";
+  int port = 0;
+  std::vector<std::string> allowed_hosts, allowed_origins;
+  bool open = false;
+};
+
 struct InfoOptions {
   VolumeOptions volume;
   int gps = 0;  ///< 0: several usual numbers

@@ -73,7 +73,7 @@ constexpr OptionRow<Render> render_output_rows[] = {
      }},
 };
 
-constexpr OptionRow<Render> view_rows[] = {
+constexpr OptionRow<Render> camera_rows[] = {
     {"--azimuth", nullptr, initial, "Degrees the viewer walks around the volume; 0 is in front",
      [](Render& o) { return value(o.frame.shown.camera.azimuth); }},
     {"--elevation", nullptr, initial, "Degrees the viewer climbs; 90 looks straight down",
@@ -82,6 +82,9 @@ constexpr OptionRow<Render> view_rows[] = {
      [](Render& o) { return value(o.frame.shown.camera.roll); }},
     {"--zoom", nullptr, initial, "1 fits the volume's bounding sphere to the image",
      [](Render& o) { return value(o.frame.shown.camera.zoom); }},
+};
+
+constexpr OptionRow<Render> view_rows[] = {
     {"--matrix", "M11 ... M34", nullptr,
      "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
      [](Render& o) { return matrix(o.frame.shown.camera); }},
@@ -110,7 +113,7 @@ constexpr OptionRow<Render> tf_output_rows[] = {
      [](Render& o) { return value(o.transfer_function_out); }},
 };
 
-constexpr OptionRow<Render> picture_rows[] = {
+constexpr OptionRow<Render> shading_rows[] = {
     {"--shading", nullptr, initial, "Lit by gradients, or the transfer function's colours as they are",
      [](Render& o) {
        return choice(o.frame.shown.shading, {{"phong", Shading::phong}, {"none", Shading::none}});
@@ -123,6 +126,9 @@ constexpr OptionRow<Render> picture_rows[] = {
      [](Render& o) { return value(o.frame.shown.material.specular); }},
     {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
      [](Render& o) { return value(o.frame.shown.material.exponent); }},
+};
+
+constexpr OptionRow<Render> picture_rows[] = {
     {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
      [](Render& o) { return value(o.method.splats.kernel_radius); }},
     {"--kernel", nullptr, initial,
@@ -188,9 +194,11 @@ constexpr OptionRow<Render> shortcut_rows[] = {
 }  // namespace
 
 constexpr OptionGroup<Render> render_output_options{"Output", render_output_rows};
+constexpr OptionGroup<Render> camera_options{"View", camera_rows};
 constexpr OptionGroup<Render> view_options{"View", view_rows};
 constexpr OptionGroup<Render> size_options{"Picture", size_rows};
 constexpr OptionGroup<Render> tf_output_options{"Picture", tf_output_rows};
+constexpr OptionGroup<Render> shading_options{"Picture", shading_rows};
 constexpr OptionGroup<Render> picture_options{"Picture", picture_rows};
 constexpr OptionGroup<Render> shortcut_options{"Shortcuts", shortcut_rows};
 

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <functional>
+
 #include "app/command_line.hpp"
 #include "app/commands.hpp"
 #include "app/launch.hpp"
@@ -39,8 +41,14 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
     return ExitCode::done;
   });
   if (agreed.code != ExitCode::done) return {agreed, agreed.code == ExitCode::bad_input};
-  if (const auto* render = std::get_if<RenderOptions>(&line.command)) {
-    Outcome outcome = guarded([&] { return run_render(*render, launch); });
+  // On all ranks.
+  std::function<ExitCode()> run;
+  if (const auto* render = std::get_if<RenderOptions>(&line.command))
+    run = [&launch, render] { return run_render(*render, launch); };
+  if (const auto* serve = std::get_if<ServeOptions>(&line.command))
+    run = [&launch, serve] { return run_serve(*serve, launch); };
+  if (run) {
+    Outcome outcome = guarded(run);
     const bool everywhere = outcome.code != ExitCode::run_failed;
     return {std::move(outcome), everywhere};
   }
@@ -81,6 +89,7 @@ ExitCode after_printing(ExitCode code) {
 }
 
 TransportChoice transport_of(const CommandLine& line) {
+  if (const auto* serve = std::get_if<ServeOptions>(&line.command)) return serve->picture.run.transport;
   const auto* render = std::get_if<RenderOptions>(&line.command);
   return render != nullptr ? render->run.transport : TransportChoice::automatic;
 }

@@ -5,7 +5,6 @@
 
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
-#include "app/image_io.hpp"
 #include "app/json_text.hpp"
 #include "app/measured_error.hpp"
 #include "app/option_values.hpp"
@@ -16,6 +15,7 @@
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "images/image_io.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {

@@ -11,8 +11,8 @@
 #include "app/commands.hpp"
 #include "app/error_budget.hpp"
 #include "app/frame_output.hpp"
-#include "app/image_io.hpp"
 #include "app/keep_budget.hpp"
+#include "app/loading.hpp"
 #include "app/output_names.hpp"
 #include "app/simulation_options.hpp"
 #include "app/steepness.hpp"
@@ -20,10 +20,10 @@
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
-#include "app/watched_source.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"
+#include "images/image_io.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
 #include "record/trace_json.hpp"
@@ -90,37 +90,6 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
   return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }
 
-SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
-  SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(gps), 0)};
-  for (const int factor : load.factors) {
-    const Grid level = reduced_grid(grid, {factor, load.prefilter});
-    for (int gp = 0; gp < gps; ++gp)
-      memory.predicted[std::size_t(gp)] +=
-          SliceStore::bytes_needed(level, gp, gps, load.kept_axes, load.with_normals);
-  }
-  return memory;
-}
-
-/// Throws InputError when this process's slices or its frame buffer exceed the machine's memory.
-void check_memory(const RenderOptions& o, std::size_t frames_in_all, const SliceMemory& slices,
-                  const Layout& layout, const Launch& launch) {
-  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
-  double held = 0;
-  for (int gp = 0; gp < layout.gps; ++gp)
-    if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
-      held += double(slices.predicted[std::size_t(gp)]);
-  const std::size_t kept = FrameOutput::most_held(o, frames_in_all);
-  const double frames = launch.rank() == 0
-                            ? 4.0 * sizeof(float) * o.frame.shown.width * o.frame.shown.height * double(kept)
-                            : 0;
-  if (held + frames <= machine) return;
-  throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
-                               "but the machine has {:.1f} GiB",
-                               held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
-                   held > frames ? "use more ranks on more machines, --axes needed or --shading none"
-                                 : "use a smaller --size");
-}
-
 }  // namespace
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
@@ -133,19 +102,6 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
 }
 
 namespace {
-
-Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
-           Progress& progress) {
-  progress.begin("loading", volume.grid.dims.z);
-  if (volume.source) volume.source = std::make_unique<WatchedSource>(std::move(volume.source), progress);
-  Scene scene = load_scene(volume, options, layout, wiring);
-  progress.end();
-  volume.source.reset();
-  if (scene.range.empty())
-    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                     "check the file's --type and --endian");
-  return scene;
-}
 
 /// The stream of `--path -`. What is passed by reference must outlive it.
 std::unique_ptr<ViewStream> views_on_stdin(const RenderOptions& o, const FrameSpec& frame, const Grid& grid,
@@ -171,17 +127,6 @@ TransferFunction make_transfer_function(const RenderOptions& o, const Plan& plan
   return tf;
 }
 
-/// Renders all frames. Every input was checked on all ranks before, so an error here ends the job.
-void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
-                const Wiring& wiring, const EngineOptions& engine) {
-  try {
-    if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
-    render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
-  } catch (const InputError& e) {
-    throw RunError(e.what());
-  }
-}
-
 void write_trace(Trace& trace, const std::string& file, const Layout& layout, Launch& launch) {
   trace.compare_clocks(launch.collectives());
   const Trace::Gathered all = trace.gather(launch.collectives());
@@ -197,22 +142,6 @@ bool writes_to_stdout(const RenderOptions& o) {
   return is_stdout(o.stats) || is_stdout(o.trace) || is_stdout(o.transfer_function_out);
 }
 
-/// For --verbose: this rank's role.
-void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch) {
-  std::string axes;
-  for (const Axis axis : all_axes)
-    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
-  for (int rank = 0; rank < layout.ranks(); ++rank) {
-    if (launch.over_mpi() && rank != launch.rank()) continue;
-    for (const NodeId node : layout.nodes_on(rank))
-      if (node.role == Role::gp)
-        log_debug("{} keeps slices of axes {}: {:.1f} MiB", to_string(node), axes,
-                  double(memory.predicted[std::size_t(node.index)]) / (1 << 20));
-      else
-        log_debug("{} is here", to_string(node));
-  }
-}
-
 /// A run, all decided and checked before a voxel is read.
 struct Job {
   RenderOptions options;
@@ -223,11 +152,6 @@ struct Job {
   SliceMemory memory;
 };
 
-OpenedVolume open(const RenderOptions& o, Launch& launch) {
-  return open_everywhere(
-      launch.collectives(), [&] { return open_volume(o.volume.path, o.volume.raw); }, o.volume.path);
-}
-
 Job prepare(const RenderOptions& given, Launch& launch) {
   Job job;
   RenderOptions& o = job.options = given;
@@ -237,22 +161,24 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   check(o.run.engine);
   warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
   launch.check_on_rank_0([&] { job.plan = make_plan(o); });
-  job.volume = open(o, launch);
+  job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   launch.check_on_rank_0([&] { check_frames(o, job.plan, grid); });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
   o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
   job.memory = predict_memory(grid, job.load, job.layout.gps);
-  launch.check_on_all_ranks(
-      [&] { check_memory(o, job.plan.cameras.size(), job.memory, job.layout, launch); });
+  launch.check_on_all_ranks([&] {
+    check_memory(o.frame.shown.width, o.frame.shown.height,
+                 FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);
+  });
   log_roles(job.layout, job.memory, launch);
   return job;
 }
 
 /// Loads the scene again, from the same volume.
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
-  const Facts before = std::exchange(job.volume, open(job.options, launch)).facts;
+  const Facts before = std::exchange(job.volume, open(job.options.volume, launch)).facts;
   launch.check_on_rank_0([&] {
     if (job.volume.facts != before)
       throw InputError(fmt::format("{} has changed since it was first read", job.options.volume.path),

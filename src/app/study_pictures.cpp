@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cctype>
 
-#include "app/image_io.hpp"
+#include "images/image_io.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {

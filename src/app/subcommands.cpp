@@ -18,10 +18,12 @@ void add_render_options(CLI::App& app, AllOptions& all) {
   RenderOptions& o = all.render;
   add_options(app, volume_options, o.volume);
   add_options(app, render_output_options, o);
+  add_options(app, camera_options, o);
   add_options(app, view_options, o);
   add_options(app, size_options, o);
   add_options(app, tf_output_options, o);
   add_options(app, method_options, o);
+  add_options(app, shading_options, o);
   add_options(app, picture_options, o);
   add_options(app, shortcut_options, o);
   add_options(app, rank_options, o.run);
@@ -47,14 +49,37 @@ Command settle_render(const CLI::App& app, AllOptions& all) {
   return o;
 }
 
+void add_serve_options(CLI::App& app, AllOptions& all) {
+  ServeOptions& o = all.serve;
+  // Less waiting for tokens; no picture changes (docs/performance.md).
+  o.picture.run.protocol.look_ahead = o.picture.run.protocol.send_ahead = 4;
+  o.picture.frame.how = sheets_of(Quality::best);
+  add_options(app, volume_options, o.picture.volume);
+  add_options(app, server_options, o);
+  add_options(app, camera_options, o.picture);
+  add_options(app, size_options, o.picture);
+  add_options(app, shading_options, o.picture);
+  add_options(app, rank_options, o.picture.run);
+  add_options(app, protocol_options, o.picture.run);
+}
+
+Command settle_serve(const CLI::App& app, AllOptions& all) {
+  RunOptions& run = all.serve.picture.run;
+  require_volume(app, all.serve.picture.volume);
+  if (run.topology == Topology::mesh && app.get_option("--send-ahead")->empty()) run.protocol.send_ahead = 0;
+  return all.serve;
+}
+
 void add_info_options(CLI::App& app, AllOptions& all) {
   InfoOptions& o = all.info;
   add_options(app, volume_options, o.volume);
   add_options(app, info_output_options, o);
   add_options(app, prediction_options, o);
+  add_options(app, camera_options, o.picture);
   add_options(app, view_options, o.picture);
   add_options(app, size_options, o.picture);
   add_options(app, method_options, o.picture);
+  add_options(app, shading_options, o.picture);
   add_options(app, picture_options, o.picture);
   add_options(app, shortcut_options, o.picture);
 }
@@ -78,10 +103,12 @@ void add_reference_options(CLI::App& app, AllOptions& all) {
   add_options(app, volume_options, o.picture.volume);
   add_options(app, truth_options, o);
   add_options(app, reference_output_options, o);
+  add_options(app, camera_options, o.picture);
   add_options(app, view_options, o.picture);
   add_options(app, size_options, o.picture);
   add_options(app, tf_output_options, o.picture);
   add_options(app, method_options, o.picture);
+  add_options(app, shading_options, o.picture);
   add_options(app, picture_options, o.picture);
 }
 
@@ -100,6 +127,9 @@ constexpr const char* render_examples =
     R"(  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
   mpirun -n 6 ringsplat render head.nrrd -o turn.png --gps 4 --renderers 2 --orbit 36 --elevation 15
   ringsplat render ct_512x512x300_int16.raw -o bone.exr --spacing 0.7x0.7x1 --tf ct-bone --stats bone.json)";
+
+constexpr const char* serve_examples = R"(  ringsplat serve head.nrrd --open
+  mpirun -n 4 ringsplat serve head.nrrd --port 8080 --tf mr-surface)";
 
 constexpr const char* info_examples = R"(  ringsplat info head.nrrd
   ringsplat info ct_512x512x300_int16.raw --gps 12 --json
@@ -126,6 +156,8 @@ constexpr Subcommand all_subcommands[] = {
     {"render", "Render a volume: one view, an orbit or a path of views",
      "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, add_render_options,
      settle_render},
+    {"serve", "Show a volume in a browser, drawn by the ranks while it is turned",
+     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, add_serve_options, settle_serve},
     {"info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest",
      "gps = 4 or size = \"640x480\"", info_examples, add_info_options, settle_info},
     {"compare", "Compare two pictures; exit with 1 when they differ too much", "threshold = 2",

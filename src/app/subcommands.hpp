@@ -14,12 +14,13 @@ struct Say {
 };
 
 /// What to do; nothing when the command line was wrong.
-using Command = std::variant<std::monostate, Say, RenderOptions, InfoOptions, CompareOptions, SynthOptions,
+using Command = std::variant<std::monostate, Say, RenderOptions, ServeOptions, InfoOptions, CompareOptions, SynthOptions,
                              ReferenceOptions, StudyOptions>;
 
 /// What the options of all subcommands are bound to.
 struct AllOptions {
   RenderOptions render;
+  ServeOptions serve;
   InfoOptions info;
   CompareOptions compare;
   SynthOptions synth;

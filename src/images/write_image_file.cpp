@@ -9,8 +9,10 @@
 #include <cstddef>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/output_file.hpp"
@@ -82,6 +84,27 @@ class FileSink final : public ImageSink {
   std::exception_ptr failure;
 };
 
+class MemorySink final : public ImageSink {
+ public:
+  bool write_at(std::uint64_t offset, const void* from, std::size_t count) override try {
+    if (offset + count > bytes.size()) {
+      bytes.reserve(std::max(bytes.capacity(), bytes.size() + bytes.size() / 2));
+      bytes.resize(offset + count);
+    }
+    std::memcpy(bytes.data() + offset, from, count);
+    return true;
+  } catch (const std::bad_alloc&) {
+    no_memory = true;
+    return false;
+  }
+  std::uint64_t size() const override { return bytes.size(); }
+  /// Formats of this kind are not asked for.
+  std::string name_to_write_by() override { return {}; }
+
+  Bytes bytes;
+  bool no_memory = false;
+};
+
 /// Memory does not run out like a disk, but the file size limit applies to it, too, and writers by name do
 /// not notice what it cuts off. No writer adds more at once than the image and its header.
 bool may_be_cut(std::uint64_t written, const ImageData& image) {
@@ -108,6 +131,14 @@ void write_image_file(const std::filesystem::path& path, const ImageData& image)
     sink.by_name.append_to(sink.file);
   }
   sink.file.commit();
+}
+
+Bytes image_file_bytes(const std::string& ending, const ImageData& image) {
+  MemorySink sink;
+  const std::string name = "picture" + ending, problem = image_library().write(name, image, sink);
+  if (sink.no_memory) throw failed(name, "there is not enough memory", "ask for a smaller picture");
+  if (!problem.empty()) throw failed(name, problem);
+  return std::move(sink.bytes);
 }
 
 }  // namespace ringsplat

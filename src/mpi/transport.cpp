@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "mpi/checked.hpp"
+#include "mpi/pauses.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
@@ -33,6 +34,7 @@ class MpiTransport final : public Transport {
     MPI_Comm_size(here, &ranks_here_);
     MPI_Comm_free(&here);
     yields_ = yields_among(ranks_here_);
+    working_ = comm_.ranks();
     // With the default timer slack a sleep of 20 microseconds takes 70.
     prctl(PR_SET_TIMERSLACK, 1000UL);
   }
@@ -90,26 +92,13 @@ class MpiTransport final : public Transport {
 
   void only_first_work(int ranks) override {
     idle_ = rank() >= ranks;
+    working_ = ranks;
     yields_ = yields_among(std::min(ranks, ranks_here_));
   }
 
-  void wait_next() override {
-    sends_done();
-    if (idle_) {
-      sleep(10'000'000);
-      return;
-    }
-    constexpr int spins = 32;
-    ++waits_;
-    if (waits_ <= spins) return;
-    if (waits_ <= spins + yields_) {
-      sched_yield();
-      return;
-    }
-    // A rank that has waited this long should leave its core to others.
-    constexpr long shortest = 20'000, longest = 200'000;  // nanoseconds
-    sleep(std::min(longest, shortest * (1 + (waits_ - spins - yields_) / 16)));
-  }
+  void wait_next() override { wait(longest_amid_frame, {}); }
+
+  void wait_between_frames(const Sleep& sleep) override { wait(longest_between_frames(working_), sleep); }
 
  private:
   struct Sending {
@@ -117,8 +106,23 @@ class MpiTransport final : public Transport {
     std::vector<MPI_Request> requests;
   };
 
-  static void sleep(long nanoseconds) {
-    const timespec pause{0, nanoseconds};
+  void wait(std::chrono::nanoseconds longest, const Sleep& sleep) {
+    sends_done();
+    if (idle_) {
+      sleep_for(std::chrono::milliseconds(10));
+      return;
+    }
+    const Pause pause = pause_after(++waits_, yields_, longest);
+    if (pause.yields)
+      sched_yield();
+    else if (pause.sleeps.count() > 0 && sleep)
+      sleep(pause.sleeps);
+    else if (pause.sleeps.count() > 0)
+      sleep_for(pause.sleeps);
+  }
+
+  static void sleep_for(std::chrono::nanoseconds time) {
+    const timespec pause{0, long(time.count())};
     nanosleep(&pause, nullptr);
   }
 
@@ -161,7 +165,7 @@ class MpiTransport final : public Transport {
   OwnedComm comm_;
   std::size_t largest_part_;
   std::list<Sending> sending_;
-  int ranks_here_ = 1;
+  int ranks_here_ = 1, working_ = 1;
   bool idle_ = false;
   long yields_ = 0, waits_ = 0;
 };

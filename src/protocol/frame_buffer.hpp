@@ -26,6 +26,7 @@ class FrameBuffer final : public Node {
   void drop_frame(std::int64_t) override {}
   void receive(Message message) override;
   bool advance() override;
+  bool idle() const override { return frames_.empty() && settling_.empty(); }
   std::string waiting_for() const override;
 
  private:

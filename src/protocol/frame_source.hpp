@@ -1,6 +1,8 @@
 #pragma once
+#include <chrono>
 #include <cstdint>
 #include <optional>
+#include <thread>
 
 #include "record/stats.hpp"
 #include "ringsplat/base/bytes.hpp"
@@ -19,6 +21,8 @@ class FrameSource {
   virtual bool unwanted(std::int64_t frame) = 0;
   /// The frame is over: its canvas was finished, unless the frame was dropped.
   virtual void done(FrameStats&& stats) = 0;
+  /// Waits, so long at most, while no frame is under way; returns sooner when next() may have something.
+  virtual void pause(std::chrono::nanoseconds most) { std::this_thread::sleep_for(most); }
 };
 
 }  // namespace ringsplat

@@ -26,6 +26,7 @@ class Gp final : public Node {
   void receive(Message message) override;
   bool advance() override;
   bool amid_slice() const override;
+  bool idle() const override { return frames_.empty(); }
   std::string waiting_for() const override;
 
  private:

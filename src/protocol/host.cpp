@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "protocol/frame_buffer.hpp"
@@ -13,7 +15,7 @@ namespace ringsplat {
 
 Host::Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
            FrameSource* source, LockStep* lock_step)
-    : layout_(layout), options_(options), transport_(transport), lock_step_(lock_step) {
+    : layout_(layout), options_(options), transport_(transport), lock_step_(lock_step), source_(source) {
   if (layout.routed()) {
     MeshRouter::Observer observer;
     if (lock_step != nullptr)
@@ -216,11 +218,21 @@ void Host::run() {
   }
 }
 
+bool Host::idle() const {
+  return early_frames_.empty() &&
+         std::all_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->idle(); });
+}
+
 void Host::wait() {
-  if (kept_.empty())
-    transport_.wait_next();
-  else
+  if (!kept_.empty()) {
     lock_step_->wait();
+  } else if (!idle()) {
+    transport_.wait_next();
+  } else if (source_ != nullptr && rank() == 0) {
+    transport_.wait_between_frames([this](std::chrono::nanoseconds most) { source_->pause(most); });
+  } else {
+    transport_.wait_between_frames({});
+  }
 }
 
 /// Prints once what this rank waits for, and asks all others to do the same.

@@ -41,6 +41,7 @@ class Host {
   void start(Message message);
   bool release_kept();
   void wait();
+  bool idle() const;
   bool take_arrived();
   void announce(Message message);
   void take(Message message);
@@ -54,6 +55,7 @@ class Host {
   ProtocolOptions options_;
   Transport& transport_;
   LockStep* lock_step_;
+  FrameSource* source_;
   std::optional<MeshRouter> router_;  ///< in a mesh with manhattan routing
   std::deque<Message> kept_;          ///< messages held for a later step of the lock-step clock
   std::vector<std::unique_ptr<Node>> nodes_;

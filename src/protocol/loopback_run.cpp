@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <numeric>
-#include <thread>
 
 #include "protocol/host.hpp"
 #include "ringsplat/base/error.hpp"
@@ -42,7 +41,7 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
   }
   std::vector<std::size_t> order(hosts.size());
   std::iota(order.begin(), order.end(), 0);
-  int quiet_turns = 0;
+  int quiet_turns = 0, pauses = 0;
   for (std::int64_t turn = 0;
        !std::all_of(hosts.begin(), hosts.end(), [](const auto& h) { return h->finished(); }); ++turn) {
     if (loopback.reorder)
@@ -53,10 +52,12 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
       if (int(rank) != stopped_rank) moved = hosts[rank]->step() || moved;
     network.turn();
     quiet_turns = moved ? 0 : quiet_turns + 1;
+    if (moved) pauses = 0;
     // A delayed message arrives within max_delay turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
     if (clock.kept == 0 && source.may_come()) {
-      std::this_thread::sleep_for(std::chrono::microseconds(200));
+      constexpr auto shortest = std::chrono::microseconds(200), longest = std::chrono::microseconds(2000);
+      source.pause(std::min(longest, shortest * (1 + pauses++ / 16)));
       continue;
     }
     if (clock.kept == 0)

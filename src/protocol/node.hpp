@@ -24,6 +24,8 @@ class Node {
   virtual bool advance() = 0;
   /// True between two pieces of one slice's work.
   virtual bool amid_slice() const { return false; }
+  /// True while no frame is under way here.
+  virtual bool idle() const = 0;
   /// What this node waits for, in words; empty when for nothing.
   virtual std::string waiting_for() const = 0;
 };

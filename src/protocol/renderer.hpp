@@ -25,6 +25,7 @@ class Renderer final : public Node {
   void receive(Message message) override;
   bool advance() override;
   bool amid_slice() const override { return !frames_.empty() && frames_.front().painting; }
+  bool idle() const override { return frames_.empty(); }
   std::string waiting_for() const override;
 
  private:

@@ -30,4 +30,11 @@ void DirectedFrames::done(FrameStats&& stats) {
   director_.frame_done({std::move(spec), std::move(image), std::move(stats), axis});
 }
 
+void DirectedFrames::pause(std::chrono::nanoseconds most) {
+  if (director_.pause)
+    director_.pause(most);
+  else
+    FrameSource::pause(most);
+}
+
 }  // namespace ringsplat

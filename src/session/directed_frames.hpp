@@ -15,6 +15,7 @@ class DirectedFrames final : public FrameSource {
   bool may_come() override { return director_.may_come && director_.may_come(); }
   bool unwanted(std::int64_t frame) override;
   void done(FrameStats&& stats) override;
+  void pause(std::chrono::nanoseconds most) override;
   /// Keeps the picture of a frame until done().
   void take_picture(std::int64_t frame, Image&& picture) { frames_.at(frame).image = std::move(picture); }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <chrono>
 #include <functional>
 #include <optional>
 #include <vector>
@@ -27,6 +28,9 @@ struct Director {
   std::function<bool()> may_come = {};
   /// True when an announced frame is no longer wanted: it is dropped and not passed to frame_done.
   std::function<bool(const FrameSpec&)> unwanted = {};
+  /// Waits until next_frame may have something, so long at most. May be left empty: it is asked again and
+  /// again.
+  std::function<void(std::chrono::nanoseconds)> pause = {};
 };
 
 /// Renders `frames`, one after another.

@@ -14,6 +14,9 @@ std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& 
 /// What has to be loaded for one frame.
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 
+/// Throws the InputError with which ranks would refuse to draw a frame of this volume. Costs no voxel.
+void check_frame(const FrameSpec& spec, const Grid& grid);
+
 /// Deals an opened volume's slices and gathers its range and histogram. All processes call it, with the same
 /// grid, options and layout; otherwise all throw the same InputError that names a process that differs.
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,

@@ -26,6 +26,7 @@ class ChargedTransport final : public Transport {
   }
   bool sends_done() override { return transport_.sends_done(); }
   void wait_next() override { transport_.wait_next(); }
+  void wait_between_frames(const Sleep& sleep) override { transport_.wait_between_frames(sleep); }
   void note_progress() override { transport_.note_progress(); }
   void only_first_work(int ranks) override { transport_.only_first_work(ranks); }
 

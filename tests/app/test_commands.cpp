@@ -2,8 +2,8 @@
 #include <nlohmann/json.hpp>
 #include <regex>
 
-#include "app/image_io.hpp"
 #include "app/program_runner.hpp"
+#include "images/image_io.hpp"
 #include "support/catch.hpp"
 #include "volume/files.hpp"
 

@@ -6,8 +6,8 @@
 
 #include "app/calibration_cache.hpp"
 #include "app/error_budget.hpp"
-#include "app/image_io.hpp"
 #include "app/program_runner.hpp"
+#include "images/image_io.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

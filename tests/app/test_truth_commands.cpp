@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
-#include "app/image_io.hpp"
 #include "app/program_runner.hpp"
+#include "images/image_io.hpp"
 #include "support/catch.hpp"
 #include "truth/metrics.hpp"
 

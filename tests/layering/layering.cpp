@@ -175,12 +175,13 @@ const Rules& house_rules() {
       {"session",
        {"base", "volume", "classify", "view", "splat", "net", "model", "record", "protocol", "simulate",
         "frame", "splat_engine", "sheet_engine", "scene"}},
+      {"serve", {"base", "images", "volume", "classify", "view", "frame", "session", "record"}},
       {"truth", {"base", "volume", "classify", "view", "screen", "splat"}},
       {"model", {"base"}},
       {"mpi", {"base", "net", "model"}},
       {"app",
        {"base", "images", "volume", "classify", "view", "screen", "splat", "net", "record", "protocol",
-        "frame", "scene", "session", "truth", "model", "mpi"}},
+        "frame", "scene", "session", "serve", "truth", "model", "mpi"}},
   };
   return rules;
 }

@@ -6,6 +6,8 @@
 #include <variant>
 #include <vector>
 
+#include "ringsplat/base/bytes.hpp"
+
 /// Image files, by OpenImageIO. Loading it with its libraries takes longer than rendering a picture, so it is
 /// loaded when the first file is opened or written. Functions here throw RunError when it cannot be loaded.
 namespace ringsplat {
@@ -59,5 +61,7 @@ struct ImageData {
 /// The path's ending names the format. The file appears when all of it is on the disk (OutputFile); until
 /// then, and on failure, the old one stays. Throws RunError naming the file and the reason.
 void write_image_file(const std::filesystem::path& path, const ImageData& image);
+/// The bytes of such a file, whose format `ending` names, as ".png". Throws RunError with the reason.
+Bytes image_file_bytes(const std::string& ending, const ImageData& image);
 
 }  // namespace ringsplat

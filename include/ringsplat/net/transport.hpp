@@ -1,4 +1,6 @@
 #pragma once
+#include <chrono>
+#include <functional>
 #include <optional>
 
 #include "ringsplat/net/message.hpp"
@@ -20,6 +22,13 @@ class Transport {
   virtual bool sends_done() = 0;
   /// Waits until something may have happened: a millisecond at most, or ten on a rank that has no work.
   virtual void wait_next() = 0;
+  /// Waits as wait_next() while no frame is under way on this rank, and then ever longer, up to some
+  /// milliseconds. `sleep`, if any, does the sleeping; it may end sooner.
+  using Sleep = std::function<void(std::chrono::nanoseconds)>;
+  virtual void wait_between_frames(const Sleep& sleep) {
+    static_cast<void>(sleep);
+    wait_next();
+  }
   /// Tells that work was done since the last wait, so that the next wait begins by polling again.
   virtual void note_progress() {}
   /// Tells that from now on only the first `ranks` ranks have work, so that the others keep off the cores.

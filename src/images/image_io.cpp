@@ -1,4 +1,4 @@
-#include "app/image_io.hpp"
+#include "images/image_io.hpp"
 
 #include <fmt/format.h>
 
@@ -151,21 +151,45 @@ void check_image_name(const fs::path& file, const std::string& option, bool tran
                      "give a --background, or write a .png");
 }
 
+namespace {
+
+/// An image as a file of that format holds it. What `data` names lies in the rest.
+struct FilePixels {
+  FilePixels(const Image& image, const Format& format, const std::optional<glm::dvec3>& background,
+             const std::string& settings)
+      : linear(linear_pixels(image, background)),
+        data{image.width,        image.height,
+             background ? 3 : 4, format.linear_float ? SampleType::float32 : SampleType::uint8,
+             linear.data(),      attributes_of(format, settings)} {
+    if (format.linear_float) return;
+    display = display_pixels(linear, std::size_t(data.channels));
+    data.samples = display.data();
+  }
+  FilePixels(const FilePixels&) = delete;
+  FilePixels& operator=(const FilePixels&) = delete;
+
+  Image::Floats linear;
+  std::vector<std::uint8_t> display;
+  ImageData data;
+};
+
+}  // namespace
+
 void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background,
                  const std::string& settings) {
   check_image_name(file, "the picture", !background);
-  const Format& format = *format_of(file);
-  const int channels = background ? 3 : 4;
-  const Image::Floats linear = linear_pixels(image, background);
-  ImageData data{image.width,   image.height,
-                 channels,      format.linear_float ? SampleType::float32 : SampleType::uint8,
-                 linear.data(), attributes_of(format, settings)};
-  std::vector<std::uint8_t> display;
-  if (!format.linear_float) {
-    display = display_pixels(linear, std::size_t(channels));
-    data.samples = display.data();
-  }
-  write_image_file(file, data);
+  write_image_file(file, FilePixels(image, *format_of(file), background, settings).data);
+}
+
+Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,
+                  const std::string& settings) {
+  const fs::path file = "picture" + ending;
+  check_image_name(file, "the picture", !background);
+  return image_file_bytes(ending, FilePixels(image, *format_of(file), background, settings).data);
+}
+
+std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background) {
+  return display_pixels(linear_pixels(image, background), 3);
 }
 
 StoredImage read_image(const fs::path& file) {

@@ -1,15 +1,15 @@
-#include "app/image_io.hpp"
+#include "images/image_io.hpp"
 
 #include <chrono>
 #include <cmath>
 #include <thread>
 
-#include "app/program_runner.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
+#include "support/temporary_folder.hpp"
 
 using namespace ringsplat;
-using app_test::TemporaryFolder;
+using support::TemporaryFolder;
 
 namespace {
 

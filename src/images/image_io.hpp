@@ -1,10 +1,12 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/image.hpp"
 
 /// Pictures in files, by OpenImageIO: rendered images out, any picture in.
@@ -21,6 +23,14 @@ void check_image_name(const std::filesystem::path& file, const std::string& opti
 /// RunError as OutputFile does, which then leaves an existing file untouched.
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::optional<glm::dvec3>& background, const std::string& settings);
+
+/// What write_image() would write into a file with that ending, such as ".png". Throws RunError when there is
+/// no memory for it.
+Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,
+                  const std::string& settings);
+
+/// The picture over a background (linear light), as write_image() makes it: sRGB, three bytes a pixel.
+std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background);
 
 /// A picture's values for comparing: premultiplied RGBA, rows from the top. Those of float files are linear
 /// light; those of integer files are display (sRGB) values from 0 to 1.

@@ -1,0 +1,83 @@
+#include "app/loading.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "app/watched_source.hpp"
+#include "base/log.hpp"
+#include "record/trace.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+
+OpenedVolume open(const VolumeOptions& volume, Launch& launch) {
+  return open_everywhere(
+      launch.collectives(), [&] { return open_volume(volume.path, volume.raw); }, volume.path);
+}
+
+SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
+  SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(gps), 0)};
+  for (const int factor : load.factors) {
+    const Grid level = reduced_grid(grid, {factor, load.prefilter});
+    for (int gp = 0; gp < gps; ++gp)
+      memory.predicted[std::size_t(gp)] +=
+          SliceStore::bytes_needed(level, gp, gps, load.kept_axes, load.with_normals);
+  }
+  return memory;
+}
+
+void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
+                  const Layout& layout, const Launch& launch) {
+  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  double held = 0;
+  for (int gp = 0; gp < layout.gps; ++gp)
+    if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
+      held += double(slices.predicted[std::size_t(gp)]);
+  const double frames = launch.rank() == 0 ? 4.0 * sizeof(float) * width * height * double(pictures) : 0;
+  if (held + frames <= machine) return;
+  throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
+                               "but the machine has {:.1f} GiB",
+                               held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
+                   held > frames ? "use more ranks on more machines, --axes needed or --shading none"
+                                 : "use a smaller --size");
+}
+
+Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
+           Progress& progress) {
+  progress.begin("loading", volume.grid.dims.z);
+  if (volume.source) volume.source = std::make_unique<WatchedSource>(std::move(volume.source), progress);
+  Scene scene = load_scene(volume, options, layout, wiring);
+  progress.end();
+  volume.source.reset();
+  if (scene.range.empty())
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                     "check the file's --type and --endian");
+  return scene;
+}
+
+void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
+                const Wiring& wiring, const EngineOptions& engine) {
+  try {
+    if (protocol.trace) protocol.trace->compare_clocks(wiring.collectives);
+    render_frames(std::move(scene), layout, protocol, std::move(director), wiring, engine);
+  } catch (const InputError& e) {
+    throw RunError(e.what());
+  }
+}
+
+void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch) {
+  std::string axes;
+  for (const Axis axis : all_axes)
+    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
+  for (int rank = 0; rank < layout.ranks(); ++rank) {
+    if (launch.over_mpi() && rank != launch.rank()) continue;
+    for (const NodeId node : layout.nodes_on(rank))
+      if (node.role == Role::gp)
+        log_debug("{} keeps slices of axes {}: {:.1f} MiB", to_string(node), axes,
+                  double(memory.predicted[std::size_t(node.index)]) / (1 << 20));
+      else
+        log_debug("{} is here", to_string(node));
+  }
+}
+
+}  // namespace ringsplat::app

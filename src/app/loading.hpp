@@ -1,0 +1,32 @@
+#pragma once
+#include "app/frame_output.hpp"
+#include "app/launch.hpp"
+#include "app/options.hpp"
+#include "app/progress.hpp"
+#include "session/render_frames.hpp"
+
+/// What all runs do that render a volume: open it, see that it fits into memory, load and render it.
+namespace ringsplat::app {
+
+/// All ranks call it; all throw the same InputError.
+OpenedVolume open(const VolumeOptions& volume, Launch& launch);
+
+SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps);
+
+/// Throws InputError when this process's slices or its frame buffer, which holds so many `pictures` at once,
+/// exceed the machine's memory.
+void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
+                  const Layout& layout, const Launch& launch);
+
+/// Deals an opened volume and closes it. Throws InputError when it has no finite value.
+Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
+           Progress& progress);
+
+/// Renders all frames. Every input was checked on all ranks before, so an error here ends the job.
+void render_all(Scene scene, const Layout& layout, const ProtocolOptions& protocol, Director director,
+                const Wiring& wiring, const EngineOptions& engine);
+
+/// For --verbose: this rank's role.
+void log_roles(const Layout& layout, const SliceMemory& memory, const Launch& launch);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,180 @@
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "app/auto_roles.hpp"
+#include "app/commands.hpp"
+#include "app/loading.hpp"
+#include "app/role_choice.hpp"
+#include "app/threads.hpp"
+#include "app/transfer_function_option.hpp"
+#include "app/world_axes.hpp"
+#include "base/log.hpp"
+#include "classify/srgb.hpp"
+#include "model/charge.hpp"
+#include "serve/viewer.hpp"
+
+extern char** environ;
+
+namespace ringsplat::app {
+namespace {
+
+/// A run, all decided and checked before a voxel is read.
+struct Job {
+  RenderOptions picture;
+  Layout layout;
+  std::optional<TransferFunctionChoice> transfer_function;  ///< on rank 0
+  OpenedVolume volume;
+  LoadOptions load;
+};
+
+serve::Qualities qualities() {
+  return {sheets_of(Quality::draft), sheets_of(Quality::normal), sheets_of(Quality::best)};
+}
+
+/// Throws InputError when the first view cannot be drawn at some level.
+void check_first_view(FrameSpec frame, const Grid& grid) {
+  // A stand-in: the real transfer function may need the histogram of the volume, which is not loaded yet.
+  frame.shown.transfer_function = {
+      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
+  for (const auto& level : serve::make_levels(qualities(), grid.dims))
+    check_frame(serve::at_level(frame, level), grid);
+}
+
+LoadOptions load_for_levels(const FrameSpec& frame, const Grid& grid) {
+  LoadOptions load{{true, true, true},
+                   needs_normals(frame),
+                   {},
+                   frame.shown.reduction.prefilter,
+                   needs_cell_ranges(frame)};
+  for (const auto& level : serve::make_levels(qualities(), grid.dims))
+    if (std::find(load.factors.begin(), load.factors.end(), level.undersample) == load.factors.end())
+      load.factors.push_back(level.undersample);
+  return load;
+}
+
+Job prepare(const ServeOptions& options, Launch& launch) {
+  Job job;
+  RenderOptions& o = job.picture = options.picture;
+  const RunOptions& run = o.run;
+  if (run.engine.simulation.machine || simulated())
+    throw InputError("nobody can look at simulated ranks", "use ringsplat render");
+  const bool nothing_said = !run.gps && !run.renderers && !run.placement && run.topology == Topology::ring;
+  o.run.choose_roles = run.choose_roles || (nothing_said && launch.over_mpi());
+  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
+  check(run.protocol);
+  check(run.engine);
+  warn_of_shared_cores(run.engine.threads_per_rank, launch);
+  launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function); });
+  job.volume = open(o.volume, launch);
+  const Grid& grid = job.volume.grid;
+  o.frame.shown.reduction.prefilter = true;
+  launch.check_on_rank_0([&] { check_first_view(o.frame, grid); });
+  job.load = load_for_levels(o.frame, grid);
+  if (o.run.choose_roles) job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, launch);
+  o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
+  const SliceMemory memory = predict_memory(grid, job.load, job.layout.gps);
+  constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
+  launch.check_on_all_ranks(
+      [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch); });
+  log_roles(job.layout, memory, launch);
+  return job;
+}
+
+/// The largest picture whose floats leave room for the rest.
+int largest_side() {
+  constexpr int most = 4096, least = 1024;
+  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  int side = most;
+  while (side > least && 64.0 * side * side > machine / 4) side /= 2;
+  return side;
+}
+
+serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,
+                                    const Launch& launch) {
+  const RenderOptions& o = job.picture;
+  serve::ViewerOptions v;
+  v.version = RINGSPLAT_VERSION;
+  v.layout =
+      fmt::format("{}, {}", describe(job.layout), job.layout.topology == Topology::ring ? "ring" : "mesh");
+  v.ranks = launch.ranks();
+  const std::filesystem::path path = o.volume.path;
+  v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(), scene.grid,
+              world_is_patient(path), scene.range, scene.histogram};
+  v.frame = o.frame;
+  v.initial.camera = o.frame.shown.camera;
+  v.initial.transfer_function = job.transfer_function->make(scene.histogram);
+  check(v.initial.transfer_function, o.transfer_function);
+  v.initial.shading = o.frame.shown.shading;
+  v.initial.light = o.frame.shown.light;
+  v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
+  v.qualities = qualities();
+  v.target_seconds = options.target_ms / 1e3;
+  v.largest_side = largest_side();
+  v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins, true};
+  return v;
+}
+
+void open_in_browser(const std::string& url) {
+  const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
+  pid_t child = 0;
+  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, const_cast<char* const*>(arguments), environ) != 0)
+    log_warning("--open needs xdg-open, which could not be started; open the line above in a browser");
+}
+
+std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job, const Scene& scene,
+                                            Launch& launch) {
+  std::unique_ptr<serve::Viewer> viewer;
+  launch.check_on_rank_0([&] {
+    viewer = std::make_unique<serve::Viewer>(viewer_options(options, job, scene, launch));
+    if (options.address != "127.0.0.1" && options.address != "::1")
+      log_warning(
+          "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "
+          "is sent can be read on the way; a tunnel (ssh -L) is safer",
+          options.address);
+    fmt::print("{}\n", viewer->url());
+    std::fflush(stdout);
+    if (options.open) open_in_browser(viewer->url());
+  });
+  return viewer;
+}
+
+extern "C" void end_soon(int) { alarm(2); }
+
+/// Launchers that end a job signal all of its ranks. Rank 0 then ends it in order; the others wait for that,
+/// but not for long.
+void leave_the_end_to_rank_0() {
+  struct sigaction action {};
+  action.sa_handler = end_soon;
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGINT, &action, nullptr);
+}
+
+}  // namespace
+
+ExitCode run_serve(const ServeOptions& options, Launch& launch) {
+  Job job = prepare(options, launch);
+  const RunOptions& run = job.picture.run;
+  Progress progress(launch.rank() != 0, stderr);
+  const Wiring wiring = launch.wiring(run.loopback);
+  Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
+  const std::unique_ptr<serve::Viewer> viewer = start_viewer(options, job, scene, launch);
+  if (!viewer) leave_the_end_to_rank_0();
+  try {
+    render_all(std::move(scene), job.layout, run.protocol, viewer ? viewer->director() : Director{}, wiring,
+               run.engine);
+  } catch (const std::exception& e) {
+    if (viewer) viewer->end(e.what());
+    throw;
+  }
+  launch.take_leave(run.protocol.stall_timeout);
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,34 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace ringsplat::serve {
+
+/// 128 random bits of the system's generator, as 32 hexadecimal digits. Throws RunError when it gives none.
+std::string make_token();
+
+/// Who may see the page and connect. A page of another site that the user also has open can send requests
+/// here, but it can set neither Host nor Origin, and does not know the token.
+class Access {
+ public:
+  /// `hosts`: exactly what a request's Host may be, as "localhost:8080". `origins`: pages that may connect
+  /// besides those of these hosts, as "https://hub.example.org".
+  Access(std::string token, std::vector<std::string> hosts, std::vector<std::string> origins);
+
+  bool host_allowed(std::string_view host) const;
+  /// `host`: of the same request.
+  bool origin_allowed(std::string_view origin, std::string_view host) const;
+  /// `offered`: a WebSocket request's list of subprotocols, which must have "ringsplat.v1" and
+  /// "token.TOKEN". Takes as long for every token of the right length.
+  bool may_connect(std::string_view offered) const;
+
+ private:
+  std::string token_;
+  std::vector<std::string> hosts_, origins_;
+};
+
+/// The subprotocol that the server chooses.
+inline constexpr std::string_view subprotocol = "ringsplat.v1";
+
+}  // namespace ringsplat::serve

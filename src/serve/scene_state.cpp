@@ -1,0 +1,145 @@
+#include "serve/scene_state.hpp"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "ringsplat/base/error.hpp"
+#include "serve/json_fields.hpp"
+
+namespace ringsplat::serve {
+namespace {
+
+using nlohmann::json;
+
+constexpr double any = 1e300;  // leaves room for sums and differences
+constexpr std::size_t most_points = 512, longest_name = 200;
+
+glm::dvec3 vector_from(const json& j, const std::string& name, double low, double high) {
+  list_from(j, name, 3, 3);
+  glm::dvec3 v;
+  for (int k = 0; k < 3; ++k) v[k] = number_from(j[std::size_t(k)], name, low, high);
+  return v;
+}
+
+Camera camera_from(const json& j, Camera c) {
+  if (!j.is_object()) throw InputError("camera must be an object");
+  const auto set = [&](const char* name, double& value, double low, double high) {
+    if (const auto found = j.find(name); found != j.end()) value = number_from(*found, name, low, high);
+  };
+  set("azimuth", c.azimuth, -1e6, 1e6);
+  set("elevation", c.elevation, -1e6, 1e6);
+  set("roll", c.roll, -1e6, 1e6);
+  set("zoom", c.zoom, 1e-6, 1e6);
+  set("fov", c.fov, 0, 179);
+  set("distance", c.distance, 0, 1e5);
+  if (const auto pan = j.find("pan"); pan != j.end()) {
+    list_from(*pan, "pan", 2, 2);
+    for (std::size_t k = 0; k < 2; ++k) c.pan[k] = number_from((*pan)[k], "pan", -1e6, 1e6);
+  }
+  return c;
+}
+
+std::string name_from(const json& j) {
+  if (!j.is_string() || j.get_ref<const std::string&>().size() > longest_name)
+    throw InputError(fmt::format("name must be a text of at most {} bytes", longest_name));
+  return j.get<std::string>();
+}
+
+TransferFunction transfer_function_from(const json& j, TransferFunction tf) {
+  if (!j.is_object()) throw InputError("transfer_function must be an object");
+  if (const auto found = j.find("name"); found != j.end()) tf.name = name_from(*found);
+  if (const auto found = j.find("colours"); found != j.end()) {
+    tf.colours.clear();
+    for (const json& point : list_from(*found, "colours", 2, most_points)) {
+      list_from(point, "a colour", 4, 4);
+      glm::dvec3 srgb;
+      for (int k = 0; k < 3; ++k) srgb[k] = number_from(point[std::size_t(k) + 1], "a colour", 0, 1);
+      tf.colours.push_back({number_from(point[0], "a colour's value", -any, any), srgb});
+    }
+  }
+  if (const auto found = j.find("opacities"); found != j.end()) {
+    tf.opacities.clear();
+    for (const json& point : list_from(*found, "opacities", 2, most_points)) {
+      list_from(point, "an opacity", 2, 2);
+      tf.opacities.push_back({number_from(point[0], "an opacity's value", -any, any),
+                              number_from(point[1], "an opacity", 0, 1)});
+    }
+  }
+  check(tf, "transfer_function");
+  return tf;
+}
+
+VoxelBox box_from(const json& j, const glm::ivec3& dims) {
+  list_from(j, "clip", 3, 3);
+  VoxelBox box;
+  for (int k = 0; k < 3; ++k) {
+    const json& side = list_from(j[std::size_t(k)], "a side of clip", 2, 2);
+    box.first[k] = static_cast<int>(number_from(side[0], "a side of clip", 0, dims[k] - 1));
+    box.end[k] = static_cast<int>(number_from(side[1], "a side of clip", box.first[k] + 1, dims[k]));
+  }
+  return box;
+}
+
+}  // namespace
+
+json to_json(const TransferFunction& tf) {
+  json colours = json::array(), opacities = json::array();
+  for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
+  for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
+  return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}};
+}
+
+json to_json(const SceneState& s) {
+  const Camera& c = s.camera;
+  json clip;
+  if (s.clip)
+    for (int k = 0; k < 3; ++k) clip.push_back({s.clip->first[k], s.clip->end[k]});
+  return {{"camera",
+           {{"azimuth", c.azimuth},
+            {"elevation", c.elevation},
+            {"roll", c.roll},
+            {"zoom", c.zoom},
+            {"pan", c.pan},
+            {"fov", c.fov},
+            {"distance", c.distance}}},
+          {"transfer_function", to_json(s.transfer_function)},
+          {"shading", s.shading == Shading::phong ? "phong" : "none"},
+          {"light", {s.light.x, s.light.y, s.light.z}},
+          {"clip", clip},
+          {"background", {s.background.x, s.background.y, s.background.z}}};
+}
+
+SceneState scene_from(const json& j, const SceneState& initial, const glm::ivec3& dims) {
+  if (!j.is_object()) throw InputError("state must be an object");
+  SceneState scene = initial;
+  if (const auto found = j.find("camera"); found != j.end()) scene.camera = camera_from(*found, scene.camera);
+  if (const auto found = j.find("transfer_function"); found != j.end())
+    scene.transfer_function = transfer_function_from(*found, scene.transfer_function);
+  if (const auto found = j.find("shading"); found != j.end()) {
+    if (*found != "phong" && *found != "none") throw InputError("shading must be phong or none");
+    scene.shading = *found == "phong" ? Shading::phong : Shading::none;
+  }
+  if (const auto found = j.find("light"); found != j.end())
+    scene.light = vector_from(*found, "light", -1e6, 1e6);
+  if (const auto found = j.find("clip"); found != j.end()) {
+    scene.clip.reset();
+    if (!found->is_null()) scene.clip = box_from(*found, dims);
+  }
+  if (const auto found = j.find("background"); found != j.end())
+    scene.background = vector_from(*found, "background", 0, 1);
+  return scene;
+}
+
+FrameSpec with_scene(FrameSpec frame, const SceneState& scene) {
+  frame.shown.camera = scene.camera;
+  frame.shown.transfer_function = scene.transfer_function;
+  frame.shown.shading = scene.shading;
+  frame.shown.light = scene.light;
+  frame.shown.clip = scene.clip;
+  return frame;
+}
+
+std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+}  // namespace ringsplat::serve

@@ -1,0 +1,147 @@
+#pragma once
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ringsplat/volume/statistics.hpp"
+#include "serve/audience.hpp"
+#include "serve/client_message.hpp"
+#include "serve/levels.hpp"
+#include "serve/picture_maker.hpp"
+#include "serve/web_server.hpp"
+#include "serve/worker.hpp"
+#include "session/director.hpp"
+
+namespace ringsplat::serve {
+
+/// What a page is told of the volume and the job.
+struct ShownVolume {
+  std::string name;
+  Grid grid;
+  bool patient = false;  ///< the world's axes are a patient's: left, posterior, superior, in millimetres
+  ValueRange range;
+  Histogram histogram;
+};
+
+struct ViewerOptions {
+  std::string version;  ///< of the program
+  std::string layout;   ///< "4 GPs + 2 Renderers, ring"
+  int ranks = 1;
+  ShownVolume volume;
+  SceneState initial;
+  FrameSpec frame;  ///< what all frames have in common
+  Qualities qualities;
+  double target_seconds = 0.04;  ///< for a picture of a view that moves
+  int largest_side = 4096;       ///< of a picture
+  ServerOptions server;
+};
+
+/// Shows a volume to pages: takes their views, has frames rendered, and sends them as pictures. Lives on rank
+/// 0. The director's functions are called by the thread that renders, all else may be called by any.
+class Viewer {
+ public:
+  /// Binds the port. Throws InputError when it cannot be had.
+  explicit Viewer(ViewerOptions options);
+  ~Viewer();
+  Viewer(const Viewer&) = delete;
+  Viewer& operator=(const Viewer&) = delete;
+
+  std::string url() const { return server_->url(); }
+  /// Of a run that lasts until end() or a signal. The viewer must outlive it.
+  Director director();
+  /// Tells all pages why there will be no more pictures, and ends the run.
+  void end(const std::string& message);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct View {
+    ViewMessage message;
+    std::uint64_t scene = 0;  ///< the same for views that show the same in the same size
+    Clock::time_point came;
+    std::optional<int> shown;  ///< finest level
+    bool moved = false;        ///< its last picture was of a view that moves
+  };
+  struct Snapshot {
+    ClientId client;
+    SnapshotMessage message;
+  };
+  struct Rendering {
+    View view;
+    int level = 0;
+    bool at_rest = false, refines = false;
+    std::optional<Snapshot> snapshot;
+  };
+  struct LastPicture {
+    std::shared_ptr<const std::string> message;
+    PictureHead head;
+    std::uint64_t scene = 0;
+    SceneState state;
+  };
+
+  ServerEvents events();
+  void opened(ClientId client);
+  void received(ClientId client, const std::string& text);
+  void closed(ClientId client);
+  void handle(ClientId client, ViewMessage&& view);
+  void handle(ClientId client, const AckMessage& ack);
+  void handle(ClientId client, const DriveMessage& drive);
+  void handle(ClientId client, const ProbeMessage& probe);
+  void handle(ClientId client, SnapshotMessage&& snapshot);
+  void check_view(const ViewMessage& view) const;
+
+  std::optional<FrameSpec> next();
+  std::optional<FrameSpec> next_picture();
+  std::optional<FrameSpec> next_snapshot();
+  void take_newest();
+  void show_again();
+  void take(FrameResult&& result);
+  bool unwanted(const FrameSpec& spec);
+  void pause(std::chrono::nanoseconds most);
+
+  FrameSpec full_frame(const SceneState& scene, int width, int height) const;
+  void measure(const Rendering& rendering, double seconds);
+  void send_picture(RenderedPicture& picture, const SceneState& state);
+  void send_to_all(LastPicture&& picture);
+  void send_to(ClientId client, const LastPicture& picture);
+  void send_snapshot(const FrameResult& result, const Snapshot& snapshot);
+  float pictures_a_second();
+  void say_driver();
+  void say(ClientId client, const std::string& text);
+  void complain(ClientId client, const std::string& what);
+  void wake();
+
+  const ViewerOptions options_;
+  const std::vector<Level> levels_;
+  const MessageRules rules_;
+  const std::string hello_;  ///< without what differs between clients
+
+  std::mutex mutex_;  ///< guards what follows, up to the server
+  std::condition_variable changed_;
+  bool woken_ = false, ended_ = false;
+  Audience audience_;
+  std::optional<View> newest_;  ///< not yet taken
+  std::uint64_t scenes_ = 0;
+  std::optional<View> current_;
+  std::optional<ViewMessage> last_put_;
+  LevelController controller_;
+  std::map<std::int64_t, Rendering> rendering_;  ///< by frame
+  std::int64_t next_frame_ = 0;
+  int pictures_rendering_ = 0, pictures_encoding_ = 0, snapshots_under_way_ = 0;
+  std::deque<Snapshot> snapshots_;
+  std::uint32_t last_number_ = 0;
+  std::deque<Clock::time_point> sent_;
+  LastPicture last_;
+
+  std::unique_ptr<WebServer> server_;
+  PictureMaker maker_;
+  // Last, as they use all else.
+  Worker picture_worker_, file_worker_;
+};
+
+}  // namespace ringsplat::serve

@@ -1,0 +1,100 @@
+#include "serve/viewer_texts.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <nlohmann/json.hpp>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::serve {
+namespace {
+
+using nlohmann::json;
+
+template <class Vector>
+json three(const Vector& v) {
+  return {v[0], v[1], v[2]};
+}
+
+/// Fewer bins, as many as a page shows.
+json histogram_json(const Histogram& histogram) {
+  constexpr std::size_t bins = 256;
+  std::vector<std::uint64_t> counts(bins);
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
+    counts[k * bins / histogram.counts.size()] += histogram.counts[k];
+  return {{"low", histogram.low}, {"high", histogram.high}, {"counts", counts}};
+}
+
+json volume_json(const ShownVolume& volume) {
+  json direction = json::array();
+  for (int column = 0; column < 3; ++column)
+    for (int row = 0; row < 3; ++row) direction.push_back(volume.grid.direction[column][row]);
+  return {{"name", volume.name},
+          {"dims", three(volume.grid.dims)},
+          {"spacing", three(volume.grid.spacing)},
+          {"origin", three(volume.grid.origin)},
+          {"unit", volume.patient ? "mm" : ""},
+          {"direction", direction},
+          {"patient", volume.patient},
+          {"range", {volume.range.low, volume.range.high}},
+          {"type", to_string(volume.grid.type)},
+          {"histogram", histogram_json(volume.histogram)}};
+}
+
+json presets(const Histogram& histogram) {
+  json all = json::array();
+  for (const PresetName& preset_name : preset_names())
+    all.push_back({{"name", preset_name.name},
+                   {"description", preset_name.description},
+                   {"transfer_function", to_json(preset(preset_name.name, histogram))}});
+  return all;
+}
+
+}  // namespace
+
+std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels) {
+  json names = json::array();
+  for (const Level& level : levels) names.push_back({{"name", level.name}});
+  return text_of({{"type", "hello"},
+                  {"version", o.version},
+                  {"volume", volume_json(o.volume)},
+                  {"state", to_json(o.initial)},
+                  {"presets", presets(o.volume.histogram)},
+                  {"levels", names},
+                  {"ranks", o.ranks},
+                  {"layout", o.layout},
+                  {"target_ms", 1e3 * o.target_seconds},
+                  {"ffmpeg", false},
+                  {"largest", {o.largest_side, o.largest_side}}});
+}
+
+std::string hello_for(const std::string& hello, bool drives, int viewers) {
+  return fmt::format(R"({},"driver":{},"viewers":{}}})", std::string_view(hello).substr(0, hello.size() - 1),
+                     drives, viewers);
+}
+
+std::string driver_text(bool drives, int viewers) {
+  return text_of({{"type", "driver"}, {"you", drives}, {"viewers", viewers}});
+}
+
+std::string state_text(const SceneState& scene) {
+  return text_of({{"type", "state"}, {"state", to_json(scene)}});
+}
+
+std::string error_text(std::string_view what) {
+  constexpr std::string_view between = "; hint: ";
+  const auto at = what.find(between);
+  return text_of({{"type", "error"},
+                  {"message", what.substr(0, at)},
+                  {"hint", at == std::string_view::npos ? "" : what.substr(at + between.size())}});
+}
+
+std::string end_text(const std::string& message) { return text_of({{"type", "end"}, {"message", message}}); }
+
+std::string ended_by_signal_text(int number) {
+  return number == SIGINT ? "The server was interrupted."
+                          : "The job was ended from outside: it was cancelled, or one of its ranks died.";
+}
+
+}  // namespace ringsplat::serve

@@ -1,0 +1,21 @@
+#pragma once
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "serve/viewer.hpp"
+
+/// The JSON texts that a viewer sends (docs/viewer.md).
+namespace ringsplat::serve {
+
+/// What does not differ between clients; hello_for() adds the rest.
+std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels);
+std::string hello_for(const std::string& hello, bool drives, int viewers);
+std::string driver_text(bool drives, int viewers);
+std::string state_text(const SceneState& scene);
+/// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO".
+std::string error_text(std::string_view what);
+std::string end_text(const std::string& message);
+std::string ended_by_signal_text(int number);
+
+}  // namespace ringsplat::serve

@@ -1,0 +1,71 @@
+#pragma once
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace ringsplat::serve {
+
+/// A connection of a page, from 1; never used again.
+using ClientId = std::uint64_t;
+
+struct ServerOptions {
+  std::string address = "127.0.0.1";
+  int port = 0;  ///< 0: any
+  std::vector<std::string> allowed_hosts, allowed_origins;
+  bool take_signals = false;  ///< SIGINT and SIGTERM become ServerEvents::signalled
+};
+
+/// What a client may use up.
+struct ServerLimits {
+  int connections = 32;  ///< one more is told 503; of further ones at most as many are answered at a time
+  std::size_t message_bytes = std::size_t{1} << 16;  ///< of one that a client sends
+  std::size_t header_bytes = std::size_t{1} << 13;
+  /// A client that leaves more than this unread is cut off when there is more for it.
+  std::size_t unsent_bytes = std::size_t{1} << 25;
+  double messages_per_second = 500;   ///< more are read later
+  std::chrono::seconds patience{10};  ///< with half a request, and with a client that answers no ping
+};
+
+/// Called on the server's thread; must return soon and throw nothing.
+struct ServerEvents {
+  std::function<void(ClientId)> opened;
+  std::function<void(ClientId, std::string&& text)> received;
+  std::function<void(ClientId)> refused;  ///< the client sent a message that is no text
+  std::function<void(ClientId)> closed;   ///< once for each that was opened
+  std::function<void(int signal)> signalled;
+};
+
+/// Serves the page's files and WebSocket connections by one thread of its own, which never calls MPI. All
+/// functions may be called by any thread.
+class WebServer {
+ public:
+  /// Binds the port. Throws InputError when the address or port cannot be had.
+  WebServer(const ServerOptions& options, ServerEvents events, const ServerLimits& limits = {});
+  /// Closes all connections at once.
+  ~WebServer();
+  WebServer(const WebServer&) = delete;
+  WebServer& operator=(const WebServer&) = delete;
+
+  /// From now on there are events.
+  void start();
+  int port() const;
+  /// The page's, with the token, which gives whoever reads it the right to connect.
+  std::string url() const;
+
+  /// To a client that is gone: nothing happens. Clients may share the bytes.
+  void send_text(ClientId client, std::shared_ptr<const std::string> text);
+  void send_binary(ClientId client, std::shared_ptr<const std::string> bytes);
+  /// Sends a last text to all clients, closes the connections, and takes no more. Returns at once; the
+  /// destructor waits up to a second for slow clients.
+  void end(const std::string& last_text);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace ringsplat::serve

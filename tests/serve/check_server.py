@@ -1,0 +1,378 @@
+"""Tests of `ringsplat serve`: a real server, driven by viewer_client.py.
+
+  check_server.py CASE --program RINGSPLAT --volume FILE [--ranks N --mpiexec MPIEXEC] [--scratch FOLDER]
+"""
+import argparse, os, signal, socket, subprocess, sys, time
+
+import viewer_client as vc
+
+
+def expect(condition, what):
+    if not condition:
+        raise AssertionError(what)
+
+
+def start(options, *more):
+    command = [options.program, "serve", options.volume, *more]
+    if options.ranks:
+        command = [options.mpiexec, "-n", str(options.ranks)] + command
+    return vc.Server(command)
+
+
+def refused(server, status, **how):
+    try:
+        vc.Client(server.port, server.token, **how)
+    except vc.Refused as error:
+        expect(error.status == status, f"{how}: status {error.status}, not {status}")
+        return
+    raise AssertionError(f"{how}: was let in")
+
+
+def is_alive(server):
+    """Somebody new sees the volume."""
+    client = server.client()
+    client.send({"type": "drive"})
+    seq = client.view()
+    client.picture(seq=seq, at_rest=1)
+    client.close()
+
+
+def page(options, server):
+    answer = vc.get(server.port)
+    head = answer.split(b"\r\n\r\n")[0].decode().lower()
+    expect(answer.startswith(b"HTTP/1.1 200"), answer[:80])
+    for line in ("content-type: text/html; charset=utf-8", "x-content-type-options: nosniff",
+                 "referrer-policy: no-referrer", "cache-control: no-store",
+                 "cross-origin-resource-policy: same-origin"):
+        expect(line in head, line + " is missing")
+    policy = next(l for l in head.split("\r\n") if l.startswith("content-security-policy"))
+    expect("unsafe" not in policy and "script-src 'self'" in policy, policy)
+    expect(server.token not in answer.decode(), "the page has the token")
+    expect(b"text/javascript" in vc.get(server.port, "/viewer.js").split(b"\r\n\r\n")[0], "viewer.js")
+    for target in ("/no", "/../etc/passwd", "/page/index.html", "//index.html", "/%2e%2e/x", "/style.css/"):
+        expect(vc.get(server.port, target).startswith(b"HTTP/1.1 404"), target)
+
+
+def strangers(options, server):
+    port, host = server.port, f"127.0.0.1:{server.port}"
+    refused(server, 403, protocols=[])
+    refused(server, 403, protocols=["ringsplat.v1"])
+    refused(server, 403, protocols=["ringsplat.v1", "token." + "0" * 32])
+    refused(server, 403, protocols=["ringsplat.v1", "token." + server.token[:-1]])
+    refused(server, 403, protocols=["ringsplat.v1", "token." + server.token + "0"])
+    refused(server, 403, protocols=["token." + server.token])
+    refused(server, 403, origin=None)
+    refused(server, 403, origin="http://evil.example")
+    refused(server, 403, origin=f"https://{host}")
+    refused(server, 403, origin=f"http://127.0.0.1:{port + 1}")
+    refused(server, 403, origin="null")
+    for foreign in ("evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port + 1}", f"127.0.0.1:{port}0"):
+        refused(server, 421, host=foreign)
+        expect(vc.get(port, host=foreign).startswith(b"HTTP/1.1 421"), foreign)
+    two = f"GET / HTTP/1.1\r\nHost: {host}\r\nHost: evil.example\r\n\r\n".encode()
+    expect(b" 4" in vc.http(port, two)[:13], "two hosts")
+    vc.Client(port, server.token, host=f"localhost:{port}").close()
+    is_alive(server)
+    expect(server.token not in server.errors, "the token is in the log")
+
+
+def allowed(options, server):
+    for how in ({"host": "node7:9999", "origin": "http://node7:9999"}, {"origin": "https://hub.example.org"}):
+        vc.Client(server.port, server.token, **how).close()
+    refused(server, 403, origin="https://hub.example.org.evil")
+    is_alive(server)
+
+
+def bad_messages(options, server):
+    client = server.client()
+
+    def complains(message):
+        client.send(message)
+        error = client.text("error")
+        expect(error["message"], "no words")
+
+    good = {"type": "view", "seq": 1, "width": 64, "height": 64}
+    for message in ("", "nonsense", "[]", "1", '"text"', "{}", '{"type": 7}', '{"type": "no such"}', "{" * 200,
+                    '{"type":"view","state":' + "[" * 30000 + "]" * 30000 + "}",
+                    {"type": "ack"}, {"type": "ack", "picture": -1}, {"type": "ack", "picture": "x"},
+                    {"type": "probe", "id": 1}, {"type": "snapshot", "id": 1, "width": 64, "height": 64},
+                    {"type": "snapshot", "id": 1, "width": 64, "height": 64, "format": "../../etc/passwd"},
+                    {**good, "width": 0}, {**good, "width": 100000}, {**good, "seq": 1e99},
+                    '{"type":"view","seq":1,"width":64,"height":64,"state":{"camera":{"azimuth":1e999}}}',
+                    {**good, "state": {"camera": {"zoom": 0}}}, {**good, "state": {"camera": 7}},
+                    {**good, "state": {"light": [0, 0, 0]}}, {**good, "state": {"light": [1, 2]}},
+                    {**good, "state": {"shading": "x"}}, {**good, "state": {"background": [2, 0, 0]}},
+                    {**good, "state": {"clip": [[0, 1], [0, 1], [5, 2]]}},
+                    {**good, "state": {"clip": [[0, 1], [0, 1], [0, 100000]]}},
+                    {**good, "state": {"transfer_function": {"opacities": [[5, 0.5], [1, 1]]}}},
+                    {**good, "state": {"transfer_function": {"opacities": [[5, 0.5]]}}},
+                    {**good, "state": {"transfer_function": {"name": 7}}}):
+        complains(message)
+    client.send_frame(2, os.urandom(5000))
+    client.text("error")
+    client.close()
+
+    def ends_connection(opcode, payload):
+        other = server.client()
+        other.send_frame(opcode, payload)
+        try:
+            while True:
+                other.receive()
+        except (vc.Closed, ConnectionError):
+            pass
+
+    ends_connection(1, b"x" * 70000)  # too large
+    ends_connection(1, b"\xff\xfe\xfd")  # no UTF-8
+    ends_connection(11, b"")  # no such opcode
+    for rubbish in (os.urandom(3000), b"\x16\x03\x01" + os.urandom(100), b"GET / HTTP/1.1\r\n" + b"A: b\r\n" * 5000,
+                    b"GET /" + b"x" * 100000, b"POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\n"):
+        try:
+            vc.http(server.port, rubbish + b"\r\n\r\n")
+        except (BrokenPipeError, ConnectionResetError):
+            pass
+    is_alive(server)
+
+
+def crowd(options, server):
+    before = vc.memory_of(server.ranks()[0])
+    half_open = [socket.create_connection(("127.0.0.1", server.port)) for _ in range(100)]
+    for s in half_open[::2]:
+        try:
+            s.sendall(b"GET / HTT")
+        except OSError:
+            pass
+    time.sleep(0.5)
+    told = b""
+    for attempt in range(3):  # 64 places are taken by those who have said nothing, until they are thrown out
+        try:
+            told = vc.get(server.port)
+            break
+        except (ConnectionResetError, BrokenPipeError):
+            pass
+    expect(told == b"" or told.startswith(b"HTTP/1.1 503"), told[:40])
+    until = time.monotonic() + 30
+    while True:
+        try:
+            is_alive(server)
+            break
+        except (vc.Refused, ConnectionError):
+            expect(time.monotonic() < until, "half-open connections keep others out")
+            time.sleep(0.5)
+    clients, too_many = [], 0
+    for _ in range(100):
+        try:
+            clients.append(vc.Client(server.port, server.token))
+        except (vc.Refused, ConnectionError) as error:
+            too_many += 1
+            if isinstance(error, vc.Refused):
+                expect(error.status in (0, 503), f"status {error.status}")
+    expect(20 <= len(clients) <= 32 and too_many == 100 - len(clients), f"{len(clients)} came in")
+    for client in clients:
+        client.close()
+    for s in half_open:
+        s.close()
+    time.sleep(0.5)
+    is_alive(server)
+    expect(vc.memory_of(server.ranks()[0]) < before + (200 << 20), "memory has grown")
+
+
+def acknowledgement(options, server):
+    client = server.client()
+    shown = 0
+    for k in range(30):
+        client.view(moving=True, camera={"azimuth": k})
+        time.sleep(0.02)
+    try:
+        while True:
+            if isinstance(client.receive(1.0), vc.Picture):
+                shown += 1
+    except TimeoutError:
+        pass
+    expect(shown == 2, f"{shown} pictures came")
+    client.buffer = b""
+    client.send({"type": "ack", "picture": 1})
+    client.send({"type": "ack", "picture": 2})
+    picture = client.picture(seq=client.seq, at_rest=1)
+    expect(picture.level == picture.levels - 1, "not the best")
+    client.close()
+
+
+def slow_reader(options, server):
+    """Acknowledges what it never reads."""
+    rank_0 = server.ranks()[0]
+    client = server.client(receive_buffer=4096)
+    client.view(width=64, height=64)
+    client.picture(at_rest=1)
+    before = vc.memory_of(rank_0)
+    number = 0
+    try:
+        for k in range(400):
+            client.view(moving=True, width=1024, height=1024, camera={"azimuth": k})
+            for _ in range(3):
+                number += 1
+                client.send({"type": "ack", "picture": number})
+            if k % 20 == 0:
+                client.send({"type": "snapshot", "id": k, "width": 1024, "height": 1024, "format": "exr"})
+            time.sleep(0.01)
+    except (BrokenPipeError, ConnectionResetError, TimeoutError):
+        pass
+    expect(vc.memory_of(rank_0) < before + (400 << 20), "memory has grown")
+    client.close()
+    is_alive(server)
+
+
+def flood(options, server):
+    """Far more messages than a hand makes."""
+    client = server.client()
+    text = '{"type":"ack","picture":999}'
+    for _ in range(3000):
+        client.send(text)
+    is_alive(server)
+    client.close()
+
+
+def quick_views(options, server):
+    client = server.client()
+    for k in range(10):
+        client.view(camera={"azimuth": 10 * k})
+    picture = client.picture(seq=10, at_rest=1)
+    expect(picture.level == picture.levels - 1 and picture.rmse == 0, "not the best")
+    expect((picture.width, picture.height) == (128, 128), "not the whole size")
+    # The same view again: the page waits for its number.
+    seq = client.view(camera={"azimuth": 90})
+    client.picture(seq=seq, at_rest=1)
+    # A view that moves and then stays refines without another word.
+    seq = client.view(moving=True, camera={"azimuth": 95})
+    first = client.picture(seq=seq)
+    last = first if first.at_rest else client.picture(seq=seq, at_rest=1)
+    expect(last.level == last.levels - 1, "not refined")
+    # Coarse levels now know what they err.
+    seq = client.view(camera={"azimuth": 80})
+    pictures = []
+    client.receive_until(lambda m: isinstance(m, vc.Picture) and (pictures.append(m) or True) and m.at_rest and m.seq == seq)
+    expect(all(p.rmse >= 0 for p in pictures if p.level == last.level), "no error is told")
+    client.close()
+
+
+def watchers(options, server):
+    first, second = server.client(), server.client()
+    expect(first.hello["driver"] and not second.hello["driver"] and second.hello["viewers"] == 2, "who drives")
+    first.view(camera={"azimuth": 33})
+    shown = first.picture(at_rest=1)
+    state = second.text("state")["state"]
+    expect(state["camera"]["azimuth"] == 33, "the watcher is not told of the view")
+    watched = second.picture(at_rest=1)
+    expect(watched.file == shown.file, "the watcher sees another picture")
+    second.view(camera={"azimuth": 77})
+    second.send({"type": "drive"})
+    second.receive_until(lambda m: isinstance(m, dict) and m["type"] == "driver" and m["you"])
+    first.receive_until(lambda m: isinstance(m, dict) and m["type"] == "driver" and not m["you"])
+    second.view(camera={"azimuth": 55})
+    expect(first.text("state")["state"]["camera"]["azimuth"] == 55, "what a watcher sends must not count")
+    second.picture(seq=second.seq, at_rest=1)
+    second.close()
+    first.receive_until(lambda m: isinstance(m, dict) and m["type"] == "driver" and m["you"] and m["viewers"] == 1)
+    # Who comes back goes on.
+    third = server.client()
+    third.text("state")
+    third.picture()
+    third.close()
+    first.close()
+
+
+def same_as_program(options, server):
+    """The picture at rest and the one that `render --quality best` writes: 45 dB or more."""
+    client = server.client()
+    client.view(width=256, height=192, camera={"azimuth": 30, "elevation": 20})
+    picture = client.picture(at_rest=1)
+    client.send({"type": "snapshot", "id": 7, "width": 256, "height": 192, "format": "png",
+                 "state": {"camera": {"azimuth": 30, "elevation": 20}}})
+    snapshot = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1)
+    client.send({"type": "snapshot", "id": 8, "width": 40, "height": 30, "format": "exr"})
+    exr = client.receive_until(lambda m: isinstance(m, vc.Picture) and m.kind == 1 and m.number == 8)
+    client.close()
+    expect(snapshot.number == 7 and snapshot.file[:4] == b"\x89PNG", "no PNG")
+    expect(exr.file[:4] == b"\x76\x2f\x31\x01" and (exr.width, exr.height) == (40, 30), "no EXR")
+    os.makedirs(options.scratch, exist_ok=True)
+    files = {name: os.path.join(options.scratch, name) for name in ("seen.jpg", "snapshot.png", "program.png")}
+    for name, p in (("seen.jpg", picture), ("snapshot.png", snapshot)):
+        with open(files[name], "wb") as f:
+            f.write(p.file)
+    subprocess.run([options.program, "render", options.volume, "-o", files["program.png"], "--quality", "best", "--size",
+                    "256x192", "--azimuth", "30", "--elevation", "20", "--background", "black"], check=True,
+                   capture_output=True)
+    for name, limit in (("seen.jpg", 255 * 10 ** (-45 / 20)), ("snapshot.png", 0)):
+        subprocess.run([options.program, "compare", files[name], files["program.png"], "--fail-above", str(limit)],
+                       check=True, stdout=subprocess.DEVNULL)
+
+
+def ends(options, server):
+    client = server.client()
+    client.view()
+    client.picture(at_rest=1)
+    os.kill(server.ranks()[0], signal.SIGTERM)
+    end = client.text("end")
+    expect(end["message"], "no reason")
+    try:
+        while True:
+            client.receive()
+    except (vc.Closed, ConnectionError):
+        pass
+    expect(server.wait() == 0, "the job failed: " + server.errors)
+
+
+def killed_rank(options, server):
+    client = server.client()
+    client.view()
+    client.picture(at_rest=1)
+    os.kill(server.ranks()[-1], signal.SIGKILL)
+    expect(client.text("end")["message"], "no reason")
+    expect(server.wait() != 0, "a rank's death must fail the job")
+
+
+def idle(options, server):
+    """Without views ranks sleep: far less than a busy wait's, by the kernel's own count."""
+    def spent(seconds):
+        before = [vc.processor_seconds(r) for r in server.ranks()]
+        time.sleep(seconds)
+        return max(vc.processor_seconds(r) - b for r, b in zip(server.ranks(), before)) / seconds
+
+    client = server.client()
+    client.view()
+    client.picture(at_rest=1)
+    for who in ("with a client", "without"):
+        time.sleep(3)
+        share = spent(4)
+        print(f"{who}: {100 * share:.1f} % of a core", flush=True)
+        expect(share < 0.1, f"{who}: {100 * share:.1f} % of a core")
+        client.close()
+    is_alive(server)
+
+
+CASES = {"page": (page,), "strangers": (strangers,),
+         "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
+         "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
+         "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,),
+         "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,)}
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser()
+    parser.add_argument("case", choices=CASES)
+    parser.add_argument("--program", required=True)
+    parser.add_argument("--volume", required=True)
+    parser.add_argument("--ranks", type=int, default=0)
+    parser.add_argument("--mpiexec", default="mpiexec")
+    parser.add_argument("--scratch", default=".")
+    given = parser.parse_args()
+    test, *more = CASES[given.case]
+    running = start(given, *more)
+    try:
+        test(given, running)
+        expect(running.process.poll() is None or given.case in ("ends", "killed_rank"), "the server is gone")
+        if running.process.poll() is None:
+            expect(running.stop() == 0, "the job failed: " + running.errors)
+    except BaseException:
+        print(running.errors, file=sys.stderr)
+        raise
+    finally:
+        running.kill()
