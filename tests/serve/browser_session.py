@@ -15,6 +15,11 @@ from browser_test import WithPage, jack
 from viewer_page import PATIENCE, Page, Server, Wire, wait_for_file
 
 
+def rounded(value):
+    """The digits that an address keeps."""
+    return json.loads(json.dumps(value), parse_float=lambda text: float(f"{float(text):.7g}"))
+
+
 class Flow(WithPage):
     volume = staticmethod(jack)
 
@@ -47,9 +52,9 @@ class Flow(WithPage):
         self.assertNotIn(token, address)
         self.page.driver.refresh()
         self.page.settle()
-        self.assertEqual(self.page.facts("state"), state)
+        self.assertEqual(rounded(self.page.facts("state")), rounded(state))
         self.page.show(f"{self.server.url}&{address.split('#')[1]}")  # a link with both
-        self.assertEqual(self.page.facts("state"), state)
+        self.assertEqual(rounded(self.page.facts("state")), rounded(state))
         self.assertNotIn(token, self.page.js("return location.href"))
 
     def test_a_snapshot_has_the_size_that_was_asked_for(self):
@@ -187,7 +192,7 @@ class Flow(WithPage):
         step = module("paraview.js", "m.fromParaView(JSON.stringify({Points: [0, 0, 0.25, 1, 8, 1, 0.5, 0],"
                                      "RGBPoints: [0, 0, 0, 0, 8, 1, 1, 1]})).opacities")
         self.assertEqual(step, [[0, 0], [2, 0], [2, 1], [8, 1]])
-        self.assertIn("IndexedColors" and "RGBPoints", module("paraview.js", "m.fromParaView('{}')"))
+        self.assertIn("RGBPoints", module("paraview.js", "m.fromParaView('{}')"))
 
 
 class TwoPages(WithPage):

@@ -151,8 +151,8 @@ class Page:
     def module(self, name, expression):
         """An expression's value with a module of the page at hand as `m`."""
         return self.driver.execute_async_script(
-            "const done = arguments[0]; import(new URL(%r, document.baseURI)).then(async m => done(await (%s)),"
-            "error => done('failed: ' + error));" % (name, expression))
+            "const done = arguments[0]; import(new URL(%r, document.baseURI)).then(async m => await (%s))"
+            ".then(done, error => done('failed: ' + error));" % (name, expression))
 
     def wait(self, expression, seconds=20.0):
         end = time.monotonic() + seconds * PATIENCE
@@ -163,7 +163,7 @@ class Page:
         raise AssertionError(f"not within {seconds} s: {expression}; last picture {self.facts('shown.at(-1)')}, "
                              f"seq {self.facts('seq')}, messages {self.messages()}")
 
-    def settle(self, seconds=20.0):
+    def settle(self, seconds=8.0):
         self.wait("window.ringsplat?.settled", seconds)
 
     def show(self, url):

@@ -115,7 +115,7 @@ export class App {
   setDriver(driving, viewers) {
     const began = driving && !this.driving;
     if (driving !== this.driving) this.stage.forget();
-    [this.driving, this.viewers] = [driving, viewers];
+    [this.driving, this.viewers, this.scene.locked] = [driving, viewers, !driving];
     if (!driving) this.film.stop();
     showDriver(driving, viewers);
     this.redraw();

@@ -1,7 +1,7 @@
 // The orientation cube: drawn from the camera; a click on a side looks at it.
 
 import { basisOf, sixViews } from './camera.js';
-import { byId, fitCanvas, themeColour } from './dom.js';
+import { byId, clamp, fitCanvas, themeColour } from './dom.js';
 
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
@@ -52,7 +52,7 @@ export class Cube {
       context.globalAlpha = 1;
       context.strokeStyle = line;
       context.stroke(path);
-      context.globalAlpha = Math.min(1, 2.5 * facing);
+      context.globalAlpha = clamp(3 * facing - 0.4, 0, 1);
       context.fillStyle = text;
       context.fillText(patient ? side.view.patient : side.view.axis, ...place(side.normal));
       context.globalAlpha = 1;

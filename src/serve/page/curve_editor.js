@@ -22,7 +22,6 @@ export class CurveEditor {
       canvas.addEventListener('pointercancel', () => this.up());
       canvas.addEventListener('contextmenu', (event) => this.removeAt(event, canvas, which));
       canvas.addEventListener('keydown', (event) => this.key(event, which));
-      canvas.addEventListener('focus', () => this.selected.which !== which && this.select(which, 0));
       new ResizeObserver(() => this.draw()).observe(canvas);
     }
   }
@@ -114,22 +113,25 @@ export class CurveEditor {
 
   key(event, which) {
     if (event.ctrlKey || event.metaKey || event.altKey || !this.app.scene.state) return;
-    const { index } = this.selected, [low, high] = this.range, fine = event.shiftKey ? 0.002 : 0.01;
+    const [low, high] = this.range, fine = event.shiftKey ? 0.002 : 0.01;
     const move = (values, opacities) => {
       const [value, ...rest] = this.point;
       if (which === 'opacities') rest[0] += opacities * fine;
+      const { index } = this.selected;
       this.app.sender.pulse();
       this.app.editTransfer(withPointAt(this.tf, which, index, [value + values * fine * (high - low), ...rest]), true);
     };
     const acts = {
       ArrowLeft: () => move(-1, 0), ArrowRight: () => move(1, 0), ArrowUp: () => move(0, 1), ArrowDown: () => move(0, -1),
-      PageUp: () => this.select(which, index - 1), PageDown: () => this.select(which, index + 1),
+      PageUp: () => this.select(which, this.selected.index - 1),
+      PageDown: () => this.select(which, this.selected.index + 1),
       Home: () => this.select(which, 0), End: () => this.select(which, Infinity),
-      Delete: () => this.remove(), Insert: () => this.addAfter(which, index),
+      Delete: () => this.remove(), Insert: () => this.addAfter(which, this.selected.index),
     };
     if (!acts[event.key]) return;
     event.preventDefault();
     event.stopPropagation();
+    if (this.selected.which !== which) this.select(which, 0);
     acts[event.key]();
   }
 
@@ -143,9 +145,8 @@ export class CurveEditor {
   }
 
   draw() {
-    if (!this.app.scene.state) return;
-    for (const which of ['opacities', 'colours'])
-      this.selected.index = Math.min(this.selected.index, this.tf[this.selected.which].length - 1);
+    if (!this.app.scene.state || byId('curve').clientWidth === 0) return;  // folded
+    this.selected.index = Math.min(this.selected.index, this.tf[this.selected.which].length - 1);
     this.drawCurve();
     this.drawStrip();
   }

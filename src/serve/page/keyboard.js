@@ -64,12 +64,14 @@ function fillHelp(list) {
   const keys = (...names) => element('th', { scope: 'row' }, ...names.flatMap((name) => [element('kbd', {}, name), ' ']));
   const row = (head, text) => element('tr', {}, head, element('td', {}, text));
   const names = { ' ': 'Space', Escape: 'Esc' };
-  byId('help-keys').append(
+  const rows = list.map(([key, text]) => row(keys(names[key] ?? key), text)), half = 15;
+  byId('help-gestures').append(
     ...gestures.map(([name, text]) => row(element('th', { scope: 'row' }, name), text)),
     row(keys('←', '→', '↑', '↓'), 'turn'), row(keys('Shift', 'arrows'), 'pan'),
     row(keys('Ctrl', 'arrows'), 'move a cross to ask for values'),
-    row(keys('Ctrl', 'Z'), 'undo a change of the transfer function; with Shift: redo'),
-    ...list.map(([key, text]) => row(keys(names[key] ?? key), text)));
+    row(keys('Ctrl', 'Z'), 'undo a change of the transfer function; with Shift: redo'));
+  byId('help-views').append(...rows.slice(0, half));
+  byId('help-keys').append(...rows.slice(half));
 }
 
 /** Keys belong to a field while it has the focus; a slider or button keeps only those that it uses. */

@@ -42,6 +42,7 @@ export class Scene {
   constructor() {
     this.state = null;
     this.defaults = null;
+    this.locked = false;  // while another page drives
     this.listeners = [];
   }
 
@@ -58,7 +59,7 @@ export class Scene {
 
   /** Replaces some members; a camera may be given in part. */
   change(part) {
-    if (!this.state) return;
+    if (!this.state || this.locked) return;
     const camera = part.camera ? { ...this.state.camera, ...part.camera } : this.state.camera;
     this.state = { ...this.state, ...part, camera };
     this.tell(Object.keys(part));

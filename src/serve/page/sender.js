@@ -7,7 +7,7 @@ export class Sender {
   /** `write({seq, moving})` sends the view; false when it could not. */
   constructor(write) {
     this.write = write;
-    this.seq = 0;
+    this.seq = Math.floor(Math.random() * 2 ** 30);  // so that pages do not take each other's pictures for theirs
     this.held = 0;
     this.timer = 0;
     this.scheduled = false;

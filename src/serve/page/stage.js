@@ -17,13 +17,13 @@ export class Stage {
     this.sent = new Map();
     this.largest = [4096, 4096];
     this.scheduled = false;
-    this.ratio = window.devicePixelRatio || 1;
     const exact = 'devicePixelContentBoxSize' in ResizeObserverEntry.prototype;
     new ResizeObserver(([entry]) => {
       const box = exact ? entry.devicePixelContentBoxSize[0] : null;
-      this.ratio = window.devicePixelRatio || 1;
-      this.place = [box ? box.inlineSize : Math.round(entry.contentRect.width * this.ratio),
-                    box ? box.blockSize : Math.round(entry.contentRect.height * this.ratio)];
+      const ratio = window.devicePixelRatio || 1;
+      // The exact size, unless it leaves out a ratio that is only emulated.
+      const pixels = (exactly, css) => (Math.abs(exactly - css * ratio) < 2 ? exactly : Math.round(css * ratio));
+      this.place = [pixels(box?.inlineSize, entry.contentRect.width), pixels(box?.blockSize, entry.contentRect.height)];
       this.resize();
       onResize();
     }).observe(this.canvas, { box: exact ? 'device-pixel-content-box' : 'content-box' });

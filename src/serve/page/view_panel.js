@@ -35,6 +35,7 @@ export class ViewPanel {
     }, refresh));
     this.attachPad();
     onSettings(() => this.drawPad());
+    new ResizeObserver(() => this.drawPad()).observe(byId('light-pad'));
   }
 
   begin(patient) {
@@ -107,7 +108,7 @@ export class ViewPanel {
   }
 
   drawPad() {
-    if (!this.app.scene.state) return;
+    if (!this.app.scene.state || byId('light-pad').clientWidth === 0) return;  // folded
     const { context, width, height } = fitCanvas(byId('light-pad')), radius = width / 2 - 4;
     const [x, y, z] = this.unitLight(), at = [width / 2 + x * radius, height / 2 - y * radius];
     const behind = z < 0;
