@@ -16,6 +16,8 @@ Pause pause_after(long waits, long yields, std::chrono::nanoseconds longest);
 
 /// While a frame is under way a message may come at any time.
 inline constexpr std::chrono::nanoseconds longest_amid_frame{200'000};
+/// Where sleep ends when there is news.
+inline constexpr std::chrono::nanoseconds longest_with_news{10'000'000};
 /// Between frames only an announcement can come. It goes down a tree of the ranks (net/layout.hpp), and each
 /// may sleep when it comes, so deep trees sleep less: an announcement reaches the last rank within 4 ms,
 /// until where that would cost more than sleeping amid a frame does.

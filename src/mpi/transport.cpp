@@ -98,7 +98,9 @@ class MpiTransport final : public Transport {
 
   void wait_next() override { wait(longest_amid_frame, {}); }
 
-  void wait_between_frames(const Sleep& sleep) override { wait(longest_between_frames(working_), sleep); }
+  void wait_between_frames(const Sleep& sleep) override {
+    wait(sleep ? longest_with_news : longest_between_frames(working_), sleep);
+  }
 
  private:
   struct Sending {

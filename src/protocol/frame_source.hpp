@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -21,8 +22,12 @@ class FrameSource {
   virtual bool unwanted(std::int64_t frame) = 0;
   /// The frame is over: its canvas was finished, unless the frame was dropped.
   virtual void done(FrameStats&& stats) = 0;
-  /// Waits, so long at most, while no frame is under way; returns sooner when next() may have something.
-  virtual void pause(std::chrono::nanoseconds most) { std::this_thread::sleep_for(most); }
+  /// Waits, so long at most, while no frame is under way; returns sooner when next() may have something. A
+  /// source that does not know when waits a millisecond at most.
+  virtual void pause(std::chrono::nanoseconds most) {
+    constexpr std::chrono::nanoseconds unaware{1'000'000};
+    std::this_thread::sleep_for(std::min(most, unaware));
+  }
 };
 
 }  // namespace ringsplat

@@ -56,7 +56,7 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
     // A delayed message arrives within max_delay turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
     if (clock.kept == 0 && source.may_come()) {
-      constexpr auto shortest = std::chrono::microseconds(200), longest = std::chrono::microseconds(2000);
+      constexpr auto shortest = std::chrono::microseconds(200), longest = std::chrono::microseconds(10000);
       source.pause(std::min(longest, shortest * (1 + pauses++ / 16)));
       continue;
     }

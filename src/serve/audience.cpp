@@ -30,7 +30,7 @@ int Audience::unacknowledged() const {
 
 void Audience::sent(ClientId client, std::uint32_t picture) {
   if (const auto found = members_.find(client); found != members_.end())
-    found->second.unacknowledged.insert(picture);
+    found->second.unacknowledged.insert(found->second.last = picture);
 }
 
 void Audience::acknowledge(ClientId client, std::uint32_t picture) {
@@ -43,6 +43,12 @@ std::vector<ClientId> Audience::takers() const {
   for (const auto& [client, member] : members_)
     if (int(member.unacknowledged.size()) < most_unacknowledged) clients.push_back(client);
   return clients;
+}
+
+bool Audience::lacks(ClientId client, std::uint32_t picture) const {
+  const auto found = members_.find(client);
+  return found != members_.end() && found->second.last < picture &&
+         int(found->second.unacknowledged.size()) < most_unacknowledged;
 }
 
 bool Audience::must_learn(ClientId client, std::uint64_t scene) {

@@ -32,12 +32,15 @@ class Audience {
   void acknowledge(ClientId client, std::uint32_t picture);
   /// Those that can take another picture.
   std::vector<ClientId> takers() const;
+  /// True when a client can take a picture and was not yet sent that one or a later one.
+  bool lacks(ClientId client, std::uint32_t picture) const;
   /// True once for each scene: a watcher must be told of it before it is shown.
   bool must_learn(ClientId client, std::uint64_t scene);
 
  private:
   struct Member {
     std::set<std::uint32_t> unacknowledged;
+    std::uint32_t last = 0;   ///< picture that it was sent
     std::uint64_t scene = 0;  ///< that it was last told of
   };
   std::map<ClientId, Member> members_;  ///< in the order in which they came

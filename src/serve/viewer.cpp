@@ -104,6 +104,7 @@ void Viewer::opened(ClientId client) {
 void Viewer::closed(ClientId client) {
   const std::lock_guard lock(mutex_);
   audience_.remove(client);
+  probes_.erase(client);
   std::erase_if(snapshots_, [client](const Snapshot& s) { return s.client == client; });
   say_driver();
   wake();
@@ -144,6 +145,8 @@ void Viewer::handle(ClientId client, ViewMessage&& view) {
 void Viewer::handle(ClientId client, const AckMessage& ack) {
   const std::lock_guard lock(mutex_);
   audience_.acknowledge(client, ack.picture);
+  // Pictures that a slow watcher could not take are skipped, but not the last one.
+  if (last_.message && audience_.lacks(client, last_.head.number)) send_to(client, last_);
   wake();
 }
 
@@ -155,8 +158,16 @@ void Viewer::handle(ClientId client, const DriveMessage&) {
   wake();
 }
 
-void Viewer::handle(ClientId client, const ProbeMessage&) {
-  complain(client, "this server cannot tell what lies under a pixel yet");
+void Viewer::handle(ClientId client, const ProbeMessage& asked) {
+  const std::lock_guard lock(mutex_);
+  if (!audience_.has(client)) return;
+  if (!last_put_ || asked.x >= last_put_->width || asked.y >= last_put_->height)
+    throw InputError("there is no such pixel in the last view");
+  const FrameSpec full = full_frame(last_put_->scene, last_put_->width, last_put_->height);
+  probes_.insert_or_assign(client, Probing{client, asked.id,
+                                           Probe(at_level(full, levels_.back()), options_.volume.grid,
+                                                 options_.volume.range, asked.x, asked.y)});
+  wake();
 }
 
 void Viewer::handle(ClientId client, SnapshotMessage&& snapshot) {
@@ -178,6 +189,7 @@ std::optional<FrameSpec> Viewer::next() {
   const std::lock_guard lock(mutex_);
   if (ended_) return std::nullopt;
   auto spec = next_picture();
+  if (!spec) spec = next_probe();
   if (!spec) spec = next_snapshot();
   if (spec) ++next_frame_;
   return spec;
@@ -229,6 +241,23 @@ void Viewer::show_again() {
   send_to_all(std::move(again));
 }
 
+std::optional<FrameSpec> Viewer::next_probe() {
+  const bool renders = std::any_of(rendering_.begin(), rendering_.end(),
+                                   [](const auto& frame) { return frame.second.probes; });
+  if (renders) return std::nullopt;
+  if (!probing_ && !probes_.empty()) probing_ = std::move(probes_.extract(probes_.begin()).mapped());
+  if (!probing_) return std::nullopt;
+  rendering_[next_frame_].probes = true;
+  return probing_->probe.next_frame();
+}
+
+void Viewer::take_probe(const Image& picture) {
+  probing_->probe.take(picture);
+  if (probing_->probe.next_frame() && audience_.has(probing_->client)) return;
+  say(probing_->client, probe_text(probing_->id, probing_->probe.answer()));
+  probing_.reset();
+}
+
 std::optional<FrameSpec> Viewer::next_snapshot() {
   if (snapshots_.empty() || snapshots_under_way_ > 0) return std::nullopt;
   Rendering rendering;
@@ -246,7 +275,9 @@ bool Viewer::unwanted(const FrameSpec& spec) {
   const auto found = rendering_.find(spec.frame);
   if (found == rendering_.end()) return false;
   const Rendering& rendering = found->second;
-  if (rendering.snapshot) {
+  if (rendering.probes) {
+    if (!ended_) return false;
+  } else if (rendering.snapshot) {
     if (!ended_ && audience_.has(rendering.snapshot->client)) return false;
     --snapshots_under_way_;
   } else {
@@ -272,6 +303,10 @@ void Viewer::take(FrameResult&& result) {
   if (found == rendering_.end()) return;  // unwanted() dropped it, but it was already complete
   const Rendering rendering = std::move(found->second);
   rendering_.erase(found);
+  if (rendering.probes) {
+    take_probe(result.image);
+    return;
+  }
   if (rendering.snapshot) {
     file_worker_.give(
         [this, snapshot = *rendering.snapshot,

@@ -14,6 +14,7 @@
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
 #include "serve/picture_maker.hpp"
+#include "serve/probe.hpp"
 #include "serve/web_server.hpp"
 #include "serve/worker.hpp"
 #include "session/director.hpp"
@@ -71,11 +72,17 @@ class Viewer {
     ClientId client;
     SnapshotMessage message;
   };
+  struct Probing {
+    ClientId client;
+    std::uint32_t id;
+    Probe probe;
+  };
   struct Rendering {
     View view;
     int level = 0;
     bool at_rest = false, refines = false;
     std::optional<Snapshot> snapshot;
+    bool probes = false;
   };
   struct LastPicture {
     std::shared_ptr<const std::string> message;
@@ -97,6 +104,7 @@ class Viewer {
 
   std::optional<FrameSpec> next();
   std::optional<FrameSpec> next_picture();
+  std::optional<FrameSpec> next_probe();
   std::optional<FrameSpec> next_snapshot();
   void take_newest();
   void show_again();
@@ -109,6 +117,7 @@ class Viewer {
   void send_picture(RenderedPicture& picture, const SceneState& state);
   void send_to_all(LastPicture&& picture);
   void send_to(ClientId client, const LastPicture& picture);
+  void take_probe(const Image& picture);
   void send_snapshot(const FrameResult& result, const Snapshot& snapshot);
   float pictures_a_second();
   void say_driver();
@@ -134,6 +143,8 @@ class Viewer {
   std::int64_t next_frame_ = 0;
   int pictures_rendering_ = 0, pictures_encoding_ = 0, snapshots_under_way_ = 0;
   std::deque<Snapshot> snapshots_;
+  std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
+  std::optional<Probing> probing_;
   std::uint32_t last_number_ = 0;
   std::deque<Clock::time_point> sent_;
   LastPicture last_;

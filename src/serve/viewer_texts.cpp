@@ -82,6 +82,15 @@ std::string state_text(const SceneState& scene) {
   return text_of({{"type", "state"}, {"state", to_json(scene)}});
 }
 
+std::string probe_text(std::uint32_t id, const Probed& probed) {
+  return text_of({{"type", "probe"},
+                  {"id", id},
+                  {"hit", probed.hit},
+                  {"voxel", three(probed.voxel)},
+                  {"world", three(probed.world)},
+                  {"value", probed.value}});
+}
+
 std::string error_text(std::string_view what) {
   constexpr std::string_view between = "; hint: ";
   const auto at = what.find(between);

@@ -13,6 +13,7 @@ std::string hello_text(const ViewerOptions& options, const std::vector<Level>& l
 std::string hello_for(const std::string& hello, bool drives, int viewers);
 std::string driver_text(bool drives, int viewers);
 std::string state_text(const SceneState& scene);
+std::string probe_text(std::uint32_t id, const Probed& probed);
 /// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO".
 std::string error_text(std::string_view what);
 std::string end_text(const std::string& message);

@@ -1,6 +1,7 @@
 // Texts that people write (transfer functions, configurations, machines, lists of studies and views) and
 // files that the program keeps from run to run.
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 
@@ -13,6 +14,9 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/model/machine.hpp"
 #include "ringsplat/view/view.hpp"
+#include "serve/client_message.hpp"
+#include "serve/levels.hpp"
+#include "session/render_frames.hpp"
 #include "volume/files.hpp"
 
 namespace ringsplat::fuzz {
@@ -152,6 +156,56 @@ std::vector<Input> calibration_seeds() {
   return {files::slurp(path)};
 }
 
+Grid small_volume() {
+  Grid grid;
+  grid.dims = {70, 66, 64};
+  grid.spacing = {1, 1.5, 2};
+  return grid;
+}
+
+serve::MessageRules message_rules() {
+  serve::MessageRules rules;
+  rules.initial.transfer_function = {
+      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
+  rules.dims = small_volume().dims;
+  return rules;
+}
+
+/// A view that is let through must be one that ranks draw: what they refuse ends the job.
+void use(const serve::SceneState& scene, int width, int height) {
+  static const auto levels = serve::make_levels({}, small_volume().dims);
+  FrameSpec full = serve::with_scene({}, scene);
+  full.shown.width = width;
+  full.shown.height = height;
+  for (const auto& level : levels) {
+    const FrameSpec spec = serve::at_level(full, level);
+    check_frame(spec, small_volume());
+    if (decode_frame_spec(encode(spec)) != spec)
+      throw std::logic_error("a view changes on its way to the ranks");
+  }
+  const auto rules = message_rules();
+  const auto again = nlohmann::json::parse(serve::text_of(serve::to_json(scene)));
+  static_cast<void>(serve::scene_from(again, rules.initial, rules.dims));
+}
+
+void run_client_message(std::span<const std::byte> input) {
+  const auto message = serve::parse_client_message(text_of(input), message_rules());
+  if (const auto* view = std::get_if<serve::ViewMessage>(&message))
+    use(view->scene, view->width, view->height);
+  if (const auto* snapshot = std::get_if<serve::SnapshotMessage>(&message))
+    use(snapshot->scene, snapshot->width, snapshot->height);
+}
+
+std::vector<Input> client_message_seeds() {
+  return {
+      R"({"type":"view","seq":3,"moving":true,"width":640,"height":480,"time":12.5,"state":{"camera":{"azimuth":30,"elevation":-20,"roll":1,"zoom":1.5,"pan":[0.1,-0.2],"fov":0,"distance":0},"shading":"phong","light":[1,2,3],"background":[0,0.5,1]}})",
+      R"({"type":"view","seq":4,"width":64,"height":48,"state":{"transfer_function":{"name":"a","colours":[[0,0,0,0],[255,1,1,1]],"opacities":[[0,0],[100,0.25],[255,1]]},"clip":[[0,70],[3,60],[1,2]]}})",
+      R"({"type":"ack","picture":17})",
+      R"({"type":"drive"})",
+      R"({"type":"probe","id":1,"x":10.5,"y":20})",
+      R"({"type":"snapshot","id":2,"width":4096,"height":4096,"format":"exr","state":{"clip":null}})"};
+}
+
 using Words = std::vector<std::string_view>;
 
 // Lists of words, as many to a line as fit.
@@ -182,6 +236,10 @@ const Words path_words{
     "\r\n", "\t", ",", ";", "1e400", "[[[[[[[["};
 const Words calibration_words{
     "\"measured\": ", "\"key\": ", "\"setting\": ", "\"seconds\": ", "\"rmse\": ", "null", "[", "]", "{", "}"};
+const Words client_message_words{
+    "\"type\":", "\"view\"", "\"snapshot\"", "\"state\":", "\"camera\":", "\"zoom\":", "\"azimuth\":", "\"pan\":",
+    "\"fov\":", "\"clip\":", "\"light\":", "\"transfer_function\":", "\"colours\":", "\"opacities\":", "null", "true",
+    "1e308", "-1e-308", "1e999", "4294967295", "[", "]", "{", "}", "\"", "\\", "[[[[[[[[", "\xff", "1e6", "1e-6"};
 // clang-format on
 
 }  // namespace
@@ -194,7 +252,8 @@ std::vector<Driver> text_drivers() {
       {"machine", run_machine, machine_seeds, machine_words, 6000},
       {"study_list", run_study_list, study_list_seeds, study_list_words, 4000},
       {"path", run_path, path_seeds, path_words, 20000},
-      {"calibration", run_calibration, calibration_seeds, calibration_words, 5000}};
+      {"calibration", run_calibration, calibration_seeds, calibration_words, 5000},
+      {"client_message", run_client_message, client_message_seeds, client_message_words, 3000}};
 }
 
 }  // namespace ringsplat::fuzz

@@ -19,7 +19,7 @@ ln -s "$repo/tests/data" "$scratch/tests/data"
 cp "$here/srun" "$scratch/bin/srun"
 cd "$scratch"
 # The commands of app files and batch scripts have no room for a view, so the program itself is wrapped.
-printf '#!/bin/sh\nexec "%s" "$@" %s\n' "$program" "${view[*]}" >bin/ringsplat
+printf '#!/bin/sh\n[ "$1" = serve ] && exec "%s" "$@"\nexec "%s" "$@" %s\n' "$program" "$program" "${view[*]}" >bin/ringsplat
 chmod +x bin/ringsplat bin/srun
 export PATH=$scratch/bin:$PATH RINGSPLAT_SCRIPTS=$repo/scripts
 for file in "$configs"/*.toml; do cp "$file" mpi_configs/; done
@@ -71,8 +71,26 @@ else
   tried=$((tried + 4))
 fi
 
+# A server runs until it is told to end; the page's address says that it runs.
+try_server() {
+  local pid deadline=$((SECONDS + 60))
+  SLURM_NTASKS=4 setsid bash "$1" "$volume" 0 > out/serve.log &
+  pid=$!
+  until grep -q '^http://127.0.0.1:[0-9]*/#' out/serve.log; do
+    kill -0 "$pid" && ((SECONDS < deadline)) || die "$1 shows no page"
+    sleep 0.2
+  done
+  kill -- "-$pid"
+  wait "$pid" || true
+  tried=$((tried + 1))
+}
+
 for script in mpi_configs/slurm/*.sbatch; do
   bash -n "$script"
+  if [[ $script == */serve.sbatch ]]; then
+    try_server "$script"
+    continue
+  fi
   SLURM_NTASKS=16 SLURM_NTASKS_HET_GROUP_0=12 SLURM_NTASKS_HET_GROUP_1=4 bash "$script" "$volume" out/slurm.png
   same_picture "$script" out/slurm.png
 done

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <thread>
 
+#include "app/program_runner.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "support/temporary_folder.hpp"
 
 using namespace ringsplat;
-using support::TemporaryFolder;
+using app_test::TemporaryFolder;
 
 namespace {
 
@@ -151,4 +151,25 @@ TEST_CASE("the program starts without the libraries that only pictures need") {
   const std::string libraries = app_test::read_text(folder / "libraries");
   CHECK(libraries.find("libmpi") != std::string::npos);
   CHECK(libraries.find("OpenImageIO") == std::string::npos);
+}
+
+TEST_CASE("A picture in memory has the bytes of its file") {
+  const TemporaryFolder folder;
+  for (const std::string ending : {".png", ".exr"}) {
+    write_image(ramp(9), folder / ("a" + ending), glm::dvec3(0.5), "{}");
+    const Bytes bytes = image_bytes(ramp(9), ending, glm::dvec3(0.5), "{}");
+    CHECK(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()) ==
+          app_test::read_text(folder / ("a" + ending)));
+  }
+}
+
+TEST_CASE("Display pixels are those of a written picture") {
+  const TemporaryFolder folder;
+  write_image(ramp(9), folder / "a.png", glm::dvec3(0.2), "");
+  const Image stored = read_image(folder / "a.png").image;
+  const auto rgb = display_rgb(ramp(9), glm::dvec3(0.2));
+  REQUIRE(rgb.size() == 3 * 81);
+  for (std::size_t p = 0; p < 81; ++p)
+    for (std::size_t c = 0; c < 3; ++c)
+      CHECK(std::lround(255 * stored.rgba[4 * p + c]) == long(rgb[3 * p + c]));
 }

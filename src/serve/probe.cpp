@@ -1,0 +1,139 @@
+#include "serve/probe.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/matrix.hpp>
+
+#include "session/render_frames.hpp"
+
+namespace ringsplat::serve {
+namespace {
+
+/// Less opaque a ray hits nothing.
+constexpr float least_opacity = 1.0F / 32;
+
+LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
+
+/// Where the ray of a picture's only pixel meets the plane of that coordinate, in lattice coordinates.
+glm::dvec3 meet(const ViewTransform& view, int axis, double at) {
+  const glm::dmat3 to_lattice = glm::inverse(view.linear);
+  const glm::dvec3 point = to_lattice * (glm::dvec3(0.5, 0.5, 0) - view.offset);
+  const glm::dvec3 way = view.eye ? point - *view.eye : to_lattice * glm::dvec3(0, 0, 1);
+  return point + way * ((at - point[axis]) / way[axis]);
+}
+
+/// White from `high` on, black up to `low`, and opaque everywhere; between the ends red is the value.
+TransferFunction value_as_red(double low, double high) {
+  return {.name = "value",
+          .colours = {{low, glm::dvec3(0.0)}, {high, glm::dvec3(1.0)}},
+          .opacities = {{low, 1}, {high, 1}}};
+}
+
+}  // namespace
+
+Camera camera_of_pixel(const Camera& camera, int width, int height, double x, double y) {
+  const double side = std::min(width, height);
+  Camera pixel = camera;
+  pixel.zoom = camera.zoom * side;
+  pixel.pan = {0.5 * width + camera.pan[0] * side - (std::floor(x) + 0.5),
+               0.5 * height + camera.pan[1] * side - (std::floor(y) + 0.5)};
+  return pixel;
+}
+
+Probe::Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, double x, double y)
+    : grid_(grid),
+      range_(range),
+      pixel_(full),
+      box_(full.shown.clip.value_or(VoxelBox{glm::ivec3(0), grid.dims})) {
+  Shown& shown = pixel_.shown;
+  shown.camera = camera_of_pixel(shown.camera, shown.width, shown.height, x, y);
+  shown.width = shown.height = 1;
+  shown.shading = Shading::none;
+  check_frame(pixel_, grid);
+  const Traversal traversal =
+      choose_traversal(make_view(shown.camera, lattice_of(grid), 1, 1), lattice_of(grid));
+  axis_ = static_cast<int>(traversal.axis);
+  ascending_ = traversal.ascending;
+  high_ = box_.end[axis_] - box_.first[axis_];
+}
+
+VoxelBox Probe::front_slices(int count) const {
+  VoxelBox box = box_;
+  if (ascending_)
+    box.end[axis_] = box.first[axis_] + count;
+  else
+    box.first[axis_] = box.end[axis_] - count;
+  return box;
+}
+
+std::optional<FrameSpec> Probe::next_frame() const {
+  FrameSpec spec = pixel_;
+  switch (stage_) {
+    case Stage::whole:
+      return spec;
+    case Stage::place:
+      spec.shown.clip = front_slices((low_ + high_) / 2);
+      return spec;
+    case Stage::value:
+    case Stage::value_again:
+      spec.shown.transfer_function = value_as_red(value_low_, value_high_);
+      spec.shown.clip = box_;
+      spec.shown.clip->first[axis_] = slice_;
+      spec.shown.clip->end[axis_] = slice_ + 1;
+      return spec;
+    case Stage::done:
+      break;
+  }
+  return std::nullopt;
+}
+
+void Probe::take(const Image& picture) {
+  const float* const rgba = picture.pixel(0, 0);
+  switch (stage_) {
+    case Stage::whole:
+      high_opacity_ = rgba[3];
+      wanted_ = 0.5F * rgba[3];
+      stage_ = rgba[3] < least_opacity ? Stage::done : Stage::place;
+      break;
+    case Stage::place: {
+      const int middle = (low_ + high_) / 2;
+      const bool enough = rgba[3] >= wanted_;
+      (enough ? high_ : low_) = middle;
+      (enough ? high_opacity_ : low_opacity_) = rgba[3];
+      break;
+    }
+    case Stage::value:
+    case Stage::value_again:
+      read(rgba[0] / std::max(rgba[3], least_opacity));
+      break;
+    case Stage::done:
+      break;
+  }
+  if (stage_ == Stage::place && high_ - low_ <= 1) choose_place(low_opacity_, high_opacity_);
+}
+
+void Probe::choose_place(float before, float upto) {
+  const double into =
+      double(high_ - 1) + std::clamp((wanted_ - before) / std::max(upto - before, 1e-6F), 0.0F, 1.0F);
+  slice_ = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
+  const double at = ascending_ ? box_.first[axis_] - 0.5 + into : box_.end[axis_] - 0.5 - into;
+  const ViewTransform view = make_view(pixel_.shown.camera, lattice_of(grid_), 1, 1);
+  answer_.hit = true;
+  answer_.voxel = glm::clamp(meet(view, axis_, at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
+  answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);
+  value_low_ = range_.low;
+  value_high_ = range_.high > range_.low ? range_.high : range_.low + 1;
+  stage_ = Stage::value;
+}
+
+void Probe::read(double red) {
+  answer_.value = std::clamp(value_low_ + red * (value_high_ - value_low_), range_.low, range_.high);
+  // Tables resolve some 256 values of the range, so the neighbourhood is looked at once more.
+  const double reach = (value_high_ - value_low_) / 32;
+  value_low_ = answer_.value - reach;
+  value_high_ = answer_.value + reach;
+  stage_ = stage_ == Stage::value && reach > 0 ? Stage::value_again : Stage::done;
+}
+
+}  // namespace ringsplat::serve

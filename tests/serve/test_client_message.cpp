@@ -1,0 +1,90 @@
+#include "serve/client_message.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "ringsplat/base/error.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::serve;
+
+namespace {
+
+MessageRules rules() {
+  MessageRules r;
+  r.initial.transfer_function = {
+      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
+  r.dims = {10, 20, 30};
+  return r;
+}
+
+template <class Message>
+Message parsed(const std::string& text) {
+  return std::get<Message>(parse_client_message(text, rules()));
+}
+
+}  // namespace
+
+TEST_CASE("A view's missing members are those of the initial scene") {
+  const auto view = parsed<ViewMessage>(
+      R"({"type":"view","seq":7,"moving":true,"width":640,"height":480,"time":12.5,"state":{"camera":{"azimuth":30}}})");
+  CHECK(view.seq == 7);
+  CHECK(view.moving);
+  CHECK(view.width == 640);
+  CHECK(view.height == 480);
+  CHECK(view.time == 12.5);
+  SceneState expected = rules().initial;
+  expected.camera.azimuth = 30;
+  CHECK(view.scene == expected);
+}
+
+TEST_CASE("A scene that was written is read back to the last bit") {
+  SceneState scene = rules().initial;
+  scene.camera = {
+      .azimuth = 0.1, .elevation = -20, .roll = 3, .zoom = 1.7, .fov = 30, .distance = 4, .pan = {0.1, 0.2}};
+  scene.transfer_function.name = "mine";
+  scene.transfer_function.opacities = {{-3, 0.25}, {0.1, 0}, {0.1, 1}};
+  scene.shading = Shading::none;
+  scene.light = {1, 2, 3};
+  scene.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
+  scene.background = {0.1, 0.2, 0.3};
+  CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules().initial, rules().dims) == scene);
+}
+
+TEST_CASE("Messages that are not quite right are refused with words") {
+  for (
+      const char* text :
+      {"",
+       "{",
+       "[]",
+       "{}",
+       R"({"type":"video"})",
+       R"({"type":["view"]})",
+       R"({"type":"ack","picture":-1})",
+       R"({"type":"ack","picture":4294967296})",
+       R"({"type":"view","seq":1,"width":0,"height":9})",
+       R"({"type":"view","seq":1,"width":4097,"height":9})",
+       R"({"type":"view","seq":1,"width":9})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"camera":{"zoom":1e400}}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"camera":{"zoom":"1"}}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"camera":{"pan":[1]}}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip":[[0,11],[0,20],[0,30]]}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip":[[3,3],[0,20],[0,30]]}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"opacities":[[0,2],[1,1]]}}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"colours":[[0,0,0,0]]}}})",
+       R"({"type":"snapshot","id":1,"width":9,"height":9,"format":"jpg"})",
+       R"({"type":"probe","id":1,"x":-1,"y":0})"})
+    CHECK_THROWS_AS(parse_client_message(text, rules()), InputError);
+}
+
+TEST_CASE("Deep nesting is refused before it is parsed, brackets in texts do not count") {
+  CHECK_THROWS_AS(parse_client_message(std::string(60000, '['), rules()), InputError);
+  CHECK_THROWS_AS(parse_client_message(R"({"type":"drive","a":[[[[[[[[0]]]]]]]]})", rules()), InputError);
+  CHECK_NOTHROW(parse_client_message(R"({"type":"drive","a":"[[[[[[[[[[\"[[[["})", rules()));
+}
+
+TEST_CASE("Texts from outside are written as JSON whatever bytes they have") {
+  SceneState scene = rules().initial;
+  scene.transfer_function.name = "\xff\x00\"";
+  CHECK(nlohmann::json::accept(text_of(to_json(scene))));
+}
