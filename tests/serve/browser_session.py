@@ -254,4 +254,4 @@ class TheEnd(WithPage):
         self.addCleanup(server.stop)
         self.page.show(server.url)
         server.process.terminate()
-        self.page.wait("document.getElementById('ended').open || ringsplat.connection === 'lost'")
+        self.page.wait("document.getElementById('ended').open && ringsplat.connection === 'ended'")

@@ -20,6 +20,7 @@ import { showDriver, showEnd, showError, showFacts, showLink, showVolume } from 
 import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
 
+const lossesTold = 3;
 const fragmentWait = 300;  // milliseconds; browsers limit how often the address may change
 
 export class App {
@@ -31,6 +32,7 @@ export class App {
     this.lastFov = 40;
     this.latency = NaN;
     this.latencyOf = -1;
+    this.losses = 0;
     const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 }, background: [0.07, 0.07, 0.08] };
     this.stage = new Stage(() => ({ ...(this.scene.state ?? neutral), driving: this.driving }),
                            () => this.resized(), (picture) => this.pictureShown(picture));
@@ -144,6 +146,9 @@ export class App {
   linkChanged(status) {
     showLink(status);
     if (status !== 'open') this.requests.failAll('the connection was lost');
+    if (status === 'open') this.losses = 0;
+    if (status === 'lost' && ++this.losses === lossesTold)
+      this.complain('The server does not answer.', 'If it was started anew, open the address that it printed then.');
   }
 
   ended(message) {

@@ -89,6 +89,8 @@ export const maps = [
   { name: 'bone', colours: fromDigits('8c4026 ba734d e6d1a8 fffcf2') },
 ];
 
+const mostSteps = 200;
+
 /** Undo and redo. An edit that goes on (a drag) counts once: `commit` it at its end. */
 export class History {
   constructor() {
@@ -102,6 +104,7 @@ export class History {
   commit(tf) {
     if (tf === this.present) return;
     if (this.present) this.past.push(this.present);
+    if (this.past.length > mostSteps) this.past.shift();
     this.present = tf;
     this.future = [];
   }
