@@ -18,7 +18,7 @@ export function showFacts(picture, latency, hello) {
     picture.rate > 0 ? `${picture.rate.toFixed(picture.rate < 10 ? 1 : 0)} frames/s` : null,
     Number.isFinite(latency) ? `${latency.toFixed(0)} ms` : null,
     `${level} (${picture.level + 1} of ${picture.levels})`,
-    Number.isFinite(picture.error) ? `error ${show(picture.error, 2)} of 255` : null,
+    Number.isFinite(picture.error) && !picture.atRest ? `error ${show(picture.error, 2)} of 255` : null,
     `${picture.width} × ${picture.height}`,
     `${ranks} ${ranks === 1 ? 'rank' : 'ranks'}${hello.layout ? ': ' + hello.layout : ''}`,
   ];
@@ -56,6 +56,6 @@ export function showEnd(message, tryAgain) {
 export function showVolume({ name, dims, spacing, unit, type }) {
   document.title = `${name} – Ringsplat`;
   byId('volume-name').textContent = name;
-  byId('volume-facts').textContent =
+  byId('volume-facts').textContent = byId('volume-facts').title =
     `${dims.join(' × ')} ${type}, ${spacing.map((s) => show(s, 2)).join(' × ')}${unit ? ' ' + unit : ''}`;
 }
