@@ -131,6 +131,14 @@ class Flow(WithPage):
                                "|| e.getAttribute('aria-label') || e.labels?.[0]?.textContent.trim())).map(e => e.outerHTML)")
         self.assertEqual(unnamed, [])
 
+    def test_the_theme_can_be_chosen(self):
+        colour = "return getComputedStyle(document.getElementById('panel')).backgroundColor"
+        self.page.fill("theme", "dark")
+        dark = self.page.js(colour)
+        self.page.fill("theme", "light")
+        self.assertNotEqual(self.page.js(colour), dark)
+        self.page.fill("theme", "auto")
+
     def test_a_phone_shows_the_picture_and_folds_the_controls(self):
         driver = self.page.driver
         driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",

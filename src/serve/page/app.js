@@ -33,7 +33,8 @@ export class App {
     this.latency = NaN;
     this.latencyOf = -1;
     this.losses = 0;
-    const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 }, background: [0.07, 0.07, 0.08] };
+    const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 },
+                      background: [0.07, 0.07, 0.08] };
     this.stage = new Stage(() => ({ ...(this.scene.state ?? neutral), driving: this.driving }),
                            () => this.resized(), (picture) => this.pictureShown(picture));
     this.sender = new Sender((view) => this.sendView(view));
@@ -73,7 +74,8 @@ export class App {
       if (this.scene.state) this.takeState(checked.state);
       else this.brought = checked.state;
     }
-    if (token) history.replaceState(null, '', location.pathname + location.search + (state ? location.hash.replace(/^#[^&]*&?/, '#') : ''));
+    const rest = state ? location.hash.replace(/^#[^&]*&?/, '#') : '';
+    if (token) history.replaceState(null, '', location.pathname + location.search + rest);
     return token !== null;
   }
 
@@ -251,7 +253,8 @@ export class App {
   sendView({ seq, moving }) {
     if (!this.mayEdit()) return false;
     const { width, height } = this.stage.canvas;
-    const sent = this.connection.send({ type: 'view', seq, moving, width, height, time: performance.now(), state: this.scene.state });
+    const { state } = this.scene, time = performance.now();
+    const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
     if (sent) this.stage.remember(seq, this.scene.state.camera);
     return sent;
   }
@@ -286,7 +289,8 @@ export class App {
       if (keys.has('transfer_function')) this.transfer.refresh();
       if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
       if (keys.has('clip')) this.clipPanel.refresh();
-      this.scale = drawOverlay({ state: this.scene.state, volume: this.volume, seen: this.seen(), cross: this.probing.cross });
+      const { state } = this.scene, { cross } = this.probing;
+      this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross });
       byId('cube').hidden = !settings.cube;
       if (settings.cube) this.cube.draw(this.scene.state.camera, this.volume.patient);
       this.clipPanel.place();

@@ -42,7 +42,8 @@ export class ClipPanel {
   }
 
   put(axis, end, voxel) {
-    if (Number.isFinite(voxel)) this.app.scene.change({ clip: withFace(this.clip, axis, end, voxel, this.app.volume.dims) });
+    const { dims } = this.app.volume;
+    if (Number.isFinite(voxel)) this.app.scene.change({ clip: withFace(this.clip, axis, end, voxel, dims) });
     else this.refresh();
   }
 
@@ -114,7 +115,8 @@ export class ClipPanel {
     this.sliders.forEach(({ ranges, numbers, inside }, axis) => {
       const range = this.clip[axis];
       ends.forEach((_, k) => {
-        for (const input of [ranges[k], numbers[k]]) [input.max, input.value, input.disabled] = [dims[axis], range[k], state.clip === null];
+        for (const input of [ranges[k], numbers[k]])
+          Object.assign(input, { max: dims[axis], value: range[k], disabled: state.clip === null });
       });
       inside.style.left = `${(100 * range[0]) / dims[axis]}%`;
       inside.style.width = `${(100 * (range[1] - range[0])) / dims[axis]}%`;

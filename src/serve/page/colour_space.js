@@ -76,7 +76,8 @@ function mixDiverging(a, b, t) {
 /** By ParaView's name of the space; null for one that is not known. */
 export function interpolation(name, hsvWrap) {
   const lab = (a, b, t) => fromLab(mix(labOf(a), labOf(b), t));
-  const spaces = { RGB: mix, HSV: (a, b, t) => mixHsv(a, b, t, hsvWrap), Lab: lab, CIELAB: lab, Diverging: mixDiverging };
+  const hsv = (a, b, t) => mixHsv(a, b, t, hsvWrap);
+  const spaces = { RGB: mix, HSV: hsv, Lab: lab, CIELAB: lab, Diverging: mixDiverging };
   const mixed = Object.hasOwn(spaces, name) ? spaces[name] : null;
   return mixed && ((a, b, t) => mixed(a, b, t).map((c) => clamp(c, 0, 1)));
 }

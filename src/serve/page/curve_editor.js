@@ -122,7 +122,8 @@ export class CurveEditor {
       this.app.editTransfer(withPointAt(this.tf, which, index, [value + values * fine * (high - low), ...rest]), true);
     };
     const acts = {
-      ArrowLeft: () => move(-1, 0), ArrowRight: () => move(1, 0), ArrowUp: () => move(0, 1), ArrowDown: () => move(0, -1),
+      ArrowLeft: () => move(-1, 0), ArrowRight: () => move(1, 0),
+      ArrowUp: () => move(0, 1), ArrowDown: () => move(0, -1),
       PageUp: () => this.select(which, this.selected.index - 1),
       PageDown: () => this.select(which, this.selected.index + 1),
       Home: () => this.select(which, 0), End: () => this.select(which, Infinity),
@@ -166,7 +167,8 @@ export class CurveEditor {
   drawCurve() {
     const { context, width, height } = fitCanvas(byId('curve'));
     this.drawHistogram(context, width, height);
-    const accent = themeColour('--accent'), places = this.tf.opacities.map((p) => [this.x(p[0], width), this.y(p[1], height)]);
+    const accent = themeColour('--accent');
+    const places = this.tf.opacities.map((p) => [this.x(p[0], width), this.y(p[1], height)]);
     context.beginPath();
     context.moveTo(0, places[0][1]);
     for (const place of places) context.lineTo(...place);

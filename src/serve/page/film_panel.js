@@ -125,9 +125,11 @@ export class FilmPanel {
     const members = [], digits = Math.max(4, String(count).length);
     for (let index = 0; index < count; ++index) {
       this.progress(index, count);
-      const { blob } = await this.app.requests.ask(
-        { type: 'snapshot', width, height, format: 'png', state: this.sceneAt(this.timeOf(index, count)) }, this.job.signal);
-      members.push({ name: `${stem}-${String(index).padStart(digits, '0')}.png`, bytes: new Uint8Array(await blob.arrayBuffer()) });
+      const state = this.sceneAt(this.timeOf(index, count));
+      const name = `${stem}-${String(index).padStart(digits, '0')}.png`;
+      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format: 'png', state },
+                                                   this.job.signal);
+      members.push({ name, bytes: new Uint8Array(await blob.arrayBuffer()) });
     }
     return members;
   }
@@ -137,9 +139,9 @@ export class FilmPanel {
     const id = this.app.requests.newId();
     for (let index = 0; index < count; ++index) {
       this.progress(index, count);
+      const state = this.sceneAt(this.timeOf(index, count));
       const answer = await this.app.requests.ask(
-        { type: 'movie_frame', id, index, count, fps: this.rate, width, height, state: this.sceneAt(this.timeOf(index, count)) },
-        this.job.signal);
+        { type: 'movie_frame', id, index, count, fps: this.rate, width, height, state }, this.job.signal);
       if (answer.blob) return answer.blob;
     }
     throw new Error('the server sent no film');

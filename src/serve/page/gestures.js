@@ -92,7 +92,8 @@ export class Gestures {
   }
 
   roll(before, now) {
-    const angle = ([x, y]) => (Math.atan2(y - 0.5 * this.canvas.clientHeight, x - 0.5 * this.canvas.clientWidth) * 180) / Math.PI;
+    const { clientWidth, clientHeight } = this.canvas;
+    const angle = ([x, y]) => (Math.atan2(y - 0.5 * clientHeight, x - 0.5 * clientWidth) * 180) / Math.PI;
     const { scene } = this.app;
     scene.change({ camera: movePicture(scene.state.camera, { roll: angle(now) - angle(before) }) });
   }

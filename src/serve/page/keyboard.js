@@ -61,7 +61,8 @@ function actions(app) {
 }
 
 function fillHelp(list) {
-  const keys = (...names) => element('th', { scope: 'row' }, ...names.flatMap((name) => [element('kbd', {}, name), ' ']));
+  const keys = (...names) =>
+    element('th', { scope: 'row' }, ...names.flatMap((name) => [element('kbd', {}, name), ' ']));
   const row = (head, text) => element('tr', {}, head, element('td', {}, text));
   const names = { ' ': 'Space', Escape: 'Esc' };
   const rows = list.map(([key, text]) => row(keys(names[key] ?? key), text)), half = 15;

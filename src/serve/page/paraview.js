@@ -70,7 +70,8 @@ export function fromParaView(text) {
   const tf = { name: typeof map.Name === 'string' ? map.Name : 'unnamed',
                colours: sampleColours(colours, space, mixed), opacities: sampleOpacities(opacities) };
   if (!isTransferFunction(tf)) throw new Error('it needs two points at least, ascending, from 0 to 1');
-  if (Math.max(tf.colours.length, tf.opacities.length) > mostPoints) throw new Error(`it has more than ${mostPoints} points`);
+  if (Math.max(tf.colours.length, tf.opacities.length) > mostPoints)
+    throw new Error(`it has more than ${mostPoints} points`);
   return tf;
 }
 

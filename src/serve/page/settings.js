@@ -3,8 +3,8 @@
 import { byId } from './dom.js';
 
 const key = 'ringsplat.settings';
-const defaults = { turning: 'trackball', theme: 'auto', logAxis: true, cube: true, scale: true, colours: true, box: true,
-                   folded: null };
+const defaults = { turning: 'trackball', theme: 'auto', logAxis: true, cube: true, scale: true, colours: true,
+                   box: true, folded: null };
 
 function stored() {
   try {

@@ -29,13 +29,16 @@ export class SnapshotPanel {
 
   async save() {
     const width = byId('snapshot-width').valueAsNumber, height = byId('snapshot-height').valueAsNumber;
-    if (!byId('snapshot-width').checkValidity() || !byId('snapshot-height').checkValidity() || !(width > 0 && height > 0))
-      return this.app.complain('A picture cannot have this size.', `At most ${this.app.hello.largest.join(' × ')} pixels.`);
+    const valid = ['snapshot-width', 'snapshot-height'].every((id) => byId(id).checkValidity());
+    if (!valid || !(width > 0 && height > 0))
+      return this.app.complain('A picture cannot have this size.',
+                               `At most ${this.app.hello.largest.join(' × ')} pixels.`);
     const format = byId('snapshot-format').value, button = byId('snapshot');
     button.disabled = true;
     byId('snapshot-words').textContent = 'rendering …';
     try {
-      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format, state: this.app.scene.state });
+      const { state } = this.app.scene;
+      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format, state });
       download(`${fileStem(this.app.volume.name)}-${width}x${height}.${format}`, blob);
       byId('snapshot-words').textContent = 'saved';
     } catch (error) {

@@ -26,7 +26,8 @@ export class TransferPanel {
     });
     byId('point-colour').addEventListener('change', () => this.commit());
     byId('point-delete').addEventListener('click', () => this.editor.remove());
-    onNumber(byId('level'), (level) => this.edit(stretched(this.tf, 1, level - windowOf(this.tf).level), true), refresh);
+    onNumber(byId('level'),
+             (level) => this.edit(stretched(this.tf, 1, level - windowOf(this.tf).level), true), refresh);
     onNumber(byId('window'), (width) => {
       const now = windowOf(this.tf).width;
       if (width > 0 && now > 0) this.edit(stretched(this.tf, width / now, 0), true);
