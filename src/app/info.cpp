@@ -16,6 +16,7 @@
 #include "base/printable.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "volume/clipped.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat::app {
@@ -121,13 +122,20 @@ std::string histogram_text(const Histogram& histogram) {
   return text;
 }
 
-std::string to_text(const InfoOptions& o, const Grid& grid, const Contents& c, bool concurrent) {
+std::string range_text(const VoxelBox& box, int k) { return fmt::format("{}:{}", box.first[k], box.end[k]); }
+
+/// `grid` and contents are the clipped part's; GPs hold whole slices.
+std::string to_text(const InfoOptions& o, const Grid& whole, const Grid& grid, const Contents& c,
+                    bool concurrent) {
   const glm::dvec3 extent = glm::dvec3(grid.dims) * grid.spacing;
   std::string text;
   const auto row = [&](const char* name, const std::string& value) {
     text += fmt::format("{:<11}{}\n", name, value);
   };
   row("volume", o.volume.path);
+  if (const auto clip = clip_box(o.picture.clip, whole))
+    row("clip", fmt::format("{},{},{} of {} x {} x {}", range_text(*clip, 0), range_text(*clip, 1),
+                            range_text(*clip, 2), whole.dims.x, whole.dims.y, whole.dims.z));
   row("shape", fmt::format("{} x {} x {}, {} voxels", grid.dims.x, grid.dims.y, grid.dims.z, grid.voxels()));
   row("type", fmt::format("{}, {} in all", to_string(grid.type), human_bytes(grid.bytes())));
   row("spacing", triple_text(grid.spacing, " x "));
@@ -142,16 +150,19 @@ std::string to_text(const InfoOptions& o, const Grid& grid, const Contents& c, b
   text += fmt::format(
       "\nslices held by a GP (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n", "--gps",
       "all axes, lit", "all axes, unlit", "one axis, lit", "one axis, unlit");
-  for (const auto& m : memory_table(grid, o.gps))
+  for (const auto& m : memory_table(whole, o.gps))
     text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
                         human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain));
   return text;
 }
 
-nlohmann::json to_json(const InfoOptions& o, const Grid& grid, const Contents& c, bool concurrent) {
+nlohmann::json to_json(const InfoOptions& o, const Grid& whole, const Grid& grid, const Contents& c,
+                       bool concurrent) {
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
   j["volume"] = o.volume.path;
+  if (const auto clip = clip_box(o.picture.clip, whole))
+    for (int k = 0; k < 3; ++k) j["clip"].push_back({clip->first[k], clip->end[k]});
   j["dims"] = triple(grid.dims);
   j["voxels"] = grid.voxels();
   j["type"] = to_string(grid.type);
@@ -165,7 +176,7 @@ nlohmann::json to_json(const InfoOptions& o, const Grid& grid, const Contents& c
   j["finite"] = c.range.finite;
   j["not_finite"] = c.range.not_finite;
   j["histogram"] = {{"low", c.histogram.low}, {"high", c.histogram.high}, {"counts", c.histogram.counts}};
-  for (const auto& m : memory_table(grid, o.gps))
+  for (const auto& m : memory_table(whole, o.gps))
     j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
                                          {"all_axes_lit", m.all_lit},
                                          {"all_axes_unlit", m.all_plain},
@@ -189,14 +200,17 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
     throw InputError("a described machine has costs of splats only, so --machine cannot predict sheets",
                      "add --quality paper, or leave out --machine");
   const auto cameras = views_of(o.picture);
-  const FrameSpec& frame = o.picture.frame;
-  const auto axes = needed_axes(cameras, source.grid(), frame.shown.width, frame.shown.height);
+  RenderOptions picture = o.picture;
+  picture.frame.shown.clip = clip_box(picture.clip, source.grid());
+  const FrameSpec& frame = picture.frame;
+  const auto axes =
+      needed_axes(cameras, source.grid(), frame.shown.width, frame.shown.height, frame.shown.clip);
   const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
   Forecast f;
   if (!o.machine.empty()) f.machine = read_machine(o.machine);
   progress.begin("measuring a frame", 0);
   f.costs = measure_frame_costs(source, frame, TransferFunctionChoice(o.picture.transfer_function),
-                                probe_views(cameras), load_options(o.picture, axes),
+                                probe_views(cameras), load_options(picture, axes),
                                 f.machine ? &*f.machine : nullptr);
   progress.end();
   f.ranks = f.machine ? described_rank_costs(*f.machine, o.ranks) : usual_rank_costs(o.ranks, cores);
@@ -263,15 +277,17 @@ ExitCode run_info(const InfoOptions& o) {
   }
   Progress progress;
   WatchedSource source(open_volume(o.volume.path, o.volume.raw), progress);
-  const Contents contents = read_contents(source, progress);
+  const auto clip = clip_box(o.picture.clip, source.grid());
+  const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
+  const Contents contents = read_contents(clip ? *part : source, progress);
   std::optional<Forecast> predicted;
   if (o.ranks > 0) predicted = forecast(o, source, progress);
   if (o.json) {
-    auto j = to_json(o, source.grid(), contents, source.concurrent());
+    auto j = to_json(o, source.grid(), part->grid(), contents, source.concurrent());
     if (predicted) j["prediction"] = to_json(*predicted);
     fmt::print("{}\n", plain_json_text(std::move(j), 2));
   } else {
-    fmt::print("{}{}", to_text(o, source.grid(), contents, source.concurrent()),
+    fmt::print("{}{}", to_text(o, source.grid(), part->grid(), contents, source.concurrent()),
                predicted ? to_text(*predicted, o.ranks) : "");
   }
   return ExitCode::done;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "app/clip_option.hpp"
 #include "app/error_budget_options.hpp"
 #include "app/method_options.hpp"
 #include "app/option_values.hpp"
@@ -43,9 +44,10 @@ struct RunOptions {
 struct RenderOptions {
   VolumeOptions volume;
   RunOptions run;
-  /// Without its transfer function, which may depend on the volume's histogram. Its `how` follows from
-  /// `method`.
+  /// Without its transfer function, which may depend on the volume's histogram, and its clip box, which
+  /// follows from `clip` and the volume's grid. Its `how` follows from `method`.
   FrameSpec frame;
+  std::optional<ClipText> clip;
   MethodOptions method;
   std::string transfer_function = "auto", transfer_function_out;
   int orbit = 0;

@@ -53,6 +53,14 @@ CLI::Validator up_to_a_million_frames() {
   return {check, ""};
 }
 
+constexpr OptionRow<Render> clip_rows[] = {
+    {"--clip", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
+     "Only these voxels, from the first to before the last, as if the rest were cut off; an empty part or "
+     "end "
+     "means up to the face; with mm behind a part, or behind all, distances from the first face",
+     [](Render& o) { return parsed(o.clip, parse_clip); }},
+};
+
 constexpr OptionRow<Render> render_output_rows[] = {
     {"-o,--output", "FILE", nullptr,
      "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga; not needed with --stats or "
@@ -194,6 +202,7 @@ constexpr OptionRow<Render> shortcut_rows[] = {
 }  // namespace
 
 constexpr OptionGroup<Render> render_output_options{"Output", render_output_rows};
+constexpr OptionGroup<Render> clip_options{"Volume", clip_rows};
 constexpr OptionGroup<Render> camera_options{"View", camera_rows};
 constexpr OptionGroup<Render> view_options{"View", view_rows};
 constexpr OptionGroup<Render> size_options{"Picture", size_rows};

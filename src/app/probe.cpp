@@ -17,6 +17,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "session/render_frames.hpp"
+#include "volume/clipped.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -218,14 +219,19 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
                                const std::vector<Camera>& views, LoadOptions load, const Machine* machine) {
   const Grid grid = source.grid();
-  const std::vector<Slab> slabs = read_slabs(source);
+  std::vector<Slab> slabs = read_slabs(source);
   frame.shown.transfer_function = make_for(slabs, choice);
   check(frame);
+  // What is rendered are slabs of the clipped part, as volumes of their own.
+  const std::optional<VoxelBox> clip = frame.shown.clip;
+  if (clip) slabs = read_slabs(*clipped_source(source, *clip));
+  load.clip.reset();
   FrameCosts costs;
   costs.slices = 0;
   frame.shown.camera = views.front();
   FrameSpec finely = cut_finely(frame, grid);
   frame.division.dealt_to = 1;
+  frame.shown.clip.reset();
   std::vector<FrameSpec> whole, cut;
   int regions = 1;
   for (const Camera& camera : views) {
@@ -241,10 +247,12 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
     load.kept_axes[std::size_t(axis)] = true;
     whole.push_back(frame);
     cut.push_back(finely);
+    cut.back().shown.clip.reset();
   }
   int slices_read = 0;
   for (const Slab& slab : slabs) slices_read += slab.grid.dims.z;
-  const double scale = double(grid.dims.z) / slices_read / double(views.size());
+  const int slices = clip ? clip->dims().z : grid.dims.z;
+  const double scale = double(slices) / slices_read / double(views.size());
   const double mean = 1.0 / double(slabs.size()) / double(views.size());
   for (const Slab& slab : slabs) {
     const auto together = render_views(slab, whole, load, 1, machine);

@@ -61,6 +61,7 @@ ExitCode run_reference(const ReferenceOptions& o) {
   const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = o.picture.frame;
+  spec.shown.clip = clip_box(o.picture.clip, source->grid());
   spec.shown.transfer_function = choice.make(volume.histogram);
   check(spec);
   if (!o.picture.transfer_function_out.empty())

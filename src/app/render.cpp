@@ -85,7 +85,8 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
                                   Launch& launch) {
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
-  if (launch.rank() == 0) axes = needed_axes(plan.cameras, grid, o.frame.shown.width, o.frame.shown.height);
+  if (launch.rank() == 0)
+    axes = needed_axes(plan.cameras, grid, o.frame.shown.width, o.frame.shown.height, o.frame.shown.clip);
   const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
   return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }
@@ -93,8 +94,12 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
 }  // namespace
 
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
-  LoadOptions load{
-      axes, needs_normals(o.frame), {}, o.frame.shown.reduction.prefilter, needs_cell_ranges(o.frame)};
+  LoadOptions load{axes,
+                   needs_normals(o.frame),
+                   {},
+                   o.frame.shown.reduction.prefilter,
+                   needs_cell_ranges(o.frame),
+                   o.frame.shown.clip};
   for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
     load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
@@ -163,6 +168,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   launch.check_on_rank_0([&] { job.plan = make_plan(o); });
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
+  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
   launch.check_on_rank_0([&] { check_frames(o, job.plan, grid); });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);

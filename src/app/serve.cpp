@@ -75,6 +75,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
+  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
   launch.check_on_rank_0([&] { check_first_view(o.frame, grid); });
   job.load = load_for_levels(o.frame, grid);
   if (o.run.choose_roles) job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, launch);
@@ -113,6 +114,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   check(v.initial.transfer_function, o.transfer_function);
   v.initial.shading = o.frame.shown.shading;
   v.initial.light = o.frame.shown.light;
+  v.initial.clip = o.frame.shown.clip;
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
   v.qualities = qualities();
   v.target_seconds = options.target_ms / 1e3;

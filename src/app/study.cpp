@@ -60,10 +60,11 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const Wiring wiring{solo};
   const Layout layout{1, 1};
   OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
-  Scene scene = load_scene(
-      volume,
-      {needed_axes(list.views, volume.grid, list.width, list.height), spec.shown.shading == Shading::phong},
-      layout, wiring);
+  const auto& clip = spec.shown.clip;
+  LoadOptions load{needed_axes(list.views, volume.grid, list.width, list.height, clip),
+                   spec.shown.shading == Shading::phong};
+  load.clip = clip;
+  Scene scene = load_scene(volume, load, layout, wiring);
   std::vector<Timed> timed(list.views.size());
   std::size_t next = 0, done = 0;
   const std::size_t frames = list.views.size() * std::size_t(list.repetitions);
@@ -177,7 +178,8 @@ class SceneStudy {
   }
 
   void run(const StudyList::Setting& setting, nlohmann::ordered_json& rows) {
-    const FrameSpec spec = frame_of(list_, setting, transfer_function_);
+    FrameSpec spec = frame_of(list_, setting, transfer_function_);
+    spec.shown.clip = clip_box(scene_list_.clip, scene_.grid);
     const auto timed = render_views(list_, scene_list_, spec);
     for (std::size_t v = 0; v < list_.views.size(); ++v)
       for (const TruthKind kind : list_.truths) {

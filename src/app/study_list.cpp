@@ -250,6 +250,8 @@ class Reader {
       s.type = scalar_type_from(text(item));
     else if (item.name == "tf")
       s.transfer_function = text(item);
+    else if (item.name == "clip")
+      s.clip = parse_clip(text(item), item.fullname());
     else
       wrong(item, "is no key of a scene");
   }

@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct StudyList {
     glm::ivec3 dims{64};
     ScalarType type = ScalarType::uint8;
     std::string transfer_function = "auto";
+    std::optional<ClipText> clip;
   };
   struct Setting {
     std::string name;

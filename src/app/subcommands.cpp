@@ -17,6 +17,7 @@ void require_volume(const CLI::App& app, const VolumeOptions& volume) {
 void add_render_options(CLI::App& app, AllOptions& all) {
   RenderOptions& o = all.render;
   add_options(app, volume_options, o.volume);
+  add_options(app, clip_options, o);
   add_options(app, render_output_options, o);
   add_options(app, camera_options, o);
   add_options(app, view_options, o);
@@ -55,6 +56,7 @@ void add_serve_options(CLI::App& app, AllOptions& all) {
   o.picture.run.protocol.look_ahead = o.picture.run.protocol.send_ahead = 4;
   o.picture.frame.how = sheets_of(Quality::best);
   add_options(app, volume_options, o.picture.volume);
+  add_options(app, clip_options, o.picture);
   add_options(app, server_options, o);
   add_options(app, camera_options, o.picture);
   add_options(app, size_options, o.picture);
@@ -73,6 +75,7 @@ Command settle_serve(const CLI::App& app, AllOptions& all) {
 void add_info_options(CLI::App& app, AllOptions& all) {
   InfoOptions& o = all.info;
   add_options(app, volume_options, o.volume);
+  add_options(app, clip_options, o.picture);
   add_options(app, info_output_options, o);
   add_options(app, prediction_options, o);
   add_options(app, camera_options, o.picture);
@@ -101,6 +104,7 @@ Command settle_synth(const CLI::App&, AllOptions& all) { return all.synth; }
 void add_reference_options(CLI::App& app, AllOptions& all) {
   ReferenceOptions& o = all.reference;
   add_options(app, volume_options, o.picture.volume);
+  add_options(app, clip_options, o.picture);
   add_options(app, truth_options, o);
   add_options(app, reference_output_options, o);
   add_options(app, camera_options, o.picture);

@@ -20,6 +20,7 @@ void set_method(truth::Scene& scene, const Sheets& sheets) {
 void set_frame(truth::Scene& scene, const FrameSpec& spec) {
   scene.transfer_function = spec.shown.transfer_function;
   scene.camera = spec.shown.camera;
+  scene.clip = spec.shown.clip;
   scene.width = spec.shown.width;
   scene.height = spec.shown.height;
   scene.shaded = spec.shown.shading == Shading::phong;

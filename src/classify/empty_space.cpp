@@ -56,7 +56,12 @@ const std::vector<bool>& EmptySpace::shown_slices(const SliceStore& store, Axis 
   return shown;
 }
 
-VisibleVoxels& EmptySpace::voxels(const SliceView& view, const TransferFunction& transfer_function) {
+VisibleVoxels& EmptySpace::voxels(const SliceView& view, const TransferFunction& transfer_function,
+                                  const VoxelBox& box) {
+  if (box != box_) {
+    box_ = box;
+    for (auto& axis : slices_) axis.clear();
+  }
   if (!finder_ || transfer_function != transfer_function_) {
     transfer_function_ = transfer_function;
     finder_.emplace(transfer_function_, view.type, 1.0);

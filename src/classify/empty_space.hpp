@@ -54,11 +54,14 @@ class VisibleVoxels {
 };
 
 /// What of a GP's slices, all of one scalar type, a transfer function makes visible: found when a slice is
-/// first asked for, and again when the transfer function has changed; the blocks' ranges are found once.
+/// first asked for, and again when the transfer function or the part of the volume has changed; the blocks'
+/// ranges are found once for a part.
 class EmptySpace {
  public:
-  /// Valid until the next call with another transfer function.
-  VisibleVoxels& voxels(const SliceView& slice, const TransferFunction& transfer_function);
+  /// `box`: the part of the volume whose slice it is; slices of one part are kept. Valid until the next call
+  /// with another transfer function or part.
+  VisibleVoxels& voxels(const SliceView& slice, const TransferFunction& transfer_function,
+                        const VoxelBox& box = {});
 
   /// By slice of the whole volume, other GPs' too, whether it may have visible voxels; all may when nothing
   /// is known of them. Valid until the next call with another transfer function; voxels() stay valid, so
@@ -72,6 +75,7 @@ class EmptySpace {
     VisibleVoxels voxels;
     bool current = false;  ///< `voxels` are those of transfer_function_
   };
+  VoxelBox box_;  ///< the part whose slices are kept
   TransferFunction transfer_function_;
   std::optional<Classifier> finder_;          ///< its
   std::array<std::vector<Slice>, 3> slices_;  ///< by axis and index

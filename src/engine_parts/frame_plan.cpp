@@ -8,8 +8,10 @@ FramePlan plan_of(const FrameGeometry& g, int gps, int renderers) {
   FramePlan plan;
   plan.ascending = g.traversal.ascending;
   plan.owners.resize(std::size_t(g.slices));
+  // Owners are those of the whole volume's slices.
+  const int first = g.box.first[static_cast<int>(g.traversal.axis)];
   for (int step = 0; step < g.slices; ++step)
-    plan.owners[std::size_t(step)] = SliceStore::owner_of(g.traversal.slice_at(step, g.slices), gps);
+    plan.owners[std::size_t(step)] = SliceStore::owner_of(first + g.traversal.slice_at(step, g.slices), gps);
   const RegionOwners owners = g.owners(renderers);
   plan.tiles.resize(std::size_t(g.regions.count()));
   for (int region = 0; region < g.regions.count(); ++region) {

@@ -15,12 +15,25 @@ LatticeFrame lattice_frame(const Grid& grid) {
   return {grid.dims, grid.spacing, grid.origin, grid.direction};
 }
 
-Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height) {
-  const LatticeFrame lattice = lattice_frame(grid);
-  return choose_traversal(make_view(camera, lattice, width, height), lattice).axis;
+namespace {
+
+VoxelBox shown_box(const std::optional<VoxelBox>& clip, const Grid& grid) {
+  if (!clip) return whole_box(grid);
+  check(*clip, grid);
+  return *clip;
 }
 
-namespace {
+/// The view of a lattice, from the lattice that begins at its voxel `first`.
+ViewTransform moved_view(ViewTransform view, const glm::ivec3& first) {
+  view.offset = view.project(glm::dvec3(first));
+  if (view.eye) *view.eye -= glm::dvec3(first);
+  return view;
+}
+
+/// The traversal of a part of the volume: in perspective the eye must lie outside of the part only.
+Traversal traversal_of(const ViewTransform& view, const Grid& grid, const VoxelBox& box) {
+  return choose_traversal(moved_view(view, box.first), lattice_frame(clipped_grid(grid, box)));
+}
 
 /// The view of a reduced volume's lattice that shows it where the volume is.
 ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
@@ -42,19 +55,24 @@ void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, doubl
 
 /// Geometry of the volume on the screen.
 FrameGeometry screen_geometry(const Shown& shown, const Grid& grid) {
-  const LatticeFrame lattice = lattice_frame(grid);
   FrameGeometry g;
-  g.view = make_view(shown.camera, lattice, shown.width, shown.height);
-  g.traversal = choose_traversal(g.view, lattice);
+  g.view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
   g.grid = grid;
+  g.box = shown_box(shown.clip, grid);
+  g.traversal = traversal_of(g.view, grid, g.box);
   if (shown.reduction.factor > 1) {
     g.grid = reduced_grid(grid, shown.reduction);
+    g.box = shown.clip ? reduced_box(*shown.clip, grid, shown.reduction) : whole_box(g.grid);
     g.view = reduced_view(g.view, shown.reduction);
     // The reduced box may be larger, so that the eye lies among its slices. Only the whole's are loaded.
-    if (g.view.eye && choose_traversal(g.view, lattice_frame(g.grid)).axis != g.traversal.axis)
+    if (g.view.eye && traversal_of(g.view, g.grid, g.box).axis != g.traversal.axis)
       throw InputError("the eye is too near to the volume to see it undersampled",
                        "use a larger --distance or --undersample 1");
     g.traversal.slice_distance *= shown.reduction.factor;
+  }
+  if (shown.clip) {
+    g.view = moved_view(g.view, g.box.first);
+    g.grid = clipped_grid(g.grid, g.box);
   }
   g.width = shown.width;
   g.height = shown.height;
@@ -98,6 +116,12 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
 }
 
 }  // namespace
+
+Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height,
+                    const std::optional<VoxelBox>& clip) {
+  return traversal_of(make_view(camera, lattice_frame(grid), width, height), grid, shown_box(clip, grid))
+      .axis;
+}
 
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   check_projection(spec.shown.camera, spec.how);

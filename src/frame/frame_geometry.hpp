@@ -12,7 +12,8 @@ namespace ringsplat {
 
 /// What follows from a FrameSpec and a volume's grid; the same on every rank.
 struct FrameGeometry {
-  Grid grid;           ///< the rendered volume's: reduced when undersampled
+  Grid grid;           ///< of what is rendered: reduced when undersampled, and the part in `box`
+  VoxelBox box;        ///< that part of the (reduced) volume's slices
   ViewTransform view;  ///< from that grid's lattice to the image plane
   Traversal traversal;
   /// Reach of a voxel's footprint from its centre, in pixels of the image plane; of the nearest voxel in a
@@ -31,9 +32,12 @@ struct FrameGeometry {
   }
 };
 LatticeFrame lattice_frame(const Grid& grid);
-/// The axis of the slice set that a view traverses.
-Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height);
-/// Throws InputError when a view cannot be drawn by the frame's method.
+/// The axis of the slice set that a view of the volume, or of a part of it, traverses. Throws InputError when
+/// it can traverse none, or the part is none of the volume's.
+Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height,
+                    const std::optional<VoxelBox>& clip = std::nullopt);
+/// Throws InputError when a view cannot be drawn by the frame's method, or the clip box is none of the
+/// volume's.
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
 /// The footprint that all voxels of a frame share.
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);

@@ -11,6 +11,7 @@
 #include "net/blocks.hpp"
 #include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
+#include "volume/clipped.hpp"
 #include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
@@ -53,11 +54,13 @@ class Dealer {
         gps_of_process_(gps_of_process),
         collectives_(collectives),
         process_of_gp_(std::size_t(gps)),
-        slice_bytes_(grid_.slice_bytes(Axis::z)) {
+        slice_bytes_(grid_.slice_bytes(Axis::z)),
+        lit_(options.clip.value_or(whole_box(grid_))) {
     for (std::size_t p = 0; p < gps_of_process.size(); ++p)
       for (const int gp : gps_of_process[p]) process_of_gp_[std::size_t(gp)] = static_cast<int>(p);
     for (const int gp : gps_of_process[std::size_t(collectives.process())])
-      stores_.emplace(gp, SliceStore(grid_, gp, gps, options.kept_axes, options.with_normals));
+      stores_.emplace(gp, SliceStore(grid_, gp, gps, options.kept_axes, options.with_normals))
+          .first->second.know_normals_within(lit_);
   }
 
   std::map<int, SliceStore> deal() {
@@ -150,8 +153,11 @@ class Dealer {
     const std::byte* here = slice_at(z);
     std::vector<std::uint16_t> normals;
     if (options_.with_normals) {
-      normals.resize(grid_.slice_voxels(Axis::z));
-      slice_normals(grid_, slice_at(z - 1), here, slice_at(z + 1), normals);
+      normals.assign(grid_.slice_voxels(Axis::z), no_normal);
+      if (lit_ == whole_box(grid_))
+        slice_normals(grid_, slice_at(z - 1), here, slice_at(z + 1), normals);
+      else if (z >= lit_.first.z && z < lit_.end.z)
+        make_normals_within(z, normals);
     }
     const std::span<const std::byte> values(here, slice_bytes_);
     if (options_.kept_axes[2]) {
@@ -172,6 +178,25 @@ class Dealer {
         block.insert(block.end(), lines.begin(), lines.end());
       }
     }
+  }
+
+  /// The normals of a slice of the volume cropped to lit_, at their places in the whole slice.
+  void make_normals_within(int z, std::vector<NormalCode>& normals) {
+    const Grid part = clipped_grid(grid_, lit_);
+    std::array<Block, 3> slices;
+    for (int k = 0; k < 3; ++k) {
+      const int at = z + k - 1;
+      if (at < lit_.first.z || at >= lit_.end.z) continue;
+      slices[std::size_t(k)].resize(part.slice_bytes(Axis::z));
+      copy_clipped(grid_, lit_, slice_at(at), slices[std::size_t(k)].data());
+    }
+    const auto values = [&](std::size_t k) { return slices[k].empty() ? nullptr : slices[k].data(); };
+    std::vector<NormalCode> within(part.slice_voxels(Axis::z));
+    slice_normals(part, values(0), values(1), values(2), within);
+    const auto width = std::ptrdiff_t(part.dims.x);
+    for (int y = 0; y < part.dims.y; ++y)
+      std::copy_n(within.begin() + y * width, width,
+                  normals.begin() + std::ptrdiff_t(lit_.first.y + y) * grid_.dims.x + lit_.first.x);
   }
 
   void place_lines(std::span<const std::byte> block) {
@@ -198,6 +223,7 @@ class Dealer {
   Collectives& collectives_;
   std::vector<int> process_of_gp_;
   std::size_t slice_bytes_;
+  VoxelBox lit_;  ///< where normals are made
   std::map<int, SliceStore> stores_;
   std::map<int, Block> window_;    ///< process 0's decoded slices that are still needed
   std::map<int, Block> received_;  ///< z slices this process has for the round

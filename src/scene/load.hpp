@@ -3,6 +3,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -20,6 +22,9 @@ struct LoadOptions {
   std::vector<int> factors{1};    ///< reduction factors of the levels to keep; 1 is the volume itself
   bool prefilter = false;         ///< for reduced levels (volume/reduced.hpp)
   bool with_cell_ranges = false;  ///< what sheets need to leave out what cannot be seen
+  /// The part of the volume that is shown. Slices are kept whole, normals are made within it: those of lit
+  /// splats are right in frames with this clip box only.
+  std::optional<VoxelBox> clip = std::nullopt;
 };
 
 struct OpenedVolume {

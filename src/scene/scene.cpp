@@ -20,7 +20,9 @@ void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, c
                int gps, const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
-  auto stores = deal_slices(reduced, options, gps, gps_of_process, collectives);
+  LoadOptions of_level = options;
+  if (options.clip) of_level.clip = reduced_box(*options.clip, volume.grid, reduction);
+  auto stores = deal_slices(reduced, of_level, gps, gps_of_process, collectives);
   share_ranges(stores, options, gps, gps_of_process, collectives);
   for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
 }
@@ -29,6 +31,7 @@ void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, c
 
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+  if (options.clip) check(*options.clip, volume.grid);
   Scene scene;
   scene.grid = volume.grid;
   const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();

@@ -32,6 +32,11 @@ std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring&
   return gps;
 }
 
+std::string text_of(const VoxelBox& box) {
+  return fmt::format("{}:{},{}:{},{}:{}", box.first.x, box.end.x, box.first.y, box.end.y, box.first.z,
+                     box.end.z);
+}
+
 /// What ranks must agree on to understand each other's messages while a volume is dealt and rendered.
 Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) {
   std::string axes, levels;
@@ -50,7 +55,8 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
                    {"kept axes", axes},
                    {"normals", load.with_normals ? "kept" : "left out"},
                    {"levels", levels},
-                   {"prefilter", load.prefilter ? "yes" : "no"}};
+                   {"prefilter", load.prefilter ? "yes" : "no"},
+                   {"clip box", load.clip ? text_of(*load.clip) : "none"}};
   facts.insert(facts.end(), more.begin(), more.end());
   return facts;
 }
@@ -66,19 +72,21 @@ void check_wiring(const Layout& layout, const Wiring& wiring) {
 
 }  // namespace
 
-std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height) {
+std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height,
+                                const std::optional<VoxelBox>& clip) {
   std::array<bool, 3> needed{};
   for (const Camera& camera : cameras)
-    needed[std::size_t(traversed_axis(camera, grid, width, height))] = true;
+    needed[std::size_t(traversed_axis(camera, grid, width, height, clip))] = true;
   return needed;
 }
 
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
-  return {needed_axes({spec.shown.camera}, grid, spec.shown.width, spec.shown.height),
+  return {needed_axes({spec.shown.camera}, grid, spec.shown.width, spec.shown.height, spec.shown.clip),
           needs_normals(spec),
           {spec.shown.reduction.factor},
           spec.shown.reduction.prefilter,
-          needs_cell_ranges(spec)};
+          needs_cell_ranges(spec),
+          spec.shown.clip};
 }
 
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,

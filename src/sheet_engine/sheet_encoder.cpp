@@ -45,7 +45,8 @@ class SheetEncoder final : public Encoder {
   std::vector<int> shown() override {
     std::vector<bool> may_show(std::size_t(geometry().slices), true);
     if (skip_empty_)
-      may_show = blocks_.shown_slices(store_, axis(), frame_->reach(), frame_->shown.transfer_function);
+      may_show =
+          shown_slices(store_, geometry().box, axis(), frame_->reach(), frame_->shown.transfer_function);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
       if (may_show[std::size_t(frame_->slice_at(step))]) steps.push_back(step);
@@ -58,9 +59,10 @@ class SheetEncoder final : public Encoder {
   }
 
   void begin(int step) override {
-    slice_ = store_.slice(axis(), frame_->slice_at(step));
+    slice_ = store_.slice(axis(), frame_->slice_at(step), geometry().box);
     columns_ = CellRanges::blocks_along(slice_.width);
-    states_ = blocks_.of(store_, axis(), slice_.index, frame_->reach(), frame_->shown.transfer_function);
+    states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(),
+                         frame_->shown.transfer_function);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height)};
     next_row_ = 0;
     for (Part& part : parts_) part.begin(states_.size());
@@ -204,7 +206,7 @@ class SheetEncoder final : public Encoder {
 
   /// Copies the voxels of a row's present blocks to `to`; returns the end of what it wrote.
   std::byte* copy_voxels(const Part& part, int row, std::byte* to) const {
-    const std::size_t scalar = size_of(slice_.type), pitch = std::size_t(slice_.width) * scalar;
+    const std::size_t scalar = size_of(slice_.type), pitch = slice_.row_pitch() * scalar;
     const int high = block_height(row);
     const std::byte* first = slice_.values_of_row(row * side);
     for (int column = 0; column < columns_; ++column) {
@@ -216,7 +218,7 @@ class SheetEncoder final : public Encoder {
     return to;
   }
 
-  /// Of all slices, other GPs' too.
+  /// Of all the whole volume's slices, other GPs' too, so that a clip box changes no table.
   void find_volume_range() {
     if (const SliceRanges* ranges = store_.ranges())
       for (const SliceRange& range : ranges->of(axis())) {

@@ -39,6 +39,11 @@ class SliceEncoder final : public Encoder {
     if (announced_->shown.shading == Shading::phong && !store_.has_normals())
       throw RunError(fmt::format("frame {} is shaded, but no normals were loaded", announced_->number),
                      "load them with --shading phong");
+    if (announced_->shown.shading == Shading::phong && store_.normals_within() != geometry().box)
+      throw RunError(
+          fmt::format("frame {} is lit within another clip box than its splats' normals were made for",
+                      announced_->number),
+          "load the volume with this clip box, or draw sheets, whose gradients are made frame by frame");
   }
 
   std::vector<int> shown() override {
@@ -46,9 +51,10 @@ class SliceEncoder final : public Encoder {
     if (skip_empty_)
       may_show =
           &empty_space_.shown_slices(store_, geometry().traversal.axis, announced_->shown.transfer_function);
+    const int first = geometry().box.first[static_cast<int>(geometry().traversal.axis)];
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
-      if (may_show == nullptr || (*may_show)[std::size_t(slice_at(step))]) steps.push_back(step);
+      if (may_show == nullptr || (*may_show)[std::size_t(first + slice_at(step))]) steps.push_back(step);
     return steps;
   }
 
@@ -59,9 +65,9 @@ class SliceEncoder final : public Encoder {
 
   void begin(int step) override {
     if (!frame_) frame_.emplace(*announced_);
-    const SliceView slice = store_.slice(geometry().traversal.axis, slice_at(step));
+    const SliceView slice = store_.slice(geometry().traversal.axis, slice_at(step), geometry().box);
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
-    VisibleVoxels& visible = empty_space_.voxels(slice, announced_->shown.transfer_function);
+    VisibleVoxels& visible = empty_space_.voxels(slice, announced_->shown.transfer_function, geometry().box);
     const std::vector<int> bounds = row_bounds(visible.runs(), slice.height, threads_.size());
     bands_in_use_ = bounds.size() - 1;
     while (bands_.size() < bands_in_use_)

@@ -107,6 +107,7 @@ std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, 
   check(scene.transfer_function, scene.transfer_function.name);
   if (!(tolerance > 0 && tolerance < 1))
     throw InputError(fmt::format("a tolerance of {} is not between 0 and 1", tolerance), "for instance 1e-6");
+  if (scene.clip) check(*scene.clip, scene.grid);
   const FormulaIntegrator integrator(scene, field, scale, tolerance);
   std::vector<Rgba> colours(pixels.size());
   parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {

@@ -189,6 +189,7 @@ std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels,
   check(scene);
   if (!(tolerance > 0 && tolerance < 1))
     throw InputError(fmt::format("a tolerance of {} is not between 0 and 1", tolerance), "for instance 1e-6");
+  if (scene.clip) return field_truth(cropped(scene), pixels, tolerance);
   const FieldIntegrator integrator(scene, tolerance);
   std::vector<Rgba> colours(pixels.size());
   parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {

@@ -8,13 +8,15 @@
 namespace ringsplat::truth {
 
 LatticeFrame lattice_of(const Grid& grid);
+/// The view from the scene's lattice to the screen.
+ViewTransform view_of(const Scene& scene);
 
 /// A box in lattice coordinates.
 struct LatticeBox {
   glm::dvec3 low, high;
 };
-/// The voxels' faces: [−½, n − ½] along each axis.
-LatticeBox voxel_faces(const Grid& grid);
+/// The faces of the voxels that are shown: [−½, n − ½] along each axis without a clip box.
+LatticeBox voxel_faces(const Scene& scene);
 
 /// A pixel's ray in lattice coordinates: origin + s · step, s in unit lengths. It enters the box at `enter`
 /// and leaves it at `leave`; enter ≥ leave when it misses. A ray from an eye inside the box enters at the
@@ -29,7 +31,7 @@ struct LatticeRay {
 /// The rays of one view through a box: that of the voxels' faces, or another one.
 class Rays {
  public:
-  explicit Rays(const Scene& scene) : Rays(scene, voxel_faces(scene.grid)) {}
+  explicit Rays(const Scene& scene) : Rays(scene, voxel_faces(scene)) {}
   Rays(const Scene& scene, const LatticeBox& box);
   LatticeRay through(Pixel pixel) const;
   /// The pixels whose rays cross the box.

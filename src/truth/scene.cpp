@@ -16,6 +16,23 @@ void check(const Scene& scene) {
     throw InputError(
         fmt::format("the reference has {} values for {} voxels", scene.values.size(), scene.grid.voxels()),
         "read the whole volume");
+  if (scene.clip) check(*scene.clip, scene.grid);
+}
+
+Scene cropped(const Scene& scene) {
+  const glm::ivec3 first = scene.clip->first, end = scene.clip->end, dims = scene.grid.dims;
+  Scene part = scene;
+  part.clip.reset();
+  part.cut_from = {{dims, scene.grid.spacing, scene.grid.origin, scene.grid.direction}, first};
+  part.grid.dims = end - first;
+  part.grid.origin = scene.grid.origin + scene.grid.direction * (scene.grid.spacing * glm::dvec3(first));
+  part.values.clear();
+  for (int z = first.z; z < end.z; ++z)
+    for (int y = first.y; y < end.y; ++y) {
+      const auto row = scene.values.begin() + (std::ptrdiff_t(z) * dims.y + y) * dims.x;
+      part.values.insert(part.values.end(), row + first.x, row + end.x);
+    }
+  return part;
 }
 
 std::vector<double> read_values(VolumeSource& source) {

@@ -12,6 +12,7 @@
 #include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 
 /// The references that pictures are measured against. They compute the renderer's model but share none of its
 /// code: double precision throughout, each pixel by itself, no tables, no incremental positions, no regions,
@@ -39,10 +40,22 @@ struct Scene {
   /// The method whose truth method_truth() is: sheets, or without a value splats.
   std::optional<SheetMethod> sheets;
   bool opacity_correction = true;  ///< for the distance between slices along the ray (method truth only)
+  /// What is shown of the volume, as if the rest were cut off; the camera fits the whole.
+  std::optional<VoxelBox> clip = std::nullopt;
+  /// Of a volume that was cropped: the one that the camera fits, and the place of voxel (0, 0, 0) in it.
+  struct CutFrom {
+    LatticeFrame whole;
+    glm::ivec3 first;
+  };
+  std::optional<CutFrom> cut_from = std::nullopt;
 };
 
-/// Throws InputError when the number of values is not the grid's, or the grid or transfer function is bad.
+/// Throws InputError when the number of values is not the grid's, or the grid, the clip box or the transfer
+/// function is bad.
 void check(const Scene& scene);
+
+/// A checked scene of the part in its clip box alone: a volume of its own, seen by the same camera.
+Scene cropped(const Scene& scene);
 
 /// The whole volume as doubles: 8 bytes a voxel.
 std::vector<double> read_values(VolumeSource& source);

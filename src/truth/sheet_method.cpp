@@ -167,6 +167,7 @@ std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> 
       scene.sheets->light_points > 2)
     throw InputError("the scene does not say how sheets draw it",
                      "give at least one slab a slice and one or two light points");
+  if (scene.clip) return sheet_method_truth(cropped(scene), pixels);
   const SheetTracer tracer(scene);
   std::vector<Rgba> colours(pixels.size());
   parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {

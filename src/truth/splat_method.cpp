@@ -75,7 +75,7 @@ class Method {
  public:
   Method(const Scene& scene, Normals normals)
       : scene_(scene),
-        view_(make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height)),
+        view_(view_of(scene)),
         traversal_(choose_traversal(view_, lattice_of(scene.grid))),
         axis_(int(traversal_.axis)),
         u_(in_plane(traversal_.axis).u),
@@ -213,18 +213,20 @@ std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> 
   check(scene);
   if (scene.camera.fov != 0)
     throw InputError("there is no truth of splats in perspective", "use an orthographic camera");
+  if (scene.clip) return splat_method_truth(cropped(scene), pixels, normals);
   return Method(scene, normals).evaluate(pixels);
 }
 
 ScreenBounds splat_method_bounds(const Scene& scene) {
-  const ViewTransform view = make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height);
+  const ViewTransform view = view_of(scene);
   const Axis axis = choose_traversal(view, lattice_of(scene.grid)).axis;
   const auto [u, v] = in_plane(axis);
   const Kernel kernel = make_kernel(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]), scene.radius);
   glm::dvec3 reach(slack);
   reach[u] += kernel.lattice_reach.x;
   reach[v] += kernel.lattice_reach.y;
-  return Rays(scene, {-reach, glm::dvec3(scene.grid.dims) - 1.0 + reach}).bounds();
+  const LatticeBox faces = voxel_faces(scene);
+  return Rays(scene, {faces.low + 0.5 - reach, faces.high - 0.5 + reach}).bounds();
 }
 
 }  // namespace ringsplat::truth

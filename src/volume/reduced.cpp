@@ -192,6 +192,31 @@ Grid reduced_grid(const Grid& grid, const Reduction& reduction) {
   return reduced;
 }
 
+VoxelBox reduced_box(const VoxelBox& box, const Grid& grid, const Reduction& reduction) {
+  const glm::ivec3 dims = reduced_grid(grid, reduction).dims;
+  const int factor = reduction.factor;
+  // Voxel i lies at factor * i + shift / 2. The box ends half a voxel before `first` and `end`.
+  const int shift = reduction.prefilter ? factor - 1 : 0;
+  const auto first_behind = [&](std::int64_t face) {
+    const std::int64_t twice = 2 * face - 1 - shift, step = 2 * std::int64_t(factor);
+    return twice <= 0 ? 0 : static_cast<int>((twice + step - 1) / step);
+  };
+  VoxelBox reduced;
+  for (int k = 0; k < 3; ++k) {
+    int first = box.first[k] == 0 ? 0 : first_behind(box.first[k]),
+        end = box.end[k] == grid.dims[k] ? dims[k] : std::min(first_behind(box.end[k]), dims[k]);
+    if (first >= end) {
+      const std::int64_t twice_middle = std::int64_t(box.first[k]) + box.end[k] - 1 - shift;
+      first = static_cast<int>(
+          std::clamp<std::int64_t>((twice_middle + factor) / (2 * std::int64_t(factor)), 0, dims[k] - 1));
+      end = first + 1;
+    }
+    reduced.first[k] = first;
+    reduced.end[k] = end;
+  }
+  return reduced;
+}
+
 std::unique_ptr<VolumeSource> reduced_source(VolumeSource& full, const Reduction& reduction) {
   if (!reduction.prefilter) return std::make_unique<SkippingSource>(full, reduction.factor);
   if (reduction.factor != 2 && reduction.factor != 4)

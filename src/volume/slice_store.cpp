@@ -53,7 +53,12 @@ void require_crossing(Axis axis) {
 }  // namespace
 
 SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals)
-    : grid_(grid), gp_(gp), gps_(gps), kept_(kept_axes), with_normals_(with_normals) {
+    : grid_(grid),
+      gp_(gp),
+      gps_(gps),
+      kept_(kept_axes),
+      with_normals_(with_normals),
+      normals_within_(whole_box(grid)) {
   if (gps < 1 || gp < 0 || gp >= gps) throw std::invalid_argument("a slice store needs 0 <= gp < gps");
   for (const Axis axis : all_axes) {
     if (!keeps(axis)) continue;
@@ -73,6 +78,19 @@ SliceView SliceStore::slice(Axis axis, int index) const {
           grid_.type,
           set.values.data() + local(index) * grid_.slice_bytes(axis),
           with_normals_ ? set.normals.data() + local(index) * grid_.slice_voxels(axis) : nullptr};
+}
+
+SliceView SliceStore::slice(Axis axis, int index, const VoxelBox& box) const {
+  const auto [u, v] = in_plane(axis);
+  SliceView part = slice(axis, box.first[static_cast<int>(axis)] + index);
+  part.pitch = part.width;
+  const std::size_t corner = std::size_t(box.first[v]) * part.row_pitch() + std::size_t(box.first[u]);
+  part.index = index;
+  part.width = box.dims()[u];
+  part.height = box.dims()[v];
+  part.values += corner * size_of(part.type);
+  if (part.normals != nullptr) part.normals += corner;
+  return part;
 }
 
 std::span<std::byte> SliceStore::values(Axis axis, int index) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "ringsplat/volume/grid.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 
 namespace ringsplat {
 
@@ -20,12 +21,14 @@ struct SliceView {
   ScalarType type = ScalarType::uint8;
   const std::byte* values = nullptr;       ///< width * height scalars
   const std::uint16_t* normals = nullptr;  ///< width * height quantised normals, or null when unshaded
+  int pitch = 0;                           ///< voxels from a row to the next, of a part of a slice; 0: width
 
+  std::size_t row_pitch() const { return std::size_t(pitch > 0 ? pitch : width); }
   const std::byte* values_of_row(int row) const {
-    return values + std::size_t(row) * std::size_t(width) * size_of(type);
+    return values + std::size_t(row) * row_pitch() * size_of(type);
   }
   const std::uint16_t* normals_of_row(int row) const {
-    return normals == nullptr ? nullptr : normals + std::size_t(row) * std::size_t(width);
+    return normals == nullptr ? nullptr : normals + std::size_t(row) * row_pitch();
   }
 };
 
@@ -50,8 +53,14 @@ class SliceStore {
   }
 
   SliceView slice(Axis axis, int index) const;
+  /// The part in the box of slice box.first[axis] + `index`: slice `index` of the volume cropped to the box.
+  SliceView slice(Axis axis, int index, const VoxelBox& box) const;
   std::span<std::byte> values(Axis axis, int index);
   std::span<std::uint16_t> normals(Axis axis, int index);  ///< empty when unshaded
+
+  /// The part of the volume within which normals were made: their differences are one-sided at its faces.
+  const VoxelBox& normals_within() const { return normals_within_; }
+  void know_normals_within(const VoxelBox& box) { normals_within_ = box; }
 
   /// Bytes a GP needs for its slices: what `info` predicts and the store allocates.
   static std::uint64_t bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
@@ -89,6 +98,7 @@ class SliceStore {
   int gp_ = 0, gps_ = 1;
   std::array<bool, 3> kept_{};
   bool with_normals_ = false;
+  VoxelBox normals_within_;
   std::array<Set, 3> sets_;
   std::map<int, SliceStore> levels_;  ///< by factor
   std::shared_ptr<const SliceRanges> ranges_;

@@ -48,6 +48,11 @@ TEST_CASE("a GP refuses a frame for which it has no slices or no normals") {
         [&] { make_splat_encoder(make_splat_frame(spec, grid, 1, 1), 1, store, empty_space, alone); });
   };
   CHECK_THAT(encode(small_frame(), empty_store), Catch::Matchers::Contains("normals"));
+  FrameSpec clipped = small_frame();
+  clipped.shown.clip = VoxelBox{{0, 0, 0}, {6, 4, 4}};
+  const SliceStore lit(grid, 0, 1, {true, true, true}, true);
+  CHECK(encode(small_frame(), lit).empty());
+  CHECK_THAT(encode(clipped, lit), Catch::Matchers::Contains("another clip box"));
   CHECK_THAT(encode(small_frame(), only_x), Catch::Matchers::Contains("axis, whose slices were not loaded"));
 }
 
@@ -63,4 +68,8 @@ TEST_CASE("an engine refuses a frame of another number than its message has, or 
   spec.frame = 1;
   spec.shown.width = -5;
   CHECK_THAT(plan(1), Catch::Matchers::Contains("that cannot be"));
+  spec = small_frame();
+  spec.frame = 2;
+  spec.shown.clip = VoxelBox{{0, 0, 0}, {6, 1 << 30, 4}};
+  CHECK_THAT(plan(2), Catch::Matchers::Contains("that cannot be: the clip box's y part"));
 }

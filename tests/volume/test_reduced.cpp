@@ -138,3 +138,45 @@ TEST_CASE("slices may be read in pieces, from anywhere") {
     }
   }
 }
+
+TEST_CASE(
+    "a box of a reduced volume has the voxels that lie in the box, never none, and all of a whole one") {
+  Grid grid;
+  grid.dims = {17, 16, 5};
+  for (const int factor : {2, 4})
+    for (const bool prefilter : {false, true}) {
+      const Reduction reduction{factor, prefilter};
+      const glm::ivec3 dims = reduced_grid(grid, reduction).dims;
+      CHECK(reduced_box(whole_box(grid), grid, reduction) == VoxelBox{glm::ivec3(0), dims});
+      for (int k = 0; k < 3; ++k)
+        for (int first = 0; first < grid.dims[k]; ++first)
+          for (int end = first + 1; end <= grid.dims[k]; ++end) {
+            INFO("factor " << factor << " prefilter " << prefilter << ' ' << first << ':' << end);
+            VoxelBox box = whole_box(grid);
+            box.first[k] = first;
+            box.end[k] = end;
+            const VoxelBox reduced = reduced_box(box, grid, reduction);
+            REQUIRE(reduced.first[k] >= 0);
+            REQUIRE(reduced.first[k] < reduced.end[k]);
+            REQUIRE(reduced.end[k] <= dims[k]);
+            int inside = 0;
+            for (int i = 0; i < dims[k]; ++i) {
+              const double place = factor * i + (prefilter ? 0.5 * (factor - 1) : 0.0);
+              const bool lies_in = place >= first - 0.5 && place < end - 0.5;
+              const bool at_face = (first == 0 && place < first) || (end == grid.dims[k] && place > end - 1);
+              const bool taken = i >= reduced.first[k] && i < reduced.end[k];
+              inside += lies_in;
+              if (lies_in) CHECK(taken);
+              if (taken && inside > 0) CHECK((lies_in || at_face));
+            }
+            if (inside == 0) {
+              REQUIRE(reduced.end[k] - reduced.first[k] == 1);
+              const auto from_middle = [&](int i) {
+                return std::abs(factor * i + (prefilter ? 0.5 * (factor - 1) : 0.0) -
+                                0.5 * (first + end - 1));
+              };
+              for (int i = 0; i < dims[k]; ++i) CHECK(from_middle(reduced.first[k]) <= from_middle(i));
+            }
+          }
+    }
+}

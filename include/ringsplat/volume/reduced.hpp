@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "ringsplat/volume/source.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
 
 namespace ringsplat {
 
@@ -15,6 +16,11 @@ struct Reduction {
 /// The lattice of the reduced volume: dimensions divided and rounded up, spacing multiplied. A prefiltered
 /// voxel lies in the middle of those it stands for. Throws InputError for a factor below 1.
 Grid reduced_grid(const Grid& grid, const Reduction& reduction);
+
+/// The part of the reduced volume that a box of the volume shows: voxels whose places lie in the box, at
+/// least the one nearest to its middle. Where the box reaches the volume's face the part reaches the reduced
+/// one's.
+VoxelBox reduced_box(const VoxelBox& box, const Grid& grid, const Reduction& reduction);
 
 /// Reads the reduced volume from `full`, which must outlive it. Read its slices in ascending order: then each
 /// slice of `full` is read once. Throws InputError for a factor other than 2 or 4 with a prefilter.
