@@ -3,6 +3,8 @@
 import os
 import shlex
 
+from selenium.webdriver.common.action_chains import ActionChains
+
 import browser_test
 from viewer_page import Page, Server
 
@@ -16,6 +18,7 @@ def scheme(page, name):
 
 def save(page, folder, name):
     page.settle()
+    ActionChains(page.driver).move_to_element(page.find("picture")).perform()  # away from the controls
     page.js("document.activeElement.blur()")
     page.js("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
     page.driver.save_screenshot(os.path.join(folder, name))
@@ -25,7 +28,7 @@ def write(folder):
     os.makedirs(folder, exist_ok=True)
     arguments = browser_test.arguments
     server = Server(shlex.split(arguments.launch), arguments.ringsplat, browser_test.HEAD, *LOOK)
-    page = Page((1240, 900))
+    page = Page((1180, 860))
     try:
         scheme(page, "light")
         page.show(server.url)
@@ -41,7 +44,7 @@ def write(folder):
         page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
                                     {"width": 390, "height": 780, "deviceScaleFactor": 1.5, "mobile": True})
         page.js("document.querySelector('details').removeAttribute('open'); document.getElementById('panel').scrollTop = 55")
-        page.wait("document.getElementById('picture').width < 600")
+        page.wait("document.getElementById('picture').width === 585")
         save(page, folder, "viewer-phone.png")
     finally:
         page.quit()

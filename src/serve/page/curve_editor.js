@@ -152,8 +152,16 @@ export class CurveEditor {
     this.drawStrip();
   }
 
+  /** Counts by bin; a bin too narrow to hold any of an integer type's values looks like the one before. */
+  counts() {
+    const { counts, low, high } = this.app.volume.histogram, step = (high - low) / counts.length;
+    if (!/int/.test(this.app.volume.type) || !(step < 1)) return counts;
+    const isEmpty = (i) => Math.ceil(low + i * step - 1e-9) >= low + (i + 1) * step - 1e-9;
+    return counts.map((n, i) => (i > 0 && n === 0 && isEmpty(i) ? counts[i - 1] : n));
+  }
+
   drawHistogram(context, width, height) {
-    const { counts } = this.app.volume.histogram, size = settings.logAxis ? (n) => Math.log1p(n) : (n) => n;
+    const counts = this.counts(), size = settings.logAxis ? (n) => Math.log1p(n) : (n) => n;
     const highest = Math.max(...counts.map(size), 1e-9), wide = (width - 2 * side) / counts.length;
     context.fillStyle = themeColour('--curve');
     context.beginPath();

@@ -20,13 +20,29 @@ export class Stage {
     const exact = 'devicePixelContentBoxSize' in ResizeObserverEntry.prototype;
     new ResizeObserver(([entry]) => {
       const box = exact ? entry.devicePixelContentBoxSize[0] : null;
-      const ratio = window.devicePixelRatio || 1;
-      // The exact size, unless it leaves out a ratio that is only emulated.
-      const pixels = (exactly, css) => (Math.abs(exactly - css * ratio) < 2 ? exactly : Math.round(css * ratio));
-      this.place = [pixels(box?.inlineSize, entry.contentRect.width), pixels(box?.blockSize, entry.contentRect.height)];
-      this.resize();
-      onResize();
+      this.box = { width: entry.contentRect.width, height: entry.contentRect.height,
+                   columns: box?.inlineSize, rows: box?.blockSize };
+      this.measure(onResize);
     }).observe(this.canvas, { box: exact ? 'device-pixel-content-box' : 'content-box' });
+    this.watchRatio(onResize);
+  }
+
+  measure(onResize) {
+    if (!this.box) return;
+    const ratio = window.devicePixelRatio || 1, { width, height, columns, rows } = this.box;
+    // The exact size, unless it leaves out a ratio that is only emulated.
+    const pixels = (exactly, css) => (Math.abs(exactly - css * ratio) < 2 ? exactly : Math.round(css * ratio));
+    this.place = [pixels(columns, width), pixels(rows, height)];
+    this.resize();
+    onResize();
+  }
+
+  /** The window may come to a screen with other pixels. */
+  watchRatio(onResize) {
+    matchMedia(`(resolution: ${window.devicePixelRatio || 1}dppx)`).addEventListener('change', () => {
+      this.measure(onResize);
+      this.watchRatio(onResize);
+    }, { once: true });
   }
 
   resize() {
