@@ -23,6 +23,7 @@ optional=(
   libsimgrid-dev                              # simulated machines
   python3 python3-numpy python3-matplotlib    # plots
   python3-venv                                # SSIM and FLIP, which scripts/accuracy.sh takes from PyPI
+  chromium chromium-driver python3-selenium   # tests of the viewer's page
 )
 
 mpich=(libmpich-dev mpich)
@@ -47,7 +48,7 @@ need_debian() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
   say "This script knows Debian and its relatives only. Ringsplat needs, by their Debian 12 names:"
   printf '  %s\n' "${required[@]}" "${optional[@]}" >&2
-  say "(the last ${#optional[@]} are for simulations and plots)"
+  say "(the last ${#optional[@]} are for simulations, plots and tests in a browser)"
   die "install them, then call this again with RINGSPLAT_SKIP_SETUP=1"
 }
 

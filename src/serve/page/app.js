@@ -1,0 +1,315 @@
+// The page as a whole: what messages and controls do to the scene, the picture and each other.
+
+import { viewOf } from './camera.js';
+import { ClipPanel, wholeBox } from './clip_panel.js';
+import { Connection, kinds } from './connection.js';
+import { Cube } from './cube.js';
+import { byId } from './dom.js';
+import { FilmPanel } from './film_panel.js';
+import { Gestures } from './gestures.js';
+import { attachKeyboard } from './keyboard.js';
+import { drawOverlay } from './overlay.js';
+import { Probe } from './probe.js';
+import { Requests } from './requests.js';
+import { Scene, checkedState, readFragment } from './scene.js';
+import { Sender } from './sender.js';
+import { attachSettings, onSettings, settings } from './settings.js';
+import { SnapshotPanel } from './snapshot_panel.js';
+import { Stage } from './stage.js';
+import { showDriver, showEnd, showError, showFacts, showLink, showVolume } from './status.js';
+import { TransferPanel } from './transfer_panel.js';
+import { ViewPanel } from './view_panel.js';
+
+const lossesTold = 3;
+const fragmentWait = 300;  // milliseconds; browsers limit how often the address may change
+
+export class App {
+  constructor() {
+    this.scene = new Scene();
+    this.hello = null;
+    this.driving = true;
+    this.viewers = 1;
+    this.lastFov = 40;
+    this.latency = NaN;
+    this.latencyOf = -1;
+    this.losses = 0;
+    const neutral = { camera: { azimuth: 0, elevation: 0, roll: 0, zoom: 1, pan: [0, 0], fov: 0 },
+                      background: [0.07, 0.07, 0.08] };
+    this.stage = new Stage(() => ({ ...(this.scene.state ?? neutral), driving: this.driving }),
+                           () => this.resized(), (picture) => this.pictureShown(picture));
+    this.sender = new Sender((view) => this.sendView(view));
+    this.connection = new Connection(() => this.token, {
+      message: (message) => this.take(message), binary: (head) => this.takeBinary(head),
+      status: (status) => this.linkChanged(status) });
+    this.requests = new Requests((message) => this.connection.send(message));
+    this.transfer = new TransferPanel(this);
+    this.viewPanel = new ViewPanel(this);
+    this.clipPanel = new ClipPanel(this);
+    this.film = new FilmPanel(this);
+    this.snapshots = new SnapshotPanel(this);
+    this.probing = new Probe(this);
+    this.cube = new Cube((view) => this.lookFrom(view));
+    this.gestures = new Gestures(this, byId('picture'));
+    attachKeyboard(this);
+    attachSettings();
+    onSettings(() => this.redraw());
+    byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
+    this.scene.subscribe((keys) => this.sceneChanged(keys));
+    window.addEventListener('hashchange', () => this.readAddress() && this.connection.reopen());
+    // A page that the browser keeps for "back" must not go on driving.
+    window.addEventListener('pagehide', () => this.connection.close());
+    window.addEventListener('pageshow', (event) => event.persisted && this.connection.reopen());
+    matchMedia('(prefers-color-scheme: light)').addEventListener('change', () => this.refreshPanels());
+  }
+
+  /** Takes token and scene from the address. True when a new token came. */
+  readAddress() {
+    const { token, state } = readFragment(location.hash), key = 'ringsplat.token ' + location.pathname;
+    if (token) sessionStorage.setItem(key, token);
+    this.token = token ?? sessionStorage.getItem(key) ?? '';
+    if (state === undefined) this.complain('The address holds a scene that cannot be read.');
+    if (state) {
+      const checked = checkedState(state);
+      if (checked.refused.length) this.complain(`The address holds an unfit ${checked.refused.join(', ')}.`);
+      if (this.scene.state) this.takeState(checked.state);
+      else this.brought = checked.state;
+    }
+    const rest = state ? location.hash.replace(/^#[^&]*&?/, '#') : '';
+    if (token) history.replaceState(null, '', location.pathname + location.search + rest);
+    return token !== null;
+  }
+
+  start() {
+    this.readAddress();
+    this.connection.open();
+  }
+
+  // What the server says.
+
+  take(message) {
+    const acts = {
+      hello: () => this.greet(message),
+      driver: () => this.setDriver(message.you, message.viewers),
+      state: () => this.follow(message.state),
+      probe: () => this.requests.answer(message.id, message),
+      movie_frame: () => this.requests.answer(message.id, message),
+      error: () => this.requests.fail(message.id, message.message) || showError(message.message, message.hint),
+      end: () => this.ended(message.message),
+    };
+    if (Object.hasOwn(acts, message.type)) acts[message.type]();
+  }
+
+  greet(hello) {
+    this.hello = hello;
+    const { volume } = hello, resumes = this.scene.state !== null && this.driving;
+    showVolume(volume);
+    this.stage.forget();
+    this.stage.setLargest(hello.largest);
+    this.viewPanel.begin(volume.patient);
+    const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
+    this.brought = undefined;
+    this.scene.begin(hello.state, kept);
+    this.transfer.begin(hello.presets);
+    this.film.begin(hello.ffmpeg);
+    this.snapshots.begin(hello.largest);
+    this.setDriver(hello.driver, hello.viewers);
+    this.refreshPanels();
+  }
+
+  setDriver(driving, viewers) {
+    const began = driving && !this.driving;
+    if (driving !== this.driving) this.stage.forget();
+    [this.driving, this.viewers, this.scene.locked] = [driving, viewers, !driving];
+    if (!driving) this.film.stop();
+    showDriver(driving, viewers);
+    this.redraw();
+    if (began || driving) this.sender.request();
+  }
+
+  /** The driver's scene, for those who watch. */
+  follow(state) {
+    if (this.driving || !this.hello) return;
+    this.scene.begin(this.hello.state, state);
+    this.transfer.history.commit(this.scene.state.transfer_function);
+  }
+
+  async takeBinary(head) {
+    if (head.kind !== kinds.picture) return void this.requests.answer(head.number, head);
+    await this.stage.take(head);
+    this.connection.send({ type: 'ack', picture: head.number });
+  }
+
+  pictureShown(picture) {
+    if (picture.seq !== this.latencyOf && this.driving) [this.latency, this.latencyOf] = [picture.latency, picture.seq];
+    showFacts(picture, this.driving ? this.latency : NaN, this.hello);
+    if (!this.driving) this.redraw();
+  }
+
+  linkChanged(status) {
+    showLink(status);
+    if (status !== 'open') this.requests.failAll('the connection was lost');
+    if (status === 'open') this.losses = 0;
+    if (status === 'lost' && ++this.losses === lossesTold)
+      this.complain('The server does not answer.', 'If it was started anew, open the address that it printed then.');
+  }
+
+  ended(message) {
+    this.requests.failAll('the job has ended');
+    showEnd(message, () => this.connection.reopen());
+  }
+
+  // What changes the scene.
+
+  sceneChanged(keys) {
+    if (this.driving) this.sender.request();
+    this.probing.hide();
+    this.changed = new Set([...(this.changed ?? []), ...keys]);
+    this.redraw();
+    clearTimeout(this.fragmentTimer);
+    this.fragmentTimer = setTimeout(() => this.writeFragment(), fragmentWait);
+  }
+
+  mayEdit() {
+    return this.driving && this.scene.state !== null;
+  }
+
+  takeState(state) {
+    this.scene.change(state);
+    if (state.transfer_function) this.transfer.commit();
+  }
+  wholeState(part) {
+    return { ...this.hello.state, ...part, camera: { ...this.hello.state.camera, ...part.camera } };
+  }
+
+  editTransfer(tf, whole) {
+    this.transfer.edit(tf, whole);
+  }
+  commitTransfer() {
+    this.transfer.commit();
+  }
+  undo(again) {
+    this.transfer.undo(again);
+  }
+  valueSpan() {
+    const { low, high } = this.volume.histogram;
+    return high > low ? high - low : 1;
+  }
+
+  resetCamera() {
+    this.stopFilm();
+    this.scene.change({ camera: this.hello.state.camera });
+  }
+  lookFrom({ azimuth, elevation }) {
+    this.stopFilm();
+    this.scene.change({ camera: { azimuth, elevation, roll: 0 } });
+  }
+  setProjection(perspective) {
+    this.scene.change({ camera: { fov: perspective ? this.lastFov : 0, distance: 0 } });
+  }
+  toggleProjection() {
+    this.setProjection(this.scene.state.camera.fov === 0);
+  }
+  toggleShading() {
+    this.scene.change({ shading: this.scene.state.shading === 'phong' ? 'none' : 'phong' });
+  }
+  toggleClip() {
+    if (this.scene.state.clip) this.lastClip = this.scene.state.clip;
+    this.scene.change({ clip: this.scene.state.clip ? null : this.lastClip ?? wholeBox(this.volume.dims) });
+  }
+
+  addKeyFrame() {
+    this.film.add();
+  }
+  playFilm() {
+    this.film.play();
+  }
+  stopFilm() {
+    this.film.stop();
+  }
+  saveSnapshot() {
+    this.snapshots.save();
+  }
+
+  probe(place) {
+    if (this.scene.state) this.probing.ask(place);
+  }
+  probeAtCross() {
+    this.probe(this.probing.cross ?? this.gestures.cursor ?? this.probing.middle());
+  }
+  moveCross(shift) {
+    this.probing.move(shift);
+  }
+  quiet() {
+    this.stopFilm();
+    this.probing.hide();
+  }
+
+  // What shows it.
+
+  get volume() {
+    return this.hello.volume;
+  }
+
+  sendView({ seq, moving }) {
+    if (!this.mayEdit()) return false;
+    const { width, height } = this.stage.canvas;
+    const { state } = this.scene, time = performance.now();
+    const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
+    if (sent) this.stage.remember(seq, this.scene.state.camera);
+    return sent;
+  }
+
+  /** How the volume lies on the stage, in CSS pixels. */
+  seen() {
+    const { width, height, scale, left, top } = this.stage.fit(), each = this.stage.pixelsEach;
+    const view = viewOf(this.scene.state.camera, this.volume, width, height);
+    const project = (p) => {
+      const [x, y, near] = view.project(p);
+      return [(x * scale + left) / each, (y * scale + top) / each, near];
+    };
+    return { ...view, project, pixelsPerUnit: (view.pixelsPerUnit * scale) / each };
+  }
+
+  resized() {
+    if (this.driving) this.sender.pulse();
+    this.sender.request();
+    this.redraw();
+  }
+
+  /** Once before the screen's next frame. */
+  redraw() {
+    this.stage.draw();
+    if (this.redrawing) return;
+    this.redrawing = true;
+    requestAnimationFrame(() => {
+      this.redrawing = false;
+      const keys = this.changed ?? new Set();
+      this.changed = undefined;
+      if (!this.scene.state) return;
+      if (keys.has('transfer_function')) this.transfer.refresh();
+      if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
+      if (keys.has('clip')) this.clipPanel.refresh();
+      const { state } = this.scene, { cross } = this.probing;
+      this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross });
+      byId('cube').hidden = !settings.cube;
+      if (settings.cube) this.cube.draw(this.scene.state.camera, this.volume.patient);
+      this.clipPanel.place();
+    });
+  }
+
+  refreshPanels() {
+    if (!this.scene.state) return;
+    this.changed = new Set(Object.keys(this.scene.state));
+    this.redraw();
+  }
+
+  writeFragment() {
+    if (!this.scene.state) return;
+    const fragment = this.scene.fragment();
+    history.replaceState(null, '', location.pathname + location.search + (fragment ? '#' + fragment : ''));
+  }
+
+  complain(message, hint) {
+    showError(message, hint);
+  }
+}

@@ -1,0 +1,136 @@
+// The camera's geometry, as the renderer defines it: azimuth about world z, elevation, clockwise roll, zoom 1
+// fits the bounding sphere to the shorter side, pan in lengths of the shorter side.
+
+const degree = Math.PI / 180;
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const sum = (...terms) => [0, 1, 2].map((k) => terms.reduce((total, [s, v]) => total + s * v[k], 0));
+export const length = (a) => Math.hypot(...a);
+
+/** The picture's directions in the world before it is rolled. */
+function uprightBasis(azimuth, elevation) {
+  const [sa, ca] = [Math.sin(azimuth * degree), Math.cos(azimuth * degree)];
+  const [se, ce] = [Math.sin(elevation * degree), Math.cos(elevation * degree)];
+  return { right: [ca, sa, 0], up: [-se * sa, se * ca, ce], viewer: [ce * sa, -ce * ca, se] };
+}
+
+/** The picture's directions in the world: right, up, and to the viewer. */
+export function basisOf({ azimuth, elevation, roll }) {
+  const { right, up, viewer } = uprightBasis(azimuth, elevation);
+  const [s, c] = [Math.sin(roll * degree), Math.cos(roll * degree)];
+  return { right: sum([c, right], [s, up]), up: sum([c, up], [-s, right]), viewer };
+}
+
+/** The angles of a basis. Straight above or below the volume, roll is 0 and azimuth says it all. */
+export function anglesOf({ right, viewer }) {
+  const elevation = Math.asin(Math.min(1, Math.max(-1, viewer[2]))) / degree;
+  if (Math.hypot(viewer[0], viewer[1]) < 1e-9)
+    return { azimuth: Math.atan2(right[1], right[0]) / degree, elevation: 90 * Math.sign(viewer[2]), roll: 0 };
+  const azimuth = Math.atan2(viewer[0], -viewer[1]) / degree;
+  const upright = uprightBasis(azimuth, elevation);
+  return { azimuth, elevation, roll: Math.atan2(dot(right, upright.up), dot(right, upright.right)) / degree };
+}
+
+function turned(v, axis, angle) {
+  const [s, c] = [Math.sin(angle), Math.cos(angle)];
+  return sum([c, v], [s, cross(axis, v)], [(1 - c) * dot(axis, v), axis]);
+}
+
+/** Rolls a virtual ball: the side of the volume nearest to the viewer follows the hand. Angles in radians. */
+export function rollBall(camera, right, down) {
+  const angle = Math.hypot(right, down);
+  if (angle === 0) return camera;
+  const basis = basisOf(camera);
+  const axis = sum([right / angle, basis.up], [down / angle, basis.right]);
+  const moved = { right: turned(basis.right, axis, -angle), viewer: turned(basis.viewer, axis, -angle) };
+  return { ...camera, ...anglesOf(moved) };
+}
+
+/** Turns the volume about its own vertical axis and tilts it; it never rolls. Angles in radians. */
+export function turnTable(camera, right, down) {
+  const [s, c] = [Math.sin(camera.roll * degree), Math.cos(camera.roll * degree)];
+  const azimuth = wrapped(camera.azimuth - (c * right + s * down) / degree);
+  const elevation = Math.min(90, Math.max(-90, camera.elevation + (c * down - s * right) / degree));
+  return { ...camera, azimuth, elevation };
+}
+
+/** The same angle in -180 to 180. */
+export const wrapped = (angle) => angle - 360 * Math.round(angle / 360);
+
+/**
+ * Zooms and rolls about a fixed point of the picture and moves it: what a pinch does. All in lengths of the
+ * shorter side from the picture's middle, x right and y down; roll in degrees, clockwise.
+ */
+export function movePicture(camera, { at = [0, 0], shift = [0, 0], zoom = 1, roll = 0 }) {
+  const factor = Math.min(Math.max(camera.zoom * zoom, 0.01), 1000) / camera.zoom;
+  const [s, c] = [factor * Math.sin(roll * degree), factor * Math.cos(roll * degree)];
+  const [x, y] = [camera.pan[0] - at[0], camera.pan[1] - at[1]];
+  return { ...camera, zoom: camera.zoom * factor, roll: wrapped(camera.roll + roll),
+           pan: [at[0] + c * x - s * y + shift[0], at[1] + s * x + c * y + shift[1]] };
+}
+
+/** The six views: the side that looks at the viewer, as letters of patients and of axes. */
+export const sixViews = [
+  { name: 'Front', patient: 'A', axis: '−y', azimuth: 0, elevation: 0 },
+  { name: 'Back', patient: 'P', axis: 'y', azimuth: 180, elevation: 0 },
+  { name: 'Left', patient: 'L', axis: 'x', azimuth: 90, elevation: 0 },
+  { name: 'Right', patient: 'R', axis: '−x', azimuth: -90, elevation: 0 },
+  { name: 'Top', patient: 'H', axis: 'z', azimuth: 0, elevation: 90 },
+  { name: 'Bottom', patient: 'F', axis: '−z', azimuth: 0, elevation: -90 },
+];
+
+/** World vectors from voxel to voxel along the lattice's axes. */
+const latticeAxes = (volume) =>
+  [0, 1, 2].map((k) => volume.direction.slice(3 * k, 3 * k + 3).map((d) => d * volume.spacing[k]));
+
+function boundingRadius(volume) {
+  const axes = latticeAxes(volume), half = volume.dims.map((n) => n / 2);
+  const corners = [[1, 1], [1, -1], [-1, 1], [-1, -1]];
+  return Math.max(...corners.map(([x, y]) =>
+    length(sum([x * half[0], axes[0]], [y * half[1], axes[1]], [half[2], axes[2]]))));
+}
+
+/** World lengths that the picture's shorter side shows at zoom 1, at the depth of the volume's centre. */
+function shownSide(camera, volume) {
+  const radius = boundingRadius(volume);
+  const far = camera.fov > 0 && camera.distance > 0;
+  return 2 * radius * (far ? camera.distance * Math.tan(0.5 * camera.fov * degree) : 1);
+}
+
+/** How lattice points are seen in a picture of width by height. */
+export function viewOf(camera, volume, width, height) {
+  const axes = latticeAxes(volume), basis = basisOf(camera), side = Math.min(width, height);
+  const shown = shownSide(camera, volume), pixelsPerUnit = camera.zoom * side / shown;
+  const eye = camera.fov > 0 ? 0.5 * shown / Math.tan(0.5 * camera.fov * degree) : Infinity;
+  const centre = [0.5 * width + camera.pan[0] * side, 0.5 * height + camera.pan[1] * side];
+  const project = (lattice) => {
+    const [x, y, z] = lattice.map((l, k) => l - 0.5 * (volume.dims[k] - 1));
+    const world = sum([x, axes[0]], [y, axes[1]], [z, axes[2]]);
+    const near = dot(basis.viewer, world);
+    const scale = pixelsPerUnit * (eye === Infinity ? 1 : eye / Math.max(eye - near, 1e-9));
+    return [centre[0] + scale * dot(basis.right, world), centre[1] - scale * dot(basis.up, world), near];
+  };
+  return { ...basis, pixelsPerUnit, centre, project };
+}
+
+/** Rotation of a basis as a unit quaternion [w, x, y, z], and back. */
+export function quaternionOf({ right, up, viewer }) {
+  const m = [right, up, viewer];  // columns
+  const trace = m[0][0] + m[1][1] + m[2][2];
+  if (trace > 0) {
+    const s = 2 * Math.sqrt(trace + 1);
+    return [s / 4, (m[1][2] - m[2][1]) / s, (m[2][0] - m[0][2]) / s, (m[0][1] - m[1][0]) / s];
+  }
+  const i = [0, 1, 2].reduce((best, k) => (m[k][k] > m[best][best] ? k : best), 0);
+  const j = (i + 1) % 3, k = (i + 2) % 3, s = 2 * Math.sqrt(Math.max(0, 1 + m[i][i] - m[j][j] - m[k][k]));
+  const q = [(m[j][k] - m[k][j]) / s, 0, 0, 0];
+  [q[1 + i], q[1 + j], q[1 + k]] = [s / 4, (m[i][j] + m[j][i]) / s, (m[i][k] + m[k][i]) / s];
+  return q;
+}
+export function basisOfQuaternion([w, x, y, z]) {
+  const rotate = (v) => {
+    const t = cross([x, y, z], v).map((c) => 2 * c);
+    return sum([1, v], [w, t], [1, cross([x, y, z], t)]);
+  };
+  return { right: rotate([1, 0, 0]), up: rotate([0, 1, 0]), viewer: rotate([0, 0, 1]) };
+}

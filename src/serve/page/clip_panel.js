@@ -1,0 +1,125 @@
+// The clip box: three double sliders with numbers, and handles at the middles of its faces on the picture.
+
+import { byId, clamp, element } from './dom.js';
+import { settings } from './settings.js';
+
+const axes = ['x', 'y', 'z'], ends = ['from', 'to'];
+
+/** The box with one face elsewhere; it keeps a voxel at least and stays in the volume. */
+export function withFace(clip, axis, end, voxel, dims) {
+  const range = [...clip[axis]], place = Math.round(voxel);
+  range[end] = end === 0 ? clamp(place, 0, range[1] - 1) : clamp(place, range[0] + 1, dims[axis]);
+  return clip.with(axis, range);
+}
+
+export const wholeBox = (dims) => dims.map((n) => [0, n]);
+
+export class ClipPanel {
+  constructor(app) {
+    this.app = app;
+    this.sliders = axes.map((name, axis) => this.makeSlider(name, axis));
+    this.handles = axes.flatMap((name, axis) => ends.map((end, k) => this.makeHandle(name, axis, end, k)));
+    byId('clip-on').addEventListener('change', () => app.toggleClip());
+    byId('clip-whole').addEventListener('click', () => app.scene.change({ clip: wholeBox(app.volume.dims) }));
+  }
+
+  makeSlider(name, axis) {
+    const inputs = (type) => ends.map((end, k) => element('input', {
+      type, min: 0, step: 1, 'aria-label': `Clip ${name} ${end}${type === 'range' ? '' : ', voxels'}`,
+      [type === 'range' ? 'oninput' : 'onchange']: ({ target }) => {
+        if (type === 'range') this.app.sender.pulse();
+        this.put(axis, k, target.valueAsNumber);
+      },
+    }));
+    const ranges = inputs('range'), numbers = inputs('number'), inside = element('div', { class: 'inside' });
+    byId('clip-sliders').append(element('div', { class: 'axis', role: 'group', 'aria-label': `Clip along ${name}` },
+      element('span', {}, name), numbers[0], element('div', { class: 'dual' }, inside, ...ranges), numbers[1]));
+    return { ranges, numbers, inside };
+  }
+
+  get clip() {
+    return this.app.scene.state.clip ?? wholeBox(this.app.volume.dims);
+  }
+
+  put(axis, end, voxel) {
+    const { dims } = this.app.volume;
+    if (Number.isFinite(voxel)) this.app.scene.change({ clip: withFace(this.clip, axis, end, voxel, dims) });
+    else this.refresh();
+  }
+
+  makeHandle(name, axis, end, k) {
+    const button = element('button', { 'aria-label': `Face of the clip box: ${name} ${end}; arrow keys move it`,
+                                       title: `${name} ${end}` });
+    let from = null;
+    button.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0) return;
+      event.preventDefault();
+      button.focus({ focusVisible: false });
+      button.setPointerCapture(event.pointerId);
+      this.app.sender.hold();
+      from = { x: event.clientX, y: event.clientY, voxel: this.clip[axis][k], way: this.way(axis, k) };
+    });
+    button.addEventListener('pointermove', (event) => {
+      if (!from) return;
+      const along = (event.clientX - from.x) * from.way[0] + (event.clientY - from.y) * from.way[1];
+      this.put(axis, k, from.voxel + along);
+    });
+    for (const end of ['pointerup', 'pointercancel'])
+      button.addEventListener(end, () => {
+        if (from) this.app.sender.release();
+        from = null;
+      });
+    button.addEventListener('keydown', (event) => {
+      const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+      if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
+      event.preventDefault();
+      event.stopPropagation();
+      this.app.sender.pulse();
+      this.put(axis, k, this.clip[axis][k] + step * (event.shiftKey ? 10 : 1));
+    });
+    byId('clip-handles').append(button);
+    return button;
+  }
+
+  middle(axis, end) {
+    return this.clip.map((range, k) => (k === axis ? range[end] : 0.5 * (range[0] + range[1])) - 0.5);
+  }
+
+  /** Voxels that a face moves for each pixel right and down. A face that looks at the viewer follows up and down. */
+  way(axis, end) {
+    const { project } = this.app.seen(), at = this.middle(axis, end);
+    const [a, b] = [project(at), project(at.with(axis, at[axis] + 1))];
+    const [x, y] = [b[0] - a[0], b[1] - a[1]], square = x * x + y * y;
+    const size = Math.max(1e-9, this.app.seen().pixelsPerUnit * this.app.volume.spacing[axis]);
+    if (square > (0.15 * size) ** 2) return [x / square, y / square];
+    return [0, -Math.sign(b[2] - a[2]) / size];
+  }
+
+  /** Puts the handles to their places on the picture. */
+  place() {
+    const { state } = this.app.scene, shown = state.clip !== null && settings.box && this.app.mayEdit();
+    byId('clip-handles').hidden = !shown;
+    if (!shown) return;
+    const { project } = this.app.seen(), centre = project(this.clip.map(([a, b]) => 0.5 * (a + b - 1)))[2];
+    this.handles.forEach((button, i) => {
+      const [x, y, near] = project(this.middle(i >> 1, i & 1));
+      button.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
+      button.classList.toggle('behind', near < centre - 1e-6);
+    });
+  }
+
+  refresh() {
+    const { state } = this.app.scene, { dims } = this.app.volume;
+    byId('clip-on').checked = state.clip !== null;
+    byId('clip-whole').disabled = state.clip === null;
+    this.sliders.forEach(({ ranges, numbers, inside }, axis) => {
+      const range = this.clip[axis];
+      ends.forEach((_, k) => {
+        for (const input of [ranges[k], numbers[k]])
+          Object.assign(input, { max: dims[axis], value: range[k], disabled: state.clip === null });
+      });
+      inside.style.left = `${(100 * range[0]) / dims[axis]}%`;
+      inside.style.width = `${(100 * (range[1] - range[0])) / dims[axis]}%`;
+    });
+  }
+}

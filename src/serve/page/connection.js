@@ -1,0 +1,102 @@
+// The WebSocket to the server: messages both ways, and coming back after it was lost.
+
+const headBytes = 48, magic = 0x31505352;  // "RSP1"
+export const kinds = { picture: 0, snapshot: 1, movie: 2 };
+export const formats = [['jpeg', 'image/jpeg'], ['png', 'image/png'], ['exr', 'image/x-exr'], ['mp4', 'video/mp4']];
+const firstWait = 250, longestWait = 8000;  // milliseconds before the next attempt
+
+/** The head of a binary message and the file that follows it. Null when it is not one of ours. */
+export function readBinary(buffer) {
+  const view = new DataView(buffer);
+  if (buffer.byteLength < headBytes || view.getUint32(0, true) !== magic) return null;
+  const [format, type] = formats[view.getUint8(23)] ?? ['bin', 'application/octet-stream'];
+  return {
+    kind: view.getUint32(4, true), number: view.getUint32(8, true), seq: view.getUint32(12, true),
+    width: view.getUint16(16, true), height: view.getUint16(18, true), level: view.getUint8(20),
+    levels: view.getUint8(21), atRest: view.getUint8(22) === 1, format, seconds: view.getFloat32(24, true),
+    rate: view.getFloat32(28, true), time: view.getFloat64(32, true), error: view.getFloat32(40, true),
+    bytes: buffer.byteLength, blob: new Blob([new Uint8Array(buffer, headBytes)], { type }),
+  };
+}
+
+/**
+ * Calls handlers.message(json), handlers.binary(head) and handlers.status('connecting' | 'open' | 'lost' |
+ * 'ended'). `token` is asked for at each attempt.
+ */
+export class Connection {
+  constructor(token, handlers) {
+    this.token = token;
+    this.handlers = handlers;
+    this.wait = firstWait;
+    this.status = 'connecting';
+    this.socket = null;
+    this.timer = 0;
+  }
+
+  open() {
+    clearTimeout(this.timer);
+    this.become('connecting');
+    const address = new URL('ws', document.baseURI);  // relative: works behind a path prefix
+    address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
+    address.hash = '';
+    const socket = this.socket = new WebSocket(address, ['ringsplat.v1', 'token.' + this.token()]);
+    socket.binaryType = 'arraybuffer';
+    socket.onmessage = ({ data }) => {
+      if (socket === this.socket) this.take(data);
+    };
+    socket.onclose = () => {
+      if (socket === this.socket && this.status !== 'ended') this.retry();
+    };
+  }
+
+  /** Drops the connection and makes a new one at once, as when a new token came. */
+  reopen() {
+    this.wait = firstWait;
+    const old = this.socket;
+    this.open();
+    old?.close();
+  }
+
+  /** Leaves without coming back by itself. */
+  close() {
+    clearTimeout(this.timer);
+    const old = this.socket;
+    this.socket = null;
+    this.become('lost');
+    old?.close(1000);
+  }
+
+  retry() {
+    this.become('lost');
+    this.timer = setTimeout(() => this.open(), this.wait * (0.75 + 0.5 * Math.random()));
+    this.wait = Math.min(2 * this.wait, longestWait);
+  }
+
+  take(data) {
+    if (typeof data !== 'string') {
+      const head = readBinary(data);
+      if (head) this.handlers.binary(head);
+      return;
+    }
+    const message = JSON.parse(data);
+    if (message.type === 'hello') {
+      this.wait = firstWait;
+      this.become('open');
+    }
+    if (message.type === 'end') this.become('ended');
+    this.handlers.message(message);
+  }
+
+  become(status) {
+    if (this.status === status) return;
+    this.status = status;
+    this.handlers.status(status);
+  }
+
+  /** False when there is nobody to send to. */
+  send(message) {
+    if (this.status !== 'open' || this.socket.readyState !== WebSocket.OPEN) return false;
+    this.socket.send(JSON.stringify(message));
+    return true;
+  }
+}

@@ -1,0 +1,218 @@
+// The two canvases of the transfer function's editor: opacity points over the histogram, and colour stops below.
+
+import { byId, clamp, fitCanvas, themeColour } from './dom.js';
+import { settings } from './settings.js';
+import { canLose, colourAt, opacityAt, withPoint, withPointAt, withoutPoint } from './transfer_function.js';
+
+const near = 9, top = 10, bottom = 4, side = 8;  // pixels
+
+const cssColour = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
+
+export class CurveEditor {
+  /** `app.editTransfer(tf)` shows a change, `app.commitTransfer()` ends it for undo. */
+  constructor(app, onSelect) {
+    this.app = app;
+    this.onSelect = onSelect;
+    this.selected = { which: 'opacities', index: 0 };
+    for (const [id, which] of [['curve', 'opacities'], ['strip', 'colours']]) {
+      const canvas = byId(id);
+      canvas.addEventListener('pointerdown', (event) => this.down(event, canvas, which));
+      canvas.addEventListener('pointermove', (event) => this.move(event, canvas));
+      canvas.addEventListener('pointerup', () => this.up());
+      canvas.addEventListener('pointercancel', () => this.up());
+      canvas.addEventListener('contextmenu', (event) => this.removeAt(event, canvas, which));
+      canvas.addEventListener('keydown', (event) => this.key(event, which));
+      new ResizeObserver(() => this.draw()).observe(canvas);
+    }
+  }
+
+  get tf() {
+    return this.app.scene.state.transfer_function;
+  }
+  get range() {
+    const { low, high } = this.app.volume.histogram;
+    return high > low ? [low, high] : [low, low + 1];
+  }
+  get point() {
+    return this.tf[this.selected.which][this.selected.index];
+  }
+
+  select(which, index) {
+    this.selected = { which, index: clamp(index, 0, this.tf[which].length - 1) };
+    this.draw();
+    this.onSelect();
+  }
+
+  x(value, width) {
+    const [low, high] = this.range;
+    return side + clamp((value - low) / (high - low), 0, 1) * (width - 2 * side);
+  }
+  y(opacity, height) {
+    return top + (1 - opacity) * (height - top - bottom);
+  }
+  valueAt(event, canvas) {
+    const box = canvas.getBoundingClientRect(), [low, high] = this.range;
+    const value = low + ((event.clientX - box.left - side) / (box.width - 2 * side)) * (high - low);
+    const opacity = 1 - (event.clientY - box.top - top) / (box.height - top - bottom);
+    return [clamp(value, low, high), clamp(opacity, 0, 1)];
+  }
+
+  indexAt(event, canvas, which) {
+    const box = canvas.getBoundingClientRect(), [x, y] = [event.clientX - box.left, event.clientY - box.top];
+    const distances = this.tf[which].map((p) =>
+      Math.hypot(this.x(p[0], box.width) - x, which === 'opacities' ? this.y(p[1], box.height) - y : 0));
+    const best = distances.indexOf(Math.min(...distances));
+    return distances[best] <= (event.pointerType === 'touch' ? 2 * near : near) ? best : -1;
+  }
+
+  down(event, canvas, which) {
+    if (event.button !== 0 || !this.app.scene.state) return;
+    event.preventDefault();
+    canvas.focus({ focusVisible: false });
+    canvas.setPointerCapture(event.pointerId);
+    this.app.sender.hold();
+    this.dragging = true;
+    let index = this.indexAt(event, canvas, which);
+    if (index < 0) index = this.add(which, this.valueAt(event, canvas));
+    this.select(which, index);
+  }
+
+  move(event, canvas) {
+    if (!this.dragging) return;
+    const [value, opacity] = this.valueAt(event, canvas), { which, index } = this.selected;
+    const rest = which === 'opacities' ? [opacity] : this.point.slice(1);
+    this.app.editTransfer(withPointAt(this.tf, which, index, [value, ...rest]));
+  }
+
+  up() {
+    if (!this.dragging) return;
+    this.dragging = false;
+    this.app.commitTransfer();
+    this.app.sender.release();
+  }
+
+  /** A new point on the curve (or where the pointer is), its index. */
+  add(which, [value, opacity]) {
+    const point = which === 'opacities' ? [value, opacity] : [value, ...colourAt(this.tf, value)];
+    const { tf, index } = withPoint(this.tf, which, point);
+    this.app.editTransfer(tf);
+    return index;
+  }
+
+  removeAt(event, canvas, which) {
+    event.preventDefault();
+    const index = this.indexAt(event, canvas, which);
+    if (index >= 0) this.remove(which, index);
+  }
+
+  remove(which = this.selected.which, index = this.selected.index) {
+    if (!canLose(this.tf, which)) return;
+    this.app.editTransfer(withoutPoint(this.tf, which, index), true);
+    this.select(which, Math.max(0, index - 1));
+  }
+
+  key(event, which) {
+    if (event.ctrlKey || event.metaKey || event.altKey || !this.app.scene.state) return;
+    const [low, high] = this.range, fine = event.shiftKey ? 0.002 : 0.01;
+    const move = (values, opacities) => {
+      const [value, ...rest] = this.point;
+      if (which === 'opacities') rest[0] += opacities * fine;
+      const { index } = this.selected;
+      this.app.sender.pulse();
+      this.app.editTransfer(withPointAt(this.tf, which, index, [value + values * fine * (high - low), ...rest]), true);
+    };
+    const acts = {
+      ArrowLeft: () => move(-1, 0), ArrowRight: () => move(1, 0),
+      ArrowUp: () => move(0, 1), ArrowDown: () => move(0, -1),
+      PageUp: () => this.select(which, this.selected.index - 1),
+      PageDown: () => this.select(which, this.selected.index + 1),
+      Home: () => this.select(which, 0), End: () => this.select(which, Infinity),
+      Delete: () => this.remove(), Insert: () => this.addAfter(which, this.selected.index),
+    };
+    if (!acts[event.key]) return;
+    event.preventDefault();
+    event.stopPropagation();
+    if (this.selected.which !== which) this.select(which, 0);
+    acts[event.key]();
+  }
+
+  /** Halfway to the next point. */
+  addAfter(which, index) {
+    const points = this.tf[which], at = Math.min(index, points.length - 2);
+    const value = 0.5 * (points[at][0] + points[at + 1][0]);
+    const added = this.add(which, [value, opacityAt(this.tf, value)]);
+    this.app.commitTransfer();
+    this.select(which, added);
+  }
+
+  draw() {
+    if (!this.app.scene.state || byId('curve').clientWidth === 0) return;  // folded
+    this.selected.index = Math.min(this.selected.index, this.tf[this.selected.which].length - 1);
+    this.drawCurve();
+    this.drawStrip();
+  }
+
+  /** Counts by bin; a bin too narrow to hold any of an integer type's values looks like the one before. */
+  counts() {
+    const { counts, low, high } = this.app.volume.histogram, step = (high - low) / counts.length;
+    if (!/int/.test(this.app.volume.type) || !(step < 1)) return counts;
+    const isEmpty = (i) => Math.ceil(low + i * step - 1e-9) >= low + (i + 1) * step - 1e-9;
+    return counts.map((n, i) => (i > 0 && n === 0 && isEmpty(i) ? counts[i - 1] : n));
+  }
+
+  drawHistogram(context, width, height) {
+    const counts = this.counts(), size = settings.logAxis ? (n) => Math.log1p(n) : (n) => n;
+    const highest = Math.max(...counts.map(size), 1e-9), wide = (width - 2 * side) / counts.length;
+    context.fillStyle = themeColour('--curve');
+    context.beginPath();
+    counts.forEach((n, i) => {
+      const tall = (size(n) / highest) * (height - top - bottom);
+      context.rect(side + i * wide, height - bottom - tall, wide + 0.3, tall);
+    });
+    context.fill();
+  }
+
+  drawCurve() {
+    const { context, width, height } = fitCanvas(byId('curve'));
+    this.drawHistogram(context, width, height);
+    const accent = themeColour('--accent');
+    const places = this.tf.opacities.map((p) => [this.x(p[0], width), this.y(p[1], height)]);
+    context.beginPath();
+    context.moveTo(0, places[0][1]);
+    for (const place of places) context.lineTo(...place);
+    context.lineTo(width, places.at(-1)[1]);
+    context.lineWidth = 1.75;
+    context.strokeStyle = accent;
+    context.stroke();
+    places.forEach((place, i) => {
+      const chosen = this.selected.which === 'opacities' && this.selected.index === i;
+      context.beginPath();
+      context.arc(...place, chosen ? 6 : 4, 0, 2 * Math.PI);
+      context.fillStyle = chosen ? accent : themeColour('--panel');
+      context.fill();
+      context.stroke();
+    });
+  }
+
+  drawStrip() {
+    const { context, width, height } = fitCanvas(byId('strip')), [low, high] = this.range, band = height - 12;
+    const gradient = context.createLinearGradient(side, 0, width - side, 0), steps = 64;
+    for (let i = 0; i <= steps; ++i)
+      gradient.addColorStop(i / steps, cssColour(colourAt(this.tf, low + ((high - low) * i) / steps)));
+    context.fillStyle = gradient;
+    context.fillRect(0, 0, width, band);
+    this.tf.colours.forEach((stop, i) => {
+      const x = this.x(stop[0], width), chosen = this.selected.which === 'colours' && this.selected.index === i;
+      context.beginPath();
+      context.moveTo(x, band - 4);
+      context.lineTo(x + 6, height - 1.5);
+      context.lineTo(x - 6, height - 1.5);
+      context.closePath();
+      context.fillStyle = cssColour(stop.slice(1));
+      context.fill();
+      context.lineWidth = chosen ? 2.5 : 1;
+      context.strokeStyle = chosen ? themeColour('--accent') : themeColour('--text');
+      context.stroke();
+    });
+  }
+}

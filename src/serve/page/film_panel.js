@@ -1,0 +1,149 @@
+// Key frames: the list, playing them, and rendering a film at full quality.
+
+import { byId, download, element } from './dom.js';
+import { fileStem } from './files.js';
+import { sceneAt } from './spline.js';
+import { mostMembers, zip } from './zip.js';
+
+export class FilmPanel {
+  constructor(app) {
+    this.app = app;
+    this.frames = [];
+    this.player = 0;
+    this.job = null;  // of a film that is being rendered
+    byId('add-key').addEventListener('click', () => this.add());
+    byId('play').addEventListener('click', () => this.play());
+    byId('clear-keys').addEventListener('click', () => this.set([]));
+    byId('render-film').addEventListener('click', () => (this.job ? this.cancel() : this.render()));
+    this.set([]);
+  }
+
+  set(frames) {
+    this.stop();
+    this.frames = frames;
+    const act = (label, title, disabled, onclick) =>
+      element('button', { 'aria-label': title, title, disabled, onclick }, label);
+    byId('key-frames').replaceChildren(...frames.map((frame, i) => {
+      const { azimuth, elevation, zoom } = frame.camera, name = `key frame ${i + 1}`;
+      return element('li', {}, element('b', {}, String(i + 1)),
+        element('span', {}, `${azimuth.toFixed(0)}°, ${elevation.toFixed(0)}°, ×${zoom.toFixed(2)}`),
+        act('Go', `Show ${name}`, false, () => this.app.scene.change(frame)),
+        act('Set', `Put the present view into ${name}`, false, () => this.set(frames.with(i, this.app.scene.state))),
+        act('↑', `Move ${name} up`, i === 0, () => this.set(frames.toSpliced(i - 1, 2, frame, frames[i - 1]))),
+        act('✕', `Delete ${name}`, false, () => this.set(frames.toSpliced(i, 1))));
+    }));
+    byId('play').disabled = byId('render-film').disabled = frames.length < 2;
+    byId('clear-keys').disabled = frames.length === 0;
+  }
+
+  add() {
+    if (this.app.scene.state) this.set([...this.frames, this.app.scene.state]);
+  }
+
+  get secondsEach() {
+    return Math.max(0.1, byId('film-seconds').valueAsNumber || 2);
+  }
+  get rate() {
+    return Math.max(1, byId('film-rate').valueAsNumber || 25);
+  }
+  sceneAt(time) {
+    return sceneAt(this.frames, time, this.app.volume.dims);
+  }
+
+  play() {
+    if (this.player) return this.stop();
+    if (this.frames.length < 2 || !this.app.mayEdit()) return undefined;
+    const begin = performance.now(), end = this.frames.length - 1;
+    this.app.sender.hold();
+    byId('play').setAttribute('aria-pressed', 'true');
+    const step = () => {
+      const time = (performance.now() - begin) / 1000 / this.secondsEach;
+      this.app.scene.change(this.sceneAt(Math.min(time, end)));
+      if (time >= end) this.stop();
+      else this.player = requestAnimationFrame(step);
+    };
+    this.player = requestAnimationFrame(step);
+    return undefined;
+  }
+
+  stop() {
+    if (!this.player) return;
+    cancelAnimationFrame(this.player);
+    this.player = 0;
+    byId('play').setAttribute('aria-pressed', 'false');
+    this.app.sender.release();
+  }
+
+  cancel() {
+    this.job?.abort();
+  }
+
+  begin(ffmpeg) {
+    byId('film-format').replaceChildren(element('option', { value: 'zip' }, 'PNGs (ZIP)'),
+                                        ...(ffmpeg ? [element('option', { value: 'mp4' }, 'MP4')] : []));
+    if (ffmpeg) byId('film-format').value = 'mp4';
+  }
+
+  async render() {
+    const width = byId('film-width').valueAsNumber, height = byId('film-height').valueAsNumber;
+    const count = Math.round((this.frames.length - 1) * this.secondsEach * this.rate) + 1;
+    if (!(width > 0 && height > 0) || count > mostMembers)
+      return this.app.complain('The film cannot be rendered.', `Give a size, and at most ${mostMembers} frames.`);
+    this.stop();
+    this.job = new AbortController();
+    byId('render-film').textContent = 'Cancel';
+    Object.assign(byId('film-progress'), { hidden: false, max: count, value: 0 });
+    const stem = fileStem(this.app.volume.name);
+    try {
+      if (byId('film-format').value === 'mp4') download(`${stem}.mp4`, await this.movie(width, height, count));
+      else download(`${stem}-frames.zip`, zip(await this.pictures(width, height, count, stem)));
+      this.say(`${count} frames rendered`);
+    } catch (error) {
+      this.say(this.job.signal.aborted ? 'cancelled' : '');
+      if (!this.job.signal.aborted) this.app.complain(`The film was not rendered: ${error.message}`);
+    }
+    this.job = null;
+    byId('render-film').textContent = 'Render';
+    byId('film-progress').hidden = true;
+    return undefined;
+  }
+
+  say(words) {
+    byId('film-words').textContent = words;
+  }
+
+  progress(index, count) {
+    byId('film-progress').value = index;
+    this.say(`${index} of ${count}`);
+  }
+
+  timeOf(index, count) {
+    return (index / (count - 1)) * (this.frames.length - 1);
+  }
+
+  async pictures(width, height, count, stem) {
+    const members = [], digits = Math.max(4, String(count).length);
+    for (let index = 0; index < count; ++index) {
+      this.progress(index, count);
+      const state = this.sceneAt(this.timeOf(index, count));
+      const name = `${stem}-${String(index).padStart(digits, '0')}.png`;
+      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format: 'png', state },
+                                                   this.job.signal);
+      members.push({ name, bytes: new Uint8Array(await blob.arrayBuffer()) });
+    }
+    return members;
+  }
+
+  /** The server keeps the frames and answers the last one with the film. */
+  async movie(width, height, count) {
+    const id = this.app.requests.newId();
+    for (let index = 0; index < count; ++index) {
+      this.progress(index, count);
+      const state = this.sceneAt(this.timeOf(index, count));
+      const answer = await this.app.requests.ask(
+        { type: 'movie_frame', id, index, count, fps: this.rate, width, height, state }, this.job.signal);
+      if (answer.blob) return answer.blob;
+    }
+    throw new Error('the server sent no film');
+  }
+}

@@ -1,0 +1,133 @@
+// Mouse, pen and fingers on the picture.
+
+import { movePicture, rollBall, turnTable } from './camera.js';
+import { settings } from './settings.js';
+import { stretched, windowOf } from './transfer_function.js';
+
+const radiansEachSide = 2.2;  // how far a drag over the shorter side turns the volume
+
+export class Gestures {
+  constructor(app, canvas) {
+    this.app = app;
+    this.canvas = canvas;
+    this.fingers = new Map();
+    this.mode = null;
+    this.cursor = null;  // where the pointer was last, in CSS pixels of the canvas
+    const listen = (name, take) => canvas.addEventListener(name, take, { passive: false });
+    listen('pointerdown', (event) => this.down(event));
+    listen('pointermove', (event) => this.move(event));
+    listen('pointerup', (event) => this.up(event));
+    listen('pointercancel', (event) => this.up(event));
+    listen('wheel', (event) => this.wheel(event));
+    listen('dblclick', (event) => app.probe(this.place(event)));
+    listen('contextmenu', (event) => event.preventDefault());
+    listen('auxclick', (event) => event.preventDefault());
+  }
+
+  place(event) {
+    const box = this.canvas.getBoundingClientRect();
+    return [event.clientX - box.left, event.clientY - box.top];
+  }
+
+  get side() {
+    return Math.min(this.canvas.clientWidth, this.canvas.clientHeight);
+  }
+
+  /** From the picture's middle, in lengths of the shorter side, as the camera counts. */
+  fromMiddle([x, y]) {
+    return [(x - 0.5 * this.canvas.clientWidth) / this.side, (y - 0.5 * this.canvas.clientHeight) / this.side];
+  }
+
+  modeOf(event) {
+    if (event.button === 2) return 'window';
+    if (event.button === 1 || event.shiftKey) return 'pan';
+    return event.altKey ? 'roll' : 'turn';
+  }
+
+  down(event) {
+    event.preventDefault();
+    this.canvas.focus({ focusVisible: false });
+    this.canvas.setPointerCapture(event.pointerId);
+    this.fingers.set(event.pointerId, this.place(event));
+    this.app.stopFilm();
+    if (this.fingers.size === 1) {
+      this.mode = this.modeOf(event);
+      this.start = { at: this.place(event), tf: this.app.scene.state?.transfer_function };
+      this.app.sender.hold();
+      this.canvas.classList.add('busy');
+    } else if (this.fingers.size === 2) {
+      this.mode = 'pinch';
+    }
+  }
+
+  up(event) {
+    if (!this.fingers.delete(event.pointerId)) return;
+    if (this.fingers.size > 0) {
+      this.mode = null;  // the finger that stays does not turn the volume
+      return;
+    }
+    if (this.mode === 'window') this.app.commitTransfer();
+    this.mode = null;
+    this.canvas.classList.remove('busy');
+    this.app.sender.release();
+  }
+
+  move(event) {
+    const now = this.place(event), before = this.fingers.get(event.pointerId);
+    this.cursor = now;
+    if (!before || !this.mode) return;
+    const { scene } = this.app;
+    if (!scene.state) return;
+    if (this.mode === 'pinch') this.pinch(event.pointerId, now);
+    const shift = [now[0] - before[0], now[1] - before[1]];
+    this.fingers.set(event.pointerId, now);
+    if (shift[0] === 0 && shift[1] === 0) return;
+    const radians = shift.map((d) => (d / this.side) * radiansEachSide);
+    const turn = settings.turning === 'turntable' ? turnTable : rollBall;
+    if (this.mode === 'turn') scene.change({ camera: turn(scene.state.camera, ...radians) });
+    if (this.mode === 'pan')
+      scene.change({ camera: movePicture(scene.state.camera, { shift: shift.map((d) => d / this.side) }) });
+    if (this.mode === 'roll') this.roll(before, now);
+    if (this.mode === 'window') this.windowLevel(now);
+  }
+
+  roll(before, now) {
+    const { clientWidth, clientHeight } = this.canvas;
+    const angle = ([x, y]) => (Math.atan2(y - 0.5 * clientHeight, x - 0.5 * clientWidth) * 180) / Math.PI;
+    const { scene } = this.app;
+    scene.change({ camera: movePicture(scene.state.camera, { roll: angle(now) - angle(before) }) });
+  }
+
+  /** Right widens the window, up raises the level; each is told from the drag's start. */
+  windowLevel(now) {
+    const { tf, at } = this.start;
+    const factor = 4 ** ((now[0] - at[0]) / this.side);
+    const shift = ((at[1] - now[1]) / this.side) * Math.max(windowOf(tf).width, this.app.valueSpan() * 0.1);
+    this.app.editTransfer(stretched(tf, factor, shift));
+  }
+
+  /** Two fingers: the points under them stay under them. */
+  pinch(moved, now) {
+    const [id, other] = [...this.fingers].find(([finger]) => finger !== moved) ?? [];
+    if (id === undefined) return;
+    const before = this.fingers.get(moved);
+    const spread = (p) => [p[0] - other[0], p[1] - other[1]];
+    const [a, b] = [spread(before), spread(now)];
+    const zoom = Math.max(Math.hypot(...b), 1) / Math.max(Math.hypot(...a), 1);
+    const roll = ((Math.atan2(b[1], b[0]) - Math.atan2(a[1], a[0])) * 180) / Math.PI;
+    const { scene } = this.app;
+    scene.change({ camera: movePicture(scene.state.camera, { at: this.fromMiddle(other), zoom, roll }) });
+    this.fingers.set(moved, now);
+  }
+
+  wheel(event) {
+    event.preventDefault();
+    const { scene, sender } = this.app;
+    if (!scene.state) return;
+    this.app.stopFilm();
+    const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
+    const zoom = Math.exp(-pixels * (event.ctrlKey ? 0.01 : 0.0015));
+    sender.pulse();
+    scene.change({ camera: movePicture(scene.state.camera, { at: this.fromMiddle(this.place(event)), zoom }) });
+  }
+}

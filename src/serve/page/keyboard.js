@@ -1,0 +1,118 @@
+// The keyboard: all that the mouse can do, and the list of it.
+
+import { movePicture, rollBall, sixViews, turnTable } from './camera.js';
+import { byId, clamp, element } from './dom.js';
+import { set, settings } from './settings.js';
+import { stretched } from './transfer_function.js';
+
+const step = (5 * Math.PI) / 180, panStep = 0.05, zoomStep = 1.1, rollStep = 5, crossStep = 8;
+
+const gestures = [
+  ['Drag', 'turn the volume (one finger, too)'],
+  ['Shift + drag, middle button', 'pan (two fingers, too)'],
+  ['Alt + drag', 'roll the picture (two fingers, too)'],
+  ['Wheel, pinch', 'zoom to the cursor'],
+  ['Right button', 'window (right) and level (up) of the transfer function'],
+  ['Double click', 'value under the cursor'],
+];
+
+const arrows = { ArrowRight: [1, 0], ArrowLeft: [-1, 0], ArrowDown: [0, 1], ArrowUp: [0, -1] };
+
+/** What the single keys do: key, what the help says, and the action. */
+function actions(app) {
+  const camera = (change) => {
+    app.sender.pulse();
+    app.scene.change({ camera: change(app.scene.state.camera) });
+  };
+  const transfer = (factor, shift) => {
+    app.sender.pulse();
+    app.editTransfer(stretched(app.scene.state.transfer_function, factor, shift * 0.02 * app.valueSpan()), true);
+  };
+  const toggle = (name) => () => set({ [name]: !settings[name] });
+  return [
+    ['+', 'zoom in', () => camera((c) => movePicture(c, { zoom: zoomStep })), '='],
+    ['-', 'zoom out', () => camera((c) => movePicture(c, { zoom: 1 / zoomStep }))],
+    [',', 'roll to the left', () => camera((c) => movePicture(c, { roll: -rollStep }))],
+    ['.', 'roll to the right', () => camera((c) => movePicture(c, { roll: rollStep }))],
+    ['r', 'reset the camera', () => app.resetCamera()],
+    ...sixViews.map((view, i) => [String(i + 1), `from the ${view.name.toLowerCase()}`, () => app.lookFrom(view)]),
+    ['p', 'orthographic or perspective', () => app.toggleProjection()],
+    ['t', 'trackball or turntable',
+     () => set({ turning: settings.turning === 'trackball' ? 'turntable' : 'trackball' })],
+    ['w', 'narrower window', () => transfer(1 / 1.05, 0)],
+    ['e', 'wider window', () => transfer(1.05, 0)],
+    ['d', 'lower level', () => transfer(1, -1)],
+    ['f', 'higher level', () => transfer(1, 1)],
+    ['s', 'shading on or off', () => app.toggleShading()],
+    ['c', 'clip box on or off', () => app.toggleClip()],
+    ['o', 'orientation cube on or off', toggle('cube')],
+    ['b', 'scale bar on or off', toggle('scale')],
+    ['g', 'colour bar on or off', toggle('colours')],
+    ['x', 'handles of the clip box on or off', toggle('box')],
+    ['k', 'add a key frame', () => app.addKeyFrame()],
+    [' ', 'play the film', () => app.playFilm()],
+    ['v', 'save a picture', () => app.saveSnapshot()],
+    ['Enter', 'value at the cross or the cursor', () => app.probeAtCross()],
+    ['Escape', 'hide the value, stop the film', () => app.quiet()],
+    ['\\', 'hide or show the controls',
+     () => set({ folded: !document.body.classList.contains('folded') })],
+    ['?', 'this list', () => byId('help').showModal()],
+  ];
+}
+
+function fillHelp(list) {
+  const keys = (...names) =>
+    element('th', { scope: 'row' }, ...names.flatMap((name) => [element('kbd', {}, name), ' ']));
+  const row = (head, text) => element('tr', {}, head, element('td', {}, text));
+  const names = { ' ': 'Space', Escape: 'Esc' };
+  const rows = list.map(([key, text]) => row(keys(names[key] ?? key), text)), half = 15;
+  byId('help-gestures').append(
+    ...gestures.map(([name, text]) => row(element('th', { scope: 'row' }, name), text)),
+    row(keys('←', '→', '↑', '↓'), 'turn'), row(keys('Shift', 'arrows'), 'pan'),
+    row(keys('Ctrl', 'arrows'), 'move a cross to ask for values'),
+    row(keys('Ctrl', 'Z'), 'undo a change of the transfer function; with Shift: redo'));
+  byId('help-views').append(...rows.slice(0, half));
+  byId('help-keys').append(...rows.slice(half));
+}
+
+/** Keys belong to a field while it has the focus; a slider or button keeps only those that it uses. */
+function isTaken(target, key) {
+  if (target.closest('dialog')) return true;
+  if (target.matches('select, textarea, input:not([type="checkbox"], [type="range"])')) return true;
+  const moves = key in arrows || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
+  const presses = key === ' ' || key === 'Enter';
+  if (target.matches('input[type="range"], #curve, #strip, #light-pad, #clip-handles button'))
+    return moves || presses || key === 'Insert' || key === 'Delete';
+  return presses && target.matches('button, summary, input, a');
+}
+
+export function attachKeyboard(app) {
+  const list = actions(app);
+  fillHelp(list);
+  byId('show-help').addEventListener('click', () => byId('help').showModal());
+  const byKey = new Map(list.flatMap(([key, , act, also]) => [[key, act], ...(also ? [[also, act]] : [])]));
+  window.addEventListener('keydown', (event) => {
+    if (!app.scene.state || event.altKey || isTaken(event.target, event.key)) return;
+    const controlled = event.ctrlKey || event.metaKey;
+    const direction = arrows[event.key];
+    if (direction && controlled) app.moveCross(direction.map((d) => d * crossStep));
+    else if (direction) turnOrPan(app, direction, event.shiftKey);
+    else if (controlled && event.key.toLowerCase() === 'z') app.undo(event.shiftKey);
+    else if (!controlled && byKey.has(event.key)) byKey.get(event.key)();
+    else return;
+    event.preventDefault();
+  });
+}
+
+function turnOrPan(app, [right, down], pans) {
+  const { camera } = app.scene.state;
+  app.stopFilm();
+  app.sender.pulse();
+  const turn = settings.turning === 'turntable' ? turnTable : rollBall;
+  app.scene.change({ camera: pans ? movePicture(camera, { shift: [right * panStep, down * panStep] })
+                                  : turn(camera, right * step, down * step) });
+}
+
+/** Moves a place by some pixels and keeps it on the canvas. */
+export const movedWithin = ([x, y], [right, down], canvas) =>
+  [clamp(x + right, 0, canvas.clientWidth - 1), clamp(y + down, 0, canvas.clientHeight - 1)];

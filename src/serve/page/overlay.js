@@ -1,0 +1,120 @@
+// What is drawn over the picture: the clip box's edges, scale bar, colour bar and the probe's cross.
+
+import { byId, clamp, fitCanvas, niceStep, show } from './dom.js';
+import { settings } from './settings.js';
+import { colourAt } from './transfer_function.js';
+
+const margin = 16, foot = 10;
+
+/** Dark text on a light background and the other way. */
+function ink(background) {
+  const light = 0.299 * background[0] + 0.587 * background[1] + 0.114 * background[2] > 0.55;
+  return { text: light ? '#15171a' : '#f2f4f7', halo: light ? 'rgb(255 255 255 / .7)' : 'rgb(0 0 0 / .7)' };
+}
+
+function write(context, colours, text, x, y) {
+  context.lineWidth = 3;
+  context.lineJoin = 'round';
+  context.strokeStyle = colours.halo;
+  context.strokeText(text, x, y);
+  context.fillStyle = colours.text;
+  context.fillText(text, x, y);
+}
+
+function strokeTwice(context, colours) {
+  context.lineWidth = 4;
+  context.strokeStyle = colours.halo;
+  context.stroke();
+  context.lineWidth = 1.5;
+  context.strokeStyle = colours.text;
+  context.stroke();
+}
+
+/** The length of 1, 2 or 5 times a power of ten that takes at most `most` pixels. */
+export function scaleBar(pixelsPerUnit, most) {
+  const span = most / pixelsPerUnit, power = 10 ** Math.floor(Math.log10(span));
+  const length = power * [5, 2, 1].find((factor) => factor * power <= span * (1 + 1e-9));
+  return { length, pixels: length * pixelsPerUnit };
+}
+
+function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
+  const y = height - foot - 8, right = margin + bar.pixels;
+  context.beginPath();
+  context.moveTo(margin, y - 5);
+  context.lineTo(margin, y);
+  context.lineTo(right, y);
+  context.lineTo(right, y - 5);
+  strokeTwice(context, colours);
+  context.textAlign = 'left';
+  context.textBaseline = 'bottom';
+  const words = `${show(bar.length)}${unit ? ' ' + unit : ' units'}${perspective ? ' at the centre' : ''}`;
+  write(context, colours, words, margin + 4, y - 5);
+}
+
+function drawColourBar(context, colours, tf, [low, high], height) {
+  const tall = clamp(height * 0.3, 80, 200), top = height - foot - 44 - tall, wide = 12;
+  const gradient = context.createLinearGradient(0, top + tall, 0, top), steps = 48;
+  for (let i = 0; i <= steps; ++i) {
+    const rgb = colourAt(tf, low + ((high - low) * i) / steps).map((c) => Math.round(255 * clamp(c, 0, 1)));
+    gradient.addColorStop(i / steps, `rgb(${rgb.join(' ')})`);
+  }
+  context.fillStyle = gradient;
+  context.fillRect(margin, top, wide, tall);
+  context.lineWidth = 1;
+  context.strokeStyle = colours.text;
+  context.strokeRect(margin - 0.5, top - 0.5, wide + 1, tall + 1);
+  context.textAlign = 'left';
+  context.textBaseline = 'middle';
+  if (!(high > low)) return;
+  const step = niceStep(high - low, Math.max(2, Math.floor(tall / 32)));
+  for (let k = Math.ceil(low / step - 1e-6); k * step <= high + 1e-6 * step; ++k) {
+    const y = top + tall * (1 - (k * step - low) / (high - low));
+    context.fillStyle = colours.text;
+    context.fillRect(margin + wide, y - 0.5, 4, 1);
+    write(context, colours, show(k * step), margin + wide + 7, y);
+  }
+}
+
+const edges = [0, 1, 2].flatMap((axis) => [[0, 0], [0, 1], [1, 0], [1, 1]].map((ends) => ({ axis, ends })));
+
+function drawBox(context, colours, clip, project) {
+  context.beginPath();
+  for (const { axis, ends } of edges) {
+    const corner = [0, 0, 0];
+    corner[(axis + 1) % 3] = clip[(axis + 1) % 3][ends[0]] - 0.5;
+    corner[(axis + 2) % 3] = clip[(axis + 2) % 3][ends[1]] - 0.5;
+    context.moveTo(...project(corner.with(axis, clip[axis][0] - 0.5)));
+    context.lineTo(...project(corner.with(axis, clip[axis][1] - 0.5)));
+  }
+  context.globalAlpha = 0.55;
+  context.lineWidth = 1;
+  context.strokeStyle = colours.text;
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
+function drawCross(context, colours, [x, y]) {
+  context.beginPath();
+  for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
+    context.moveTo(x + 3 * dx, y + 3 * dy);
+    context.lineTo(x + 10 * dx, y + 10 * dy);
+  }
+  strokeTwice(context, colours);
+}
+
+/** `seen`: pixelsPerUnit and project in CSS pixels of the stage. Returns the scale bar that was drawn. */
+export function drawOverlay({ state, volume, seen, cross }) {
+  const { context, width, height } = fitCanvas(byId('overlay'));
+  const colours = ink(state.background);
+  context.font = '12px system-ui, sans-serif';
+  let bar = null;
+  if (state.clip && settings.box) drawBox(context, colours, state.clip, (p) => seen.project(p).slice(0, 2));
+  if (settings.scale) {
+    bar = scaleBar(seen.pixelsPerUnit, clamp(width * 0.25, 60, 200));
+    drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
+  }
+  if (settings.colours)
+    drawColourBar(context, colours, state.transfer_function, [volume.histogram.low, volume.histogram.high], height);
+  if (cross) drawCross(context, colours, cross);
+  return bar;
+}

@@ -1,0 +1,68 @@
+// The value under the cursor: a cross on the picture, a note beside it, and words for screen readers.
+
+import { byId, show } from './dom.js';
+import { movedWithin } from './keyboard.js';
+
+export class Probe {
+  constructor(app) {
+    this.app = app;
+    this.cross = null;  // CSS pixels of the canvas
+    this.asked = 0;
+    this.result = null;
+  }
+
+  get canvas() {
+    return byId('picture');
+  }
+
+  /** Asks at a place of the canvas. */
+  async ask(place) {
+    this.cross = place;
+    this.app.redraw();
+    const asked = ++this.asked, { stage } = this.app, { width, height, scale, left, top } = stage.fit();
+    const pixel = place.map((p, k) => Math.floor((p * stage.pixelsEach - [left, top][k]) / scale));
+    if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] >= width || pixel[1] >= height) return;
+    try {
+      const answer = await this.app.requests.ask({ type: 'probe', x: pixel[0], y: pixel[1] });
+      if (asked === this.asked) this.show(answer);
+    } catch (error) {
+      if (asked === this.asked) this.app.complain(`The value could not be asked for: ${error.message}`);
+    }
+  }
+
+  show(answer) {
+    this.result = answer;
+    const unit = this.app.volume.unit ? ' ' + this.app.volume.unit : '';
+    const lines = answer.hit
+      ? [`value ${show(answer.value, 6)}`, `voxel ${answer.voxel.map((v) => show(v, 5)).join(', ')}`,
+         `world ${answer.world.map((v) => show(v, 5)).join(', ')}${unit}`]
+      : ['nothing opaque here'];
+    byId('probe-words').textContent = lines.join('; ');
+    byId('probe').textContent = lines.join('\n');
+    byId('probe').hidden = false;
+    const [x, y] = this.cross, { offsetWidth, offsetHeight } = byId('probe');
+    const left = Math.min(x + 14, this.canvas.clientWidth - offsetWidth - 4);
+    const below = y + 14 + offsetHeight < this.canvas.clientHeight;
+    byId('probe').style.transform = `translate(${left}px, ${below ? y + 14 : y - 14 - offsetHeight}px)`;
+  }
+
+  hide() {
+    if (!this.cross) return;
+    ++this.asked;
+    this.cross = null;
+    this.result = null;
+    byId('probe').hidden = true;
+    byId('probe-words').textContent = '';
+    this.app.redraw();
+  }
+
+  middle() {
+    return [0.5 * this.canvas.clientWidth, 0.5 * this.canvas.clientHeight];
+  }
+
+  move(shift) {
+    byId('probe').hidden = true;
+    this.cross = movedWithin(this.cross ?? this.middle(), shift, this.canvas);
+    this.app.redraw();
+  }
+}

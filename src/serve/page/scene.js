@@ -1,0 +1,110 @@
+// The scene's state, who is told of its changes, and its forms as text: the URL's fragment and a JSON file.
+
+const isNumbers = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite);
+const isRgb = (list) => isNumbers(list, 3) && list.every((c) => c >= 0 && c <= 1);
+const isAscending = (points) => points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
+
+export function isTransferFunction(tf) {
+  const arePoints = (list, size) =>
+    Array.isArray(list) && list.length >= 2 && isAscending(list) &&
+    list.every((p) => isNumbers(p, size) && p.slice(1).every((c) => c >= 0 && c <= 1));
+  return typeof tf === 'object' && tf !== null && arePoints(tf.colours, 4) && arePoints(tf.opacities, 2);
+}
+
+const checks = {
+  camera: (c) => typeof c === 'object' && c !== null && Object.entries(c).every(([key, value]) =>
+    (key === 'pan' ? isNumbers(value, 2) : Number.isFinite(value)) && (key !== 'zoom' || value > 0)),
+  transfer_function: isTransferFunction,
+  shading: (s) => s === 'phong' || s === 'none',
+  light: (l) => isNumbers(l, 3) && Math.hypot(...l) > 0,
+  clip: (b) => b === null || (Array.isArray(b) && b.length === 3 &&
+                              b.every((range) => isNumbers(range, 2) && range[0] < range[1])),
+  background: isRgb,
+};
+
+/** Keeps the known, valid members of a state from outside; names the others. */
+export function checkedState(given) {
+  const state = {}, refused = [];
+  if (typeof given !== 'object' || given === null) return { state, refused: ['all of it'] };
+  for (const [key, check] of Object.entries(checks)) {
+    if (!(key in given)) continue;
+    if (check(given[key])) state[key] = given[key];
+    else refused.push(key);
+  }
+  return { state, refused };
+}
+
+const rounded = (key, value) => (typeof value === 'number' ? Number(value.toPrecision(7)) : value);
+const sameText = (a, b) => JSON.stringify(a, rounded) === JSON.stringify(b, rounded);
+
+export class Scene {
+  /** Without defaults until the server has said hello. */
+  constructor() {
+    this.state = null;
+    this.defaults = null;
+    this.locked = false;  // while another page drives
+    this.listeners = [];
+  }
+
+  subscribe(listener) {
+    this.listeners.push(listener);
+  }
+
+  /** Takes the server's initial scene; what `kept` has stays. */
+  begin(defaults, kept = {}) {
+    this.defaults = defaults;
+    this.state = { ...defaults, ...kept, camera: { ...defaults.camera, ...kept.camera } };
+    this.tell(Object.keys(this.state));
+  }
+
+  /** Replaces some members; a camera may be given in part. */
+  change(part) {
+    if (!this.state || this.locked) return;
+    const camera = part.camera ? { ...this.state.camera, ...part.camera } : this.state.camera;
+    this.state = { ...this.state, ...part, camera };
+    this.tell(Object.keys(part));
+  }
+
+  tell(keys) {
+    for (const listener of this.listeners) listener(new Set(keys));
+  }
+
+  /** The members that differ from the defaults. */
+  differences() {
+    const out = {};
+    for (const [key, value] of Object.entries(this.state))
+      if (!sameText(value, this.defaults[key])) out[key] = value;
+    if (out.camera)
+      out.camera = Object.fromEntries(Object.entries(out.camera).filter(
+        ([key, value]) => !sameText(value, this.defaults.camera[key])));
+    return out;
+  }
+
+  fragment() {
+    const differences = this.differences();
+    return Object.keys(differences).length ? 'state=' + encodeURIComponent(JSON.stringify(differences, rounded)) : '';
+  }
+
+  /** As a file: the whole scene and the film's key frames. */
+  toFile(keyFrames) {
+    const file = keyFrames.length ? { ...this.state, key_frames: keyFrames } : this.state;
+    return JSON.stringify(file, rounded, 2) + '\n';
+  }
+}
+
+/** What the address brings: a token, a state, or both (`TOKEN&state=...`). */
+export function readFragment(hash) {
+  const out = { token: null, state: null };
+  for (const piece of hash.replace(/^#/, '').split('&')) {
+    if (piece.startsWith('state=')) {
+      try {
+        out.state = JSON.parse(decodeURIComponent(piece.slice(6)));
+      } catch {
+        out.state = undefined;  // there is one, but it cannot be read
+      }
+    } else if (piece) {
+      out.token = piece.replace(/^token=/, '');
+    }
+  }
+  return out;
+}

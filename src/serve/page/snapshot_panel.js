@@ -1,0 +1,78 @@
+// Pictures of any size and the scene, as files.
+
+import { byId, download } from './dom.js';
+import { fileStem, openText } from './files.js';
+import { checkedState } from './scene.js';
+
+export class SnapshotPanel {
+  constructor(app) {
+    this.app = app;
+    byId('snapshot').addEventListener('click', () => this.save());
+    byId('snapshot-window').addEventListener('click', () => this.takeWindowSize());
+    byId('save-state').addEventListener('click', () =>
+      download(`${fileStem(app.volume.name)}-scene.json`,
+               new Blob([app.scene.toFile(app.film.frames)], { type: 'application/json' })));
+    byId('load-state').addEventListener('click', () => this.open());
+    byId('copy-link').addEventListener('click', () => this.copyLink());
+  }
+
+  takeWindowSize() {
+    const { width, height } = this.app.stage.canvas;
+    [byId('snapshot-width').value, byId('snapshot-height').value] = [width, height];
+  }
+
+  begin(largest) {
+    for (const [id, most] of [['snapshot-width', largest[0]], ['snapshot-height', largest[1]],
+                              ['film-width', largest[0]], ['film-height', largest[1]]]) byId(id).max = most;
+    if (!byId('snapshot-width').value) this.takeWindowSize();
+  }
+
+  async save() {
+    const width = byId('snapshot-width').valueAsNumber, height = byId('snapshot-height').valueAsNumber;
+    const valid = ['snapshot-width', 'snapshot-height'].every((id) => byId(id).checkValidity());
+    if (!valid || !(width > 0 && height > 0))
+      return this.app.complain('A picture cannot have this size.',
+                               `At most ${this.app.hello.largest.join(' × ')} pixels.`);
+    const format = byId('snapshot-format').value, button = byId('snapshot');
+    button.disabled = true;
+    byId('snapshot-words').textContent = 'rendering …';
+    try {
+      const { state } = this.app.scene;
+      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format, state });
+      download(`${fileStem(this.app.volume.name)}-${width}x${height}.${format}`, blob);
+      byId('snapshot-words').textContent = 'saved';
+    } catch (error) {
+      byId('snapshot-words').textContent = '';
+      this.app.complain(`The picture was not saved: ${error.message}`);
+    }
+    button.disabled = false;
+    return undefined;
+  }
+
+  async open() {
+    const file = await openText('.json');
+    if (!file) return;
+    try {
+      const given = JSON.parse(file.text), { state, refused } = checkedState(given);
+      if (refused.length) throw new Error(`it has an unfit ${refused.join(', ')}`);
+      this.app.takeState(state);
+      if (Array.isArray(given.key_frames))
+        this.app.film.set(given.key_frames.map((frame) => this.app.wholeState(checkedState(frame).state)));
+    } catch (error) {
+      this.app.complain(`${file.name} cannot be used: ${error.message}`, 'Give a scene that this page saved.');
+    }
+  }
+
+  /** The address has the scene, but not the token. */
+  async copyLink() {
+    const button = byId('copy-link');
+    try {
+      this.app.writeFragment();
+      await navigator.clipboard.writeText(location.href);
+      button.textContent = 'Copied';
+    } catch {
+      this.app.complain('The link could not be copied.', 'Copy it from the address bar.');
+    }
+    setTimeout(() => (button.textContent = 'Copy link'), 1500);
+  }
+}

@@ -1,0 +1,160 @@
+// The picture's canvas: shows what the server sent, moved, zoomed and rolled to the present camera until the
+// picture of that camera comes.
+
+import { byId, clamp } from './dom.js';
+
+const mostRemembered = 512;
+
+export class Stage {
+  /** `view()` gives the present camera and background, and whether this page drives. */
+  constructor(view, onResize, onShown) {
+    this.view = view;
+    this.onShown = onShown;
+    this.canvas = byId('picture');
+    this.context = this.canvas.getContext('2d', { alpha: false });
+    this.shown = null;  // the bitmap on the canvas and what it shows
+    this.list = [];     // facts of all pictures lately shown
+    this.sent = new Map();
+    this.largest = [4096, 4096];
+    this.scheduled = false;
+    const exact = 'devicePixelContentBoxSize' in ResizeObserverEntry.prototype;
+    new ResizeObserver(([entry]) => {
+      const box = exact ? entry.devicePixelContentBoxSize[0] : null;
+      this.box = { width: entry.contentRect.width, height: entry.contentRect.height,
+                   columns: box?.inlineSize, rows: box?.blockSize };
+      this.measure(onResize);
+    }).observe(this.canvas, { box: exact ? 'device-pixel-content-box' : 'content-box' });
+    this.watchRatio(onResize);
+  }
+
+  measure(onResize) {
+    if (!this.box) return;
+    const ratio = window.devicePixelRatio || 1, { width, height, columns, rows } = this.box;
+    // The exact size, unless it leaves out a ratio that is only emulated.
+    const pixels = (exactly, css) => (Math.abs(exactly - css * ratio) < 2 ? exactly : Math.round(css * ratio));
+    this.place = [pixels(columns, width), pixels(rows, height)];
+    this.resize();
+    onResize();
+  }
+
+  /** The window may come to a screen with other pixels. */
+  watchRatio(onResize) {
+    matchMedia(`(resolution: ${window.devicePixelRatio || 1}dppx)`).addEventListener('change', () => {
+      this.measure(onResize);
+      this.watchRatio(onResize);
+    }, { once: true });
+  }
+
+  resize() {
+    if (!this.place) return;
+    const [width, height] = this.place;
+    const scale = Math.min(1, this.largest[0] / width, this.largest[1] / height);
+    const size = [width, height].map((n) => Math.max(1, Math.round(n * scale)));
+    if (this.canvas.width === size[0] && this.canvas.height === size[1]) return;
+    [this.canvas.width, this.canvas.height] = size;
+    this.draw();
+  }
+
+  setLargest(largest) {
+    this.largest = largest;
+    this.resize();
+  }
+
+  /** Pixels of the canvas for each CSS pixel. */
+  get pixelsEach() {
+    return this.canvas.width / Math.max(1, this.canvas.clientWidth);
+  }
+
+  /** The picture's size that watchers and drivers see, and where it lies on the canvas. */
+  fit() {
+    const { width, height } = this.canvas;
+    if (this.view().driving || !this.shown) return { width, height, scale: 1, left: 0, top: 0 };
+    const scale = Math.min(width / this.shown.width, height / this.shown.height);
+    return { width: this.shown.width, height: this.shown.height, scale,
+             left: 0.5 * (width - scale * this.shown.width), top: 0.5 * (height - scale * this.shown.height) };
+  }
+
+  /** Remembers the camera of a view that was sent, to know what its picture shows. */
+  remember(seq, camera) {
+    this.sent.set(seq, { camera, width: this.canvas.width, height: this.canvas.height });
+    if (this.sent.size > mostRemembered) this.sent.delete(this.sent.keys().next().value);
+  }
+
+  /** Numbers of views begin anew: another page drives, or the connection is new. */
+  forget() {
+    this.sent.clear();
+    if (this.shown) this.shown.seq = -1;
+  }
+
+  isStale(head) {
+    const last = this.shown;
+    if (this.view().driving && !this.sent.has(head.seq)) return last !== null;  // of another page's view
+    return last !== null && last.seq >= 0 &&
+           (head.seq < last.seq || (head.seq === last.seq && head.level < last.level));
+  }
+
+  /** Decodes and shows a picture unless a newer one is there. True if it was shown. */
+  async take(head) {
+    if (this.isStale(head)) return false;
+    let bitmap;
+    try {
+      bitmap = await createImageBitmap(head.blob, { colorSpaceConversion: 'none' });
+    } catch {
+      return false;
+    }
+    if (this.isStale(head)) {
+      bitmap.close();
+      return false;
+    }
+    this.shown?.bitmap.close();
+    const asked = this.sent.get(head.seq) ?? { camera: null, width: head.width, height: head.height };
+    const own = !this.view().driving || this.sent.has(head.seq);
+    this.shown = { ...asked, bitmap, seq: own ? head.seq : -1, level: head.level };
+    const { seq, level, levels, atRest, bytes, error, seconds, rate, width, height } = head;
+    const now = performance.now();
+    this.list.push({ seq, level, levels, atRest, bytes, error, seconds, rate, width, height, at: now,
+                     latency: now - head.time });
+    if (this.list.length > mostRemembered) this.list.shift();
+    this.draw();
+    this.onShown(this.list.at(-1));
+    return true;
+  }
+
+  /** Draws once before the screen's next frame. */
+  draw() {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(() => {
+      this.scheduled = false;
+      this.drawNow();
+    });
+  }
+
+  drawNow() {
+    const { context, canvas, shown } = this, { camera, background, driving } = this.view();
+    context.setTransform(1, 0, 0, 1, 0, 0);
+    context.fillStyle = `rgb(${background.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
+    context.fillRect(0, 0, canvas.width, canvas.height);
+    if (!shown) return;
+    if (driving && shown.camera) this.preview(shown, camera);
+    else {
+      const { scale, left, top } = this.fit();
+      context.setTransform(scale, 0, 0, scale, left, top);
+    }
+    context.imageSmoothingQuality = 'high';
+    context.drawImage(shown.bitmap, 0, 0, shown.width, shown.height);
+  }
+
+  /** Pan, zoom and roll are exact transforms of the picture, in perspective too. */
+  preview(shown, camera) {
+    const { context, canvas } = this;
+    const old = shown.camera, oldSide = Math.min(shown.width, shown.height);
+    const side = Math.min(canvas.width, canvas.height);
+    const sameDirection = old.azimuth === camera.azimuth && old.elevation === camera.elevation;
+    const scale = (camera.zoom / old.zoom) * (side / oldSide);
+    context.translate(0.5 * canvas.width + camera.pan[0] * side, 0.5 * canvas.height + camera.pan[1] * side);
+    if (sameDirection) context.rotate(((camera.roll - old.roll) * Math.PI) / 180);
+    context.scale(scale, scale);
+    context.translate(-(0.5 * shown.width + old.pan[0] * oldSide), -(0.5 * shown.height + old.pan[1] * oldSide));
+  }
+}

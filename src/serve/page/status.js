@@ -1,0 +1,61 @@
+// What the page says: the status line, the banner of those who watch, errors, and the job's end.
+
+import { byId, element, show } from './dom.js';
+
+const errorStays = 15000;  // milliseconds
+
+export function showLink(status) {
+  const words = { connecting: 'connecting', open: 'connected', lost: 'connection lost, trying again', ended: 'ended' };
+  byId('link').dataset.status = status;
+  byId('link').textContent = words[status];
+}
+
+/** `picture`: facts of the one on the canvas; `latency` in milliseconds of the view's first picture. */
+export function showFacts(picture, latency, hello) {
+  const level = hello.levels?.[picture.level]?.name ?? `level ${picture.level + 1}`;
+  const { ranks } = hello;
+  const facts = [
+    picture.rate > 0 ? `${picture.rate.toFixed(picture.rate < 10 ? 1 : 0)} frames/s` : null,
+    Number.isFinite(latency) ? `${latency.toFixed(0)} ms` : null,
+    `${level} (${picture.level + 1} of ${picture.levels})`,
+    Number.isFinite(picture.error) && !picture.atRest ? `error ${show(picture.error, 2)} of 255` : null,
+    `${picture.width} × ${picture.height}`,
+    `${ranks} ${ranks === 1 ? 'rank' : 'ranks'}${hello.layout ? ': ' + hello.layout : ''}`,
+  ];
+  byId('facts').textContent = facts.filter(Boolean).join(' · ');
+}
+
+export function showDriver(driving, viewers) {
+  byId('banner').hidden = driving;
+  const others = viewers > 2 ? `, ${viewers} in all` : '';
+  byId('banner-text').textContent = `You are watching${others}; another page drives.`;
+  byId('controls').disabled = !driving;
+  document.body.classList.toggle('watching', !driving);
+}
+
+/** The same message is shown once, however often it comes. */
+export function showError(message, hint) {
+  const box = byId('messages');
+  const same = [...box.children].find((child) => child.dataset.text === message);
+  same?.remove();
+  const note = element('div', { 'data-text': message },
+    element('div', {}, element('p', {}, message), ...(hint ? [element('p', { class: 'hint' }, hint)] : [])),
+    element('button', { 'aria-label': 'Dismiss', onclick: () => note.remove() }, '✕'));
+  box.append(note);
+  while (box.children.length > 3) box.firstChild.remove();
+  setTimeout(() => note.remove(), errorStays);
+}
+
+export function showEnd(message, tryAgain) {
+  const dialog = byId('ended');
+  byId('ended-words').textContent = message || 'The server said no more.';
+  byId('try-again').onclick = tryAgain;
+  if (!dialog.open) dialog.showModal();
+}
+
+export function showVolume({ name, dims, spacing, unit, type }) {
+  document.title = `${name} – Ringsplat`;
+  byId('volume-name').textContent = name;
+  byId('volume-facts').textContent = byId('volume-facts').title =
+    `${dims.join(' × ')} ${type}, ${spacing.map((s) => show(s, 2)).join(' × ')}${unit ? ' ' + unit : ''}`;
+}

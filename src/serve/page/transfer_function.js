@@ -1,0 +1,121 @@
+// Transfer functions as the state holds them: colours [[value, r, g, b] ...] in sRGB and opacities
+// [[value, opacity] ...], ascending, linear between points and constant beyond. All functions give new ones.
+
+import { clamp } from './dom.js';
+
+const toLinear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
+const toSrgb = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
+export const linearOf = (rgb) => rgb.map(toLinear);
+export const srgbOf = (rgb) => rgb.map(toSrgb);
+
+/** The points on both sides of a value and the share of the way between them. */
+function between(points, value) {
+  if (value <= points[0][0]) return [points[0], points[0], 0];
+  const next = points.findIndex((p) => p[0] > value);
+  if (next < 0) return [points.at(-1), points.at(-1), 0];
+  const [a, b] = [points[next - 1], points[next]];
+  return [a, b, (value - a[0]) / (b[0] - a[0])];
+}
+
+export function opacityAt(tf, value) {
+  const [a, b, t] = between(tf.opacities, value);
+  return a[1] + t * (b[1] - a[1]);
+}
+
+/** sRGB; linear light is interpolated, as the renderer does. */
+export function colourAt(tf, value) {
+  const [a, b, t] = between(tf.colours, value);
+  const [from, to] = [linearOf(a.slice(1)), linearOf(b.slice(1))];
+  return srgbOf(from.map((c, k) => c + t * (to[k] - c)));
+}
+
+const fewest = 2;
+
+/** `which`: 'opacities' or 'colours'. Gives the function and the index of the new point. */
+export function withPoint(tf, which, point) {
+  const points = tf[which], next = points.findIndex((p) => p[0] > point[0]);
+  const index = next < 0 ? points.length : next;
+  return { tf: { ...tf, name: 'edited', [which]: points.toSpliced(index, 0, point) }, index };
+}
+
+export const canLose = (tf, which) => tf[which].length > fewest;
+
+export function withoutPoint(tf, which, index) {
+  return canLose(tf, which) ? { ...tf, name: 'edited', [which]: tf[which].toSpliced(index, 1) } : tf;
+}
+
+/** Puts a point elsewhere, but never past its neighbours. */
+export function withPointAt(tf, which, index, point) {
+  const points = tf[which];
+  const low = points[index - 1]?.[0] ?? -Infinity, high = points[index + 1]?.[0] ?? Infinity;
+  const kept = [clamp(point[0], low, high), ...point.slice(1).map((c) => clamp(c, 0, 1))];
+  return { ...tf, name: 'edited', [which]: points.with(index, kept) };
+}
+
+/** The span in which something is done: the opacity points between their first and last. */
+export function windowOf(tf) {
+  const values = tf.opacities.map((p) => p[0]);
+  const rising = tf.opacities.findIndex((p) => p[1] > 0);
+  const low = values[Math.max(0, rising - 1)], high = values.at(-1);
+  return { level: 0.5 * (low + high), width: high - low };
+}
+
+/** Window and level: stretches all points about the window's middle and shifts them. */
+export function stretched(tf, factor, shift) {
+  const { level } = windowOf(tf);
+  const move = ([value, ...rest]) => [level + shift + factor * (value - level), ...rest];
+  return { ...tf, name: 'edited', colours: tf.colours.map(move), opacities: tf.opacities.map(move) };
+}
+
+/** A map's colours, evenly over the values that the function's colours cover now. */
+export function withMap(tf, map) {
+  const low = tf.colours[0][0], high = tf.colours.at(-1)[0];
+  const colours = map.colours.map((rgb, i) => [low + ((high - low) * i) / (map.colours.length - 1), ...rgb]);
+  return { ...tf, name: map.name, colours };
+}
+
+const fromDigits = (digits) => digits.split(' ').map((hex) =>
+  [0, 2, 4].map((at) => parseInt(hex.slice(at, at + 2), 16) / 255));
+
+/** Perceptually even maps (viridis, inferno, plasma: matplotlib; cividis: Nuñez et al. 2018) and plain ones. */
+export const maps = [
+  { name: 'grey', colours: fromDigits('000000 ffffff') },
+  { name: 'viridis', colours: fromDigits('440154 482878 3e4989 31688e 26828e 1f9e89 35b779 6ece58 b5de2b fde725') },
+  { name: 'inferno', colours: fromDigits('000004 1b0c41 4a0c6b 781c6d a52c60 cf4446 ed6925 fb9b06 f7d13d fcffa4') },
+  { name: 'plasma', colours: fromDigits('0d0887 46039f 7201a8 9c179e bd3786 d8576b ed7953 fb9f3a fdca26 f0f921') },
+  { name: 'cividis', colours: fromDigits('00224e 123570 3b496c 575d6d 707173 8a8678 a59c74 c3b369 e1cc55 fee838') },
+  { name: 'cool-warm', colours: fromDigits('3b4cc0 7b9ff9 c0d4f5 dddcdc f2cbb7 ee8468 b40426') },
+  { name: 'skin', colours: fromDigits('b87a61 d69e80 f2c7a8 ffebd6') },
+  { name: 'bone', colours: fromDigits('8c4026 ba734d e6d1a8 fffcf2') },
+];
+
+const mostSteps = 200;
+
+/** Undo and redo. An edit that goes on (a drag) counts once: `commit` it at its end. */
+export class History {
+  constructor() {
+    this.clear(null);
+  }
+  clear(tf) {
+    this.past = [];
+    this.future = [];
+    this.present = tf;
+  }
+  commit(tf) {
+    if (tf === this.present) return;
+    if (this.present) this.past.push(this.present);
+    if (this.past.length > mostSteps) this.past.shift();
+    this.present = tf;
+    this.future = [];
+  }
+  undo() {
+    if (!this.past.length) return null;
+    this.future.push(this.present);
+    return (this.present = this.past.pop());
+  }
+  redo() {
+    if (!this.future.length) return null;
+    this.past.push(this.present);
+    return (this.present = this.future.pop());
+  }
+}

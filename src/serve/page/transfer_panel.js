@@ -1,0 +1,105 @@
+// The transfer function's panel: fields of the selected point, presets, maps, window and level, undo, files.
+
+import { CurveEditor } from './curve_editor.js';
+import { byId, download, element, fromHex, onNumber, show, toHex } from './dom.js';
+import { openText } from './files.js';
+import { fromParaView, toParaView } from './paraview.js';
+import { onSettings } from './settings.js';
+import { History, canLose, maps, stretched, windowOf, withMap, withPointAt } from './transfer_function.js';
+
+export class TransferPanel {
+  constructor(app) {
+    this.app = app;
+    this.history = new History();
+    this.editor = new CurveEditor(app, () => this.refresh());
+    const put = (change) => {
+      const { which, index } = this.editor.selected;
+      this.edit(withPointAt(this.tf, which, index, change(this.editor.point)), true);
+    };
+    const refresh = () => this.refresh();
+    onNumber(byId('point-value'), (value) => put((p) => p.with(0, value)), refresh);
+    onNumber(byId('point-opacity'), (opacity) => put((p) => p.with(1, opacity)), refresh);
+    byId('point-colour').addEventListener('input', ({ target }) => {
+      app.sender.pulse();
+      const { index } = this.editor.selected;
+      this.edit(withPointAt(this.tf, 'colours', index, [this.editor.point[0], ...fromHex(target.value)]));
+    });
+    byId('point-colour').addEventListener('change', () => this.commit());
+    byId('point-delete').addEventListener('click', () => this.editor.remove());
+    onNumber(byId('level'),
+             (level) => this.edit(stretched(this.tf, 1, level - windowOf(this.tf).level), true), refresh);
+    onNumber(byId('window'), (width) => {
+      const now = windowOf(this.tf).width;
+      if (width > 0 && now > 0) this.edit(stretched(this.tf, width / now, 0), true);
+    }, refresh);
+    byId('maps').append(...maps.map(({ name }) => element('option', { value: name }, name)));
+    byId('maps').addEventListener('change', ({ target }) => {
+      const map = maps.find(({ name }) => name === target.value);
+      target.value = '';
+      if (map) this.edit(withMap(this.tf, map), true);
+    });
+    byId('presets').addEventListener('change', ({ target }) => {
+      const preset = this.presets.find(({ name }) => name === target.value);
+      if (preset) this.edit({ name: preset.name, ...preset.transfer_function }, true);
+    });
+    byId('undo').addEventListener('click', () => this.undo(false));
+    byId('redo').addEventListener('click', () => this.undo(true));
+    byId('import-tf').addEventListener('click', () => this.open());
+    byId('export-tf').addEventListener('click', () =>
+      download(`${this.tf.name}.json`, new Blob([toParaView(this.tf)], { type: 'application/json' })));
+    onSettings(() => this.editor.draw());
+  }
+
+  get tf() {
+    return this.app.scene.state.transfer_function;
+  }
+
+  begin(presets) {
+    this.presets = presets ?? [];
+    byId('presets').replaceChildren(element('option', { value: '' }, '–'),
+                                    ...this.presets.map(({ name }) => element('option', { value: name }, name)));
+    this.history.clear(this.tf);
+  }
+
+  /** Shows an edit; `whole` ones are steps of undo by themselves. */
+  edit(tf, whole = false) {
+    this.app.scene.change({ transfer_function: tf });
+    if (whole) this.commit();
+  }
+  commit() {
+    this.history.commit(this.tf);
+    this.refresh();
+  }
+  undo(again) {
+    const tf = again ? this.history.redo() : this.history.undo();
+    if (tf) this.app.scene.change({ transfer_function: tf });
+  }
+
+  async open() {
+    const file = await openText('.json');
+    if (!file) return;
+    try {
+      this.edit(fromParaView(file.text), true);
+    } catch (error) {
+      this.app.complain(`${file.name} cannot be used: ${error.message}`, 'Give a colour map as ParaView exports it.');
+    }
+  }
+
+  refresh() {
+    if (!this.app.scene.state) return;
+    this.editor.draw();
+    const { which } = this.editor.selected, point = this.editor.point, opacity = which === 'opacities';
+    byId('point-value').value = show(point[0], 6);
+    byId('point-opacity-label').hidden = !opacity;
+    byId('point-colour-label').hidden = opacity;
+    if (opacity) byId('point-opacity').value = show(point[1]);
+    else byId('point-colour').value = toHex(point.slice(1));
+    byId('point-delete').disabled = !canLose(this.tf, which);
+    const { level, width } = windowOf(this.tf);
+    byId('level').value = show(level, 5);
+    byId('window').value = show(width, 5);
+    byId('presets').value = this.presets?.some(({ name }) => name === this.tf.name) ? this.tf.name : '';
+    byId('undo').disabled = this.history.past.length === 0;
+    byId('redo').disabled = this.history.future.length === 0;
+  }
+}

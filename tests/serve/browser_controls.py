@@ -1,0 +1,196 @@
+"""Each control does what it says, by pixels."""
+
+import json
+import os
+import time
+
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.keys import Keys
+
+from browser_test import WithPage, jack
+from viewer_page import wait_for_file
+
+
+class Controls(WithPage):
+    volume = staticmethod(jack)
+
+    def tf(self):
+        return self.page.facts("state.transfer_function")
+
+    def put_tf(self, opacities, colours=((0, 1, 1, 1), (255, 1, 1, 1))):
+        """By the page's own reading of a ParaView map."""
+        text = json.dumps([{"ColorSpace": "RGB", "Name": "test", "RGBPoints": [v for p in colours for v in p],
+                            "Points": [v for value, opacity in opacities for v in (value, opacity, 0.5, 0)]}])
+        path = os.path.join(self.folder, "map.json")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        self.open_file("import-tf", path)
+        self.page.wait("ringsplat.state.transfer_function.name === 'test'")
+        self.page.settle()
+
+    def open_file(self, button, path):
+        # A chooser of files cannot be driven: the field that it would fill is kept and filled.
+        self.page.js("HTMLInputElement.prototype.click = function() { this.id = 'chosen'; }")
+        self.page.js("document.getElementById(arguments[0]).click()", button)
+        self.page.find("chosen").send_keys(path)
+
+    def test_an_opacity_point_can_be_added_dragged_and_deleted(self):
+        curve, points = self.page.find("curve"), len(self.tf()["opacities"])
+        before = self.page.measure()
+        self.page.js("document.getElementById('curve').scrollIntoView({block: 'center'})")
+        self.page.drag(curve, (70, -40), (0, 0))
+        self.page.settle()
+        self.assertEqual(len(self.tf()["opacities"]), points + 1)
+        self.page.drag(curve, (70, -40), (0, 80))
+        self.page.settle()
+        moved = self.tf()["opacities"]
+        self.assertEqual(len(moved), points + 1)
+        self.assertNotEqual(self.page.measure()["mean"], before["mean"])
+        self.page.click("point-delete")
+        self.assertEqual(len(self.tf()["opacities"]), points)
+
+    def test_opacity_shows_and_hides_the_volume(self):
+        self.put_tf([(0, 0), (20, 0), (40, 0.9), (255, 0.9)])
+        self.assertGreater(self.page.measure()["n"], 1000)
+        self.put_tf([(0, 0), (255, 0)])
+        self.assertEqual(self.page.measure()["n"], 0)
+
+    def test_a_stops_colour_is_the_pictures(self):
+        self.put_tf([(0, 0), (20, 0), (40, 0.9), (255, 0.9)])
+        for key in (Keys.HOME, Keys.END):
+            self.page.js("document.getElementById('strip').focus()")
+            self.page.keys(key)
+            self.page.fill("point-colour", "#ff0000")
+        self.page.js("document.getElementById('shading').checked && document.getElementById('shading').click()")
+        self.page.settle()
+        red, green, blue = self.page.measure()["mean"]
+        self.assertGreater(red, 100)
+        self.assertLess(max(green, blue), 0.2 * red)
+
+    def test_presets_maps_undo_and_redo(self):
+        first = self.tf()
+        self.page.fill("presets", "grey")
+        grey = self.tf()
+        self.assertEqual(grey["name"], "grey")
+        self.page.fill("maps", "viridis")
+        self.page.settle()
+        self.assertEqual(len(self.tf()["colours"]), 10)
+        self.page.click("undo")
+        self.assertEqual(self.tf(), grey)
+        self.page.focus_picture()
+        ActionChains(self.page.driver).key_down(Keys.CONTROL).send_keys("z").key_up(Keys.CONTROL).perform()
+        self.assertEqual(self.tf(), first)
+        self.page.click("redo")
+        self.assertEqual(self.tf(), grey)
+
+    def test_the_selected_points_fields_edit_it(self):
+        self.page.js("document.getElementById('curve').focus()")
+        self.page.keys(Keys.HOME)
+        self.page.fill("point-opacity", 0.25)
+        self.assertEqual(self.tf()["opacities"][0][1], 0.25)
+        self.page.js("document.getElementById('curve').focus()")
+        self.page.keys(Keys.ARROW_UP, Keys.ARROW_UP)
+        self.assertAlmostEqual(self.tf()["opacities"][0][1], 0.27)
+
+    def test_the_right_button_sets_window_and_level(self):
+        before = self.tf()["opacities"]
+        self.page.drag(self.page.find("picture"), (0, 0), (120, 0), button=2)
+        wide = self.tf()["opacities"]
+        self.assertGreater(wide[-1][0] - wide[0][0], 1.1 * (before[-1][0] - before[0][0]))
+        self.page.drag(self.page.find("picture"), (0, 0), (0, -80), button=2)
+        for high, low in zip(self.tf()["opacities"], wide):
+            self.assertGreater(high[0], low[0])
+        self.page.settle()
+
+    def test_a_map_is_saved_as_paraview_reads_it(self):
+        self.page.click("export-tf")
+        path = wait_for_file(os.path.join(self.folder, self.tf()["name"] + ".json"))
+        with open(path, encoding="utf-8") as file:
+            only, = json.load(file)
+        self.assertEqual(only["ColorSpace"], "RGB")
+        self.assertEqual(only["Points"][2:4], [0.5, 0])
+        self.assertEqual(len(only["RGBPoints"]), 4 * len(self.tf()["colours"]))
+
+    def test_light_from_the_other_side_lights_the_other_side(self):
+        self.put_tf([(0, 0), (20, 0), (40, 0.95), (255, 0.95)])
+        grab = ("const c = document.getElementById('picture'), q = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+                "let s = 0; for (let i = 0; i < q.length; i += 4) s += q[i]; return s / (q.length / 4)")
+        for field, value in (("light-right", 0), ("light-up", 0), ("light-front", 1)):
+            self.page.fill(field, value)
+        self.page.settle()
+        front = self.page.js(grab)
+        pad = self.page.find("light-pad")
+        self.page.js("document.getElementById('light-pad').scrollIntoView({block: 'center'})")
+        self.page.drag(pad, (0, 0), (40, 0))
+        self.page.settle()
+        self.assertGreater(self.page.facts("state.light")[0], 0.8)
+        self.assertLess(self.page.js(grab), 0.93 * front)
+
+    def test_clip_sliders_numbers_and_handles_cut_the_volume(self):
+        whole = self.page.measure()
+        self.page.press("1")
+        self.page.click("clip-on")
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.clip"), [[0, 48]] * 3)
+        self.assertAlmostEqual(self.page.measure()["n"], whole["n"], delta=0.01 * whole["n"] + 5)
+        number = self.page.driver.find_element("css selector", "[aria-label='Clip x to, voxels']")
+        self.page.js("arguments[0].value = 24; arguments[0].dispatchEvent(new Event('change'))", number)
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.clip")[0], [0, 24])
+        cut = self.page.measure()
+        self.assertLess(cut["box"][2], 0.5 * cut["width"] + 3)  # nothing is left of the long arm along +x
+        handle = self.page.driver.find_element("css selector", "#clip-handles [title='x to']")
+        self.page.drag(handle, (0, 0), (-60, 0))
+        self.page.settle()
+        self.assertLess(self.page.facts("state.clip")[0][1], 22)
+        self.page.click("clip-whole")
+        self.assertEqual(self.page.facts("state.clip"), [[0, 48]] * 3)
+
+    def test_background_is_the_corners_colour(self):
+        self.page.fill("background", "#405060")
+        self.page.settle()
+        for channel, wanted in zip(self.page.measure()["corner"], (0x40, 0x50, 0x60)):
+            self.assertAlmostEqual(channel, wanted, delta=2)
+
+    def test_perspective_shows_near_things_larger(self):
+        self.page.press("5")
+        flat = self.page.measure()
+        self.page.press("p")
+        self.assertGreater(self.page.facts("state.camera.fov"), 0)
+        deep = self.page.measure()
+        self.assertNotEqual(flat["box"], deep["box"])
+        self.page.fill("fov", 60)
+        self.page.settle()
+        self.assertEqual(self.camera()["fov"], 60)
+        self.page.press("p")
+        self.assertEqual(self.page.measure()["box"], flat["box"])
+
+    def test_shading_off_shows_the_plain_colours(self):
+        self.put_tf([(0, 0), (20, 0), (40, 1), (255, 1)])
+        lit = self.page.measure()["mean"]
+        self.page.press("s")
+        self.assertEqual(self.page.facts("state.shading"), "none")
+        self.assertGreater(min(self.page.measure()["mean"]), max(lit) + 10)
+
+    def test_overlays_can_be_switched_off(self):
+        inked = ("const c = document.getElementById('overlay'), q = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
+                 "let n = 0; for (let i = 3; i < q.length; i += 4) n += q[i] > 0; return n")
+        everything = self.page.js(inked)
+        self.page.press("b")
+        time.sleep(0.1)
+        without_scale = self.page.js(inked)
+        self.page.press("g")
+        time.sleep(0.1)
+        self.assertGreater(everything, without_scale)
+        self.assertEqual(self.page.js(inked), 0)
+        self.page.press("o")
+        time.sleep(0.1)
+        self.assertFalse(self.page.find("cube").is_displayed())
+        self.page.press("b", "g", "o")
+
+    def test_a_click_on_the_cube_looks_at_that_side(self):
+        self.page.fill("azimuth", 45)
+        self.page.settle()
+        ActionChains(self.page.driver).move_to_element_with_offset(self.page.find("cube"), 18, 0).click().perform()
+        self.page.settle()
+        self.assertEqual(self.camera()["azimuth"], 90)

@@ -1,0 +1,51 @@
+"""Writes the documentation's pictures of the page, of the head with which the README begins."""
+
+import os
+import shlex
+
+from selenium.webdriver.common.action_chains import ActionChains
+
+import browser_test
+from viewer_page import Page, Server
+
+LOOK = ("--tf", "mr-skin", "--azimuth", "-35", "--elevation", "8", "--zoom", "1.2", "--background", "#20242c")
+
+
+def scheme(page, name):
+    page.driver.execute_cdp_cmd("Emulation.setEmulatedMedia",
+                                {"features": [{"name": "prefers-color-scheme", "value": name}]})
+
+
+def save(page, folder, name):
+    page.settle()
+    ActionChains(page.driver).move_to_element(page.find("picture")).perform()  # away from the controls
+    page.js("document.activeElement.blur()")
+    page.js("return new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))")
+    page.driver.save_screenshot(os.path.join(folder, name))
+
+
+def write(folder):
+    os.makedirs(folder, exist_ok=True)
+    arguments = browser_test.arguments
+    server = Server(shlex.split(arguments.launch), arguments.ringsplat, browser_test.HEAD, *LOOK)
+    page = Page((1180, 860))
+    try:
+        scheme(page, "light")
+        page.show(server.url)
+        save(page, folder, "viewer-light.png")
+        scheme(page, "dark")
+        page.click("clip-on")
+        dims = page.facts("hello.volume.dims")
+        number = page.driver.find_element("css selector", "[aria-label='Clip x to, voxels']")
+        page.js("arguments[0].value = arguments[1]; arguments[0].dispatchEvent(new Event('change'))", number, round(0.62 * dims[0]))
+        page.js("document.querySelector('details').removeAttribute('open'); document.getElementById('panel').scrollTop = 0")
+        save(page, folder, "viewer-dark.png")
+        page.click("clip-on")
+        page.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride",
+                                    {"width": 390, "height": 780, "deviceScaleFactor": 1.5, "mobile": True})
+        page.js("document.querySelector('details').removeAttribute('open'); document.getElementById('panel').scrollTop = 55")
+        page.wait("document.getElementById('picture').width === 585")
+        save(page, folder, "viewer-phone.png")
+    finally:
+        page.quit()
+        server.stop()
