@@ -138,7 +138,7 @@ void Viewer::handle(ClientId client, ViewMessage&& view) {
   if (!audience_.drives(client)) return;
   if (!last_put_ || !shows_the_same(*last_put_, view)) ++scenes_;
   last_put_ = view;
-  newest_ = View{std::move(view), scenes_, Clock::now(), {}, false};
+  newest_ = View{std::move(view), scenes_, ++views_, Clock::now(), {}};
   wake();
 }
 
@@ -233,9 +233,10 @@ std::optional<FrameSpec> Viewer::next_picture() {
 void Viewer::show_again() {
   const ViewMessage& view = current_->message;
   if (pictures_encoding_ > 0 || !last_.message || last_.scene != current_->scene ||
-      last_.head.seq == view.seq)
+      last_.view == current_->number)
     return;
   LastPicture again = last_;
+  again.view = current_->number;
   again.head.seq = view.seq;
   again.head.time = view.time;
   send_to_all(std::move(again));
@@ -332,12 +333,12 @@ void Viewer::take(FrameResult&& result) {
                    .at_rest = at_rest,
                    .seconds = static_cast<float>(seconds),
                    .time = view.time};
-  picture_worker_.give([this, picture, state = view.scene] { send_picture(*picture, state); });
+  picture_worker_.give([this, picture, shown = rendering.view] { send_picture(*picture, shown); });
 }
 
 // What is sent: on the workers' threads.
 
-void Viewer::send_picture(RenderedPicture& picture, const SceneState& state) {
+void Viewer::send_picture(RenderedPicture& picture, const View& view) {
   std::string message;
   try {
     message = maker_.make(picture);
@@ -348,8 +349,8 @@ void Viewer::send_picture(RenderedPicture& picture, const SceneState& state) {
     const std::lock_guard lock(mutex_);
     --pictures_encoding_;
     if (!message.empty())
-      send_to_all(
-          {std::make_shared<const std::string>(std::move(message)), picture.head, picture.scene, state});
+      send_to_all({std::make_shared<const std::string>(std::move(message)), picture.head, picture.scene,
+                   view.message.scene, view.number});
     wake();
   }
   maker_.learn(picture);

@@ -63,10 +63,10 @@ class Viewer {
   using Clock = std::chrono::steady_clock;
   struct View {
     ViewMessage message;
-    std::uint64_t scene = 0;  ///< the same for views that show the same in the same size
+    std::uint64_t scene = 0;   ///< the same for views that show the same in the same size
+    std::uint64_t number = 0;  ///< its own; pages that come later count their views from 1 again
     Clock::time_point came;
     std::optional<int> shown;  ///< finest level
-    bool moved = false;        ///< its last picture was of a view that moves
   };
   struct Snapshot {
     ClientId client;
@@ -89,6 +89,7 @@ class Viewer {
     PictureHead head;
     std::uint64_t scene = 0;
     SceneState state;
+    std::uint64_t view = 0;  ///< its number
   };
 
   ServerEvents events();
@@ -114,7 +115,7 @@ class Viewer {
 
   FrameSpec full_frame(const SceneState& scene, int width, int height) const;
   void measure(const Rendering& rendering, double seconds);
-  void send_picture(RenderedPicture& picture, const SceneState& state);
+  void send_picture(RenderedPicture& picture, const View& view);
   void send_to_all(LastPicture&& picture);
   void send_to(ClientId client, const LastPicture& picture);
   void take_probe(const Image& picture);
@@ -135,7 +136,7 @@ class Viewer {
   bool woken_ = false, ended_ = false;
   Audience audience_;
   std::optional<View> newest_;  ///< not yet taken
-  std::uint64_t scenes_ = 0;
+  std::uint64_t scenes_ = 0, views_ = 0;
   std::optional<View> current_;
   std::optional<ViewMessage> last_put_;
   LevelController controller_;
