@@ -93,7 +93,7 @@ struct PayloadToDraw {
 class Painter {
  public:
   virtual ~Painter() = default;
-  /// Does a bounded piece of work that belongs to no payload; false when there is none.
+  /// While no payload is there: does a small piece of work that belongs to none; false when there is none.
   virtual bool prepare() { return false; }
   /// Begins a payload. Throws RunError when the bytes are no payload for this Renderer.
   virtual void begin(const PayloadToDraw& payload) = 0;

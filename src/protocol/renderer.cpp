@@ -91,11 +91,7 @@ bool Renderer::advance() {
   if (frames_.empty()) return false;
   Frame& frame = frames_.front();
   if (frame.painter == nullptr) begin_drawing(frame);
-  if (!frame.painting && frame.painter->prepare()) {
-    book({Activity::draw, frame.announcement.frame, -1});
-    return true;
-  }
-  if (!frame.drawn()) return draw_some(frame);
+  if (!frame.drawn()) return draw_some(frame) || prepare(frame);
   if (!frame.dropped && frame.painter->conclude())
     book({Activity::draw, frame.announcement.frame, -1});
   else
@@ -108,6 +104,12 @@ void Renderer::begin_drawing(Frame& frame) {
   // A Renderer without a tile has no token.
   if (!engine_.plan(frame.announcement).drawing(layout_.renderers)[std::size_t(index_)])
     frame.payloads_expected = 0;
+}
+
+bool Renderer::prepare(Frame& frame) {
+  if (frame.dropped || !frame.painter->prepare()) return false;
+  book({Activity::draw, frame.announcement.frame, -1});
+  return true;
 }
 
 bool Renderer::draw_some(Frame& frame) {

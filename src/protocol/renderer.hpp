@@ -48,6 +48,7 @@ class Renderer final : public Node {
   std::uint32_t slots_end(const Frame& frame) const;
   void accept(const Frame& frame, const Header& payload);
   void begin_drawing(Frame& frame);
+  bool prepare(Frame& frame);
   bool draw_some(Frame& frame);
   void finish_payload(Frame& frame);
   void deliver(Frame& frame);

@@ -28,6 +28,10 @@ namespace {
 /// through many slabs at once, but no more than this memory.
 constexpr std::size_t most_plane_bytes = std::size_t{64} << 20;
 constexpr int most_slots = 36, least_slots = 8;
+/// While a Renderer waits for slices it paints so many slabs or more, a group of pixels at a time, so that
+/// other nodes of its rank need not wait.
+constexpr std::size_t least_at_once = 12;
+constexpr int groups_at_once = 16;
 
 /// Draws sheets on a Renderer. A slab between the slices of two steps is painted once the slice behind them
 /// is there or known not to come, together with as many others as there are.
@@ -51,6 +55,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     transparent_ = TransparentValues(frame_->shown.transfer_function);
     slabs_.clear();
     painting_ = 0;
+    step_ = -1;
     payload_.reset();
     concluded_ = false;
     ready_ = false;
@@ -58,8 +63,14 @@ class SlabPainter final : public FramePainter<SheetFrame> {
   }
 
   bool prepare() override {
-    if (ready_ || !(low_ < high_)) return false;
-    make_ready();
+    if (!ready_) {
+      if (!(low_ < high_)) return false;
+      make_ready();
+      return true;
+    }
+    const std::size_t complete = complete_before(step_ + 1);
+    if (painting_ == 0 && complete < least_at_once) return false;
+    paint_some(complete, 1);
     return true;
   }
 
@@ -93,7 +104,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
         planes_.extrapolate(slices, slices - 1, std::max(slices - 2, 0));
       concluded_ = true;
     }
-    paint_some(slabs_.size());
+    paint_some(slabs_.size(), groups_at_once);
     return true;
   }
 
@@ -213,10 +224,15 @@ class SlabPainter final : public FramePainter<SheetFrame> {
   /// Returns whether it did.
   bool make_room(int step) {
     if (slabs_.empty() || step - (slabs_.front().step - 2) < planes_.slots()) return false;
+    paint_some(complete_before(step), groups_at_once);
+    return true;
+  }
+
+  /// How many slabs can be painted without the slice of `step` or later ones.
+  std::size_t complete_before(int step) const {
     std::size_t complete = 0;
     while (complete < slabs_.size() && slabs_[complete].step + 1 < step) ++complete;
-    paint_some(complete);
-    return true;
+    return complete;
   }
 
   void add_slabs() {
@@ -255,15 +271,16 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     }
   }
 
-  /// Does a bounded piece of painting the first `count` slabs, on each thread.
-  void paint_some(std::size_t count) {
+  /// Paints up to `groups` groups of pixels on each thread, through the first `count` slabs or those that
+  /// were begun before.
+  void paint_some(std::size_t count, int groups) {
     if (painting_ == 0) {
       find_planes(count);
       painting_ = count;
       next_group_ = 0;
       find_groups();
     }
-    threads_.run(threads_.size(), [this](int) { paint_groups(); });
+    threads_.run(threads_.size(), [this, groups](int) { paint_groups(groups); });
     if (next_group_ < groups_.size()) return;
     for (std::size_t slot = 0; slot < images_.count(); ++slot)
       if (images_.image(slot).touched()) images_.image(slot).slices_composited(int(painting_));
@@ -289,8 +306,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     }
   }
 
-  void paint_groups() {
-    constexpr int at_once = 16;
+  void paint_groups(int at_once) {
     for (int painted = 0; painted < at_once; ++painted) {
       const std::size_t next = next_group_++;
       if (next >= groups_.size()) return;

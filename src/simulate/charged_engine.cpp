@@ -49,7 +49,7 @@ class ChargedPainter final : public Painter {
     debt_.owe(machine.renderer.frame);
   }
 
-  bool prepare() override { return debt_.pay(); }
+  bool prepare() override { return debt_.pay() || inner_.prepare(); }
   void begin(const PayloadToDraw& payload) override {
     inner_.begin(payload);
     passes_ = payload.passes;
@@ -58,7 +58,7 @@ class ChargedPainter final : public Painter {
   }
   bool work() override {
     if (!painted_) {
-      if (!inner_.work()) return false;
+      if (debt_.pay() || !inner_.work()) return false;
       painted_ = true;
       debt_.owe(drawing_seconds(machine_, double(drawn() - drawn_before_), double(passes_)));
     }

@@ -58,6 +58,24 @@ TEST_CASE("payloads are drawn by their numbers, in whatever order they come") {
   } while (std::next_permutation(order.begin(), order.end()));
 }
 
+TEST_CASE("a Renderer does what belongs to no payload while it waits for one, and not in their way") {
+  LoneRenderer lone({.slots = 4});
+  lone.begin(0, {.steps = 4, .spare_pieces = 4});
+  CHECK(lone.renderer.advance());
+  lone.give_payload(0, 0, 0);
+  lone.give_payload(0, 2, 2);
+  CHECK(lone.renderer.advance());
+  CHECK(lone.renderer.advance());  // payload 1 is missing
+  lone.give_payload(0, 1, 1);
+  CHECK(lone.renderer.advance());
+  CHECK(lone.renderer.advance());
+  CHECK(lone.engine.painter().steps == std::vector<int>{-2, 0, -2, 1, 2});
+  CHECK(lone.renderer.advance());
+  CHECK(lone.renderer.advance());
+  CHECK_FALSE(lone.renderer.advance());  // nothing is left to do
+  lone.renderer.drop_frame(0);
+}
+
 TEST_CASE("a payload is accepted when it has a slot, by the order of numbers") {
   LoneRenderer lone({.slots = 2});
   lone.begin(0, {.steps = 8});

@@ -25,6 +25,7 @@ struct ToyFrame {
   std::uint64_t empty_payloads = 0;  ///< bit s: step s has empty payloads
   std::uint32_t lost_items = 0;      ///< how many more items encoders report than they send
   int prepare_pieces = 0;            ///< pieces of work before the first step
+  int spare_pieces = 0;              ///< pieces of work that a painter does while it waits
 
   bool shows(int step) const { return (hidden_steps >> step & 1) == 0; }
   bool has_payload(int step) const { return shows(step) && (empty_payloads >> step & 1) == 0; }
@@ -92,8 +93,15 @@ class ToyEncoder final : public Encoder {
 class ToyPainter final : public Painter {
  public:
   ToyPainter(int renderer, const Announcement& a)
-      : renderer_(renderer), number_(a.frame), frame_(toy_frame(a)) {}
+      : renderer_(renderer), number_(a.frame), frame_(toy_frame(a)), to_do_(frame_.spare_pieces) {}
 
+  /// Writes −2 among the steps.
+  bool prepare() override {
+    if (to_do_ == 0) return false;
+    --to_do_;
+    steps.push_back(-2);
+    return true;
+  }
   void begin(const PayloadToDraw& payload) override {
     ToyItem item{};
     std::size_t at = 0;
@@ -124,6 +132,7 @@ class ToyPainter final : public Painter {
   int renderer_;
   std::int64_t number_;
   ToyFrame frame_;
+  int to_do_;
 };
 
 /// The tiles that came for a frame, as lists of steps.
