@@ -1,25 +1,33 @@
 #!/usr/bin/env bash
-# Compares with VTK's fixed-point ray caster and VolPack:  scripts/bench_peers.sh [ROUNDS [RENDER OPTION...]]
+# Compares with VTK's ray casters and VolPack:  scripts/bench_peers.sh [--plot PNG] [ROUNDS [RENDER OPTION...]]
 # (default 3; nothing else should run; RENDER OPTIONs go to all of ringsplat's runs)
 #
 # The repository's head, 512x512, 24 views that traverse all three slice sets, the opacities of mr-soft (about 32 % of
 # the voxels visible) and mr-surface (about 11 %) in white, Phong and unshaded; ringsplat with two colocated ranks, on the screen and in the
 # plane of the slices, and there with kernels of radius 1.1 and with one GP and one Renderer as well, and sheets of all three qualities. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
-# Prints a Markdown table. VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev.
+# Prints a Markdown table and draws it (--plot, else build/peers/speed-error.png; the numbers are beside it: scripts/peers/plot.py
+# draws them again). VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev. VTK's GPU ray caster
+# is measured where Mesa's software rasteriser is: libegl1 and libgl1-mesa-dri, or libosmesa6.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
+peers=$repo/build/peers
+plot=$peers/speed-error.png
+if [[ ${1:-} == --plot ]]; then
+  plot=${2:?"--plot needs the name of a PNG file"}
+  shift 2
+fi
 rounds=${1:-3}
 options=("${@:2}")
-peers=$repo/build/peers
+[[ $rounds =~ ^[1-9][0-9]*$ ]] || die "the number of rounds is no number: $rounds"
 truth_views=(0 2 8)
 
 prepare_peers() {
   mkdir -p "$peers/truth"
-  if [[ ! -x $peers/venv/bin/python ]] || ! "$peers/venv/bin/python" -c 'import vtk, numpy' 2>/dev/null; then
+  if [[ ! -x $peers/venv/bin/python ]] || ! "$peers/venv/bin/python" -c 'import vtk, numpy, matplotlib' 2>/dev/null; then
     say "installing VTK into $peers/venv"
     python3 -m venv "$peers/venv" || die "there is no virtual environment: apt-get install python3-venv"
-    "$peers/venv/bin/pip" install -q 'vtk>=9.3,<10' numpy >&2 || die "VTK could not be installed"
+    "$peers/venv/bin/pip" install -q 'vtk>=9.4,<10' numpy matplotlib >&2 || die "VTK could not be installed"
   fi
   cc -std=gnu11 -O3 -march=native -Wall -Wextra "$repo/scripts/peers/volpack_frames.c" -o "$peers/volpack_frames" -lvolpack -lm ||
     die "VolPack is missing: apt-get install libvolpack1-dev"
@@ -86,8 +94,18 @@ ringsplat_frames() {
   "$peers/venv/bin/python" -c 'import json, sys; [print(json.loads(line)["seconds"]) for line in open(sys.argv[1])]' "$work/one.jsonl"
 }
 
+vtk_frames() { # vtk|vtk-gpu FUNCTION SHADING [PICTURES]
+  env -u DISPLAY LIBGL_ALWAYS_SOFTWARE=1 "$peers/venv/bin/python" "$repo/scripts/peers/vtk_frames.py" "$work" "$2" "$3" "$1" "${@:4}"
+}
+
 prepare_peers
 prepare_scene
+vtk_mappers=(vtk)
+if vtk_frames vtk-gpu soft none >/dev/null 2>"$work/log"; then
+  vtk_mappers+=(vtk-gpu)
+else
+  say "VTK's GPU ray caster is left out: it does not run on Mesa's software rasteriser (apt-get install libegl1 libgl1-mesa-dri)"
+fi
 make_truths
 pictures=(pictures)
 for ((k = 1; k <= rounds; ++k)); do
@@ -98,10 +116,13 @@ for ((k = 1; k <= rounds; ++k)); do
         frames "$name" "$function-$shading" ringsplat_frames "$name" "$function" "$shading"
         if [[ -n ${pictures[*]} ]]; then ringsplat "$name" "$function" "$shading" truth_views.txt -o "$work/$name-$function-$shading.exr"; fi
       done
-      frames vtk "$function-$shading" "$peers/venv/bin/python" "$repo/scripts/peers/vtk_frames.py" "$work" "$function" "$shading" "${pictures[@]}"
+      for name in "${vtk_mappers[@]}"; do
+        frames "$name" "$function-$shading" vtk_frames "$name" "$function" "$shading" "${pictures[@]}"
+      done
       frames volpack "$function-$shading" "$peers/volpack_frames" "$work" "$function" "$shading" "${dims[@]}" "${spacing[@]}" 512 "${pictures[@]}"
     done
   done
   pictures=()
 done
-"$peers/venv/bin/python" "$repo/scripts/peers/report.py" "$work" "$build/ringsplat" "$truths" "${truth_views[@]}"
+"$peers/venv/bin/python" "$repo/scripts/peers/report.py" "$work" "$build/ringsplat" "$truths" "$peers/speed-error.csv" "${truth_views[@]}"
+"$peers/venv/bin/python" "$repo/scripts/peers/plot.py" "$peers/speed-error.csv" -o "$plot"

@@ -1,8 +1,10 @@
-"""Tables of scripts/bench_peers.sh:  report.py FOLDER RINGSPLAT TRUTH_FOLDER TRUTH_VIEW...
+"""Tables of scripts/bench_peers.sh:  report.py FOLDER RINGSPLAT TRUTH_FOLDER CSV TRUTH_VIEW...
 
 Reads the seconds of all frames (PROGRAM-FUNCTION-SHADING.seconds; ringsplat's from its statistics) and compares the
-pictures of some views with the truth. Ringsplat's pictures are of these views only, the others' of all views.
+pictures of some views with the truth. Ringsplat's pictures are of these views only, the others' of all views. Prints a
+Markdown table and writes its numbers to CSV, which plot.py draws.
 """
+import csv
 import json
 import math
 import statistics
@@ -20,9 +22,11 @@ NAMES = {
     "apart": "ringsplat, in the slices' plane, one GP and one Renderer",
     "sharp-apart": "ringsplat, in the slices' plane, one GP and one Renderer, radius 1.1",
     "vtk": "VTK fixed-point, all cores",
+    "vtk-gpu": "VTK GPU on Mesa's llvmpipe, all cores",
     "volpack": "VolPack, one core",
 }
-PEERS = ("vtk", "volpack")
+PEERS = ("vtk", "vtk-gpu", "volpack")
+COLUMNS = ("function", "visible", "shading", "program", "seconds", "rmse")
 
 
 def frame_seconds(folder, program, case):
@@ -45,21 +49,34 @@ def error(folder, ringsplat, truths, program, case, views):
     return math.sqrt(statistics.mean(squares))
 
 
-def main():
-    folder, ringsplat, truths = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3])
-    views = list(map(int, sys.argv[4:]))
+def measured(folder, ringsplat, truths, views):
+    """A dictionary of COLUMNS for each program that ran, scene by scene."""
     scene = json.loads((folder / "scene.json").read_text())
-    print("| transfer function | shading | program | ms a frame | times as fast as VTK | RMSE, 1/255 |")
-    print("|---|---|---|---|---|---|")
     for function in scene["functions"]:
         for shading in ("phong", "none"):
             case = f"{function}-{shading}"
-            vtk = statistics.median(frame_seconds(folder, "vtk", case))
             for program in NAMES:
-                median = statistics.median(frame_seconds(folder, program, case))
-                apart = error(folder, ringsplat, truths, program, case, views)
-                visible = f"{100 * scene[function + ' visible']:.1f} %"
-                print(f"| {function}, {visible} | {shading} | {NAMES[program]} | {1e3 * median:.1f} | {vtk / median:.2f} | {apart:.2f} |")
+                if (folder / f"{program}-{case}.seconds").exists():
+                    values = (function, scene[function + " visible"], shading, program,
+                              statistics.median(frame_seconds(folder, program, case)),
+                              error(folder, ringsplat, truths, program, case, views))
+                    yield dict(zip(COLUMNS, values))
+
+
+def main():
+    folder, ringsplat, truths, table = Path(sys.argv[1]), sys.argv[2], Path(sys.argv[3]), sys.argv[4]
+    rows = list(measured(folder, ringsplat, truths, list(map(int, sys.argv[5:]))))
+    with open(table, "w", newline="", encoding="utf-8") as file:
+        out = csv.DictWriter(file, COLUMNS)
+        out.writeheader()
+        out.writerows(rows)
+    vtk = {(row["function"], row["shading"]): row["seconds"] for row in rows if row["program"] == "vtk"}
+    print("| transfer function | shading | program | ms a frame | times as fast as VTK | RMSE, 1/255 |")
+    print("|---|---|---|---|---|---|")
+    for row in rows:
+        times = vtk[row["function"], row["shading"]] / row["seconds"]
+        print(f"| {row['function']}, {100 * row['visible']:.1f} % | {row['shading']} | {NAMES[row['program']]} "
+              f"| {1e3 * row['seconds']:.1f} | {times:.2f} | {row['rmse']:.2f} |")
 
 
 if __name__ == "__main__":

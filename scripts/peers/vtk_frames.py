@@ -1,8 +1,9 @@
-"""Renders the scene of scene.py with VTK's fixed-point ray caster.
+"""Renders the scene of scene.py with VTK's fixed-point ray caster, or its GPU ray caster on Mesa's software rasteriser.
 
-    vtk_frames.py FOLDER FUNCTION phong|none [PICTURES]
+    vtk_frames.py FOLDER FUNCTION phong|none vtk|vtk-gpu [PICTURES]
 
-Prints the seconds of each view's frame. PICTURES: also writes vtk-FUNCTION-SHADING-NNNN.pfm, linear over black.
+Prints the seconds of each view's frame. PICTURES: also writes PROGRAM-FUNCTION-SHADING-NNNN.pfm, linear over black.
+Ends with 1 where there is no such rasteriser; then VTK may also crash.
 """
 import json
 import math
@@ -15,8 +16,10 @@ import vtk
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 LIGHT = (-0.4, 0.6, 0.7)  # right, up, to the viewer: ringsplat's
-# The highlight there is by the half vector, whose angle is half the mirrored ray's: about four times the exponent.
-MATERIAL = {"SetAmbient": 0.25, "SetDiffuse": 0.75, "SetSpecular": 0.25, "SetSpecularPower": 4 * 24.0}
+MATERIAL = {"SetAmbient": 0.25, "SetDiffuse": 0.75, "SetSpecular": 0.25}
+# By the mirrored ray, as in ringsplat. The fixed-point caster's highlight is by the half vector, whose angle is half the
+# mirrored ray's: about four times the exponent.
+EXPONENT = {"vtk": 4 * 24.0, "vtk-gpu": 24.0}
 
 
 def make_image(folder, scene):
@@ -28,9 +31,12 @@ def make_image(folder, scene):
     return image
 
 
-def make_volume(image, scene, function, shaded):
+MAPPERS = {"vtk": vtk.vtkFixedPointVolumeRayCastMapper, "vtk-gpu": vtk.vtkGPUVolumeRayCastMapper}
+
+
+def make_volume(image, scene, function, shaded, program):
     unit = min(scene["spacing"])
-    mapper = vtk.vtkFixedPointVolumeRayCastMapper()
+    mapper = MAPPERS[program]()
     mapper.SetInputData(image)
     mapper.SetAutoAdjustSampleDistances(False)
     mapper.SetImageSampleDistance(1.0)
@@ -47,6 +53,7 @@ def make_volume(image, scene, function, shaded):
     surface.SetShade(shaded)
     for set_, value in MATERIAL.items():
         getattr(surface, set_)(value)
+    surface.SetSpecularPower(EXPONENT[program])
     volume = vtk.vtkVolume()
     volume.SetMapper(mapper)
     volume.SetProperty(surface)
@@ -95,8 +102,16 @@ def write_pfm(window, path):
     path.write_bytes(f"PF\n{width} {height}\n-1.0\n".encode() + pixels.tobytes())  # both have the bottom row first
 
 
+def require_software(window, volume):
+    """The comparison is on processors, so a graphics card's times do not belong in it. To be asked after a frame."""
+    if not volume.GetMapper().IsRenderSupported(window, volume.GetProperty()):
+        sys.exit("VTK's GPU ray caster cannot render here")
+    if "llvmpipe" not in window.ReportCapabilities():
+        sys.exit("VTK does not render by Mesa's llvmpipe here")
+
+
 def main():
-    folder, function, shading = Path(sys.argv[1]), sys.argv[2], sys.argv[3]
+    folder, function, shading, program = Path(sys.argv[1]), *sys.argv[2:5]
     scene = json.loads((folder / "scene.json").read_text())
     window, renderer = make_window(scene["size"])
     light = vtk.vtkLight()
@@ -104,17 +119,22 @@ def main():
     light.SetAmbientColor(1, 1, 1)  # black unless told otherwise: no ambient light
     light.PositionalOff()
     renderer.AddLight(light)
-    renderer.AddVolume(make_volume(make_image(folder, scene), scene, function, shading == "phong"))
+    volume = make_volume(make_image(folder, scene), scene, function, shading == "phong", program)
+    renderer.AddVolume(volume)
     views = [tuple(map(float, line.split())) for line in (folder / "views.txt").read_text().splitlines()]
     turn(renderer, light, scene, *views[0])
     window.Render()  # gradients and tables are made once
+    if program == "vtk-gpu":
+        require_software(window, volume)
     for k, view in enumerate(views):
         turn(renderer, light, scene, *view)
         start = time.perf_counter()
         window.Render()
+        if program == "vtk-gpu":
+            window.WaitForCompletion()  # the rasteriser's threads go on after the call
         print(time.perf_counter() - start)
-        if len(sys.argv) > 4:
-            write_pfm(window, folder / f"vtk-{function}-{shading}-{k:04}.pfm")
+        if len(sys.argv) > 5:
+            write_pfm(window, folder / f"{program}-{function}-{shading}-{k:04}.pfm")
 
 
 if __name__ == "__main__":
