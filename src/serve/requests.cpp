@@ -103,12 +103,12 @@ std::shared_ptr<Movie> Requests::movie_for(ClientId client, const MovieFrameMess
 
 /// The mutex is held. A client that begins anew has given its other movie up.
 void Requests::begin_movie(ClientId client, const MovieFrameMessage& asked) {
-  const bool complete = movie_ && movie_->next == movie_->movie->plan().count;
-  const bool abandoned = movie_ && !complete && Clock::now() - movie_->heard > patience_with_a_movie;
+  const bool abandoned =
+      movie_ && movie_->answered == movie_->next && Clock::now() - movie_->heard > patience_with_a_movie;
   if (movie_ && movie_->client != client && !abandoned)
     throw InputError("somebody else's movie is being made", "try again when it is done");
   give_movie_up();
-  movie_ = MovieTurn{client, asked.id, std::make_shared<Movie>(*ffmpeg_, asked.plan), 0, Clock::now()};
+  movie_ = MovieTurn{client, asked.id, std::make_shared<Movie>(*ffmpeg_, asked.plan), Clock::now()};
 }
 
 /// The mutex is held. The folder, which may take long to remove, goes when the workers have let go of it.
@@ -252,10 +252,17 @@ void Requests::make_snapshot(const FrameResult& result, const File& file) {
 void Requests::add_to_movie(const FrameResult& result, const File& file) {
   if (file.movie->cancelled()) return;
   file.movie->add(file.index, image_bytes(result.image, ".png", file.background, to_json_text(result.spec)));
-  if (file.index + 1 < file.movie->plan().count)
-    host_.send_text(file.client, movie_frame_text(file.request.id, file.index));
-  else
+  if (file.index + 1 == file.movie->plan().count) {
     movie_worker_.give([this, file] { finish_movie(file); });
+    return;
+  }
+  {
+    const std::lock_guard lock(mutex_);
+    if (!movie_ || movie_->movie != file.movie) return;
+    ++movie_->answered;
+    movie_->heard = Clock::now();
+  }
+  host_.send_text(file.client, movie_frame_text(file.request.id, file.index));
 }
 
 void Requests::finish_movie(const File& file) {

@@ -21,15 +21,16 @@
 
 namespace ringsplat::serve {
 
-/// What requests need of the viewer that has them. Called without a lock, by any thread.
+/// What requests need of the viewer that has them; called by any thread.
 struct RequestsHost {
-  std::function<void(ClientId, std::string&&)> send_text, send_binary;
-  std::function<void()> wake;  ///< there may be a frame to render
+  std::function<void(ClientId, std::string&&)> send_text, send_binary;  ///< only hand over: take no lock
+  std::function<void()> wake;                                           ///< there may be a frame to render
 };
 
 /// What pages ask for beside the views that they show: probes, snapshots, movies. Each is answered once, with
-/// what was asked for or an error that has its number, unless the client goes or cancels it before. Frames are rendered one
-/// at a time for probes, and one at a time for files. All functions may be called by any thread.
+/// what was asked for or an error that has its number, unless the client goes or cancels it before. Frames
+/// are rendered one at a time for probes, and one at a time for files. All functions may be called by any
+/// thread.
 class Requests {
  public:
   /// `levels`: how many there are; files are drawn at the last. `ffmpeg`: without it there are no movies.
@@ -86,8 +87,9 @@ class Requests {
     ClientId client;
     std::uint32_t id;
     std::shared_ptr<Movie> movie;
-    int next = 0;  ///< index that must come
-    Clock::time_point heard;
+    Clock::time_point heard;  ///< when the client last asked or was answered
+    int next = 0;             ///< index that must come
+    int answered = 0;         ///< frames
   };
 
   std::optional<FrameSpec> next_probe(std::int64_t frame);
