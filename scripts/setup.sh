@@ -24,6 +24,7 @@ optional=(
   python3 python3-numpy python3-matplotlib    # plots
   python3-venv                                # SSIM and FLIP, which scripts/accuracy.sh takes from PyPI
   chromium chromium-driver python3-selenium   # tests of the viewer's page
+  ffmpeg                                      # the viewer's films as MP4
 )
 
 mpich=(libmpich-dev mpich)
@@ -48,7 +49,7 @@ need_debian() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
   say "This script knows Debian and its relatives only. Ringsplat needs, by their Debian 12 names:"
   printf '  %s\n' "${required[@]}" "${optional[@]}" >&2
-  say "(the last ${#optional[@]} are for simulations, plots and tests in a browser)"
+  say "(the last ${#optional[@]} are for simulations, plots, films and tests in a browser)"
   die "install them, then call this again with RINGSPLAT_SKIP_SETUP=1"
 }
 

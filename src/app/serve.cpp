@@ -18,6 +18,7 @@
 #include "base/log.hpp"
 #include "classify/srgb.hpp"
 #include "model/charge.hpp"
+#include "serve/program.hpp"
 #include "serve/viewer.hpp"
 
 extern char** environ;
@@ -119,6 +120,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.qualities = qualities();
   v.target_seconds = options.target_ms / 1e3;
   v.largest_side = largest_side();
+  v.ffmpeg = serve::find_program("ffmpeg");
   v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins, true};
   return v;
 }

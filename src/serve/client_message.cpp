@@ -62,6 +62,19 @@ SnapshotMessage snapshot_from(const json& j, const MessageRules& rules) {
   return snapshot;
 }
 
+MovieFrameMessage movie_frame_from(const json& j, const MessageRules& rules) {
+  constexpr std::uint32_t most_frames = 10000;
+  MovieFrameMessage frame;
+  frame.id = whole(j, "id");
+  frame.plan.count = static_cast<int>(whole(j, "count", 1, most_frames));
+  frame.index = static_cast<int>(whole(j, "index", 0, static_cast<std::uint32_t>(frame.plan.count - 1)));
+  frame.plan.frames_a_second = number(j, "fps", 1, 120);
+  frame.plan.width = side(j, "width", rules.largest_width);
+  frame.plan.height = side(j, "height", rules.largest_height);
+  frame.scene = scene_of(j, rules);
+  return frame;
+}
+
 }  // namespace
 
 ClientMessage parse_client_message(std::string_view text, const MessageRules& rules) {
@@ -77,7 +90,22 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
     return ProbeMessage{whole(j, "id"), number(j, "x", 0, rules.largest_width),
                         number(j, "y", 0, rules.largest_height)};
   if (type == "snapshot") return snapshot_from(j, rules);
+  if (type == "movie_frame") return movie_frame_from(j, rules);
+  if (type == "cancel") return CancelMessage{whole(j, "id")};
   throw InputError("the message's type is not known");
+}
+
+std::optional<Request> request_of(std::string_view text) {
+  if (depth_of(text) > deepest) return std::nullopt;
+  const json j = json::parse(text, nullptr, false);
+  if (!j.is_object()) return std::nullopt;
+  const auto id = j.find("id");
+  if (id == j.end() || !id->is_number_unsigned() || id->get<std::uint64_t>() > UINT32_MAX)
+    return std::nullopt;
+  Request request{"", id->get<std::uint32_t>()};
+  for (const char* type : {"probe", "snapshot", "movie_frame"})
+    if (const auto found = j.find("type"); found != j.end() && *found == type) request.type = type;
+  return request;
 }
 
 }  // namespace ringsplat::serve

@@ -1,9 +1,11 @@
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 
+#include "serve/movie.hpp"
 #include "serve/scene_state.hpp"
 
 /// What pages send (docs/viewer.md has the formats).
@@ -30,7 +32,18 @@ struct SnapshotMessage {
   bool exr = false;
   SceneState scene;
 };
-using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, SnapshotMessage>;
+struct MovieFrameMessage {
+  std::uint32_t id = 0;  ///< of the whole movie
+  int index = 0;
+  MoviePlan plan;
+  SceneState scene;
+};
+/// The movie of that number is no longer wanted.
+struct CancelMessage {
+  std::uint32_t id = 0;
+};
+using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, SnapshotMessage,
+                                   MovieFrameMessage, CancelMessage>;
 
 /// What messages are read against.
 struct MessageRules {
@@ -42,5 +55,14 @@ struct MessageRules {
 /// Throws InputError, for the page to show, when the text is no such message: no JSON, nested deeper than 8,
 /// an unknown type, a number that is not finite or out of range.
 ClientMessage parse_client_message(std::string_view text, const MessageRules& rules);
+
+/// What a page waits for an answer to.
+struct Request {
+  std::string type;  ///< "probe", "snapshot" or "movie_frame"; empty when it is none of them
+  std::uint32_t id = 0;
+};
+
+/// Which request a message was, though it may be wrong; nothing when that cannot be told.
+std::optional<Request> request_of(std::string_view text);
 
 }  // namespace ringsplat::serve

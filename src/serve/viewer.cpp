@@ -5,7 +5,6 @@
 
 #include "base/log.hpp"
 #include "classify/srgb.hpp"
-#include "images/image_io.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/viewer_texts.hpp"
 #include "session/render_frames.hpp"
@@ -16,7 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr auto rest_begins = 150ms;
-constexpr std::size_t most_snapshots = 4;  // waiting, of one client
 
 bool shows_the_same(const ViewMessage& a, const ViewMessage& b) {
   return a.width == b.width && a.height == b.height && a.scene == b.scene;
@@ -30,17 +28,33 @@ Viewer::Viewer(ViewerOptions options)
       rules_{options_.initial, options_.volume.grid.dims, options_.largest_side, options_.largest_side},
       hello_(hello_text(options_, levels_)),
       controller_(int(levels_.size()), options_.target_seconds),
+      requests_(requests_host(), options_.volume.grid, options_.volume.range, int(levels_.size()),
+                options_.ffmpeg),
       server_(std::make_unique<WebServer>(options_.server, events())),
       maker_(int(levels_.size())) {
   server_->start();
 }
 
-Viewer::~Viewer() = default;
+/// Requests send their answers by the server, which calls them.
+Viewer::~Viewer() { requests_.stop(); }
+
+RequestsHost Viewer::requests_host() {
+  return {.send_text = [this](ClientId client, std::string&& text) { say(client, std::move(text)); },
+          .send_binary =
+              [this](ClientId client, std::string&& bytes) {
+                server_->send_binary(client, std::make_shared<const std::string>(std::move(bytes)));
+              },
+          .wake =
+              [this] {
+                const std::lock_guard lock(mutex_);
+                wake();
+              }};
+}
 
 ServerEvents Viewer::events() {
   return {.opened = [this](ClientId client) { opened(client); },
           .received = [this](ClientId client, std::string&& text) { received(client, text); },
-          .refused = [this](ClientId client) { complain(client, "messages must be texts"); },
+          .refused = [this](ClientId client) { say(client, error_text("messages must be texts", {})); },
           .closed = [this](ClientId client) { closed(client); },
           .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
 }
@@ -63,6 +77,7 @@ void Viewer::end(const std::string& message) {
     if (std::exchange(ended_, true)) return;
     wake();
   }
+  requests_.end();
   server_->end(end_text(message));
 }
 
@@ -80,11 +95,9 @@ void Viewer::pause(std::chrono::nanoseconds most) {
 
 // What pages say: on the server's thread.
 
-void Viewer::say(ClientId client, const std::string& text) {
-  server_->send_text(client, std::make_shared<const std::string>(text));
+void Viewer::say(ClientId client, std::string text) {
+  server_->send_text(client, std::make_shared<const std::string>(std::move(text)));
 }
-
-void Viewer::complain(ClientId client, const std::string& what) { say(client, error_text(what)); }
 
 /// The mutex is held.
 void Viewer::say_driver() {
@@ -104,8 +117,7 @@ void Viewer::opened(ClientId client) {
 void Viewer::closed(ClientId client) {
   const std::lock_guard lock(mutex_);
   audience_.remove(client);
-  probes_.erase(client);
-  std::erase_if(snapshots_, [client](const Snapshot& s) { return s.client == client; });
+  requests_.forget(client);
   say_driver();
   wake();
 }
@@ -115,7 +127,9 @@ void Viewer::received(ClientId client, const std::string& text) {
     std::visit([&](auto&& message) { handle(client, std::move(message)); },
                parse_client_message(text, rules_));
   } catch (const std::exception& e) {
-    complain(client, e.what());
+    const std::optional<Request> request = request_of(text);
+    if (request && request->type == "movie_frame") requests_.cancel_movie(client, request->id);
+    say(client, error_text(e.what(), request));
   }
 }
 
@@ -126,7 +140,13 @@ FrameSpec Viewer::full_frame(const SceneState& scene, int width, int height) con
   return spec;
 }
 
-/// An error in a frame that is announced would end the job.
+/// Of a file that a page asks for. An error in a frame that is announced would end the job.
+FrameSpec Viewer::best_frame(const SceneState& scene, int width, int height) const {
+  FrameSpec best = at_level(full_frame(scene, width, height), levels_.back());
+  check_frame(best, options_.volume.grid);
+  return best;
+}
+
 void Viewer::check_view(const ViewMessage& view) const {
   const FrameSpec full = full_frame(view.scene, view.width, view.height);
   for (const Level& level : levels_) check_frame(at_level(full, level), options_.volume.grid);
@@ -160,26 +180,27 @@ void Viewer::handle(ClientId client, const DriveMessage&) {
 
 void Viewer::handle(ClientId client, const ProbeMessage& asked) {
   const std::lock_guard lock(mutex_);
-  if (!audience_.has(client)) return;
   if (!last_put_ || asked.x >= last_put_->width || asked.y >= last_put_->height)
     throw InputError("there is no such pixel in the last view");
-  const FrameSpec full = full_frame(last_put_->scene, last_put_->width, last_put_->height);
-  probes_.insert_or_assign(client, Probing{client, asked.id,
-                                           Probe(at_level(full, levels_.back()), options_.volume.grid,
-                                                 options_.volume.range, asked.x, asked.y)});
+  requests_.add(client, asked, best_frame(last_put_->scene, last_put_->width, last_put_->height));
   wake();
 }
 
-void Viewer::handle(ClientId client, SnapshotMessage&& snapshot) {
-  check_frame(at_level(full_frame(snapshot.scene, snapshot.width, snapshot.height), levels_.back()),
-              options_.volume.grid);
+void Viewer::handle(ClientId client, const SnapshotMessage& asked) {
+  requests_.add(client, asked, best_frame(asked.scene, asked.width, asked.height));
   const std::lock_guard lock(mutex_);
-  if (!audience_.has(client)) return;
-  const auto waiting = std::count_if(snapshots_.begin(), snapshots_.end(),
-                                     [client](const Snapshot& s) { return s.client == client; });
-  if (std::size_t(waiting) >= most_snapshots)
-    throw InputError(fmt::format("{} snapshots are waiting already", most_snapshots), "try again later");
-  snapshots_.push_back({client, std::move(snapshot)});
+  wake();
+}
+
+void Viewer::handle(ClientId client, const MovieFrameMessage& asked) {
+  requests_.add(client, asked, best_frame(asked.scene, asked.plan.width, asked.plan.height));
+  const std::lock_guard lock(mutex_);
+  wake();
+}
+
+void Viewer::handle(ClientId client, const CancelMessage& asked) {
+  requests_.cancel_movie(client, asked.id);
+  const std::lock_guard lock(mutex_);
   wake();
 }
 
@@ -189,8 +210,7 @@ std::optional<FrameSpec> Viewer::next() {
   const std::lock_guard lock(mutex_);
   if (ended_) return std::nullopt;
   auto spec = next_picture();
-  if (!spec) spec = next_probe();
-  if (!spec) spec = next_snapshot();
+  if (!spec) spec = requests_.next(next_frame_);
   if (spec) ++next_frame_;
   return spec;
 }
@@ -224,7 +244,7 @@ std::optional<FrameSpec> Viewer::next_picture() {
     return std::nullopt;
   }
   ++pictures_rendering_;
-  rendering_[next_frame_] = {view, *level, rests, view.shown.has_value(), {}};
+  rendering_[next_frame_] = {view, *level, rests, view.shown.has_value()};
   return at_level(full_frame(view.message.scene, view.message.width, view.message.height),
                   levels_[std::size_t(*level)]);
 }
@@ -242,50 +262,15 @@ void Viewer::show_again() {
   send_to_all(std::move(again));
 }
 
-std::optional<FrameSpec> Viewer::next_probe() {
-  const bool renders = std::any_of(rendering_.begin(), rendering_.end(),
-                                   [](const auto& frame) { return frame.second.probes; });
-  if (renders) return std::nullopt;
-  if (!probing_ && !probes_.empty()) probing_ = std::move(probes_.extract(probes_.begin()).mapped());
-  if (!probing_) return std::nullopt;
-  rendering_[next_frame_].probes = true;
-  return probing_->probe.next_frame();
-}
-
-void Viewer::take_probe(const Image& picture) {
-  probing_->probe.take(picture);
-  if (probing_->probe.next_frame() && audience_.has(probing_->client)) return;
-  say(probing_->client, probe_text(probing_->id, probing_->probe.answer()));
-  probing_.reset();
-}
-
-std::optional<FrameSpec> Viewer::next_snapshot() {
-  if (snapshots_.empty() || snapshots_under_way_ > 0) return std::nullopt;
-  Rendering rendering;
-  rendering.snapshot = std::move(snapshots_.front());
-  snapshots_.pop_front();
-  ++snapshots_under_way_;
-  const SnapshotMessage& wanted = rendering.snapshot->message;
-  FrameSpec spec = at_level(full_frame(wanted.scene, wanted.width, wanted.height), levels_.back());
-  rendering_[next_frame_] = std::move(rendering);
-  return spec;
-}
-
 bool Viewer::unwanted(const FrameSpec& spec) {
+  if (requests_.unwanted(spec.frame)) return true;
   const std::lock_guard lock(mutex_);
   const auto found = rendering_.find(spec.frame);
   if (found == rendering_.end()) return false;
   const Rendering& rendering = found->second;
-  if (rendering.probes) {
-    if (!ended_) return false;
-  } else if (rendering.snapshot) {
-    if (!ended_ && audience_.has(rendering.snapshot->client)) return false;
-    --snapshots_under_way_;
-  } else {
-    const bool newer = newest_ && newest_->scene != rendering.view.scene;
-    if (!ended_ && audience_.size() > 0 && !(rendering.refines && newer)) return false;
-    --pictures_rendering_;
-  }
+  const bool newer = newest_ && newest_->scene != rendering.view.scene;
+  if (!ended_ && audience_.size() > 0 && !(rendering.refines && newer)) return false;
+  --pictures_rendering_;
   rendering_.erase(found);
   return true;
 }
@@ -299,21 +284,15 @@ void Viewer::measure(const Rendering& rendering, double seconds) {
 }
 
 void Viewer::take(FrameResult&& result) {
-  std::unique_lock lock(mutex_);
+  if (requests_.renders(result.spec.frame)) {
+    requests_.take(std::move(result));
+    return;
+  }
+  const std::lock_guard lock(mutex_);
   const auto found = rendering_.find(result.spec.frame);
   if (found == rendering_.end()) return;  // unwanted() dropped it, but it was already complete
   const Rendering rendering = std::move(found->second);
   rendering_.erase(found);
-  if (rendering.probes) {
-    take_probe(result.image);
-    return;
-  }
-  if (rendering.snapshot) {
-    file_worker_.give(
-        [this, snapshot = *rendering.snapshot,
-         kept = std::make_shared<const FrameResult>(std::move(result))] { send_snapshot(*kept, snapshot); });
-    return;
-  }
   --pictures_rendering_;
   ++pictures_encoding_;
   const double seconds = result.stats.seconds;
@@ -378,32 +357,6 @@ float Viewer::pictures_a_second() {
   if (sent_.size() < 2) return 0;
   const std::chrono::duration<float> span = sent_.back() - sent_.front();
   return float(sent_.size() - 1) / std::max(span.count(), 1e-3F);
-}
-
-void Viewer::send_snapshot(const FrameResult& result, const Snapshot& snapshot) {
-  const SnapshotMessage& wanted = snapshot.message;
-  try {
-    const Bytes file = image_bytes(result.image, wanted.exr ? ".exr" : ".png",
-                                   srgb_to_linear(wanted.scene.background), to_json_text(result.spec));
-    const PictureHead head{.kind = PictureKind::snapshot,
-                           .number = wanted.id,
-                           .width = result.image.width,
-                           .height = result.image.height,
-                           .level = int(levels_.size()) - 1,
-                           .levels = int(levels_.size()),
-                           .at_rest = true,
-                           .format = wanted.exr ? PictureFormat::exr : PictureFormat::png,
-                           .seconds = static_cast<float>(result.stats.seconds),
-                           .rmse = 0};
-    server_->send_binary(snapshot.client,
-                         std::make_shared<const std::string>(picture_message(
-                             head, {reinterpret_cast<const char*>(file.data()), file.size()})));
-  } catch (const std::exception& e) {
-    complain(snapshot.client, e.what());
-  }
-  const std::lock_guard lock(mutex_);
-  --snapshots_under_way_;
-  wake();
 }
 
 }  // namespace ringsplat::serve

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -14,7 +15,7 @@
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
 #include "serve/picture_maker.hpp"
-#include "serve/probe.hpp"
+#include "serve/requests.hpp"
 #include "serve/web_server.hpp"
 #include "serve/worker.hpp"
 #include "session/director.hpp"
@@ -38,8 +39,9 @@ struct ViewerOptions {
   SceneState initial;
   FrameSpec frame;  ///< what all frames have in common
   Qualities qualities;
-  double target_seconds = 0.04;  ///< for a picture of a view that moves
-  int largest_side = 4096;       ///< of a picture
+  double target_seconds = 0.04;                 ///< for a picture of a view that moves
+  int largest_side = 4096;                      ///< of a picture
+  std::optional<std::filesystem::path> ffmpeg;  ///< makes movies
   ServerOptions server;
 };
 
@@ -68,21 +70,10 @@ class Viewer {
     Clock::time_point came;
     std::optional<int> shown;  ///< finest level
   };
-  struct Snapshot {
-    ClientId client;
-    SnapshotMessage message;
-  };
-  struct Probing {
-    ClientId client;
-    std::uint32_t id;
-    Probe probe;
-  };
   struct Rendering {
     View view;
     int level = 0;
     bool at_rest = false, refines = false;
-    std::optional<Snapshot> snapshot;
-    bool probes = false;
   };
   struct LastPicture {
     std::shared_ptr<const std::string> message;
@@ -93,6 +84,7 @@ class Viewer {
   };
 
   ServerEvents events();
+  RequestsHost requests_host();
   void opened(ClientId client);
   void received(ClientId client, const std::string& text);
   void closed(ClientId client);
@@ -100,13 +92,13 @@ class Viewer {
   void handle(ClientId client, const AckMessage& ack);
   void handle(ClientId client, const DriveMessage& drive);
   void handle(ClientId client, const ProbeMessage& probe);
-  void handle(ClientId client, SnapshotMessage&& snapshot);
+  void handle(ClientId client, const SnapshotMessage& snapshot);
+  void handle(ClientId client, const MovieFrameMessage& frame);
+  void handle(ClientId client, const CancelMessage& cancel);
   void check_view(const ViewMessage& view) const;
 
   std::optional<FrameSpec> next();
   std::optional<FrameSpec> next_picture();
-  std::optional<FrameSpec> next_probe();
-  std::optional<FrameSpec> next_snapshot();
   void take_newest();
   void show_again();
   void take(FrameResult&& result);
@@ -114,16 +106,14 @@ class Viewer {
   void pause(std::chrono::nanoseconds most);
 
   FrameSpec full_frame(const SceneState& scene, int width, int height) const;
+  FrameSpec best_frame(const SceneState& scene, int width, int height) const;
   void measure(const Rendering& rendering, double seconds);
   void send_picture(RenderedPicture& picture, const View& view);
   void send_to_all(LastPicture&& picture);
   void send_to(ClientId client, const LastPicture& picture);
-  void take_probe(const Image& picture);
-  void send_snapshot(const FrameResult& result, const Snapshot& snapshot);
   float pictures_a_second();
   void say_driver();
-  void say(ClientId client, const std::string& text);
-  void complain(ClientId client, const std::string& what);
+  void say(ClientId client, std::string text);
   void wake();
 
   const ViewerOptions options_;
@@ -142,18 +132,15 @@ class Viewer {
   LevelController controller_;
   std::map<std::int64_t, Rendering> rendering_;  ///< by frame
   std::int64_t next_frame_ = 0;
-  int pictures_rendering_ = 0, pictures_encoding_ = 0, snapshots_under_way_ = 0;
-  std::deque<Snapshot> snapshots_;
-  std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
-  std::optional<Probing> probing_;
+  int pictures_rendering_ = 0, pictures_encoding_ = 0;
   std::uint32_t last_number_ = 0;
   std::deque<Clock::time_point> sent_;
   LastPicture last_;
 
+  Requests requests_;  ///< has a lock of its own, taken after that
   std::unique_ptr<WebServer> server_;
   PictureMaker maker_;
-  // Last, as they use all else.
-  Worker picture_worker_, file_worker_;
+  Worker picture_worker_;  ///< last, as it uses all else
 };
 
 }  // namespace ringsplat::serve

@@ -65,7 +65,7 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels)
                   {"ranks", o.ranks},
                   {"layout", o.layout},
                   {"target_ms", 1e3 * o.target_seconds},
-                  {"ffmpeg", false},
+                  {"ffmpeg", o.ffmpeg.has_value()},
                   {"largest", {o.largest_side, o.largest_side}}});
 }
 
@@ -91,12 +91,19 @@ std::string probe_text(std::uint32_t id, const Probed& probed) {
                   {"value", probed.value}});
 }
 
-std::string error_text(std::string_view what) {
+std::string movie_frame_text(std::uint32_t id, int index) {
+  return text_of({{"type", "movie_frame"}, {"id", id}, {"index", index}});
+}
+
+std::string error_text(std::string_view what, const std::optional<Request>& request) {
   constexpr std::string_view between = "; hint: ";
   const auto at = what.find(between);
-  return text_of({{"type", "error"},
-                  {"message", what.substr(0, at)},
-                  {"hint", at == std::string_view::npos ? "" : what.substr(at + between.size())}});
+  json error{{"type", "error"},
+             {"message", what.substr(0, at)},
+             {"hint", at == std::string_view::npos ? "" : what.substr(at + between.size())}};
+  if (request) error["id"] = request->id;
+  if (request && !request->type.empty()) error["request"] = request->type;
+  return text_of(error);
 }
 
 std::string end_text(const std::string& message) { return text_of({{"type", "end"}, {"message", message}}); }

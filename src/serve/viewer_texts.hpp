@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,8 +15,10 @@ std::string hello_for(const std::string& hello, bool drives, int viewers);
 std::string driver_text(bool drives, int viewers);
 std::string state_text(const SceneState& scene);
 std::string probe_text(std::uint32_t id, const Probed& probed);
-/// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO".
-std::string error_text(std::string_view what);
+/// A movie's frame is there; another may come.
+std::string movie_frame_text(std::uint32_t id, int index);
+/// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `request`: that it answers.
+std::string error_text(std::string_view what, const std::optional<Request>& request);
 std::string end_text(const std::string& message);
 std::string ended_by_signal_text(int number);
 

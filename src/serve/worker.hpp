@@ -11,12 +11,13 @@ namespace ringsplat::serve {
 class Worker {
  public:
   Worker();
-  /// What has not begun is left undone.
   ~Worker();
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;
   /// `work` throws nothing.
   void give(std::function<void()> work);
+  /// Waits for what has begun; the rest is left undone.
+  void stop();
 
  private:
   void run();

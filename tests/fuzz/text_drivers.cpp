@@ -189,11 +189,14 @@ void use(const serve::SceneState& scene, int width, int height) {
 }
 
 void run_client_message(std::span<const std::byte> input) {
+  static_cast<void>(serve::request_of(text_of(input)));
   const auto message = serve::parse_client_message(text_of(input), message_rules());
   if (const auto* view = std::get_if<serve::ViewMessage>(&message))
     use(view->scene, view->width, view->height);
   if (const auto* snapshot = std::get_if<serve::SnapshotMessage>(&message))
     use(snapshot->scene, snapshot->width, snapshot->height);
+  if (const auto* frame = std::get_if<serve::MovieFrameMessage>(&message))
+    use(frame->scene, frame->plan.width, frame->plan.height);
 }
 
 std::vector<Input> client_message_seeds() {
@@ -203,7 +206,9 @@ std::vector<Input> client_message_seeds() {
       R"({"type":"ack","picture":17})",
       R"({"type":"drive"})",
       R"({"type":"probe","id":1,"x":10.5,"y":20})",
-      R"({"type":"snapshot","id":2,"width":4096,"height":4096,"format":"exr","state":{"clip":null}})"};
+      R"({"type":"snapshot","id":2,"width":4096,"height":4096,"format":"exr","state":{"clip":null}})",
+      R"({"type":"movie_frame","id":3,"index":2,"count":10000,"fps":29.97,"width":1280,"height":720,"state":{}})",
+      R"({"type":"cancel","id":3})"};
 }
 
 using Words = std::vector<std::string_view>;
@@ -237,7 +242,7 @@ const Words path_words{
 const Words calibration_words{
     "\"measured\": ", "\"key\": ", "\"setting\": ", "\"seconds\": ", "\"rmse\": ", "null", "[", "]", "{", "}"};
 const Words client_message_words{
-    "\"type\":", "\"view\"", "\"snapshot\"", "\"state\":", "\"camera\":", "\"zoom\":", "\"azimuth\":", "\"pan\":",
+    "\"type\":", "\"view\"", "\"snapshot\"", "\"movie_frame\"", "\"index\":", "\"count\":", "\"id\":", "\"state\":", "\"camera\":", "\"zoom\":", "\"azimuth\":", "\"pan\":",
     "\"fov\":", "\"clip\":", "\"light\":", "\"transfer_function\":", "\"colours\":", "\"opacities\":", "null", "true",
     "1e308", "-1e-308", "1e999", "4294967295", "[", "]", "{", "}", "\"", "\\", "[[[[[[[[", "\xff", "1e6", "1e-6"};
 // clang-format on

@@ -4,13 +4,17 @@ import io
 import json
 import os
 import shlex
+import shutil
 import struct
+import subprocess
 import time
+import unittest
 import zipfile
 
 from selenium.webdriver.common.keys import Keys
 
 import browser_test
+import viewer_client
 from browser_test import WithPage, jack
 from viewer_page import PATIENCE, Page, Server, Wire, wait_for_file
 
@@ -82,6 +86,36 @@ class Flow(WithPage):
         self.assertEqual(names, [f"jack-{i:04}.png" for i in range(3)])
         self.assertEqual({struct.unpack(">II", p[16:24]) for p in pictures}, {(64, 48)})
         self.assertEqual(len(set(pictures)), 3)
+
+    def begin_mp4(self, seconds):
+        self.page.press("1", "k")
+        self.page.press("3", "k")
+        for field, value in (("film-seconds", seconds), ("film-rate", 4), ("film-width", 65), ("film-height", 48)):
+            self.page.fill(field, value)
+        self.assertEqual(self.page.js("return document.getElementById('film-format').value"), "mp4")
+        self.page.click("render-film")
+
+    @unittest.skipUnless(shutil.which("ffmpeg") and shutil.which("ffprobe"), "install ffmpeg")
+    def test_a_film_of_key_frames_is_an_mp4_where_ffmpeg_is(self):
+        self.begin_mp4(0.5)
+        path = wait_for_file(os.path.join(self.folder, "jack.mp4"))
+        found = subprocess.run(["ffprobe", "-v", "error", "-count_frames", "-show_entries",
+                                "stream=width,height,nb_read_frames", "-of", "csv=p=0", path], check=True,
+                               capture_output=True, text=True).stdout
+        self.assertEqual(found.strip(), "66,48,3")
+        self.page.wait("document.getElementById('film-words').textContent === '3 frames rendered'")
+
+    @unittest.skipUnless(shutil.which("ffmpeg"), "install ffmpeg")
+    def test_a_film_that_is_cancelled_leaves_the_server_to_others(self):
+        self.begin_mp4(600)
+        self.page.wait("document.getElementById('film-progress').value > 2")
+        self.page.click("render-film")
+        self.page.wait("document.getElementById('film-words').textContent === 'cancelled'")
+        other = viewer_client.Client(self.server.port, self.server.url.split("#")[1])
+        other.send({"type": "movie_frame", "id": 1, "index": 0, "count": 2, "fps": 4, "width": 64, "height": 48})
+        answer = other.receive_until(lambda m: isinstance(m, dict) and m["type"] in ("movie_frame", "error"))
+        self.assertEqual(answer["type"], "movie_frame", answer)
+        other.close()
 
     def test_playing_key_frames_ends_in_the_last(self):
         self.page.press("1", "k")

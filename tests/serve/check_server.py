@@ -2,39 +2,11 @@
 
   check_server.py CASE --program RINGSPLAT --volume FILE [--ranks N --mpiexec MPIEXEC] [--scratch FOLDER]
 """
-import argparse, os, signal, socket, subprocess, sys, time
+import argparse, os, shutil, signal, socket, subprocess, sys, time
 
 import viewer_client as vc
-
-
-def expect(condition, what):
-    if not condition:
-        raise AssertionError(what)
-
-
-def start(options, *more):
-    command = [options.program, "serve", options.volume, *more]
-    if options.ranks:
-        command = [options.mpiexec, "-n", str(options.ranks)] + command
-    return vc.Server(command)
-
-
-def refused(server, status, **how):
-    try:
-        vc.Client(server.port, server.token, **how)
-    except vc.Refused as error:
-        expect(error.status == status, f"{how}: status {error.status}, not {status}")
-        return
-    raise AssertionError(f"{how}: was let in")
-
-
-def is_alive(server):
-    """Somebody new sees the volume."""
-    client = server.client()
-    client.send({"type": "drive"})
-    seq = client.view()
-    client.picture(seq=seq, at_rest=1)
-    client.close()
+from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
+from server_case import expect, is_alive, refused, start, told
 
 
 def page(options, server):
@@ -319,7 +291,6 @@ def same_as_program(options, server):
     client.close()
     expect(snapshot.number == 7 and snapshot.file[:4] == b"\x89PNG", "no PNG")
     expect(exr.file[:4] == b"\x76\x2f\x31\x01" and (exr.width, exr.height) == (40, 30), "no EXR")
-    os.makedirs(options.scratch, exist_ok=True)
     files = {name: os.path.join(options.scratch, name) for name in ("seen.jpg", "snapshot.png", "program.png")}
     for name, p in (("seen.jpg", picture), ("snapshot.png", snapshot)):
         with open(files[name], "wb") as f:
@@ -375,11 +346,68 @@ def idle(options, server):
     is_alive(server)
 
 
+def errors_have_numbers(options, server):
+    client = server.client()
+    picture = {"type": "snapshot", "id": 11, "width": 64, "height": 64, "format": "png"}
+    client.send({"type": "probe", "id": 10, "x": 5, "y": 5})
+    told(client, "probe", 10)  # no view yet
+    for wrong in ({"format": "gif"}, {"width": -1}, {"state": {"camera": {"zoom": 0}}}, {"state": 7}):
+        client.send({**picture, **wrong})
+        told(client, "snapshot", 11)
+    client.send({"type": "movie_frame", "id": 4294967295, "index": 0, "count": 0})
+    told(client, "movie_frame", 4294967295)
+    client.send({"type": "what", "id": 12})
+    told(client, None, 12)
+    for number in (-1, 1.5, 4294967296, "11", None):
+        client.send({**picture, "id": number, "format": "gif"})
+        told(client, None, None)
+    client.send({"type": "view", "seq": 1, "width": 0, "height": 0})
+    told(client, None, None)
+    for number in range(20):  # more than may wait
+        client.send({**picture, "id": number, "width": 512, "height": 512})
+    answers = set()
+    while len(answers) < 20:
+        answer = client.receive()
+        if isinstance(answer, vc.Picture):
+            answers.add(answer.number)
+        elif answer["type"] == "error":
+            expect(answer["request"] == "snapshot", answer)
+            answers.add(answer["id"])
+    expect(answers == set(range(20)), answers)
+    client.view(width=64, height=64)
+    client.picture(at_rest=1)
+    for number in range(30):  # a newer probe takes the place of one that has not begun
+        client.send({"type": "probe", "id": number, "x": 32, "y": 32})
+    answers = set()
+    while len(answers) < 30:
+        answer = client.receive()
+        if isinstance(answer, dict) and answer["type"] in ("probe", "error"):
+            answers.add(answer["id"])
+    client.close()
+
+
+def returning(options, server):
+    """A page that is loaded anew counts its views from 1 again, and may show the same."""
+    first = None
+    for _ in range(3):
+        client = server.client()
+        expect(client.hello["driver"], "nobody else is here")
+        expect(client.view(camera={"azimuth": 20}) == 1, "not the first view")
+        picture = client.picture(seq=1, at_rest=1)
+        expect(first in (None, picture.file), "another picture")
+        first = picture.file
+        client.close()
+
+
 CASES = {"page": (page,), "strangers": (strangers,),
          "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
          "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
-         "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,)}
+         "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
+         "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
+         "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
+         "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
+SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser()
@@ -391,10 +419,17 @@ if __name__ == "__main__":
     parser.add_argument("--scratch", default=".")
     given = parser.parse_args()
     test, *more = CASES[given.case]
-    running = start(given, *more)
+    if given.case == "movies" and not (shutil.which("ffmpeg") and shutil.which("ffprobe")):
+        print("skipped: install ffmpeg")
+        sys.exit(SKIPPED)
+    given.scratch = os.path.join(os.path.abspath(given.scratch), given.case)
+    shutil.rmtree(given.scratch, ignore_errors=True)
+    os.makedirs(given.scratch)
+    fake_ffmpeg(given, "exit 1\n")
+    running = start(given, *(word.format(scratch=given.scratch) for word in more))
     try:
         test(given, running)
-        expect(running.process.poll() is None or given.case in ("ends", "killed_rank"), "the server is gone")
+        expect(running.process.poll() is None or given.case in ("ends", "killed_rank", "movie_failures"), "the server is gone")
         if running.process.poll() is None:
             expect(running.stop() == 0, "the job failed: " + running.errors)
     except BaseException:

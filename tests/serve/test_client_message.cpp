@@ -83,6 +83,38 @@ TEST_CASE("Deep nesting is refused before it is parsed, brackets in texts do not
   CHECK_NOTHROW(parse_client_message(R"({"type":"drive","a":"[[[[[[[[[[\"[[[["})", rules()));
 }
 
+TEST_CASE("A movie's frame says which it is, and what all have in common") {
+  const auto frame = parsed<MovieFrameMessage>(
+      R"({"type":"movie_frame","id":3,"index":4,"count":5,"fps":29.97,"width":64,"height":48,"state":{"camera":{"azimuth":30}}})");
+  CHECK(frame.id == 3);
+  CHECK(frame.index == 4);
+  CHECK(frame.plan == MoviePlan{5, 29.97, 64, 48});
+  CHECK(frame.scene.camera.azimuth == 30);
+  for (const char* text :
+       {R"({"type":"movie_frame","id":3,"index":5,"count":5,"fps":25,"width":64,"height":48})",
+        R"({"type":"movie_frame","id":3,"index":-1,"count":5,"fps":25,"width":64,"height":48})",
+        R"({"type":"movie_frame","id":3,"index":0,"count":0,"fps":25,"width":64,"height":48})",
+        R"({"type":"movie_frame","id":3,"index":0,"count":10001,"fps":25,"width":64,"height":48})",
+        R"({"type":"movie_frame","id":3,"index":0,"count":5,"fps":0.5,"width":64,"height":48})",
+        R"({"type":"movie_frame","id":3,"index":0,"count":5,"fps":121,"width":64,"height":48})",
+        R"({"type":"movie_frame","id":3,"index":0,"count":5,"fps":25,"width":64,"height":5000})",
+        R"({"type":"movie_frame","index":0,"count":5,"fps":25,"width":64,"height":48})",
+        R"({"type":"cancel"})"})
+    CHECK_THROWS_AS(parse_client_message(text, rules()), InputError);
+}
+
+TEST_CASE("A wrong message still tells which request it was") {
+  const auto request = request_of(R"({"type":"snapshot","id":4294967295,"format":"gif"})");
+  REQUIRE(request);
+  CHECK(request->type == "snapshot");
+  CHECK(request->id == 4294967295);
+  REQUIRE(request_of(R"({"type":["probe"],"id":0})"));
+  CHECK(request_of(R"({"type":["probe"],"id":0})")->type.empty());
+  for (const char* text : {"", "[]", "{}", R"({"id":-1})", R"({"id":1.5})", R"({"id":"1"})",
+                           R"({"id":4294967296})", R"({"id":1,"a":[[[[[[[[0]]]]]]]]})"})
+    CHECK_FALSE(request_of(text));
+}
+
 TEST_CASE("Texts from outside are written as JSON whatever bytes they have") {
   SceneState scene = rules().initial;
   scene.transfer_function.name = std::string("\xff\"");

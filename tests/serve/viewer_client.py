@@ -93,10 +93,10 @@ class Client:
         return taken
 
     def receive(self, timeout=20):
-        self.socket.settimeout(timeout)
-        message = b""
+        message, until = b"", time.monotonic() + timeout
         while True:
             try:
+                self.socket.settimeout(max(0.01, until - time.monotonic()))  # pings do not prolong it
                 first, second = self.take(2)
                 n = second & 127
                 if n == 126:

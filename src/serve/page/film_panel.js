@@ -136,14 +136,19 @@ export class FilmPanel {
 
   /** The server keeps the frames and answers the last one with the film. */
   async movie(width, height, count) {
-    const id = this.app.requests.newId();
-    for (let index = 0; index < count; ++index) {
-      this.progress(index, count);
-      const state = this.sceneAt(this.timeOf(index, count));
-      const answer = await this.app.requests.ask(
-        { type: 'movie_frame', id, index, count, fps: this.rate, width, height, state }, this.job.signal);
-      if (answer.blob) return answer.blob;
+    const id = this.app.requests.newId(), fps = this.rate;
+    try {
+      for (let index = 0; index < count; ++index) {
+        this.progress(index, count);
+        const state = this.sceneAt(this.timeOf(index, count));
+        const answer = await this.app.requests.ask(
+          { type: 'movie_frame', id, index, count, fps, width, height, state }, this.job.signal);
+        if (answer.blob) return answer.blob;
+      }
+      throw new Error('the server sent no film');
+    } catch (error) {
+      this.app.connection.send({ type: 'cancel', id });
+      throw error;
     }
-    throw new Error('the server sent no film');
   }
 }

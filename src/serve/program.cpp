@@ -1,0 +1,103 @@
+#include "serve/program.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <cstdlib>
+#include <sstream>
+#include <system_error>
+#include <thread>
+
+#include "ringsplat/base/error.hpp"
+
+extern char** environ;
+
+namespace ringsplat::serve {
+namespace {
+
+/// The folder, what stays open, and the signals of a program that is started. None of the job's connections
+/// may live on in it.
+class Surroundings {
+ public:
+  explicit Surroundings(const std::filesystem::path& folder) {
+    posix_spawn_file_actions_init(&files_);
+    posix_spawnattr_init(&attributes_);
+    posix_spawn_file_actions_addchdir_np(&files_, folder.c_str());
+    posix_spawn_file_actions_addopen(&files_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&files_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_adddup2(&files_, STDOUT_FILENO, STDERR_FILENO);
+    posix_spawn_file_actions_addclosefrom_np(&files_, STDERR_FILENO + 1);
+    sigset_t none;
+    sigemptyset(&none);
+    posix_spawnattr_setsigmask(&attributes_, &none);
+    posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
+  }
+  ~Surroundings() {
+    posix_spawn_file_actions_destroy(&files_);
+    posix_spawnattr_destroy(&attributes_);
+  }
+  Surroundings(const Surroundings&) = delete;
+  Surroundings& operator=(const Surroundings&) = delete;
+
+  const posix_spawn_file_actions_t* files() const { return &files_; }
+  const posix_spawnattr_t* attributes() const { return &attributes_; }
+
+ private:
+  posix_spawn_file_actions_t files_;
+  posix_spawnattr_t attributes_;
+};
+
+pid_t start(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+            const std::filesystem::path& folder) {
+  std::vector<char*> all{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) all.push_back(const_cast<char*>(argument.c_str()));
+  all.push_back(nullptr);
+  const Surroundings surroundings(folder);
+  pid_t child = 0;
+  const int error = posix_spawn(&child, program.c_str(), surroundings.files(), surroundings.attributes(),
+                                all.data(), environ);
+  if (error != 0)
+    throw RunError(
+        fmt::format("{} cannot be started: {}", program.string(), std::generic_category().message(error)));
+  return child;
+}
+
+}  // namespace
+
+std::optional<std::filesystem::path> find_program(const std::string& name) {
+  const char* const folders = std::getenv("PATH");
+  std::istringstream list(folders == nullptr ? "" : folders);
+  for (std::string folder; std::getline(list, folder, ':');) {
+    const std::filesystem::path program = std::filesystem::path(folder) / name;
+    std::error_code ignored;
+    if (program.is_absolute() && std::filesystem::is_regular_file(program, ignored) &&
+        access(program.c_str(), X_OK) == 0)
+      return program;
+  }
+  return std::nullopt;
+}
+
+std::optional<int> run_program(const std::filesystem::path& program,
+                               const std::vector<std::string>& arguments, const std::filesystem::path& folder,
+                               std::chrono::steady_clock::time_point deadline,
+                               const std::atomic<bool>& cancelled) {
+  const pid_t child = start(program, arguments, folder);
+  int status = 0;
+  pid_t ended = 0;
+  while ((ended = waitpid(child, &status, WNOHANG)) == 0) {
+    if (cancelled || std::chrono::steady_clock::now() >= deadline) {
+      kill(-child, SIGKILL);
+      waitpid(child, &status, 0);
+      return std::nullopt;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  if (ended != child) throw RunError(fmt::format("{} is lost", program.string()));
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+}  // namespace ringsplat::serve

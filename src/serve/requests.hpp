@@ -1,0 +1,128 @@
+#pragma once
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "ringsplat/volume/grid.hpp"
+#include "ringsplat/volume/statistics.hpp"
+#include "serve/client_message.hpp"
+#include "serve/movie.hpp"
+#include "serve/picture_head.hpp"
+#include "serve/probe.hpp"
+#include "serve/web_server.hpp"
+#include "serve/worker.hpp"
+#include "session/director.hpp"
+
+namespace ringsplat::serve {
+
+/// What requests need of the viewer that has them; called by any thread.
+struct RequestsHost {
+  std::function<void(ClientId, std::string&&)> send_text, send_binary;  ///< only hand over: take no lock
+  std::function<void()> wake;                                           ///< there may be a frame to render
+};
+
+/// What pages ask for beside the views that they show: probes, snapshots, movies. Each is answered once, with
+/// what was asked for or an error that has its number, unless the client goes or cancels it before. Frames
+/// are rendered one at a time for probes, and one at a time for files. All functions may be called by any
+/// thread.
+class Requests {
+ public:
+  /// `levels`: how many there are; files are drawn at the last. `ffmpeg`: without it there are no movies.
+  Requests(RequestsHost host, const Grid& grid, const ValueRange& range, int levels,
+           std::optional<std::filesystem::path> ffmpeg);
+  ~Requests();
+  Requests(const Requests&) = delete;
+  Requests& operator=(const Requests&) = delete;
+
+  /// `best`: the frame to draw, or the last view's, at the best level; the ranks will not refuse it. All
+  /// throw InputError when there is too much to do already, and for a movie whatever is wrong with it.
+  void add(ClientId client, const ProbeMessage& asked, const FrameSpec& best);
+  void add(ClientId client, const SnapshotMessage& asked, const FrameSpec& best);
+  void add(ClientId client, const MovieFrameMessage& asked, const FrameSpec& best);
+  /// Gives a client's movie up. Another number than its movie's: nothing happens.
+  void cancel_movie(ClientId client, std::uint32_t id);
+  /// The client is gone.
+  void forget(ClientId client);
+  /// No more frames will be rendered.
+  void end();
+  /// end(), and waits for what is under way. The host is not called any more.
+  void stop();
+
+  /// The next frame to render, which has the number `frame`.
+  std::optional<FrameSpec> next(std::int64_t frame);
+  /// True when that frame is one that next() gave and that has not come back.
+  bool renders(std::int64_t frame) const;
+  /// True once for such a frame that nobody waits for any more; it then counts as come back.
+  bool unwanted(std::int64_t frame);
+  /// Takes such a frame.
+  void take(FrameResult&& result);
+
+ private:
+  using Clock = Movie::Clock;
+  struct Probing {
+    ClientId client;
+    std::uint32_t id;
+    Probe probe;
+    std::int64_t frame = -1;  ///< that is being rendered
+    bool forgotten = false;
+  };
+  struct File {
+    ClientId client;
+    Request request;
+    FrameSpec spec;
+    glm::dvec3 background;  ///< linear light
+    bool exr = false;
+    std::shared_ptr<Movie> movie;  ///< that it is a frame of
+    int index = 0;                 ///< in the movie
+    std::int64_t frame = -1;       ///< that is being rendered
+    bool forgotten = false;
+  };
+  struct MovieTurn {
+    ClientId client;
+    std::uint32_t id;
+    std::shared_ptr<Movie> movie;
+    Clock::time_point heard;  ///< when the client last asked or was answered
+    int next = 0;             ///< index that must come
+    int answered = 0;         ///< frames
+  };
+
+  std::optional<FrameSpec> next_probe(std::int64_t frame);
+  std::optional<FrameSpec> next_file(std::int64_t frame);
+  void take_probe(const Image& picture);
+  void queue(File&& file);
+  std::shared_ptr<Movie> movie_for(ClientId client, const MovieFrameMessage& asked);
+  void begin_movie(ClientId client, const MovieFrameMessage& asked);
+  void give_movie_up();
+
+  void make_file(const FrameResult& result, const File& file);
+  void make_snapshot(const FrameResult& result, const File& file);
+  void add_to_movie(const FrameResult& result, const File& file);
+  void finish_movie(const File& file);
+  void fail(const File& file, const std::string& what);
+  PictureHead head_of(const File& file, PictureKind kind, PictureFormat format) const;
+
+  const RequestsHost host_;
+  const Grid grid_;
+  const ValueRange range_;
+  const int levels_;
+  const std::optional<std::filesystem::path> ffmpeg_;
+
+  mutable std::mutex mutex_;  ///< guards what follows, up to the workers
+  bool ended_ = false;
+  std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
+  std::optional<Probing> probing_;
+  std::deque<File> files_;
+  std::optional<File> rendering_;
+  bool encoding_ = false;
+  std::optional<MovieTurn> movie_;  ///< there is one at a time
+
+  Worker file_worker_, movie_worker_;
+};
+
+}  // namespace ringsplat::serve

@@ -1,0 +1,124 @@
+#pragma once
+#include <array>
+
+#include "serve/page_files.hpp"
+#include "serve/web_client.hpp"
+
+namespace ringsplat::serve::web {
+
+inline const char* content_type(std::string_view name) {
+  constexpr std::array<std::pair<std::string_view, const char*>, 5> types{
+      {{".html", "text/html; charset=utf-8"},
+       {".js", "text/javascript; charset=utf-8"},
+       {".css", "text/css; charset=utf-8"},
+       {".svg", "image/svg+xml"},
+       {".json", "application/json"}}};
+  for (const auto& [ending, type] : types)
+    if (name.ends_with(ending)) return type;
+  return "application/octet-stream";
+}
+
+inline const PageFile* find_page_file(std::string_view target) {
+  target = target.substr(0, target.find_first_of("?#"));
+  if (target.starts_with("/")) target.remove_prefix(1);
+  if (target.empty()) target = "index.html";
+  for (const PageFile& file : page_files())
+    if (file.name == target) return &file;
+  return nullptr;
+}
+
+/// A connection while it asks for files, until it becomes a page's WebSocket.
+class Visitor : public std::enable_shared_from_this<Visitor> {
+ public:
+  /// `one_too_many`: it is told so, whatever it asks.
+  Visitor(Shared& shared, tcp::socket&& socket, bool one_too_many)
+      : shared_(shared), one_too_many_(one_too_many), place_(shared), stream_(std::move(socket)) {}
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(static_cast<std::uint32_t>(shared_.limits.header_bytes));
+    stream_.expires_after(shared_.limits.patience);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](error_code error, std::size_t) { self->take(error); });
+  }
+
+ private:
+  void take(error_code error) {
+    if (error == http::error::end_of_stream || error == beast::error::timeout ||
+        error == asio::error::operation_aborted || error == asio::error::connection_reset)
+      return;
+    if (error) return reply(http::status::bad_request, "text/plain", "this is no request\n", false);
+    answer(parser_->get());
+  }
+
+  void answer(const http::request<http::empty_body>& request) {
+    if (one_too_many_)
+      return reply(http::status::service_unavailable, "text/plain", "too many connections\n", false);
+    const bool alive = request.keep_alive();
+    const std::string_view host = view(request[http::field::host]);
+    if (request.count(http::field::host) != 1 || !shared_.access->host_allowed(host))
+      return reply(http::status::misdirected_request, "text/plain",
+                   "this server is not known by that name; --allow-host adds one\n", false);
+    if (websocket::is_upgrade(request)) return upgrade(host);
+    if (request.method() != http::verb::get && request.method() != http::verb::head)
+      return reply(http::status::method_not_allowed, "text/plain", "only GET\n", false);
+    const PageFile* const file = find_page_file(view(request.target()));
+    if (file == nullptr)
+      return reply(http::status::not_found, "text/plain", "there is no such file\n", alive);
+    reply(http::status::ok, content_type(file->name), file->bytes, alive);
+  }
+
+  void upgrade(std::string_view host) {
+    const auto& request = parser_->get();
+    const std::string_view target = view(request.target());
+    if (target.substr(0, target.find('?')) != "/ws")
+      return reply(http::status::not_found, "text/plain", "the page connects to ws\n", false);
+    if (request.count(http::field::origin) != 1 ||
+        !shared_.access->origin_allowed(view(request[http::field::origin]), host))
+      return reply(http::status::forbidden, "text/plain",
+                   "this origin may not connect; --allow-origin adds one\n", false);
+    if (request.count(http::field::sec_websocket_protocol) != 1 ||
+        !shared_.access->may_connect(view(request[http::field::sec_websocket_protocol])))
+      return reply(http::status::forbidden, "text/plain", "the token is missing or wrong\n", false);
+    stream_.expires_never();
+    std::make_shared<Client>(shared_, stream_.release_socket(), std::move(place_))
+        ->accept(parser_->release());
+  }
+
+  void reply(http::status status, const char* type, std::string_view body, bool keep_alive) {
+    const unsigned version = parser_ ? parser_->get().version() : 11;
+    const bool head = parser_ && parser_->get().method() == http::verb::head;
+    auto response = std::make_shared<http::response<http::string_body>>(status, version);
+    response->set(http::field::content_type, type);
+    response->set("Content-Security-Policy",
+                  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
+                  "connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+    response->set("X-Content-Type-Options", "nosniff");
+    response->set("Referrer-Policy", "no-referrer");
+    response->set("Cross-Origin-Resource-Policy", "same-origin");
+    response->set("Cross-Origin-Opener-Policy", "same-origin");
+    response->set(http::field::cache_control, "no-store");
+    response->body() = std::string(body);
+    response->keep_alive(keep_alive);
+    response->prepare_payload();
+    if (head) response->body().clear();
+    stream_.expires_after(shared_.limits.patience);
+    http::async_write(stream_, *response,
+                      [self = shared_from_this(), response](error_code error, std::size_t) {
+                        if (error) return;
+                        if (response->keep_alive())
+                          self->read();
+                        else
+                          self->stream_.socket().shutdown(tcp::socket::shutdown_send, error);
+                      });
+  }
+
+  Shared& shared_;
+  const bool one_too_many_;
+  Place place_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_;
+  std::optional<http::request_parser<http::empty_body>> parser_;
+};
+
+}  // namespace ringsplat::serve::web
