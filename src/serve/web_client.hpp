@@ -24,8 +24,11 @@ class Client : public std::enable_shared_from_this<Client> {
 
   void accept(http::request<http::empty_body> request) {
     stream_.read_message_max(shared_.limits.message_bytes);
-    stream_.auto_fragment(false);
-    stream_.set_option(websocket::stream_base::timeout{shared_.limits.patience, 2 * shared_.limits.patience,
+    // A large file is sent in fragments, between which pings can go: without their answers a slow client
+    // would be taken for a dead one.
+    stream_.auto_fragment(true);
+    stream_.write_buffer_bytes(std::size_t{1} << 16);
+    stream_.set_option(websocket::stream_base::timeout{shared_.limits.patience, shared_.limits.silence,
                                                        /*keep_alive_pings*/ true});
     stream_.set_option(websocket::stream_base::decorator([](websocket::response_type& response) {
       response.set(http::field::sec_websocket_protocol, view(subprotocol));
@@ -42,11 +45,11 @@ class Client : public std::enable_shared_from_this<Client> {
 
   void send(bool binary, std::shared_ptr<const std::string> bytes) {
     if (cut_off_) return;
-    if (unsent_ > shared_.limits.unsent_bytes) {
+    if (waiting_ > shared_.limits.unsent_bytes) {
       cut_off();
       return;
     }
-    unsent_ += bytes->size();
+    if (!outgoing_.empty()) waiting_ += bytes->size();
     outgoing_.push_back({binary, std::move(bytes)});
     if (outgoing_.size() == 1) write();
   }
@@ -107,12 +110,13 @@ class Client : public std::enable_shared_from_this<Client> {
     stream_.async_write(asio::buffer(*outgoing_.front().bytes),
                         [self = shared_from_this()](error_code error, std::size_t) {
                           if (error || self->cut_off_) return;
-                          self->unsent_ -= self->outgoing_.front().bytes->size();
                           self->outgoing_.pop_front();
-                          if (!self->outgoing_.empty())
-                            self->write();
-                          else if (self->closing_)
-                            self->start_closing();
+                          if (self->outgoing_.empty()) {
+                            if (self->closing_) self->start_closing();
+                            return;
+                          }
+                          self->waiting_ -= self->outgoing_.front().bytes->size();
+                          self->write();
                         });
   }
 
@@ -126,7 +130,7 @@ class Client : public std::enable_shared_from_this<Client> {
   asio::steady_timer timer_;
   beast::flat_buffer buffer_;
   std::deque<Outgoing> outgoing_;  ///< the first is being written
-  std::size_t unsent_ = 0;
+  std::size_t waiting_ = 0;        ///< bytes behind the first
   ClientId id_;
   double allowance_;  ///< messages that may be read now
   Clock::time_point counted_ = Clock::now();

@@ -1,0 +1,49 @@
+"""Tests of what a running `ringsplat serve` shows to whom."""
+import viewer_client as vc
+from server_case import expect, is_alive, refused
+
+
+def page(options, server):
+    answer = vc.get(server.port)
+    head = answer.split(b"\r\n\r\n")[0].decode().lower()
+    expect(answer.startswith(b"HTTP/1.1 200"), answer[:80])
+    for line in ("content-type: text/html; charset=utf-8", "x-content-type-options: nosniff",
+                 "referrer-policy: no-referrer", "cache-control: no-store",
+                 "cross-origin-resource-policy: same-origin"):
+        expect(line in head, line + " is missing")
+    policy = next(l for l in head.split("\r\n") if l.startswith("content-security-policy"))
+    expect("unsafe" not in policy and "script-src 'self'" in policy, policy)
+    expect(server.token not in answer.decode(), "the page has the token")
+    expect(b"text/javascript" in vc.get(server.port, "/main.js").split(b"\r\n\r\n")[0], "main.js")
+    for target in ("/no", "/../etc/passwd", "/page/index.html", "//index.html", "/%2e%2e/x", "/style.css/"):
+        expect(vc.get(server.port, target).startswith(b"HTTP/1.1 404"), target)
+
+
+def strangers(options, server):
+    port, host = server.port, f"127.0.0.1:{server.port}"
+    refused(server, 403, protocols=[])
+    refused(server, 403, protocols=["ringsplat.v1"])
+    refused(server, 403, protocols=["ringsplat.v1", "token." + "0" * 32])
+    refused(server, 403, protocols=["ringsplat.v1", "token." + server.token[:-1]])
+    refused(server, 403, protocols=["ringsplat.v1", "token." + server.token + "0"])
+    refused(server, 403, protocols=["token." + server.token])
+    refused(server, 403, origin=None)
+    refused(server, 403, origin="http://evil.example")
+    refused(server, 403, origin=f"https://{host}")
+    refused(server, 403, origin=f"http://127.0.0.1:{port + 1}")
+    refused(server, 403, origin="null")
+    for foreign in ("evil.example", f"evil.example:{port}", "127.0.0.1", f"127.0.0.1:{port + 1}", f"127.0.0.1:{port}0"):
+        refused(server, 421, host=foreign)
+        expect(vc.get(port, host=foreign).startswith(b"HTTP/1.1 421"), foreign)
+    two = f"GET / HTTP/1.1\r\nHost: {host}\r\nHost: evil.example\r\n\r\n".encode()
+    expect(b" 4" in vc.http(port, two)[:13], "two hosts")
+    vc.Client(port, server.token, host=f"localhost:{port}").close()
+    is_alive(server)
+    expect(server.token not in server.errors, "the token is in the log")
+
+
+def allowed(options, server):
+    for how in ({"host": "node7:9999", "origin": "http://node7:9999"}, {"origin": "https://hub.example.org"}):
+        vc.Client(server.port, server.token, **how).close()
+    refused(server, 403, origin="https://hub.example.org.evil")
+    is_alive(server)
