@@ -5,6 +5,7 @@
 #include <glm/common.hpp>
 #include <glm/matrix.hpp>
 
+#include "frame/frame_geometry.hpp"
 #include "session/render_frames.hpp"
 
 namespace ringsplat::serve {
@@ -12,8 +13,6 @@ namespace {
 
 /// Less opaque a ray hits nothing.
 constexpr float least_opacity = 1.0F / 32;
-
-LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
 
 /// Where the ray of a picture's only pixel meets the plane of that coordinate, in lattice coordinates.
 glm::dvec3 meet(const ViewTransform& view, int axis, double at) {
@@ -42,17 +41,13 @@ Camera camera_of_pixel(const Camera& camera, int width, int height, double x, do
 }
 
 Probe::Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, double x, double y)
-    : grid_(grid),
-      range_(range),
-      pixel_(full),
-      box_(full.shown.clip.value_or(VoxelBox{glm::ivec3(0), grid.dims})) {
+    : grid_(grid), range_(range), pixel_(full), box_(full.shown.clip.value_or(whole_box(grid))) {
   Shown& shown = pixel_.shown;
   shown.camera = camera_of_pixel(shown.camera, shown.width, shown.height, x, y);
   shown.width = shown.height = 1;
   shown.shading = Shading::none;
   check_frame(pixel_, grid);
-  const Traversal traversal =
-      choose_traversal(make_view(shown.camera, lattice_of(grid), 1, 1), lattice_of(grid));
+  const Traversal traversal = make_geometry(pixel_, grid).traversal;
   axis_ = static_cast<int>(traversal.axis);
   ascending_ = traversal.ascending;
   high_ = box_.end[axis_] - box_.first[axis_];
@@ -118,7 +113,7 @@ void Probe::choose_place(float before, float upto) {
       double(high_ - 1) + std::clamp((wanted_ - before) / std::max(upto - before, 1e-6F), 0.0F, 1.0F);
   slice_ = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
   const double at = ascending_ ? box_.first[axis_] - 0.5 + into : box_.end[axis_] - 0.5 - into;
-  const ViewTransform view = make_view(pixel_.shown.camera, lattice_of(grid_), 1, 1);
+  const ViewTransform view = make_view(pixel_.shown.camera, lattice_frame(grid_), 1, 1);
   answer_.hit = true;
   answer_.voxel = glm::clamp(meet(view, axis_, at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
   answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);

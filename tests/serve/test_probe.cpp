@@ -116,3 +116,16 @@ TEST_CASE("A probe knows the clip box") {
   CHECK(std::abs(probed.voxel.y - 14) < 1);
   CHECK(std::abs(probed.value - ball({15.5, 14, 15.5})) < 8);
 }
+
+TEST_CASE("A probe sees what an eye sees that stands in the part of the volume that is cut off") {
+  FrameSpec spec = view(0, 0);
+  const Grid g = grid();
+  spec.shown.clip = VoxelBox{{0, 14, 0}, {side, side, side}};
+  spec.shown.camera = {.fov = 60,
+                       .eye = g.origin + g.spacing * glm::dvec3(15.5, 6, 15.5),
+                       .target = g.origin + g.spacing * glm::dvec3(15.5)};
+  const Probed probed = probe(spec, 60, 50);
+  REQUIRE(probed.hit);
+  CHECK(std::abs(probed.voxel.y - 14) < 1);
+  CHECK(std::abs(probed.value - ball({15.5, 14, 15.5})) < 8);
+}
