@@ -4,11 +4,9 @@
 Reads what scripts/make_test_head.py writes: one uint8 NRRD file, gzip. Axes are first filled up with zeros to a power of
 two, so the head becomes 512x512x512. The output is not compressed, so that all ranks can read it at once.
 """
-import gzip
-import re
 import sys
 
-from pad_volume import vector
+from pad_volume import directions, header_of, read_volume, sizes
 
 TIMES = 2  # how often the number of voxels along each axis is doubled
 
@@ -64,20 +62,14 @@ def refined(voxels: bytes, dims: list[int]) -> tuple[bytes, list[int]]:
 
 
 def main() -> None:
-    with open(sys.argv[1], "rb") as file:
-        header, packed = file.read().split(b"\n\n", 1)
-    lines = header.decode().splitlines()
-    fields = dict(line.split(": ", 1) for line in lines if ": " in line)
-    if fields["type"] != "uint8" or fields["encoding"] != "gzip":
-        raise SystemExit(f"{sys.argv[1]} is no gzip-compressed uint8 NRRD")
-    voxels, dims = refined(gzip.decompress(packed), [int(n) for n in fields["sizes"].split()])
-    steps = [[c / (1 << TIMES) for c in vector(v)] for v in re.findall(r"\([^)]*\)", fields["space directions"])]
+    first_line, fields, voxels = read_volume(sys.argv[1])
+    voxels, dims = refined(voxels, sizes(fields))
+    steps = [[c / (1 << TIMES) for c in step] for step in directions(fields)]
     fields["sizes"] = " ".join(map(str, dims))
     fields["space directions"] = " ".join("(" + ",".join(f"{c:.12g}" for c in step) + ")" for step in steps)
     fields["encoding"] = "raw"
     with open(sys.argv[2], "wb") as file:
-        file.write((lines[0] + "\n" + "".join(f"{key}: {value}\n" for key, value in fields.items()) + "\n").encode())
-        file.write(voxels)
+        file.write(header_of(first_line, fields) + voxels)
 
 
 if __name__ == "__main__":
