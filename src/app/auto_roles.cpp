@@ -1,7 +1,6 @@
 #include "app/auto_roles.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <iterator>
@@ -9,6 +8,7 @@
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "base/log.hpp"
+#include "base/process.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
 #include "volume/slice_store.hpp"
@@ -17,7 +17,7 @@ namespace ringsplat::app {
 namespace {
 
 std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid, const LoadOptions& load) {
-  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  const double machine = machine_memory_bytes();
   const auto too_large = [&](const Layout& layout) {
     return double(SliceStore::bytes_needed(grid, 0, layout.gps, load.kept_axes, load.with_normals)) > machine;
   };

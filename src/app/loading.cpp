@@ -1,10 +1,10 @@
 #include "app/loading.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "app/watched_source.hpp"
 #include "base/log.hpp"
+#include "base/process.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -13,6 +13,11 @@ namespace ringsplat::app {
 OpenedVolume open(const VolumeOptions& volume, Launch& launch) {
   return open_everywhere(
       launch.collectives(), [&] { return open_volume(volume.path, volume.raw); }, volume.path);
+}
+
+TransferFunction stand_in_function() {
+  return {
+      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
 }
 
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
@@ -28,7 +33,7 @@ SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
 
 void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
                   const Layout& layout, const Launch& launch) {
-  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  const double machine = machine_memory_bytes();
   double held = 0;
   for (int gp = 0; gp < layout.gps; ++gp)
     if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())

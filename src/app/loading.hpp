@@ -11,6 +11,10 @@ namespace ringsplat::app {
 /// All ranks call it; all throw the same InputError.
 OpenedVolume open(const VolumeOptions& volume, Launch& launch);
 
+/// Stands for a function that may need the histogram of a volume that is not loaded yet, where the rest of a
+/// frame is checked.
+TransferFunction stand_in_function();
+
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps);
 
 /// Throws InputError when this process's slices or its frame buffer, which holds so many `pictures` at once,

@@ -1,10 +1,10 @@
 #include "app/measured_error.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include "base/clock.hpp"
 #include "base/printable.hpp"
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 #include "truth/analytic.hpp"
 #include "truth/field.hpp"
@@ -18,8 +18,7 @@ namespace {
 constexpr int histogram_bins = 1024;
 
 void check_room(const Grid& grid) {
-  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE)),
-               needed = 8.0 * double(grid.voxels());
+  const double machine = machine_memory_bytes(), needed = 8.0 * double(grid.voxels());
   if (needed > 0.9 * machine)
     throw InputError(
         fmt::format(

@@ -66,9 +66,7 @@ void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
 /// Finds everything wrong with a frame before a voxel is read.
 void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
   FrameSpec spec = o.frame;
-  // A stand-in: the real transfer function may need the histogram of the volume, which is not loaded yet.
-  spec.shown.transfer_function = {
-      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
+  spec.shown.transfer_function = stand_in_function();
   check(spec);
   for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
     spec.shown.camera = plan.cameras[k];

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <signal.h>
 #include <spawn.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <memory>
@@ -16,6 +15,7 @@
 #include "app/transfer_function_option.hpp"
 #include "app/world_axes.hpp"
 #include "base/log.hpp"
+#include "base/process.hpp"
 #include "classify/srgb.hpp"
 #include "model/charge.hpp"
 #include "serve/program.hpp"
@@ -41,9 +41,7 @@ serve::Qualities qualities() {
 
 /// Throws InputError when the first view cannot be drawn at some level.
 void check_first_view(FrameSpec frame, const Grid& grid) {
-  // A stand-in: the real transfer function may need the histogram of the volume, which is not loaded yet.
-  frame.shown.transfer_function = {
-      .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
+  frame.shown.transfer_function = stand_in_function();
   for (const auto& level : serve::make_levels(qualities(), grid.dims))
     check_frame(serve::at_level(frame, level), grid);
 }
@@ -92,7 +90,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
 /// The largest picture whose floats leave room for the rest.
 int largest_side() {
   constexpr int most = 4096, least = 1024;
-  const double machine = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  const double machine = machine_memory_bytes();
   int side = most;
   while (side > least && 64.0 * side * side > machine / 4) side /= 2;
   return side;

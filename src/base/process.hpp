@@ -7,6 +7,9 @@ namespace ringsplat {
 /// Peak resident memory of this process so far, in bytes (Linux: VmHWM).
 std::uint64_t peak_memory_bytes();
 
+/// Memory of this machine, in bytes.
+double machine_memory_bytes();
+
 /// Names the clock behind now_seconds() (Linux: the machine's boot). Processes with the same name read the
 /// same clock. Empty when it is not known.
 std::string clock_identity();
