@@ -62,7 +62,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
   launch.check_on_rank_0([&] {
     Progress progress;
     progress.begin("measuring a frame", 0);
-    const auto source = open_volume(o.volume.path, o.volume.raw);
+    const auto source = open_volume(o.volume);
     const auto views = probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras);
     const FrameCosts costs =
         measure_frame_costs(*source, o.frame, TransferFunctionChoice(o.transfer_function), views, load);

@@ -54,7 +54,7 @@ Calibration::Calibration(const FrameSpec& reference, std::vector<Camera> views,
       views_(std::move(views)),
       settings_(std::move(settings)),
       error_(error),
-      scene_(make_scene(read_whole(*open_volume(volume.path, volume.raw)))),
+      scene_(make_scene(read_whole(*open_volume(volume)))),
       measurements_(frames_a_pass()) {}
 
 Director Calibration::director() {

@@ -84,7 +84,7 @@ void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
 }
 
 void FrameOutput::measure_kept() {
-  const auto source = open_volume(options_.volume.path, options_.volume.raw);
+  const auto source = open_volume(options_.volume);
   truth::Scene scene = make_scene(read_whole(*source));
   for (const FinishedFrame& frame : kept_) {
     const auto& [result, file] = frame;

@@ -276,7 +276,7 @@ ExitCode run_info(const InfoOptions& o) {
     return ExitCode::done;
   }
   Progress progress;
-  WatchedSource source(open_volume(o.volume.path, o.volume.raw), progress);
+  WatchedSource source(open_volume(o.volume), progress);
   const auto clip = clip_box(o.picture.clip, source.grid());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
   const Contents contents = read_contents(clip ? *part : source, progress);

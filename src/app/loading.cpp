@@ -12,7 +12,7 @@ namespace ringsplat::app {
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch) {
   return open_everywhere(
-      launch.collectives(), [&] { return open_volume(volume.path, volume.raw); }, volume.path);
+      launch.collectives(), [&] { return open_volume(volume); }, volume.path);
 }
 
 TransferFunction stand_in_function() {

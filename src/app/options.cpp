@@ -35,6 +35,13 @@ constexpr OptionRow<Volume> volume_rows[] = {
      }},
     {"--offset", "BYTES", nullptr, "Bytes before the first voxel",
      [](Volume& o) { return value(o.raw.offset, CLI::NonNegativeNumber); }},
+    {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
+     [](Volume& o) { return value(o.choice.frame, CLI::NonNegativeNumber); }},
+    {"--channel", "N|NAME", nullptr,
+     "Of several values a voxel the one to take: a number from 0, r, g, b or a",
+     [](Volume& o) { return value(o.choice.channel); }},
+    {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
+     [](Volume& o) { return value(o.choice.series); }},
     {"--spacing", "XxYxZ", nullptr, "Distances between voxels; replaces the file's own, whatever the format",
      [](Volume& o) { return parsed(o.raw.spacing, parse_spacing); }},
 };

@@ -1,5 +1,6 @@
 #pragma once
 #include <glm/vec3.hpp>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,11 +21,16 @@ namespace ringsplat::app {
 
 enum class TransportChoice { automatic, mpi, loopback };
 
-/// The volume's file, and the description of a raw file.
+/// The volume's file, the description of a raw file, and which of a file's volumes.
 struct VolumeOptions {
   std::string path;
   RawDescription raw;
+  VolumeChoice choice;
 };
+
+inline std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume) {
+  return ringsplat::open_volume(volume.path, volume.raw, volume.choice);
+}
 
 /// Where the nodes run and how they talk.
 struct RunOptions {

@@ -58,7 +58,7 @@ ExitCode run_reference(const ReferenceOptions& o) {
                 o.without_effect.size() == 1 ? "s" : "", to_string(o.truth));
   const auto cameras = views_of(o.picture);
   const TransferFunctionChoice choice(o.picture.transfer_function);
-  const auto source = open_volume(o.picture.volume.path, o.picture.volume.raw);
+  const auto source = open_volume(o.picture.volume);
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = o.picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());

@@ -13,7 +13,6 @@
 #include "app/role_choice.hpp"
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
-#include "app/world_axes.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
@@ -105,8 +104,12 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
       fmt::format("{}, {}", describe(job.layout), job.layout.topology == Topology::ring ? "ring" : "mesh");
   v.ranks = launch.ranks();
   const std::filesystem::path path = o.volume.path;
-  v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(), scene.grid,
-              world_is_patient(path), scene.range, scene.histogram};
+  v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(),
+              scene.grid,
+              job.volume.notes.world == World::patient,
+              job.volume.notes.unit,
+              scene.range,
+              scene.histogram};
   v.frame = o.frame;
   v.initial.camera = o.frame.shown.camera;
   v.initial.transfer_function = job.transfer_function->make(scene.histogram);

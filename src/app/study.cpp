@@ -34,7 +34,7 @@ struct Timed {
 };
 
 std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
-  if (s.synth.empty()) return open_volume(s.volume.path, s.volume.raw);
+  if (s.synth.empty()) return open_volume(s.volume);
   Grid grid;
   grid.dims = s.dims;
   grid.type = s.type;

@@ -307,6 +307,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
     try {
       volume.source = open();
       check(volume.source->grid(), "the volume");
+      volume.notes = volume.source->notes();
       volume.facts = facts_of(volume.source->grid());
       const Facts more = volume.source->facts();
       volume.facts.insert(volume.facts.end(), more.begin(), more.end());

@@ -31,7 +31,8 @@ struct OpenedVolume {
   Grid grid;
   bool concurrent = false;
   std::unique_ptr<VolumeSource> source;
-  Facts facts = {};  ///< on process 0: identifies the volume when it is opened again
+  Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
+  VolumeNotes notes = {};  ///< on process 0
 };
 
 /// Opens the volume on process 0, and on all processes when it can be read concurrently; then all must see

@@ -26,7 +26,8 @@ namespace ringsplat::serve {
 struct ShownVolume {
   std::string name;
   Grid grid;
-  bool patient = false;  ///< the world's axes are a patient's: left, posterior, superior, in millimetres
+  bool patient = false;  ///< the world's axes are a patient's: left, posterior, superior
+  std::string unit;      ///< of the spacing; empty: unknown
   ValueRange range;
   Histogram histogram;
 };

@@ -34,7 +34,7 @@ json volume_json(const ShownVolume& volume) {
           {"dims", three(volume.grid.dims)},
           {"spacing", three(volume.grid.spacing)},
           {"origin", three(volume.grid.origin)},
-          {"unit", volume.patient ? "mm" : ""},
+          {"unit", volume.unit},
           {"direction", direction},
           {"patient", volume.patient},
           {"range", {volume.range.low, volume.range.high}},

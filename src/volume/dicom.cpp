@@ -15,6 +15,7 @@
 #include "volume/dicom_elements.hpp"
 #include "volume/dicom_image.hpp"
 #include "volume/formats.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/text.hpp"
 #include "volume/volume_files.hpp"
 #include "volume/whole_source.hpp"
@@ -211,17 +212,20 @@ std::vector<DicomSlice> choose_series(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path) {
+std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice&) {
+  const auto noted = [](std::unique_ptr<VolumeSource> source) {
+    return with_notes(std::move(source), {.world = World::patient, .unit = "mm", .modality = "OT"});
+  };
   auto slices = choose_series(path);
   if (slices.empty())
     throw InputError(fmt::format("{} holds no DICOM or TIFF images", path.string()),
                      "give a folder with one series or stack, or a volume file");
   if (slices.size() == 1 && slices.front().grid.dims.z > 1)
-    return std::make_unique<MultiFrameSource>(std::move(slices.front()));
+    return noted(std::make_unique<MultiFrameSource>(std::move(slices.front())));
   sort_slices(slices);
   require_alike(slices);
   const Grid grid = stack_grid(slices, path);
-  return std::make_unique<DicomSource>(grid, std::move(slices));
+  return noted(std::make_unique<DicomSource>(grid, std::move(slices)));
 }
 
 }  // namespace ringsplat::detail

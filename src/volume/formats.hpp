@@ -4,19 +4,22 @@
 
 #include "ringsplat/volume/source.hpp"
 
-/// One function a format; each throws InputError naming the file. `path` exists.
+/// One function a format; each throws InputError naming the file. `path` exists. A function of a format that
+/// can hold several volumes takes the chosen one and throws InputError when there is none such; open_volume()
+/// refuses other choices.
 namespace ringsplat::detail {
 
-std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path);
-std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path);
-std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path);
-std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path);
-std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path);  ///< one file or a folder
+std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const VolumeChoice& choice);
+std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice& choice);
+std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice& choice);
+std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice& choice);
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path,
+                                        const VolumeChoice& choice);  ///< one file or a folder
 /// Every TIFF gets a spacing of 1; warns when the first file says another one. Call it when that spacing is
 /// used.
 void warn_of_tiff_spacing(const std::filesystem::path& path);
 /// Opens a folder's series, or the series of one file.
-std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path);
+std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
 
 bool is_tiff(const std::filesystem::path& path);

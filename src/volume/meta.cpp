@@ -10,6 +10,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "volume/formats.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/input_file.hpp"
 #include "volume/meta_header.hpp"
 #include "volume/slice_files.hpp"
@@ -170,10 +171,8 @@ std::uint64_t voxel_offset(const MetaHeader& header, std::uint64_t file_bytes, s
   return std::uint64_t(header.header_size);
 }
 
-}  // namespace
-
-std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path) {
-  const MetaHeader header = read_meta_header(path);
+/// The voxels, which the header describes.
+std::unique_ptr<VolumeSource> source_of(const std::filesystem::path& path, const MetaHeader& header) {
   if (is_list(header) || header.data_file.find('%') != std::string::npos)
     return open_slice_files(path, header);
   const auto file = header.is_local() ? path : path.parent_path() / header.data_file;
@@ -187,6 +186,12 @@ std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path) {
                         .compressed = header.compressed,
                         .big_endian = header.big_endian,
                         .type = header.grid.type});
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice&) {
+  return with_notes(source_of(path, read_meta_header(path)), {.world = World::patient, .unit = "mm"});
 }
 
 }  // namespace ringsplat::detail

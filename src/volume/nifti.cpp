@@ -12,6 +12,7 @@
 #include <span>
 
 #include "volume/formats.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/itk_image.hpp"
 #include "volume/stored_source.hpp"
 
@@ -103,7 +104,7 @@ std::optional<Rescale> rescale_of(const nifti_image& header) {
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path) {
+std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice&) {
   return with_itk(path, [&] {
     const auto header = read_header(path);
     auto io = itk::NiftiImageIO::New();
@@ -122,7 +123,7 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path) {
     grid.type = !stored.rescale                      ? stored.type
                 : stored.type == ScalarType::float64 ? ScalarType::float64
                                                      : ScalarType::float32;
-    return stored_source(grid, stored);
+    return with_notes(stored_source(grid, stored), {.world = World::patient, .unit = "mm"});
   });
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "volume/formats.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/input_file.hpp"
 #include "volume/itk_image.hpp"
 #include "volume/limits.hpp"
@@ -44,6 +45,12 @@ class NrrdHeader {
       if (nrrd_->axis[i].size > std::size_t(std::numeric_limits<int>::max()))
         throw InputError(fmt::format("{}: {} voxels along axis {}", path_.string(), nrrd_->axis[i].size, i),
                          "correct the sizes in the header");
+  }
+  /// Of the spaces that NRRD knows, those of a patient come first (nrrdEnums.h).
+  VolumeNotes notes() const {
+    const bool patient =
+        nrrd_->space > nrrdSpaceUnknown && nrrd_->space <= nrrdSpaceLeftPosteriorSuperiorTime;
+    return patient ? VolumeNotes{.world = World::patient, .unit = "mm"} : VolumeNotes{};
   }
   bool is_nrrd() const { return io_->format == nrrdFormatNRRD; }
   bool names_data_files() const { return io_->dataFNFormat != nullptr || io_->dataFNArr->len > 0; }
@@ -99,9 +106,40 @@ void require_files(const std::filesystem::path& path, const NrrdIoState& io, con
   require_compressed_bytes(path, compressed, grid.bytes(), deflate_best_ratio);
 }
 
+/// The voxels, which the header describes.
+std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, itk::NrrdImageIO& io, const Grid& grid,
+                                        const std::filesystem::path& path) {
+  if (header.several_files()) {
+    require_files(path, header.io(), grid);
+    return itk_source(&io, grid, path);
+  }
+
+  const auto* encoding = header.io().encoding;
+  const bool gzip = encoding == nrrdEncodingGzip;
+  if (gzip || encoding == nrrdEncodingRaw) {
+    if (gzip && header.io().byteSkip < 0)
+      throw InputError(fmt::format("{}: 'byte skip: -1' in compressed data", path.string()),
+                       "give the number of bytes");
+    StoredVoxels stored{.file = header.data_file(), .offset = header.offset(), .compressed = gzip};
+    stored.skip = gzip ? std::uint64_t(header.io().byteSkip) : 0;
+    stored.big_endian = header.io().endian == airEndianBig;
+    stored.type = grid.type;
+    return stored_source(grid, stored);
+  }
+  if (encoding == nrrdEncodingAscii)
+    require_numbers(header.data_file(), header.offset(), std::uint64_t(grid.voxels()));
+  else if (encoding == nrrdEncodingHex)
+    require_bytes(header.data_file(), InputFile(header.data_file()).size(), header.offset(),
+                  2 * grid.bytes());
+  else
+    throw InputError(fmt::format("{}: encoding '{}' cannot be read", path.string(), encoding->name),
+                     "write it anew with encoding gzip or raw");
+  return itk_source(&io, grid, path);
+}
+
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path) {
+std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const VolumeChoice&) {
   return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
     require_nrrdio_can_read(path);
     const NrrdHeader header(path);
@@ -113,32 +151,7 @@ std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path) {
     io->SetFileName(path.string());
     io->ReadImageInformation();
     const Grid grid = grid_of(*io, path);
-    if (header.several_files()) {
-      require_files(path, header.io(), grid);
-      return itk_source(io.GetPointer(), grid, path);
-    }
-
-    const auto* encoding = header.io().encoding;
-    const bool gzip = encoding == nrrdEncodingGzip;
-    if (gzip || encoding == nrrdEncodingRaw) {
-      if (gzip && header.io().byteSkip < 0)
-        throw InputError(fmt::format("{}: 'byte skip: -1' in compressed data", path.string()),
-                         "give the number of bytes");
-      StoredVoxels stored{.file = header.data_file(), .offset = header.offset(), .compressed = gzip};
-      stored.skip = gzip ? std::uint64_t(header.io().byteSkip) : 0;
-      stored.big_endian = header.io().endian == airEndianBig;
-      stored.type = grid.type;
-      return stored_source(grid, stored);
-    }
-    if (encoding == nrrdEncodingAscii)
-      require_numbers(header.data_file(), header.offset(), std::uint64_t(grid.voxels()));
-    else if (encoding == nrrdEncodingHex)
-      require_bytes(header.data_file(), InputFile(header.data_file()).size(), header.offset(),
-                    2 * grid.bytes());
-    else
-      throw InputError(fmt::format("{}: encoding '{}' cannot be read", path.string(), encoding->name),
-                       "write it anew with encoding gzip or raw");
-    return itk_source(io.GetPointer(), grid, path);
+    return with_notes(source_of(header, *io, grid, path), header.notes());
   });
 }
 

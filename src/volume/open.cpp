@@ -8,13 +8,14 @@
 #include "ringsplat/volume/source.hpp"
 #include "volume/dicom_elements.hpp"
 #include "volume/formats.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/input_file.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat {
 namespace {
 
-using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&);
+using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&, const VolumeChoice&);
 
 constexpr std::array<std::pair<std::string_view, Open>, 13> formats{{{".nrrd", detail::open_nrrd},
                                                                      {".nhdr", detail::open_nrrd},
@@ -38,22 +39,16 @@ Open find_format(const std::filesystem::path& path) {
 }
 
 /// Replaces the spacing of a source whose file has none, or a wrong one.
-class RespacedSource final : public VolumeSource {
+class RespacedSource final : public ForwardingSource {
  public:
   RespacedSource(std::unique_ptr<VolumeSource> source, const glm::dvec3& spacing)
-      : source_(std::move(source)), grid_(source_->grid()) {
+      : ForwardingSource(std::move(source)), grid_(ForwardingSource::grid()) {
     grid_.spacing = spacing;
     check(grid_, "--spacing");
   }
   const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return source_->concurrent(); }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    source_->read_slices(first, count, out);
-  }
-  Facts facts() const override { return source_->facts(); }
 
  private:
-  std::unique_ptr<VolumeSource> source_;
   Grid grid_;
 };
 
@@ -62,16 +57,34 @@ bool describes_encoding(const RawDescription& raw) {
 }
 
 std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, Open open,
-                                             const RawDescription& raw) {
+                                             const RawDescription& raw, const VolumeChoice& choice) {
   if (describes_encoding(raw))
     throw InputError(
         fmt::format("{} describes itself: dimensions, type, endianness and offset are for raw files",
                     path.string()),
         "leave them out; only --spacing may be given");
-  auto source = open(path);
+  auto source = open(path, choice);
   if (!raw.spacing && open == detail::open_tiff) detail::warn_of_tiff_spacing(path);
   if (!raw.spacing) return source;
   return std::make_unique<RespacedSource>(std::move(source), *raw.spacing);
+}
+
+/// A choice that nothing in the file answers must not be ignored. What a format has several of, its own
+/// function chooses.
+void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
+                          const std::filesystem::path& path) {
+  if (choice.frame && (*choice.frame < 0 || *choice.frame >= notes.frames))
+    throw InputError(
+        notes.frames == 1
+            ? fmt::format("--frame {}: {} holds one volume", *choice.frame, path.string())
+            : fmt::format("--frame {}: {} holds {} volumes", *choice.frame, path.string(), notes.frames),
+        fmt::format("frames are numbered from 0 to {}", notes.frames - 1));
+  if (!choice.channel.empty() && notes.channels == 1)
+    throw InputError(fmt::format("--channel {}: {} has one value a voxel", choice.channel, path.string()),
+                     "leave --channel out");
+  if (!choice.series.empty() && notes.modality.empty())
+    throw InputError(fmt::format("--series {}: {} is no DICOM series", choice.series, path.string()),
+                     "leave --series out");
 }
 
 bool has_tiff(const std::filesystem::path& folder) {
@@ -80,15 +93,16 @@ bool has_tiff(const std::filesystem::path& folder) {
   return false;
 }
 
-std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, const RawDescription& raw) {
+std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, const RawDescription& raw,
+                                            const VolumeChoice& choice) {
   if (std::filesystem::is_directory(path))
-    return open_described(path, has_tiff(path) ? detail::open_tiff : detail::open_dicom, raw);
+    return open_described(path, has_tiff(path) ? detail::open_tiff : detail::open_dicom, raw, choice);
   { const detail::InputFile readable(path); }
-  if (const Open open = find_format(path)) return open_described(path, open, raw);
+  if (const Open open = find_format(path)) return open_described(path, open, raw, choice);
   const bool named_raw = detail::lower_case(path.extension().string()) == ".raw";
   if (named_raw || raw.dims) return detail::open_raw(path, raw);
   // Scanners often name their files without an ending.
-  if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw);
+  if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
       "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .tif .dcm .raw or a folder, or describe a raw "
@@ -97,9 +111,12 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw) {
+std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw,
+                                          const VolumeChoice& choice) {
   try {
-    return open_existing(path, raw);
+    auto source = open_existing(path, raw, choice);
+    require_choice_there(source->notes(), choice, path);
+    return source;
   } catch (const std::filesystem::filesystem_error& error) {
     throw InputError(fmt::format("cannot open {}: {}", path.string(), error.code().message()),
                      "check the path and the permissions");

@@ -196,7 +196,7 @@ void warn_of_tiff_spacing(const std::filesystem::path& path) {
 }
 
 /// TIFF has no third spacing and its resolution is for printers: the spacing is 1.
-std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path) {
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice&) {
   std::vector<Page> pages;
   std::vector<PageShape> shape;
   for (const auto& file : files_of(path)) add_pages(file, pages, shape);

@@ -30,7 +30,7 @@ std::uint64_t header_end(const std::filesystem::path& path) {
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path) {
+std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice&) {
   return with_itk(path, [&] {
     const auto offset = header_end(path);
     auto io = itk::VTKImageIO::New();

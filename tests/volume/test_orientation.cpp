@@ -5,6 +5,7 @@
 #include "volume/files.hpp"
 
 using namespace files;
+using Catch::Matchers::Contains;
 
 namespace {
 glm::dvec3 world(const Grid& grid, glm::dvec3 voxel) {
@@ -109,4 +110,28 @@ TEST_CASE("--spacing replaces a file's own spacing", "[orientation]") {
   CHECK(source->grid().spacing == glm::dvec3(1, 1, 2.5));
   CHECK(source->concurrent());
   CHECK((read_all(*source) == samples<short>()));
+}
+
+TEST_CASE("a volume's notes tell whose axes the world has", "[orientation]") {
+  const Folder folder;
+  const auto world_of = [](const std::filesystem::path& path) { return open_volume(path)->notes().world; };
+  CHECK(world_of(write(folder / "a.nii", Nifti().header() + samples<short>())) == World::patient);
+  const std::string head = "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 5 4 3\nencoding: raw\n";
+  const std::string directions = "space directions: (1,0,0) (0,1,0) (0,0,1)\n\n";
+  const auto nrrd = [&](const std::string& fields) {
+    return write(folder / "a.nrrd", head + fields + samples<std::uint8_t>());
+  };
+  CHECK(world_of(nrrd("space: left-posterior-superior\n" + directions)) == World::patient);
+  CHECK(world_of(nrrd("space: 3D-right-handed\n" + directions)) == World::lattice);
+  CHECK(world_of(nrrd("\n")) == World::lattice);
+  CHECK(world_of(write(folder / "a_5x4x3_uint8.raw", samples<std::uint8_t>())) == World::lattice);
+}
+
+TEST_CASE("a choice that nothing in the file answers is refused", "[formats]") {
+  const Folder folder;
+  const auto raw = write(folder / "a_5x4x3_uint8.raw", samples<std::uint8_t>());
+  CHECK_NOTHROW(open_volume(raw, {}, {.frame = 0}));
+  CHECK_THROWS_WITH(open_volume(raw, {}, {.frame = 1}), Contains("holds one volume"));
+  CHECK_THROWS_WITH(open_volume(raw, {}, {.channel = "g"}), Contains("one value a voxel"));
+  CHECK_THROWS_WITH(open_volume(raw, {}, {.series = "1.2"}), Contains("no DICOM series"));
 }

@@ -10,6 +10,26 @@
 
 namespace ringsplat {
 
+/// What the world's axes are.
+enum class World {
+  lattice,    ///< the volume's own axes: z is up
+  patient,    ///< left, posterior, superior, in millimetres
+  microscope  ///< image columns, image rows downwards, and away from the viewer
+};
+
+/// What a file says of its volume beside the lattice. Nothing of it changes a voxel.
+struct VolumeNotes {
+  World world = World::lattice;
+  std::string unit = {};      ///< of the spacing, in ASCII: "mm", "um"; empty: unknown
+  std::string quantity = {};  ///< what the values are, with their unit: "temperature (K)"; empty: unknown
+  std::string modality = {};  ///< DICOM's, in capitals: "CT", "MR"; empty: unknown
+  std::optional<double> fill = std::nullopt;  ///< the value of voxels without data
+  bool labels = false;                        ///< the file says that its values are labels
+  int frames = 1;                             ///< time points that --frame can choose from
+  /// What --channel can choose from; one for a scalar volume.
+  int channels = 1;
+};
+
 /// A source of voxels, read by whole z slices.
 class VolumeSource {
  public:
@@ -24,6 +44,12 @@ class VolumeSource {
   /// native byte order. A source that is not concurrent is cheapest when read in ascending order,
   /// each slice once. Throws InputError naming the file (truncated, unreadable).
   virtual void read_slices(int first, int count, std::span<std::byte> out) = 0;
+
+  /// z slices that are decoded together: slabs [k * slab_depth(), (k + 1) * slab_depth()) are read fastest as
+  /// a whole, each once.
+  virtual int slab_depth() const { return 1; }
+
+  virtual VolumeNotes notes() const { return {}; }
 
   /// Facts that must be the same, beside the grid, on all processes that read one volume: encoding, files,
   /// their sizes, hashes of their first and last bytes. None for a source without files. Throws InputError
@@ -42,6 +68,13 @@ struct RawDescription {
   bool empty() const { return !dims && !type && !big_endian && !offset && !spacing; }
 };
 
+/// Which of the volumes in a file or a folder to take.
+struct VolumeChoice {
+  std::optional<int> frame = std::nullopt;  ///< the time point, from 0; without it the first
+  std::string channel = {};  ///< a number from 0, r, g, b or a, or a channel's name; empty: not chosen
+  std::string series = {};   ///< of a DICOM folder; empty: not chosen
+};
+
 /// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI (.nii, .nii.gz, .img/.hdr), a DICOM folder (or
 /// one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages), VTK (.vtk) or
 /// a raw file. For files that describe themselves only `raw.spacing` may be given; it replaces theirs.
@@ -55,7 +88,8 @@ struct RawDescription {
 ///
 /// Checks that the file is as long as its header says before anything is allocated. Throws InputError: what
 /// is wrong, in which file and field, what to do.
-std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw = {});
+std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw = {},
+                                          const VolumeChoice& choice = {});
 
 /// A volume that lies in memory; `voxels` (grid.bytes() bytes, native order) must outlive the source.
 std::unique_ptr<VolumeSource> memory_source(const Grid& grid, std::span<const std::byte> voxels);

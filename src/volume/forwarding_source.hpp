@@ -1,0 +1,29 @@
+#pragma once
+#include <memory>
+#include <utility>
+
+#include "ringsplat/volume/source.hpp"
+
+namespace ringsplat {
+
+/// Passes everything on to the source that it owns, for derived classes that change one thing.
+class ForwardingSource : public VolumeSource {
+ public:
+  explicit ForwardingSource(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
+  const Grid& grid() const override { return source_->grid(); }
+  bool concurrent() const override { return source_->concurrent(); }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    source_->read_slices(first, count, out);
+  }
+  int slab_depth() const override { return source_->slab_depth(); }
+  VolumeNotes notes() const override { return source_->notes(); }
+  Facts facts() const override { return source_->facts(); }
+
+ private:
+  std::unique_ptr<VolumeSource> source_;
+};
+
+/// A source that says `notes` of its volume.
+std::unique_ptr<VolumeSource> with_notes(std::unique_ptr<VolumeSource> source, VolumeNotes notes);
+
+}  // namespace ringsplat
