@@ -25,7 +25,7 @@ constexpr const char* name(Quality quality) {
 Sheets sheets_of(Quality quality);
 
 /// How pictures are drawn when neither --engine nor --quality says.
-inline constexpr Quality usual_quality = Quality::paper;
+inline constexpr Quality usual_quality = Quality::best;
 
 constexpr Engine engine_of(Quality quality) {
   return quality == Quality::paper ? Engine::splats : Engine::sheets;

@@ -98,6 +98,12 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
                    o.frame.shown.reduction.prefilter,
                    needs_cell_ranges(o.frame),
                    o.frame.shown.clip};
+  if (o.budget.other_engine) {
+    FrameSpec other = o.frame;
+    other.how = *o.budget.other_engine;
+    load.with_normals |= needs_normals(other);
+    load.with_cell_ranges |= needs_cell_ranges(other);
+  }
   for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
     load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
@@ -203,12 +209,11 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   return frame;
 }
 
-/// Says on rank 0 what the usual method errs, where the user has chosen neither engine nor error.
+/// Says on rank 0 what splats err, unless their error is measured.
 void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
                        Progress& progress, const Launch& launch) {
-  const bool chosen = o.method.engine || o.method.quality || o.budget.to_field;
   const bool drawn = !o.run.engine.simulation.count_only;
-  if (launch.rank() != 0 || chosen || !drawn || !std::holds_alternative<Splats>(frame.how)) return;
+  if (launch.rank() != 0 || o.error.truth || !drawn || !std::holds_alternative<Splats>(frame.how)) return;
   if (const std::string why = why_splats_err(frame.shown.transfer_function, range); !why.empty()) {
     progress.clear();
     log_warning("{}", why);
