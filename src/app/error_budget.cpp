@@ -18,8 +18,8 @@ constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
 constexpr int samples_of_splats[] = {2, 1};
 constexpr double samples_of_sheets[] = {2, 1.5, 1};
 constexpr int undersampling[] = {2, 4};
-/// Nearer to the field than the usual two; more are below what light points err.
-constexpr int exact_slabs = 3;
+/// More than these are below what light points err, and in the slices' plane below what the warp errs.
+constexpr int exact_slabs = 4, slabs_in_slices_plane = 2;
 
 constexpr double same_time = 1.03;
 
@@ -46,8 +46,8 @@ std::vector<Splats> shapes(const Splats& how, const Shown&, const ErrorBudgetOpt
   return all;
 }
 
-/// `how` as it is, then with one light point, then with one slab, too. Only the field's truth has an error
-/// that more slabs lessen; and only on the screen, as a warp errs more.
+/// `how` as it is, then with two slabs, with one light point, and with one slab. Only the field's truth has
+/// an error that more slabs lessen; and only on the screen, as a warp errs more.
 std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
   std::vector<Sheets> all{how};
   const auto add = [&](int slabs, int light_points) {
@@ -58,7 +58,9 @@ std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const Err
   };
   if (o.to_field && how.image_plane == ImagePlane::screen)
     add(std::max(exact_slabs, how.slabs), how.light_points);
-  add(how.slabs, 1);
+  constexpr int few = 2;
+  add(std::min(few, how.slabs), how.light_points);
+  add(std::min(few, how.slabs), 1);
   add(1, 1);
   return all;
 }
@@ -71,6 +73,7 @@ std::vector<Sheets> shapes(const Sheets& how, const Shown& shown, const ErrorBud
     Sheets flat = how;
     flat.image_plane = ImagePlane::slices;
     flat.plane_samples = samples;
+    if (!o.fixed_slabs) flat.slabs = std::min(slabs_in_slices_plane, how.slabs);
     for (const Sheets& s : fewer_slabs(flat, shown, o))
       if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
   }

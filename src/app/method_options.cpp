@@ -71,7 +71,7 @@ constexpr OptionRow<Render> method_rows[] = {
      [](Render& o) {
        return choice(o.method.engine, {{"splats", Engine::splats}, {"sheets", Engine::sheets}});
      }},
-    {"--slabs", "1|2|3|4", nullptr, "Sheets: pre-integrated slabs from slice to slice; without it 2",
+    {"--slabs", "1|2|3|4", nullptr, "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else 3",
      [](Render& o) { return value(o.method.slabs); }},
     {"--light-points", "1|2", nullptr,
      "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
@@ -92,7 +92,7 @@ Sheets sheets_of(Quality quality) {
     case Quality::best:
       break;
   }
-  return {.image_plane = ImagePlane::screen, .slabs = 2, .light_points = 2};
+  return {.image_plane = ImagePlane::screen, .slabs = 3, .light_points = 2};
 }
 
 const char* name(Engine engine) { return engine == Engine::splats ? Splats::name : Sheets::name; }

@@ -205,14 +205,14 @@ class GroupPainter {
   /// are small. Divides the tiles into those where it serves all and others.
   void divide() {
     whole_count_ = split_count_ = 0;
-    const bool may_be_whole = p_.adaptive && slab_->pieces == 2 && p_.places.even;
+    const bool may_be_whole = p_.adaptive && slab_->pieces > 1 && p_.places.even;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
       const State& s = state_[t];
       Work& w = work_[t];
       w.split = w.visible;
       if (may_be_whole) {
-        w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[2]));
+        w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[std::size_t(slab_->pieces)]));
         w.split = but_not(w.visible, single_slab_serves(s, w));
       }
       if (any(w.split))
@@ -224,9 +224,8 @@ class GroupPainter {
 
   HWY_INLINE M single_slab_serves(const State& s, const Work& w) const {
     constexpr float most_opacity = 0.02F, most_change = 0.004F, most_entries = 8;
-    const F half = OpacityOf(w.whole), opacity = mul(half, sub(set(2.0F), half)),
-            through = sub(set(1.0F), s.opacity);
-    const F bend = mul(set(0.5F), abs(sub(add(w.place[1], w.place[1]), add(w.place[0], w.place[2]))));
+    const F opacity = of_all_pieces(OpacityOf(w.whole)), through = sub(set(1.0F), s.opacity),
+            bend = bend_of(w);
     const F over_steepness = from_bits(sub(set_int((127 + 15) << 23), up<23>(down<28>(w.whole.high))));
     M serves = both(both(greater(set(most_opacity), mul(through, opacity)),
                          greater(mul(set(most_change), over_steepness), mul(through, bend))),
@@ -234,6 +233,19 @@ class GroupPainter {
     if (w.cut)
       for (int i = 0; i <= slab_->pieces; ++i) serves = both(serves, in_box(s, i));
     return serves;
+  }
+
+  /// How far the values between the slices are from a straight line, in table entries.
+  HWY_INLINE F bend_of(const Work& w) const {
+    const int pieces = slab_->pieces;
+    if (pieces == 2)
+      return mul(set(0.5F), abs(sub(add(w.place[1], w.place[1]), add(w.place[0], w.place[2]))));
+    const F first = w.place[0],
+            step = mul(sub(w.place[std::size_t(pieces)], first), set(1.0F / float(pieces)));
+    F most = set(0.0F);
+    for (int i = 1; i < pieces; ++i)
+      most = max(most, abs(sub(w.place[std::size_t(i)], fma(set(float(i)), step, first))));
+    return most;
   }
 
   HWY_INLINE M in_box(const State& s, int i) const {
@@ -284,9 +296,14 @@ class GroupPainter {
 
   static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
 
-  /// Of a whole slab, which is two of the table's.
+  /// The opacity of as many of the table's slabs as there are from slice to slice.
+  HWY_INLINE F of_all_pieces(F piece) const {
+    F opacity = mul(piece, sub(set(2.0F), piece));
+    for (int i = 2; i < slab_->pieces; ++i) opacity = fma(piece, sub(set(1.0F), opacity), opacity);
+    return opacity;
+  }
   HWY_INLINE F whole_opacity(const State& s, const Slab& slab) const {
-    const F opacity = mul(slab.opacity, sub(set(2.0F), slab.opacity));
+    const F opacity = of_all_pieces(slab.opacity);
     return Rays::same_lengths ? opacity : Shortened(opacity, rays_.length(s.ray));
   }
 
@@ -297,7 +314,7 @@ class GroupPainter {
     const Slab slab = Unpack(w.whole);
     Reflected light = unlit();
     if (p_.lit) {
-      const Gradient back = gradient_behind(w, 2), front = front_gradient(s, w);
+      const Gradient back = gradient_behind(w, slab_->pieces), front = front_gradient(s, w);
       s.gradient = back;
       s.gradient_sheet = slab_->step;
       light = lit_at(s, slab.centroid, front, difference(back, front));
@@ -319,9 +336,10 @@ class GroupPainter {
     }
     for (int i = 0; i < pieces; ++i) {
       const auto front = std::size_t(i), back = front + 1;
-      const bool may_be_whole = i == 0 && pieces == 2;
+      const bool may_be_whole = i == 0 && pieces > 1;
       const M here = i == 0 ? w.visible : w.split;
-      const F end = may_be_whole ? choose(w.split, w.place[back], w.place[2]) : w.place[back];
+      const F end =
+          may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)]) : w.place[back];
       const Slab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
       F opacity = slab.opacity;
       if (!Rays::same_lengths || w.cut || slab_->face) opacity = Shortened(opacity, length_in_box(s, w, i));
@@ -333,7 +351,7 @@ class GroupPainter {
       if (p_.lit) {
         Gradient change = difference(gradients[back], gradients[front]);
         if (may_be_whole) {
-          const Gradient over_all = difference(gradients[2], gradients[0]);
+          const Gradient over_all = difference(gradients[std::size_t(pieces)], gradients[0]);
           change = {choose(w.split, change.u, over_all.u), choose(w.split, change.v, over_all.v),
                     choose(w.split, change.k, over_all.k)};
         }

@@ -79,6 +79,8 @@ inline std::int16_t high_half(I a) { return static_cast<std::int16_t>(a >> 16); 
 inline I pair_of(int low, int high) { return (low & 0xffff) | wrap(std::int64_t{high} * 65536); }
 inline I add_halves(I a, I b) { return pair_of(low_half(a) + low_half(b), high_half(a) + high_half(b)); }
 inline I sub_halves(I a, I b) { return pair_of(low_half(a) - low_half(b), high_half(a) - high_half(b)); }
+// Products modulo 2^16.
+inline I mul_halves(I a, I b) { return pair_of(low_half(a) * low_half(b), high_half(a) * high_half(b)); }
 inline int scaled(int a, int b) { return (((a * b) >> 14) + 1) >> 1; }
 inline I mul_halves_15(I a, I b) {
   return pair_of(scaled(low_half(a), low_half(b)), scaled(high_half(a), high_half(b)));
@@ -160,6 +162,9 @@ HWY_INLINE I add_halves(I a, I b) {
 }
 HWY_INLINE I sub_halves(I a, I b) {
   return hn::BitCast(Di(), hn::Sub(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
+}
+HWY_INLINE I mul_halves(I a, I b) {
+  return hn::BitCast(Di(), hn::Mul(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
 }
 HWY_INLINE I mul_halves_15(I a, I b) {
   return hn::BitCast(Di(), hn::MulFixedPoint15(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));

@@ -45,25 +45,33 @@ HWY_INLINE PairWeights PairWeightsAt(I u, I v) {
 }
 inline constexpr float pair_unit = 1.0F / 16384;
 
-/// What samplers of whole numbers share: the sheet half-way between two slices is their sum's half.
+/// What samplers of whole numbers share: a sheet between two slices is a sum of multiples of both, divided.
+/// Half-way they are the slices themselves.
 template <class Sampler>
-struct HalfWay {
+struct BetweenSlices {
   template <class P, class S>
-  static HWY_INLINE F value_between(const P& front, const P& back, const S& s, int, int,
+  static HWY_INLINE F value_between(const P& front, const P& back, const S& s, int i, int pieces,
                                     std::ptrdiff_t pitch) {
-    return mul(Sampler::value(front + back, s, pitch), set(0.5F));
+    if (pieces == 2) return mul(Sampler::value(front + back, s, pitch), set(0.5F));
+    return mul(Sampler::value(times(front, pieces - i) + times(back, i), s, pitch),
+               set(1.0F / float(pieces)));
   }
   template <class P, class S>
   static HWY_INLINE Gradient gradient_between(const P& before, const P& front, const P& back, const P& after,
-                                              const S& s, int, int, std::ptrdiff_t pitch) {
-    return scaled(Sampler::gradient(front + back, (back - before) + (after - front), s, pitch), 0.5F);
+                                              const S& s, int i, int pieces, std::ptrdiff_t pitch) {
+    if (pieces == 2)
+      return scaled(Sampler::gradient(front + back, (back - before) + (after - front), s, pitch), 0.5F);
+    const int near = pieces - i;
+    return scaled(Sampler::gradient(times(front, near) + times(back, i),
+                                    times(back - before, near) + times(after - front, i), s, pitch),
+                  1.0F / float(pieces));
   }
 };
 
 #if RINGSPLAT_LANES_PATCHES
 
 /// 8 x 8 voxels of a plane in two registers, of which lanes pick theirs by permutation.
-struct PatchSampler : HalfWay<PatchSampler> {
+struct PatchSampler : BetweenSlices<PatchSampler> {
   using Number = std::int16_t;
   static constexpr float unit = pair_unit;
   using Words = hn::Vec<Dw>;
@@ -74,6 +82,10 @@ struct PatchSampler : HalfWay<PatchSampler> {
     }
     HWY_INLINE Plane operator-(const Plane& o) const {
       return {hn::Sub(upper, o.upper), hn::Sub(lower, o.lower)};
+    }
+    friend HWY_INLINE Plane times(const Plane& p, int n) {
+      const Words by = hn::Set(Dw(), static_cast<Number>(n));
+      return {hn::Mul(p.upper, by), hn::Mul(p.lower, by)};
     }
   };
   struct Sheet {
@@ -125,7 +137,7 @@ struct PatchSampler : HalfWay<PatchSampler> {
 #endif
 
 /// Fetches pairs of neighbouring voxels from memory.
-struct PairSampler : HalfWay<PairSampler> {
+struct PairSampler : BetweenSlices<PairSampler> {
   using Number = std::int16_t;
   static constexpr float unit = pair_unit;
   struct Plane {
@@ -136,6 +148,12 @@ struct PairSampler : HalfWay<PairSampler> {
   struct Two {
     A a;
     B b;
+    static constexpr bool is_plane = true;
+  };
+  template <class P>
+  struct Times {
+    P plane;
+    int by;
     static constexpr bool is_plane = true;
   };
   struct Sheet {
@@ -174,6 +192,10 @@ struct PairSampler : HalfWay<PairSampler> {
     return difference ? sub_halves(a, b) : add_halves(a, b);
   }
   template <class P>
+  static HWY_INLINE I Pairs(const Times<P>& p, const Sheet& s, std::ptrdiff_t numbers) {
+    return mul_halves(Pairs(p.plane, s, numbers), set_int(p.by << 16 | p.by));
+  }
+  template <class P>
   static HWY_INLINE I Sum(const P& p, const Sheet& s, std::ptrdiff_t pitch) {
     return add(sum_of_products(Pairs(p, s, 0), s.weights.upper),
                sum_of_products(Pairs(p, s, pitch), s.weights.lower));
@@ -185,6 +207,9 @@ operator+(const A& a, const B& b) { return {a, b}; }
 template <class A, class B>
 requires(A::is_plane&& B::is_plane) HWY_INLINE PairSampler::Two<A, B, true>
 operator-(const A& a, const B& b) { return {a, b}; }
+
+template <class P>
+requires(P::is_plane) HWY_INLINE PairSampler::Times<P> times(const P& plane, int by) { return {plane, by}; }
 
 /// Fetches floats from memory.
 struct FloatSampler {

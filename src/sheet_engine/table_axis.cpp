@@ -7,7 +7,9 @@
 namespace ringsplat {
 namespace {
 
-constexpr double most_whole = 4095;  ///< of a plane's whole numbers
+/// The largest of a plane's whole numbers. Extrapolations beyond the border, multiplied by up to `pieces`,
+/// and their differences fit 16 bits.
+double most_whole(int pieces) { return std::min(4095, 8190 / pieces); }
 
 /// A part of an opacity curve where it changes.
 struct Feature {
@@ -88,9 +90,10 @@ double PlaneCode::finite(double value) const {
 
 PlaneCode PlaneCode::choose(ScalarType type, double low, double high, const TableAxis& axis, int pieces) {
   const bool whole_numbers = type != ScalarType::float32 && type != ScalarType::float64;
-  if (whole_numbers && pieces <= 2) {
-    if (high - low <= most_whole) return {.offset = low};
-    if (axis.even()) return {.offset = low, .scale = most_whole / (high - low)};
+  if (whole_numbers) {
+    const double most = most_whole(pieces);
+    if (high - low <= most) return {.offset = low};
+    if (axis.even()) return {.offset = low, .scale = most / (high - low)};
   }
   // Powers of two change no digit. Only doubles need them.
   const double largest = std::max(std::abs(low), std::abs(high));

@@ -141,8 +141,8 @@ TEST_CASE("sheets are chosen among by slabs, light points and planes") {
   ErrorBudgetOptions options;
   const auto all = candidates(frame, options);
   CHECK(all.front() == Shortcuts{0, Sheets{}});
-  // Three kinds of slabs on the screen and in each of three planes, and two levels in the coarsest.
-  CHECK(all.size() == 4 * (3 * (1 + 3) + 2));
+  // Four kinds of slabs on the screen, three in each of three planes, and two levels in the coarsest.
+  CHECK(all.size() == 4 * (4 + 3 * 3 + 2));
   CHECK(all.back() ==
         Shortcuts{
             1.0 / 32,
@@ -152,11 +152,11 @@ TEST_CASE("sheets are chosen among by slabs, light points and planes") {
     for (const Shortcuts& s : some) slabs = std::max(slabs, std::get<Sheets>(s.how).slabs);
     return slabs;
   };
-  CHECK(most(all) == 2);
+  CHECK(most(all) == 3);
   options.to_field = true;
-  CHECK(most(candidates(frame, options)) == 3);  // nearer to the field, though not to the method asked for
+  CHECK(most(candidates(frame, options)) == 4);  // nearer to the field, though not to the method asked for
   options.fixed_slabs = true;
-  CHECK(most(candidates(frame, options)) == 2);
+  CHECK(most(candidates(frame, options)) == 3);
   options.fixed_light_points = options.fixed_image_plane = options.fixed_undersample =
       options.fixed_opaque_threshold = true;
   CHECK(candidates(frame, options).size() == 1);

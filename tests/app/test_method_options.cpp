@@ -35,7 +35,7 @@ Method drawn_by(const std::vector<std::string>& more) { return frame_of(more).ho
 
 constexpr Sheets draft{.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
 constexpr Sheets normal{.image_plane = ImagePlane::slices, .plane_samples = 2, .slabs = 2, .light_points = 2};
-constexpr Sheets best{.image_plane = ImagePlane::screen, .slabs = 2, .light_points = 2};
+constexpr Sheets best{.image_plane = ImagePlane::screen, .slabs = 3, .light_points = 2};
 
 }  // namespace
 

@@ -96,6 +96,8 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
     Sheets sheets;
   } const cases[] = {{ScalarType::uint8, 1, {}},
                      {ScalarType::uint8, 1, {.slabs = 1, .light_points = 1}},
+                     {ScalarType::uint8, 1, {.slabs = 2}},
+                     {ScalarType::uint16, 1, {.slabs = 4}},
                      {ScalarType::uint8, 1, {.adaptive = false}},
                      {ScalarType::uint16, 257, {}},
                      {ScalarType::int16, 3, {.slabs = 3}},

@@ -68,7 +68,7 @@ struct Sheets {
   static constexpr int most_slabs = 4;
   ImagePlane image_plane = ImagePlane::screen;
   double plane_samples = 1;  ///< in the slices' plane: most pixels a voxel along either axis
-  int slabs = 2;             ///< pre-integrated slabs from slice to slice
+  int slabs = 3;             ///< pre-integrated slabs from slice to slice
   int light_points = 2;      ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
   /// Take one slab or one light point where two would hardly differ (docs/sheets.md).
   bool adaptive = true;
