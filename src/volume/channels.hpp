@@ -1,0 +1,39 @@
+#pragma once
+#include <cstddef>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+
+#include "ringsplat/volume/source.hpp"
+
+/// Voxels of several numbers, of which one is taken, or the luminance of a colour.
+namespace ringsplat::detail {
+
+struct ChannelChoice {
+  std::optional<int> index = std::nullopt;  ///< from 0; without it the luminance of red, green and blue
+};
+
+/// Three or four unsigned numbers of 8 or 16 bits are red, green, blue and alpha; other vectors are not.
+bool are_colours(ScalarType type, int components);
+
+/// What `channel` (VolumeChoice's: a number, or r, g, b, a) takes of a voxel's `components` numbers. Without
+/// it colours become their luminance, of which a warning tells. Throws InputError for no such channel, and
+/// for vectors of which none is chosen. `where`: the file, for messages.
+ChannelChoice choose_channel(const std::string& channel, int components, bool colours,
+                             const std::string& where);
+
+/// Takes the chosen numbers of interleaved voxels (native order). Luminance has the weights of ITU-R BT.709
+/// on the stored numbers, rounded to the nearest of an integer type. `out` has in.size() / components bytes.
+void take_channel(ScalarType type, int components, ChannelChoice choice, std::span<const std::byte> in,
+                  std::span<std::byte> out);
+
+/// The grid of a volume whose voxels are `components` numbers of grid.type, as a scalar volume with rows that
+/// are so much longer: what readers of interleaved voxels are given. Throws InputError when that overflows.
+Grid interleaved_grid(const Grid& grid, int components, const std::string& where);
+
+/// The scalar volume `grid` in a source of interleaved_grid(grid, components).
+std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
+                                             int components, ChannelChoice choice);
+
+}  // namespace ringsplat::detail
