@@ -10,6 +10,7 @@
 #include "fuzz/tiff_seeds.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "volume/files.hpp"
+#include "volume/npy.hpp"
 #include "volume/raw_name.hpp"
 
 namespace ringsplat::fuzz {
@@ -180,6 +181,19 @@ std::vector<Input> vtk_seeds() {
           header("BINARY", "float") + samples<float>(true)};
 }
 
+std::vector<Input> npy_seeds() {
+  folder_of_volumes();
+  const auto little = samples<short>();
+  const std::string bytes = samples<std::uint8_t>();
+  return {npy("<i2", "(3, 4, 5)") + little,          npy(">i2", "(3, 4, 5)", 2) + samples<short>(true),
+          npy("<i2", "(3, 4, 5)", 3, true) + little, npy("<f2", "(3, 4, 5)") + little,
+          npy("|u1", "(1, 4, 5, 3)") + bytes,        npy("|u1", "(3, 1, 4, 5)") + bytes,
+          npy("|b1", "(1, 1, 4, 5, 3)") + bytes};
+}
+
+constexpr std::uint64_t half_ratio = 2;
+void run_npy(std::span<const std::byte> input) { open_and_use("a.npy", input, half_ratio); }
+
 void run_vtk(std::span<const std::byte> input) { open_and_use("a.vtk", input); }
 
 void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, any_ratio); }
@@ -294,6 +308,9 @@ const Words vtk_words{
     "POINT_DATA ", "CELL_DATA ", "SCALARS values ", "COLOR_SCALARS values 3", "VECTORS values float",
     "TENSORS values float", "LOOKUP_TABLE default", "unsigned_char", "unsigned_short", "int", "long",
     "double", "bit", "vtktypeint64", "FIELD FieldData 1", "STRUCTURED_GRID", "# vtk DataFile Version 5.1"};
+const Words npy_words{
+    "\x93NUMPY", "{", "}", "'descr': ", "'fortran_order': ", "True", "False", "'shape': ", "(", ")", ",", ", }", "<f4",
+    ">f8", "|u1", "<i8", "|O", "<f2", "=i4", "3L", "(3, 4, 5, 1)", "4294967296", "2147483647"};
 const Words raw_words{
     "dims=", "type=", "endian=", "offset=", "spacing=", "big", "little", "uint8", "float", "float64", "5x4x3",
     "_5x4x3_int16.raw", "1x1x1", "x"};
@@ -308,6 +325,7 @@ std::vector<Driver> volume_drivers() {
           {"dicom", run_dicom, dicom_seeds, dicom_words, 800},
           {"tiff", run_tiff, tiff_seeds, {"II", "MM"}, 800},
           {"vtk", run_vtk, vtk_seeds, vtk_words, 6000},
+          {"npy", run_npy, npy_seeds, npy_words, 6000},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }
 
