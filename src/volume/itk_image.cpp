@@ -95,29 +95,35 @@ ScalarType scalar_type_of(const itk::ImageIOBase& io, const std::filesystem::pat
                    "convert them to int32, uint32 or float32 first");
 }
 
-Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
-  if (io.GetNumberOfComponents() != 1)
-    throw InputError(fmt::format("{}: {} values per voxel", path.string(), io.GetNumberOfComponents()),
-                     "only scalar volumes can be rendered: extract one channel");
+Grid lattice_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
   Grid grid;
-  grid.type = scalar_type_of(io, path);
-  const unsigned dimensions = io.GetNumberOfDimensions();
-  for (unsigned i = 0; i < dimensions; ++i) {
-    const auto size = io.GetDimensions(i);
-    if (i >= 3 && size > 1)
-      throw InputError(fmt::format("{}: {} dimensions", path.string(), dimensions),
-                       "extract one volume of the series");
-    if (size > std::size_t(std::numeric_limits<int>::max()))
-      throw InputError(fmt::format("{}: {} voxels along axis {}", path.string(), size, i),
+  const unsigned dimensions = std::min(io.GetNumberOfDimensions(), 3U);
+  for (unsigned i = 0; i < dimensions; ++i)
+    if (io.GetDimensions(i) > std::size_t(std::numeric_limits<int>::max()))
+      throw InputError(fmt::format("{}: {} voxels along axis {}", path.string(), io.GetDimensions(i), i),
                        "correct the sizes in the header");
-  }
   grid.dims = glm::ivec3(1);
-  for (unsigned i = 0; i < std::min(dimensions, 3U); ++i) {
+  for (unsigned i = 0; i < dimensions; ++i) {
     grid.dims[int(i)] = int(io.GetDimensions(i));
     grid.spacing[int(i)] = io.GetSpacing(i);
     grid.origin[int(i)] = io.GetOrigin(i);
     grid.direction[int(i)] = vec3(io.GetDirection(i));
   }
+  check(grid, path.string());
+  return grid;
+}
+
+Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
+  if (io.GetNumberOfComponents() != 1)
+    throw InputError(fmt::format("{}: {} values per voxel", path.string(), io.GetNumberOfComponents()),
+                     "only scalar volumes can be rendered: extract one channel");
+  const auto type = scalar_type_of(io, path);
+  for (unsigned i = 3; i < io.GetNumberOfDimensions(); ++i)
+    if (io.GetDimensions(i) > 1)
+      throw InputError(fmt::format("{}: {} dimensions", path.string(), io.GetNumberOfDimensions()),
+                       "extract one volume of the series");
+  Grid grid = lattice_of(io, path);
+  grid.type = type;
   check(grid, path.string());
   return grid;
 }

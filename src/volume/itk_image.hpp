@@ -50,8 +50,12 @@ decltype(auto) with_itk(const std::filesystem::path& path, F&& f) {
 /// The C++ type of ITK's component; throws InputError for types no volume may have (64-bit integers).
 ScalarType scalar_type_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
 
+/// The first three axes that ReadImageInformation found, without the type. Throws InputError for what check()
+/// refuses. A 2D image is one slice.
+Grid lattice_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
+
 /// The grid that ReadImageInformation found. Throws InputError for vectors, colours, 64-bit integers, more
-/// than three dimensions, and what check() refuses. A 2D image is one slice.
+/// than three dimensions, and what lattice_of() refuses.
 Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path);
 
 /// A source for encodings that only ITK can decode, and only as a whole: the first read keeps the whole

@@ -7,13 +7,19 @@
 #include <cmath>
 #include <cstdlib>
 #include <initializer_list>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
+#include "volume/channels.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/input_file.hpp"
 #include "volume/itk_image.hpp"
+#include "volume/limits.hpp"
+#include "volume/nifti_image.hpp"
 #include "volume/stored_source.hpp"
 
 namespace ringsplat::detail {
@@ -68,63 +74,119 @@ NiftiHeader read_header(const std::filesystem::path& path) {
   return header;
 }
 
-ScalarType stored_type(const nifti_image& header, const std::filesystem::path& path) {
-  switch (header.datatype) {
+/// ITK finds the orientation.
+NiftiImage read_nifti1(const std::filesystem::path& path) {
+  const auto header = read_header(path);
+  auto io = itk::NiftiImageIO::New();
+  io->SetFileName(path.string());
+  io->ReadImageInformation();
+
+  NiftiImage image;
+  const auto [type, colours] = nifti_type(header->datatype, nifti_datatype_string(header->datatype), path);
+  image.grid = lattice_of(*io, path);
+  // ITK scales the spacing only.
+  image.grid.origin *= nifti_millimetres(header->xyz_units);
+  image.grid.type = image.stored.type = type;
+  image.colours = colours;
+  image.frames = std::max(1, header->nt);
+  const auto vectors =
+      std::int64_t(std::max(1, header->nu)) * std::max(1, header->nv) * std::max(1, header->nw);
+  image.vectors = int(std::min<std::int64_t>(vectors, std::numeric_limits<int>::max()));
+  image.stored.file = header->iname;
+  image.stored.compressed = nifti_is_gzfile(header->iname) != 0;
+  const auto offset = std::uint64_t(std::max(header->iname_offset, 0));
+  (image.stored.compressed ? image.stored.skip : image.stored.offset) = offset;
+  const bool swapped = header->byteorder != nifti_short_order();
+  image.stored.big_endian = swapped != (std::endian::native == std::endian::big);
+  image.stored.rescale = nifti_rescale(header->scl_slope, header->scl_inter);
+  return image;
+}
+
+std::unique_ptr<VolumeSource> source_of(NiftiImage image, const VolumeChoice& choice,
+                                        const std::filesystem::path& path) {
+  auto& stored = image.stored;
+  const auto wide = interleaved_grid(image.grid, image.colours, path.string());
+  const auto volumes = std::uint64_t(image.frames) * std::uint64_t(image.vectors);
+  const auto before = stored.compressed ? stored.skip : stored.offset;
+  if (wide.bytes() > (std::uint64_t(std::numeric_limits<std::int64_t>::max()) - before) / volumes)
+    throw InputError(
+        fmt::format("{}: {} volumes of {} bytes overflow 64 bits", path.string(), volumes, wide.bytes()),
+        "correct the sizes in the header");
+  const auto size = InputFile(stored.file).size();
+  if (stored.compressed)
+    require_compressed_bytes(stored.file, size, before + wide.bytes() * volumes, deflate_best_ratio);
+  else
+    require_bytes(stored.file, size, before, wide.bytes() * volumes);
+
+  if (image.vectors > 1 && image.colours > 1)
+    throw InputError(fmt::format("{}: {} colours a voxel", path.string(), image.vectors),
+                     "extract one of them");
+  const int channels = image.vectors * image.colours;
+  const auto taken = channels > 1 ? choose_channel(choice.channel, channels, image.colours > 1, path.string())
+                                  : ChannelChoice{};
+  const auto frame = std::uint64_t(std::clamp(choice.frame.value_or(0), 0, image.frames - 1));
+  const auto vector = std::uint64_t(image.vectors > 1 ? taken.index.value_or(0) : 0);
+  (stored.compressed ? stored.skip : stored.offset) +=
+      (vector * std::uint64_t(image.frames) + frame) * wide.bytes();
+
+  std::unique_ptr<VolumeSource> source;
+  if (image.colours > 1) {
+    stored.rescale.reset();  // the standard: not for colours
+    source = channel_source(stored_source(wide, stored), image.grid, image.colours, taken);
+  } else {
+    Grid grid = image.grid;
+    if (stored.rescale && grid.type != ScalarType::float64) grid.type = ScalarType::float32;
+    source = stored_source(grid, stored);
+  }
+  return with_notes(std::move(source),
+                    {.world = World::patient, .unit = "mm", .frames = image.frames, .channels = channels});
+}
+
+}  // namespace
+
+NiftiType nifti_type(int code, const std::string& name, const std::filesystem::path& path) {
+  switch (code) {
     case DT_INT8:
-      return ScalarType::int8;
+      return {ScalarType::int8};
     case DT_UINT8:
-      return ScalarType::uint8;
+      return {ScalarType::uint8};
     case DT_INT16:
-      return ScalarType::int16;
+      return {ScalarType::int16};
     case DT_UINT16:
-      return ScalarType::uint16;
+      return {ScalarType::uint16};
     case DT_INT32:
-      return ScalarType::int32;
+      return {ScalarType::int32};
     case DT_UINT32:
-      return ScalarType::uint32;
+      return {ScalarType::uint32};
     case DT_FLOAT32:
-      return ScalarType::float32;
+      return {ScalarType::float32};
     case DT_FLOAT64:
-      return ScalarType::float64;
+      return {ScalarType::float64};
+    case DT_RGB24:
+      return {ScalarType::uint8, 3};
+    case DT_RGBA32:
+      return {ScalarType::uint8, 4};
     default:
       break;
   }
-  throw InputError(fmt::format("{}: voxels of type {} cannot be rendered", path.string(),
-                               nifti_datatype_string(header.datatype)),
-                   "convert them to a scalar of at most 32 bits or float64 first");
+  throw InputError(fmt::format("{}: voxels of type {} cannot be rendered", path.string(), name),
+                   "convert them to int32, uint32 or float32 first");
 }
 
-/// NIfTI-1 standard, "scl_slope and scl_inter": a slope of 0 means that the values are as stored.
-std::optional<Rescale> rescale_of(const nifti_image& header) {
-  const double slope = header.scl_slope, intercept = header.scl_inter;
+double nifti_millimetres(int xyzt_units) {
+  const int space = xyzt_units & 7;
+  return space == NIFTI_UNITS_METER ? 1e3 : space == NIFTI_UNITS_MICRON ? 1e-3 : 1;
+}
+
+std::optional<Rescale> nifti_rescale(double slope, double intercept) {
   if (!std::isfinite(slope) || !std::isfinite(intercept) || slope == 0) return {};
   if (slope == 1 && intercept == 0) return {};
   return Rescale{slope, intercept};
 }
 
-}  // namespace
-
-std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice&) {
-  return with_itk(path, [&] {
-    const auto header = read_header(path);
-    auto io = itk::NiftiImageIO::New();
-    io->SetFileName(path.string());
-    io->ReadImageInformation();
-
-    StoredVoxels stored{.file = header->iname};
-    stored.compressed = nifti_is_gzfile(header->iname) != 0;
-    const auto offset = std::uint64_t(std::max(header->iname_offset, 0));
-    (stored.compressed ? stored.skip : stored.offset) = offset;
-    const bool swapped = header->byteorder != nifti_short_order();
-    stored.big_endian = swapped != (std::endian::native == std::endian::big);
-    Grid grid = grid_of(*io, path);
-    stored.type = stored_type(*header, path);
-    stored.rescale = rescale_of(*header);
-    grid.type = !stored.rescale                      ? stored.type
-                : stored.type == ScalarType::float64 ? ScalarType::float64
-                                                     : ScalarType::float32;
-    return with_notes(stored_source(grid, stored), {.world = World::patient, .unit = "mm"});
-  });
+std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice& choice) {
+  if (auto image = read_nifti2(path)) return source_of(std::move(*image), choice, path);
+  return with_itk(path, [&] { return source_of(read_nifti1(path), choice, path); });
 }
 
 }  // namespace ringsplat::detail

@@ -10,6 +10,7 @@
 #include "fuzz/tiff_seeds.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "volume/files.hpp"
+#include "volume/nifti2.hpp"
 #include "volume/npy.hpp"
 #include "volume/raw_name.hpp"
 
@@ -158,9 +159,18 @@ std::vector<Input> nifti_seeds() {
   scaled.intercept = -3;
   floats.datatype = 16;
   floats.bits = 32;
+  Nifti four;
+  four.dims[0] = 4, four.dims[4] = 2;
+  Nifti2 five, colours;
+  five.dims[0] = 5, five.dims[3] = 1, five.dims[5] = 3;
+  five.sform = 0, five.qform = 1;
+  colours.dims[3] = 1;
+  colours.datatype = 128;
   return {Nifti().header() + little,       Nifti().header(true) + samples<short>(true),
           gzip(Nifti().header() + little), pair.header().substr(0, 348),
-          scaled.header() + little,        floats.header() + samples<float>()};
+          scaled.header() + little,        floats.header() + samples<float>(),
+          four.header() + little + little, Nifti2().header() + little,
+          gzip(five.header() + little),    colours.header(true) + samples<std::uint8_t>()};
 }
 
 void run_nifti(std::span<const std::byte> input) {
@@ -321,7 +331,11 @@ const Words raw_words{
 std::vector<Driver> volume_drivers() {
   return {{"nrrd", run_nrrd, nrrd_seeds, nrrd_words, 6000},
           {"meta", run_meta, meta_seeds, meta_words, 6000},
-          {"nifti", run_nifti, nifti_seeds, {"n+1", "ni1", "\x1f\x8b", "\x5c\x01", "\x01\x5c"}, 6000},
+          {"nifti",
+           run_nifti,
+           nifti_seeds,
+           {"n+1", "ni1", "n+2", "\x1f\x8b", "\x5c\x01", "\x01\x5c", "\x1c\x02", "\x02\x1c"},
+           6000},
           {"dicom", run_dicom, dicom_seeds, dicom_words, 800},
           {"tiff", run_tiff, tiff_seeds, {"II", "MM"}, 800},
           {"vtk", run_vtk, vtk_seeds, vtk_words, 6000},
