@@ -16,6 +16,7 @@ required=(
   libopenimageio-dev                          # pictures
   libboost-dev libturbojpeg0-dev              # the viewer's server and its JPEGs
   libinsighttoolkit5-dev                      # volumes
+  libexpat1-dev liblz4-dev liblzma-dev        # volumes of VTK
   catch2                                      # tests
 )
 # Without these the program and its tests build and run; the scripts that need them say so.

@@ -8,6 +8,8 @@ find_package(CLI11 CONFIG REQUIRED)
 find_package(nlohmann_json CONFIG REQUIRED)
 find_package(hwy CONFIG REQUIRED)
 find_package(ZLIB REQUIRED)
+find_package(EXPAT REQUIRED)
+find_package(LibLZMA REQUIRED)
 find_package(TBB CONFIG REQUIRED)
 # Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
 set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
@@ -22,6 +24,9 @@ find_package(Boost 1.74 REQUIRED)
 # (OpenEXR's Imath); pkg-config describes the same library without it.
 find_package(PkgConfig REQUIRED)
 pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
+
+# Blocks of VTK's XML files.
+pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 
 # The viewer's JPEGs.
 pkg_check_modules(TurboJpeg REQUIRED IMPORTED_TARGET libturbojpeg)

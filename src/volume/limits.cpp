@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
+#include <span>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
@@ -27,13 +29,15 @@ void require_compressed_bytes(const std::filesystem::path& file, std::uint64_t a
                    "the file was cut short or its sizes are wrong");
 }
 
-void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count) {
+void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
+                     std::uint64_t end) {
   const InputFile input(file);
   std::vector<std::byte> window(64 * 1024);
   std::uint64_t found = 0;
   bool in_word = false;
   while (found < count) {
-    const auto got = input.read_some(offset, window);
+    const auto wanted = std::min<std::uint64_t>(window.size(), end - std::min(end, offset));
+    const auto got = input.read_some(offset, std::span(window).first(std::size_t(wanted)));
     if (got == 0)
       throw InputError(
           fmt::format("{}: the header promises {} numbers, the file holds {}", file.string(), count, found),

@@ -17,7 +17,10 @@ void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::u
 void require_compressed_bytes(const std::filesystem::path& file, std::uint64_t available, std::uint64_t bytes,
                               std::uint64_t best_ratio);
 
-/// Throws InputError unless `count` words separated by blanks follow in the text file from `offset` on.
-void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count);
+inline constexpr std::uint64_t file_end = ~std::uint64_t{0};
+/// Throws InputError unless `count` words separated by blanks follow in the text file from `offset` on,
+/// before byte `end`.
+void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
+                     std::uint64_t end = file_end);
 
 }  // namespace ringsplat::detail

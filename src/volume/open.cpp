@@ -17,7 +17,7 @@ namespace {
 
 using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&, const VolumeChoice&);
 
-constexpr std::array<std::pair<std::string_view, Open>, 15> formats{{{".nrrd", detail::open_nrrd},
+constexpr std::array<std::pair<std::string_view, Open>, 17> formats{{{".nrrd", detail::open_nrrd},
                                                                      {".nhdr", detail::open_nrrd},
                                                                      {".mha", detail::open_meta},
                                                                      {".mhd", detail::open_meta},
@@ -29,6 +29,8 @@ constexpr std::array<std::pair<std::string_view, Open>, 15> formats{{{".nrrd", d
                                                                      {".tif", detail::open_tiff},
                                                                      {".tiff", detail::open_tiff},
                                                                      {".vtk", detail::open_vtk},
+                                                                     {".vti", detail::open_vti},
+                                                                     {".pvti", detail::refuse_pvti},
                                                                      {".npy", detail::open_npy},
                                                                      {".npz", detail::refuse_npz},
                                                                      {".dcm", detail::open_dicom}}};
@@ -107,7 +109,7 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
   if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
-      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .npy .tif .dcm .raw or a folder, or describe a raw "
+      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .npy .tif .dcm .raw or a folder, or describe a raw "
       "file with --dims and --type");
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <limits>
@@ -36,7 +37,8 @@ std::optional<T> voxel_in(const std::string& word) {
 
 class Words {
  public:
-  Words(const std::filesystem::path& path, std::uint64_t offset) : file_(path), offset_(offset) {}
+  Words(const std::filesystem::path& path, std::uint64_t offset, std::uint64_t end)
+      : file_(path), offset_(offset), end_(end) {}
 
   /// The next word; empty at the end. A word longer than any number is split.
   std::string next() {
@@ -56,28 +58,29 @@ class Words {
     if (at_ == got_) {
       offset_ += got_;
       at_ = 0;
-      got_ = file_.read_some(offset_, window_);
+      const auto wanted = std::min<std::uint64_t>(window_.size(), end_ - std::min(end_, offset_));
+      got_ = file_.read_some(offset_, std::span(window_).first(std::size_t(wanted)));
       if (got_ == 0) return {};
     }
     return char(window_[at_]);
   }
 
   InputFile file_;
-  std::uint64_t offset_;
+  std::uint64_t offset_, end_;
   std::vector<std::byte> window_ = std::vector<std::byte>(64 * 1024);
   std::size_t at_ = 0, got_ = 0;
 };
 
 class TextSource final : public WholeSource {
  public:
-  TextSource(const Grid& grid, std::filesystem::path path, std::uint64_t offset)
-      : WholeSource(grid), path_(std::move(path)), offset_(offset) {
-    require_numbers(path_, offset_, std::uint64_t(grid.voxels()));
+  TextSource(const Grid& grid, std::filesystem::path path, std::uint64_t offset, std::uint64_t end)
+      : WholeSource(grid), path_(std::move(path)), offset_(offset), end_(end) {
+    require_numbers(path_, offset_, std::uint64_t(grid.voxels()), end_);
   }
 
  private:
   void decode(std::span<std::byte> voxels) override {
-    Words words(path_, offset_);
+    Words words(path_, offset_, end_);
     visit_type(grid().type, [&](auto type) {
       using T = decltype(type);
       auto* values = reinterpret_cast<T*>(voxels.data());
@@ -94,14 +97,14 @@ class TextSource final : public WholeSource {
   }
 
   std::filesystem::path path_;
-  std::uint64_t offset_;
+  std::uint64_t offset_, end_;
 };
 
 }  // namespace
 
 std::unique_ptr<VolumeSource> text_source(const Grid& grid, const std::filesystem::path& file,
-                                          std::uint64_t offset) {
-  return std::make_unique<TextSource>(grid, file, offset);
+                                          std::uint64_t offset, std::uint64_t end) {
+  return std::make_unique<TextSource>(grid, file, offset, end);
 }
 
 }  // namespace ringsplat::detail

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include "app/option_values.hpp"
 #include "fuzz/driver.hpp"
@@ -13,6 +14,7 @@
 #include "volume/nifti2.hpp"
 #include "volume/npy.hpp"
 #include "volume/raw_name.hpp"
+#include "volume/vti.hpp"
 
 namespace ringsplat::fuzz {
 namespace {
@@ -206,6 +208,32 @@ void run_npy(std::span<const std::byte> input) { open_and_use("a.npy", input, ha
 
 void run_vtk(std::span<const std::byte> input) { open_and_use("a.vtk", input); }
 
+std::vector<Input> vti_seeds() {
+  folder_of_volumes();
+  std::vector<Input> seeds;
+  for (const auto& [format, encoding, compressor] :
+       {std::tuple("appended", "raw", ""), std::tuple("appended", "raw", "ZLib"),
+        std::tuple("appended", "raw", "LZ4"), std::tuple("appended", "raw", "LZMA"),
+        std::tuple("appended", "base64", "ZLib"), std::tuple("binary", "", ""),
+        std::tuple("binary", "", "LZ4"), std::tuple("ascii", "", "")}) {
+    Vti vti;
+    vti.format = format, vti.encoding = encoding, vti.compressor = compressor;
+    vti.big_endian = vti.wide_numbers = vti.format == "binary";
+    vti.arrays = {{"a", "Int16", vti.format == "ascii" ? text_of_samples() : samples<short>(vti.big_endian)}};
+    seeds.push_back(vti.file());
+  }
+  Vti cells;
+  cells.extent = cells.piece = "1 6 0 4 0 1";
+  cells.version = "2.2";
+  cells.image += " Direction=\"0 1 0 1 0 0 0 0 1\"";
+  cells.arrays = {{"rgb", "UInt8", samples<std::uint8_t>(), 3, true}};
+  cells.cell_scalars = "rgb";
+  seeds.push_back(cells.file());
+  return seeds;
+}
+
+void run_vti(std::span<const std::byte> input) { open_and_use("a.vti", input, any_ratio); }
+
 void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, any_ratio); }
 
 std::vector<Input> dicom_seeds() {
@@ -318,6 +346,12 @@ const Words vtk_words{
     "POINT_DATA ", "CELL_DATA ", "SCALARS values ", "COLOR_SCALARS values 3", "VECTORS values float",
     "TENSORS values float", "LOOKUP_TABLE default", "unsigned_char", "unsigned_short", "int", "long",
     "double", "bit", "vtktypeint64", "FIELD FieldData 1", "STRUCTURED_GRID", "# vtk DataFile Version 5.1"};
+const Words vti_words{
+    "ImageData", "WholeExtent=\"", "Extent=\"", "Direction=\"1 0 0 0 1 0 0 0 1\"", "Spacing=\"1 1 1\"", "Origin=\"", "<Piece ",
+    "</Piece>", "PointData", "CellData", "Scalars=\"", "<DataArray ", "type=\"UInt8\"", "Float64", "Int64", "format=\"",
+    "ascii", "binary", "appended", "offset=\"", "NumberOfComponents=\"3\"", "encoding=\"base64\"", "raw",
+    "compressor=\"vtkZLibDataCompressor\"", "vtkLZ4DataCompressor", "vtkLZMADataCompressor", "header_type=\"UInt64\"",
+    "byte_order=\"BigEndian\"", "<AppendedData ", "_", "<!DOCTYPE x [<!ENTITY a \"b\">]>", "&a;", "<!-- -->", "<![CDATA["};
 const Words npy_words{
     "\x93NUMPY", "{", "}", "'descr': ", "'fortran_order': ", "True", "False", "'shape': ", "(", ")", ",", ", }", "<f4",
     ">f8", "|u1", "<i8", "|O", "<f2", "=i4", "3L", "(3, 4, 5, 1)", "4294967296", "2147483647"};
@@ -339,6 +373,7 @@ std::vector<Driver> volume_drivers() {
           {"dicom", run_dicom, dicom_seeds, dicom_words, 800},
           {"tiff", run_tiff, tiff_seeds, {"II", "MM"}, 800},
           {"vtk", run_vtk, vtk_seeds, vtk_words, 6000},
+          {"vti", run_vti, vti_seeds, vti_words, 6000},
           {"npy", run_npy, npy_seeds, npy_words, 6000},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }

@@ -1,0 +1,40 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat::detail {
+
+enum class VtiCompressor { none, zlib, lz4, lzma };
+enum class VtiFormat { ascii, base64, raw };
+
+/// One DataArray. Its type may be none that a volume can have.
+struct VtiArray {
+  std::string name, type;
+  bool of_cells = false;  ///< else of points
+  int components = 1;
+  VtiFormat format = VtiFormat::ascii;
+  std::uint64_t begin = 0,
+                end = 0;  ///< bytes of the file that hold it; appended data ends where the file does
+};
+
+/// A .vti file's XML ("VTK XML formats", ImageData), up to the appended data.
+struct VtiHeader {
+  glm::dvec3 origin{0}, spacing{1};
+  glm::dmat3 direction{1};
+  glm::ivec3 first{0}, last{0};  ///< the piece's points
+  bool big_endian = false;
+  int header_bytes = 4;  ///< of a number before binary data
+  VtiCompressor compressor = VtiCompressor::none;
+  std::string point_scalars, cell_scalars;  ///< the active arrays' names; empty: none
+  std::vector<VtiArray> arrays;             ///< of points and cells
+};
+
+/// Throws InputError naming the file and the line: no XML, another kind of file, several pieces, missing or
+/// damaged attributes.
+VtiHeader read_vti_header(const std::filesystem::path& path);
+
+}  // namespace ringsplat::detail
