@@ -22,9 +22,6 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
 std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path,
                                         const VolumeChoice& choice);  ///< one file or a folder
-/// Every TIFF gets a spacing of 1; warns when the first file says another one. Call it when that spacing is
-/// used.
-void warn_of_tiff_spacing(const std::filesystem::path& path);
 /// Opens a folder's series, or the series of one file.
 std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);

@@ -68,7 +68,6 @@ std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, 
                     path.string()),
         "leave them out; only --spacing may be given");
   auto source = open(path, choice);
-  if (!raw.spacing && open == detail::open_tiff) detail::warn_of_tiff_spacing(path);
   if (!raw.spacing) return source;
   return std::make_unique<RespacedSource>(std::move(source), *raw.spacing);
 }

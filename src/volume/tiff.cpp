@@ -1,154 +1,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
-#include <iterator>
+#include <cctype>
+#include <cmath>
+#include <limits>
 #include <utility>
 #include <vector>
 
+#include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/images/image_file.hpp"
 #include "volume/formats.hpp"
-#include "volume/input_file.hpp"
-#include "volume/limits.hpp"
+#include "volume/forwarding_source.hpp"
 #include "volume/text.hpp"
-#include "volume/tiff_description.hpp"
-#include "volume/tiff_pages.hpp"
-#include "volume/volume_files.hpp"
+#include "volume/tiff_file.hpp"
 
 namespace ringsplat::detail {
 namespace {
-
-/// One slice: a page of a file.
-struct Page {
-  std::filesystem::path file;
-  int index = 0;
-};
-
-struct PageShape {
-  int width, height;
-  ScalarType type;
-  bool operator==(const PageShape&) const = default;
-};
-
-std::unique_ptr<ImageFile> open_image(const std::filesystem::path& path) {
-  const InputFile readable(path);
-  auto [file, problem] = open_image_file(path);
-  if (!file)
-    throw InputError(fmt::format("{} is not a readable TIFF file: {}", path.string(), one_line(problem)),
-                     "check the file with another viewer");
-  return std::move(file);
-}
-
-/// Which sample type gives which scalar type. Samples are read as the first one listed for their scalar type.
-constexpr std::pair<ScalarType, SampleType> sample_types[] = {
-    {ScalarType::int8, SampleType::int8},       {ScalarType::uint8, SampleType::uint8},
-    {ScalarType::int16, SampleType::int16},     {ScalarType::uint16, SampleType::uint16},
-    {ScalarType::int32, SampleType::int32},     {ScalarType::uint32, SampleType::uint32},
-    {ScalarType::float32, SampleType::float32}, {ScalarType::float32, SampleType::float16},
-    {ScalarType::float64, SampleType::float64}};
-
-ScalarType scalar_type_of(const ImageShape& shape, const std::filesystem::path& path) {
-  for (const auto& [scalar, sample] : sample_types)
-    if (sample == shape.type) return scalar;
-  throw InputError(fmt::format("{}: pixels of type {} cannot be rendered", path.string(), shape.type_name),
-                   "convert them to at most 32 bits or float first");
-}
-
-SampleType sample_type_of(ScalarType type) {
-  return std::find_if(std::begin(sample_types), std::end(sample_types),
-                      [type](const auto& pair) { return pair.first == type; })
-      ->second;
-}
-
-PageShape shape_of(const ImageShape& shape, const std::filesystem::path& path) {
-  if (shape.channels != 1)
-    throw InputError(fmt::format("{}: {} channels per pixel", path.string(), shape.channels),
-                     "only scalar volumes can be rendered: convert the pages to grey");
-  if (shape.depth > 1)
-    throw InputError(fmt::format("{}: {} planes in one page", path.string(), shape.depth),
-                     "write one slice a page");
-  return {shape.width, shape.height, scalar_type_of(shape, path)};
-}
-
-/// Adds the pages of one file, which must have the shape of those before it.
-void add_pages(const std::filesystem::path& path, std::vector<Page>& pages, std::vector<PageShape>& shape) {
-  const auto chained = count_tiff_pages(path);
-  const auto image = open_image(path);
-  std::uint64_t bytes = 0;
-  bool compressed = false;
-  int index = 0;
-  for (; image->seek(index); ++index) {
-    const ImageShape page = image->shape();
-    const auto found = shape_of(page, path);
-    if (!shape.empty() && found != shape.front())
-      throw InputError(fmt::format("{}: page {} is {} x {} {}, the pages before it are {} x {} {}",
-                                   path.string(), index, found.width, found.height, to_string(found.type),
-                                   shape.front().width, shape.front().height, to_string(shape.front().type)),
-                       "all slices must have one size and type");
-    if (shape.empty()) shape.push_back(found);
-    pages.push_back({path, index});
-    bytes += page.bytes;
-    const std::string compression = image->text("compression");
-    compressed |= !compression.empty() && compression != "none";
-  }
-  if (std::uint64_t(index) != chained)
-    throw InputError(fmt::format("{}: page {} cannot be read", path.string(), index),
-                     "the file was cut short or damaged");
-  require_one_stack(path, std::uint64_t(index));
-  const auto size = InputFile(path).size();
-  if (compressed)
-    require_compressed_bytes(path, size, bytes, any_best_ratio);
-  else
-    require_bytes(path, size, 0, bytes);
-}
-
-/// Pages are found by number, so every process reads its own.
-class TiffSource final : public VolumeSource {
- public:
-  TiffSource(const Grid& grid, std::vector<Page> pages)
-      : grid_(grid), pages_(std::move(pages)), files_(files_of(pages_)) {}
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return true; }
-  Facts facts() const override {
-    Facts facts = files_.facts();
-    facts.insert(facts.begin(), {"encoding", "TIFF"});
-    return facts;
-  }
-
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    for (int i = 0; i < count; ++i)
-      read_page(pages_[std::size_t(first + i)], out.subspan(std::size_t(i) * bytes, bytes));
-  }
-
- private:
-  static std::vector<std::filesystem::path> files_of(const std::vector<Page>& pages) {
-    std::vector<std::filesystem::path> files;
-    for (const Page& page : pages) files.push_back(page.file);
-    return files;
-  }
-
-  void read_page(const Page& page, std::span<std::byte> out) {
-    files_.require_unchanged(page.file);
-    if (!image_ || opened_ != page.file) {
-      image_ = open_image(page.file);
-      opened_ = page.file;
-    }
-    const std::string problem = image_->read(page.index, 1, sample_type_of(grid_.type), out.data());
-    if (!problem.empty())
-      throw InputError(
-          fmt::format("cannot read page {} of {}: {}", page.index, page.file.string(), one_line(problem)),
-          "the file was cut short or damaged");
-    files_.require_unchanged(page.file);
-  }
-
-  Grid grid_;
-  std::vector<Page> pages_;
-  VolumeFiles files_;
-  std::unique_ptr<ImageFile> image_;
-  std::filesystem::path opened_;
-};
 
 /// slice2 comes before slice10: runs of digits compare as numbers.
 bool natural_less(const std::string& a, const std::string& b) {
@@ -184,6 +51,127 @@ std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   return files;
 }
 
+/// What is taken of each file.
+struct Taken {
+  std::int64_t channel = 0, frame = 0;  ///< of its planes
+  TiffSamples samples;
+};
+
+std::string channel_name(const Microscopy& said, std::int64_t channel) {
+  const bool named = channel < std::int64_t(said.names.size()) && !said.names[std::size_t(channel)].empty();
+  return named ? fmt::format("{} ({})", channel, excerpt(said.names[std::size_t(channel)]))
+               : std::to_string(channel);
+}
+
+std::string channel_names(const Microscopy& said) {
+  constexpr std::int64_t most = 10;
+  std::vector<std::string> names;
+  for (std::int64_t c = 0; c < std::min(said.channels, most); ++c) names.push_back(channel_name(said, c));
+  if (said.channels > most) names.emplace_back("...");
+  return comma_list(names);
+}
+
+/// The channel with that number or name; nothing when there is none.
+std::optional<std::int64_t> find_channel(const Microscopy& said, const std::string& wanted) {
+  for (std::size_t c = 0; c < said.names.size(); ++c)
+    if (lower_case(said.names[c]) == lower_case(wanted)) return std::int64_t(c);
+  const auto number = number_in<std::int64_t>(wanted);
+  return number && *number >= 0 && *number < said.channels ? number : std::nullopt;
+}
+
+/// Which of the planes' channels. Colours within a page are told apart by take_samples().
+std::int64_t take_channel_of_planes(const TiffFile& file, const std::string& wanted) {
+  if (!file.microscopy || file.microscopy->channels == 1) return 0;
+  const Microscopy& said = *file.microscopy;
+  if (wanted.empty()) {
+    log_warning_once("{}: of the channels {} the first is shown; --channel takes another", file.path.string(),
+                     channel_names(said));
+    return 0;
+  }
+  if (const auto found = find_channel(said, wanted)) return *found;
+  throw InputError(fmt::format("--channel {}: {} has no such channel", wanted, file.path.string()),
+                   "its channels are " + channel_names(said));
+}
+
+TiffSamples take_samples(const TiffFile& file, const std::string& wanted) {
+  TiffSamples samples{.count = file.samples, .taken = {.index = 0}};
+  const bool several_planes = file.microscopy && file.microscopy->channels > 1;
+  const bool grey_and_alpha = file.samples == 2 && file.has_alpha;
+  constexpr int most_colours = 4;
+  if (file.samples == 1 || (grey_and_alpha && wanted.empty())) return samples;
+  samples.taken = choose_channel(several_planes ? std::string() : wanted, file.samples,
+                                 file.samples == 3 || file.samples == most_colours, file.path.string());
+  return samples;
+}
+
+Taken take(const TiffFile& file, const VolumeChoice& choice) {
+  Taken taken;
+  taken.channel = take_channel_of_planes(file, choice.channel);
+  taken.samples = take_samples(file, choice.channel);
+  const auto frames = file.microscopy ? file.microscopy->frames : 1;
+  taken.frame = choice.frame.value_or(0);
+  if (taken.frame < 0 || taken.frame >= frames)
+    throw InputError(
+        fmt::format("--frame {}: {} holds {} time points", taken.frame, file.path.string(), frames),
+        fmt::format("they are numbered from 0 to {}", frames - 1));
+  if (frames > 1 && !choice.frame)
+    log_line_once(LogLevel::info,
+                  fmt::format("{}: of {} time points the first is shown; --frame takes another",
+                              file.path.string(), frames));
+  return taken;
+}
+
+void add_slices(const TiffFile& file, const Taken& taken, std::vector<TiffSlice>& slices) {
+  if (!file.microscopy) {
+    slices.insert(slices.end(), file.planes.begin(), file.planes.end());
+    return;
+  }
+  for (std::int64_t z = 0; z < file.slices(); ++z) {
+    const auto plane = file.microscopy->plane(taken.channel, z, taken.frame, file.slices());
+    if (!plane || *plane >= file.planes.size())
+      throw InputError(fmt::format("{}: slice {} of channel {} at time {} is not in the file (by its {})",
+                                   file.path.string(), z, taken.channel, taken.frame, file.microscopy->by),
+                       "write all planes into one file");
+    slices.push_back(file.planes[std::size_t(*plane)]);
+  }
+}
+
+/// The voxels' size, and the lattice as Fiji and napari show a stack: the default camera looks along +y, z is
+/// up. So columns run to the right, rows downwards, and slices away from the viewer.
+void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
+  grid.direction = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0));
+  notes.world = World::microscope;
+  if (!first.microscopy || (!first.microscopy->sized && !first.microscopy->depth)) return;
+  const Microscopy& said = *first.microscopy;
+  constexpr double most_apart = 1000, largest = 1e12;
+  const auto plausible = [&](double size) {
+    return size > said.spacing.x / most_apart && size < said.spacing.x * most_apart;
+  };
+  const auto path = first.path.string();
+  if (!(said.spacing.x > 1 / largest && said.spacing.x < largest) || !plausible(said.spacing.y)) {
+    log_warning_once("{}: pixels of {:g} x {:g} {} (by its {}) are taken for 1 x 1: give --spacing", path,
+                     said.spacing.x, said.spacing.y, said.unit, said.by);
+    return;
+  }
+  grid.spacing = said.spacing;
+  notes.unit = said.unit;
+  if (grid.dims.z == 1 || (said.depth && plausible(said.spacing.z))) return;
+  const bool image_j_one = said.by == "ImageJ" && !said.depth && plausible(said.spacing.z);
+  if (!image_j_one) grid.spacing.z = grid.spacing.x;
+  const auto taken = fmt::format("taken for {:g} {}", grid.spacing.z, said.unit);
+  log_warning_once("{}: the distance of slices is {} (by its {}) and {}{}: give --spacing", path,
+                   said.depth ? fmt::format("{:g} {}", said.spacing.z, said.unit) : "missing", said.by,
+                   trimmed(taken), image_j_one ? ", as ImageJ does" : ", as of columns");
+}
+
+/// Fills in how many channels and time points there are to choose from.
+void count(const TiffFile& first, VolumeNotes& notes) {
+  const auto most = std::int64_t(std::numeric_limits<int>::max());
+  const auto planes = first.microscopy ? first.microscopy->channels : 1;
+  notes.frames = first.microscopy ? int(std::min(first.microscopy->frames, most)) : 1;
+  notes.channels = int(planes > 1 ? std::min(planes, most) : first.samples);
+}
+
 }  // namespace
 
 bool is_tiff(const std::filesystem::path& path) {
@@ -191,21 +179,40 @@ bool is_tiff(const std::filesystem::path& path) {
   return ending == ".tif" || ending == ".tiff";
 }
 
-void warn_of_tiff_spacing(const std::filesystem::path& path) {
-  if (const auto files = files_of(path); !files.empty()) warn_of_voxel_size(files.front());
-}
-
-/// TIFF has no third spacing and its resolution is for printers: the spacing is 1.
-std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice&) {
-  std::vector<Page> pages;
-  std::vector<PageShape> shape;
-  for (const auto& file : files_of(path)) add_pages(file, pages, shape);
-  if (pages.empty()) throw InputError(fmt::format("{} has no pages", path.string()), "give a TIFF stack");
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
+  std::optional<TiffFile> first;
+  Taken taken;
+  std::vector<TiffSlice> slices;
+  for (const auto& file_path : files_of(path)) {
+    const TiffFile file = read_tiff_file(file_path);
+    if (file.planes.empty()) continue;
+    if (!first) taken = take(file, choice);
+    if (!first) first = file;
+    const auto counts = [](const TiffFile& f) {
+      return f.microscopy ? std::pair(f.microscopy->channels, f.microscopy->frames)
+                          : std::pair(std::int64_t(1), std::int64_t(1));
+    };
+    if (file.width != first->width || file.height != first->height || file.type != first->type ||
+        file.samples != first->samples || counts(file) != counts(*first))
+      throw InputError(
+          fmt::format("{} is {} x {} {} in {} channels, the files before it are {} x {} {} in {}",
+                      file_path.string(), file.width, file.height, to_string(file.type),
+                      counts(file).first * file.samples, first->width, first->height, to_string(first->type),
+                      counts(*first).first * first->samples),
+          "all slices must have one size and type");
+    add_slices(file, taken, slices);
+  }
+  if (!first) throw InputError(fmt::format("{} has no pages", path.string()), "give a TIFF stack");
+  if (slices.size() > std::size_t(std::numeric_limits<int>::max()))
+    throw InputError(fmt::format("{} has {} slices", path.string(), slices.size()), "give fewer of them");
   Grid grid;
-  grid.dims = {shape.front().width, shape.front().height, int(pages.size())};
-  grid.type = shape.front().type;
+  grid.dims = {first->width, first->height, int(slices.size())};
+  grid.type = first->type;
+  VolumeNotes notes;
+  place(*first, grid, notes);
+  count(*first, notes);
   check(grid, path.string());
-  return std::make_unique<TiffSource>(grid, std::move(pages));
+  return with_notes(tiff_source(grid, std::move(slices), taken.samples), notes);
 }
 
 }  // namespace ringsplat::detail

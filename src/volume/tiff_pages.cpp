@@ -14,11 +14,15 @@ namespace {
 
 enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
 enum FieldTag : std::uint64_t {
+  new_subfile_type = 254,
+  compression = 259,
+  photometric = 262,
   image_description = 270,
   x_resolution = 282,
   y_resolution = 283,
   strip_offsets = 273,
   strip_bytes = 279,
+  planar_configuration = 284,
   tile_offsets = 324,
   tile_bytes = 325
 };
@@ -48,17 +52,18 @@ class TiffChain {
     is_tiff_ = version == classic || wide_;
   }
 
-  std::uint64_t pages() const {
-    if (!is_tiff_) return 0;
+  TiffPages pages() const {
+    TiffPages found{.big_endian = big_endian_, .pages = {}};
+    if (!is_tiff_) return found;
     const auto most = file_.size() / (count_bytes() + offset_bytes());
-    std::uint64_t pages = 0;
-    for (auto at = first_page(); at != 0; ++pages) {
-      if (pages > most)
+    for (auto at = first_page(); at != 0;) {
+      if (found.pages.size() > most)
         throw InputError(fmt::format("{}: its pages form a loop", file_.path().string()),
                          "write the file again");
-      at = check_page(at);
+      found.pages.emplace_back();
+      at = read_page(at, found.pages.back());
     }
-    return pages;
+    return found;
   }
 
   TiffNotes notes() const {
@@ -98,22 +103,40 @@ class TiffChain {
   }
 
   /// Returns the offset of the next page's directory, 0 after the last.
-  std::uint64_t check_page(std::uint64_t at) const {
+  std::uint64_t read_page(std::uint64_t at, TiffPage& page) const {
     const auto entries = number(at, count_bytes());
     if (entries > file_.size() / entry_bytes()) fail();
     Field offsets, lengths;
+    bool raw = true;
     for (std::uint64_t i = 0; i < entries; ++i) {
       const auto entry = at + count_bytes() + i * entry_bytes();
       const auto tag = number(entry, 2);
       if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
       if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
+      constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
+      if (tag == new_subfile_type) page.beside = (value_of(entry) & (smaller_copy | mask)) != 0;
+      if (tag == photometric) page.palette = value_of(entry) == is_palette;
+      if (tag == tile_offsets || (tag == compression && value_of(entry) != 1) ||
+          (tag == planar_configuration && value_of(entry) != 1))
+        raw = false;
     }
-    for (std::uint64_t i = 0; i < std::min(offsets.count, lengths.count); ++i) {
+    const auto parts = std::min(offsets.count, lengths.count);
+    for (std::uint64_t i = 0; i < parts; ++i) {
       const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
       const auto length = number(lengths.begin + i * lengths.number_bytes, lengths.number_bytes);
       if (begin > file_.size() || length > file_.size() - begin) fail();
+      if (i == 0) page.raw_begin = begin;
+      raw = raw && begin == page.raw_begin + page.raw_bytes;
+      page.raw_bytes += length;
     }
+    if (!raw) page.raw_begin = page.raw_bytes = 0;
     return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
+  }
+
+  /// A field's first number, 0 when it has none.
+  std::uint64_t value_of(std::uint64_t entry) const {
+    const auto one = field(entry);
+    return one.count == 0 ? 0 : number(one.begin, one.number_bytes);
   }
 
   Field field(std::uint64_t entry) const {
@@ -148,7 +171,7 @@ class TiffChain {
 
 }  // namespace
 
-std::uint64_t count_tiff_pages(const std::filesystem::path& path) {
+TiffPages read_tiff_pages(const std::filesystem::path& path) {
   const InputFile file(path);
   return TiffChain(file).pages();
 }

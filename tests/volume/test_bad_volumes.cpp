@@ -288,8 +288,8 @@ std::vector<Bad> bad_tiffs() {
   return {
       file("tiff, prose", "TIFF", "a.tif", "hello"),
       file("tiff, empty", "TIFF", "a.tif", ""),
-      {"tiff, colours", "3 channels",
-       [](const Folder& f) { return write_tiff(f / "a.tif", 4, 4, 3, OIIO::TypeDesc::UINT8); }},
+      {"tiff, vectors", "a vector of 5 numbers",
+       [](const Folder& f) { return write_tiff(f / "a.tif", 4, 4, 5, OIIO::TypeDesc::UINT8); }},
       {"tiff, two sizes", "all slices must have one size",
        [](const Folder& f) {
          write_tiff(f / "a.tif", 4, 4, 1, OIIO::TypeDesc::UINT8);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "ringsplat/volume/grid.hpp"
 
@@ -14,7 +15,7 @@ namespace ringsplat {
 enum class World {
   lattice,    ///< the volume's own axes: z is up
   patient,    ///< left, posterior, superior, in millimetres
-  microscope  ///< image columns, image rows downwards, and away from the viewer
+  microscope  ///< x: image columns; -z: image rows; y: slices, away from the default viewer
 };
 
 /// What a file says of its volume beside the lattice. Nothing of it changes a voxel.
@@ -28,6 +29,8 @@ struct VolumeNotes {
   int frames = 1;                             ///< time points that --frame can choose from
   /// What --channel can choose from; one for a scalar volume.
   int channels = 1;
+  /// What --series can choose from in a DICOM folder, a line each.
+  std::vector<std::string> series = {};
 };
 
 /// A source of voxels, read by whole z slices.
@@ -80,8 +83,8 @@ struct VolumeChoice {
 /// a raw file. For files that describe themselves only `raw.spacing` may be given; it replaces theirs.
 ///
 /// World coordinates are ITK's: patient left-posterior-superior if the file tells the orientation (DICOM;
-/// NIfTI, converted from right-anterior-superior; NRRD with a `space`; MetaImage), else the lattice's own
-/// axes (plain spacings, TIFF, raw).
+/// NIfTI, converted from right-anterior-superior; NRRD with a `space`; MetaImage); a microscope's for TIFF:
+/// columns along x, rows along -z, slices along y; else the lattice's own axes (plain spacings, raw).
 ///
 /// Whole slices are decoded one after another, without holding the volume, except for text encodings, volumes
 /// in several NRRD files and multi-frame DICOM.
