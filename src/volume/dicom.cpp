@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
-#include <optional>
-#include <string>
-#include <tuple>
+#include <numeric>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
-#include "volume/dicom_elements.hpp"
 #include "volume/dicom_image.hpp"
+#include "volume/dicom_series.hpp"
+#include "volume/dicom_stack.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
 #include "volume/text.hpp"
@@ -23,24 +22,17 @@
 namespace ringsplat::detail {
 namespace {
 
-struct DicomSlice {
+struct DicomFrame {
   std::filesystem::path file;
   Grid grid;  ///< its type after rescaling; several slices in a multi-frame file
-  std::string series;
-  int number = 0;  ///< Instance Number
+  DicomPlane plane;
 };
 
-std::optional<DicomSlice> try_describe(const std::filesystem::path& file) {
-  const auto image = DicomImage::open(file);
-  if (!image) return {};
-  return DicomSlice{file, image->grid(), image->series(), image->number()};
-}
-
 /// Reads a file that was described before. Throws InputError when it is another one now.
-void read_image(const DicomSlice& slice, std::span<std::byte> out) {
-  auto image = DicomImage::open(slice.file);
-  if (!image || image->grid().dims != slice.grid.dims || image->grid().type != slice.grid.type)
-    throw InputError(fmt::format("{} has changed while it was read", slice.file.string()), "start again");
+void read_image(const DicomFrame& frame, std::span<std::byte> out) {
+  auto image = DicomImage::open(frame.file);
+  if (!image || image->grid().dims != frame.grid.dims || image->grid().type != frame.grid.type)
+    throw InputError(fmt::format("{} has changed while it was read", frame.file.string()), "start again");
   image->read(out);
 }
 
@@ -51,11 +43,24 @@ void convert(const std::vector<std::byte>& in, std::span<std::byte> out) {
   for (std::size_t i = 0; i < in.size() / sizeof(From); ++i) results[i] = To(values[i]);
 }
 
+/// Makes `voxels` the mean of itself and `next`, of which `part` counts; whole numbers are rounded.
+void mix(ScalarType type, std::span<const std::byte> next, double part, std::span<std::byte> voxels) {
+  visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    const auto* const other = reinterpret_cast<const T*>(next.data());
+    auto* const values = reinterpret_cast<T*>(voxels.data());
+    for (std::size_t i = 0; i < voxels.size() / sizeof(T); ++i) {
+      const double mean = (1 - part) * double(values[i]) + part * double(other[i]);
+      values[i] = T(std::is_integral_v<T> ? std::nearbyint(mean) : mean);
+    }
+  });
+}
+
 /// Each slice is a file of its own, so every process reads its own.
 class DicomSource final : public VolumeSource {
  public:
-  DicomSource(const Grid& grid, std::vector<DicomSlice> slices)
-      : grid_(grid), slices_(std::move(slices)), files_(files_of(slices_)) {}
+  DicomSource(const Grid& grid, std::vector<DicomFrame> images, std::vector<DicomSlice> slices)
+      : grid_(grid), images_(std::move(images)), slices_(std::move(slices)), files_(files_of()) {}
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return true; }
   Facts facts() const override {
@@ -71,24 +76,33 @@ class DicomSource final : public VolumeSource {
   }
 
  private:
-  static std::vector<std::filesystem::path> files_of(const std::vector<DicomSlice>& slices) {
+  std::vector<std::filesystem::path> files_of() const {
     std::vector<std::filesystem::path> files;
-    for (const DicomSlice& slice : slices) files.push_back(slice.file);
+    for (const DicomSlice& slice : slices_) files.push_back(images_[slice.image].file);
     return files;
   }
 
   void read_slice(const DicomSlice& slice, std::span<std::byte> out) {
-    files_.require_unchanged(slice.file);
-    const bool same = slice.grid.type == grid_.type;
-    std::vector<std::byte> raw(same ? 0 : slice.grid.bytes());
-    read_image(slice, same ? out : raw);
-    files_.require_unchanged(slice.file);
+    read_file(images_[slice.image], out);
+    if (slice.part == 0) return;
+    std::vector<std::byte> next(out.size());
+    read_file(images_[slice.next], next);
+    mix(grid_.type, next, slice.part, out);
+  }
+
+  void read_file(const DicomFrame& image, std::span<std::byte> out) {
+    files_.require_unchanged(image.file);
+    const bool same = image.grid.type == grid_.type;
+    std::vector<std::byte> raw(same ? 0 : image.grid.bytes());
+    read_image(image, same ? out : raw);
+    files_.require_unchanged(image.file);
     if (same) return;
     // Slices with different rescaling may have different types; the volume is then float32.
-    visit_type(slice.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
+    visit_type(image.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
   }
 
   Grid grid_;
+  std::vector<DicomFrame> images_;
   std::vector<DicomSlice> slices_;
   VolumeFiles files_;
 };
@@ -96,17 +110,38 @@ class DicomSource final : public VolumeSource {
 /// The frames of one file. GDCM decodes all at once.
 class MultiFrameSource final : public WholeSource {
  public:
-  explicit MultiFrameSource(DicomSlice frames) : WholeSource(frames.grid), frames_(std::move(frames)) {}
+  /// `slices`: which frames are the volume's slices.
+  MultiFrameSource(const Grid& grid, DicomFrame frames, std::vector<DicomSlice> slices)
+      : WholeSource(grid), frames_(std::move(frames)), slices_(std::move(slices)) {}
 
  private:
-  void decode(std::span<std::byte> voxels) override { read_image(frames_, voxels); }
+  bool as_stored() const {
+    for (std::size_t z = 0; z < slices_.size(); ++z)
+      if (slices_[z].image != z || slices_[z].part != 0) return false;
+    return slices_.size() == std::size_t(frames_.grid.dims.z);
+  }
 
-  DicomSlice frames_;
+  void decode(std::span<std::byte> voxels) override {
+    if (as_stored()) return read_image(frames_, voxels);
+    std::vector<std::byte> stored(frames_.grid.bytes());
+    read_image(frames_, stored);
+    const auto bytes = grid().slice_bytes(Axis::z);
+    const auto frame = [&](std::size_t i) { return std::span(stored).subspan(i * bytes, bytes); };
+    for (std::size_t z = 0; z < slices_.size(); ++z) {
+      const auto slice = voxels.subspan(z * bytes, bytes);
+      std::ranges::copy(frame(slices_[z].image), slice.begin());
+      if (slices_[z].part > 0) mix(grid().type, frame(slices_[z].next), slices_[z].part, slice);
+    }
+  }
+
+  DicomFrame frames_;
+  std::vector<DicomSlice> slices_;
 };
 
-void require_alike(const std::vector<DicomSlice>& slices) {
-  for (const auto& s : slices) {
-    const auto &a = slices.front().grid, &b = s.grid;
+void require_alike(const std::vector<DicomFrame>& images) {
+  constexpr double tolerated = 1e-2;
+  for (const auto& s : images) {
+    const auto &a = images.front().grid, &b = s.grid;
     if (a.dims.x != b.dims.x || a.dims.y != b.dims.y)
       throw InputError(fmt::format("{} is {} x {}, the slices before it are {} x {}", s.file.string(),
                                    b.dims.x, b.dims.y, a.dims.x, a.dims.y),
@@ -114,118 +149,118 @@ void require_alike(const std::vector<DicomSlice>& slices) {
     if (b.dims.z != 1)
       throw InputError(fmt::format("{} holds {} frames", s.file.string(), b.dims.z),
                        "put a multi-frame file alone into its folder");
+    if (glm::distance(a.direction[0], b.direction[0]) > tolerated ||
+        glm::distance(a.direction[1], b.direction[1]) > tolerated)
+      throw InputError(fmt::format("{} is turned against the slices before it (Image Orientation Patient)",
+                                   s.file.string()),
+                       "take slices of one orientation only");
   }
+}
+
+DicomPlacing placing_of(const Grid& image, const VolumeChoice& choice, const std::filesystem::path& where) {
+  return {.normal = glm::normalize(glm::cross(image.direction[0], image.direction[1])),
+          .pixel = std::min(image.spacing.x, image.spacing.y),
+          .frame = choice.frame,
+          .where = where.string(),
+          .name_of = {}};
 }
 
 /// The third axis comes from the slices' positions: a tilted gantry shears the lattice.
-Grid stack_grid(const std::vector<DicomSlice>& slices, const std::filesystem::path& where) {
-  Grid grid = slices.front().grid;
-  for (const auto& s : slices)
-    if (s.grid.type != grid.type) grid.type = ScalarType::float32;
-  grid.dims.z = int(slices.size());
-  if (slices.size() == 1) return grid;
-  const auto step = (slices.back().grid.origin - grid.origin) / double(slices.size() - 1);
-  grid.spacing.z = glm::length(step);
-  if (!(grid.spacing.z > 0))
-    throw InputError(
-        fmt::format("{}: the slices have no different positions (Image Position Patient)", where.string()),
-        "the folder may hold several series: give one file of the right one");
-  grid.direction[2] = step / grid.spacing.z;
-  check(grid, where.string());
-  for (std::size_t i = 0; i < slices.size(); ++i) {
-    const double off = glm::length(slices[i].grid.origin - (slices.front().grid.origin + double(i) * step));
-    constexpr double tolerated = 0.1;  // of the slice distance
-    if (off <= tolerated * grid.spacing.z) continue;
-    log_warning_once("{}: the slices are not evenly spaced, one may be missing near {}", where.string(),
-                     slices[i].file.filename().string());
-    break;
+void place(const DicomStack& stack, const std::filesystem::path& where, Grid& grid) {
+  grid.dims.z = int(stack.slices.size());
+  grid.origin = stack.origin;
+  if (stack.slices.size() > 1) {
+    grid.spacing.z = glm::length(stack.step);
+    grid.direction[2] = stack.step / grid.spacing.z;
   }
-  return grid;
+  check(grid, where.string());
 }
 
-using Series = std::map<std::string, std::vector<DicomSlice>>;
+struct Opened {
+  std::unique_ptr<VolumeSource> source;
+  int frames = 1;
+};
 
-std::vector<std::filesystem::path> files_in(const std::filesystem::path& folder) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (entry.is_regular_file()) files.push_back(entry.path());
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
-void tell(const std::vector<InputError>& problems, const std::filesystem::path& folder) {
-  constexpr std::size_t most = 5;
-  for (std::size_t i = 0; i < std::min(problems.size(), most); ++i)
-    log_warning_once("left out: {}", problems[i].what());
-  if (problems.size() > most)
-    log_warning_once("left out: {} more files of {} that cannot be read", problems.size() - most,
-                     folder.string());
-}
-
-/// The readable files of a folder; warns of the others. Throws the first complaint when none can be read.
-Series series_in(const std::filesystem::path& folder) {
-  Series series;
+/// The images of a series that can be read; warns of the others. Throws the first complaint when none can.
+std::vector<DicomFrame> images_of(const DicomSeries& series) {
+  std::vector<DicomFrame> images;
   std::vector<InputError> problems;
-  for (const auto& file : files_in(folder)) {
+  for (const auto& header : series.images) {
     try {
-      if (auto slice = try_describe(file))
-        series[slice->series].push_back(std::move(*slice));
-      else if (lower_case(file.extension().string()) == ".dcm" && !is_dicom(file))
-        throw InputError(fmt::format("{} is no DICOM file", file.string()), "copy the file again");
+      if (const auto image = DicomImage::open(header.file))
+        images.push_back({header.file, image->grid(), {image->grid().origin, header.times}});
     } catch (const InputError& error) {
       problems.push_back(error);
     }
   }
-  if (series.empty() && !problems.empty()) throw InputError(problems.front());
-  tell(problems, folder);
-  return series;
+  if (images.empty() && !problems.empty()) throw InputError(problems.front());
+  for (const auto& problem : problems) log_warning_once("left out: {}", problem.what());
+  return images;
 }
 
-/// Sorts along the slices' normal, or by number when they have no positions.
-void sort_slices(std::vector<DicomSlice>& slices) {
-  const auto normal = glm::cross(slices.front().grid.direction[0], slices.front().grid.direction[1]);
-  const auto key = [&](const DicomSlice& s) {
-    return std::tuple(glm::dot(normal, s.grid.origin), s.number, s.file);
-  };
-  std::sort(slices.begin(), slices.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+Opened open_series(const DicomSeries& series, const VolumeChoice& choice,
+                   const std::filesystem::path& where) {
+  auto images = images_of(series);
+  require_alike(images);
+  Grid grid = images.front().grid;
+  for (const auto& image : images)
+    if (image.grid.type != grid.type) grid.type = ScalarType::float32;
+  std::vector<DicomPlane> planes;
+  for (const auto& image : images) planes.push_back(image.plane);
+  auto placing = placing_of(grid, choice, where);
+  placing.name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
+  auto stack = stack_planes(planes, placing);
+  place(stack, where, grid);
+  return {std::make_unique<DicomSource>(grid, std::move(images), std::move(stack.slices)), stack.frames};
 }
 
-/// The longest series of a folder, or the series of a file.
-std::vector<DicomSlice> choose_series(const std::filesystem::path& path) {
-  if (!std::filesystem::is_directory(path)) {
-    const auto slice = try_describe(path);
-    if (!slice) return {};
-    if (slice->grid.dims.z > 1) return {*slice};
-    return series_in(std::filesystem::absolute(path).parent_path())[slice->series];
+/// Where the frames have places of their own these count; GDCM takes frames for an even stack in their order.
+Opened open_frames(const DicomHeader& header, const VolumeChoice& choice) {
+  const auto image = DicomImage::open(header.file);
+  if (!image) throw InputError(fmt::format("{} has changed", header.file.string()), "start again");
+  DicomFrame frames{header.file, image->grid(), {}};
+  Grid grid = frames.grid;
+  std::vector<DicomSlice> slices(std::size_t(grid.dims.z));
+  for (std::size_t z = 0; z < slices.size(); ++z) slices[z] = {.image = z, .next = z};
+  int times = 1;
+  if (const auto& planes = image->planes()) {
+    grid.spacing = {planes->spacing.x, planes->spacing.y, grid.spacing.z};
+    grid.direction[0] = planes->row;
+    grid.direction[1] = planes->column;
+    auto placing = placing_of(grid, choice, header.file);
+    placing.name_of = [](std::size_t i) { return fmt::format("frame {}", i); };
+    auto stack = stack_planes(planes->planes, placing);
+    place(stack, header.file, grid);
+    slices = std::move(stack.slices);
+    times = stack.frames;
   }
-  auto series = series_in(path);
-  if (series.empty()) return {};
-  auto longest = std::max_element(series.begin(), series.end(), [](const auto& a, const auto& b) {
-    return a.second.size() < b.second.size();
-  });
-  if (series.size() > 1)
-    log_warning_once(
-        "{} holds {} DICOM series, taken is the longest ({} slices); name a file of another to take that",
-        path.string(), series.size(), longest->second.size());
-  return std::move(longest->second);
+  return {std::make_unique<MultiFrameSource>(grid, std::move(frames), std::move(slices)), times};
+}
+
+VolumeNotes notes_of(const DicomSeries& series, int frames) {
+  VolumeNotes notes{.world = World::patient, .unit = "mm", .frames = frames};
+  notes.modality = series.modality.empty() ? "OT" : excerpt(series.modality);
+  std::transform(notes.modality.begin(), notes.modality.end(), notes.modality.begin(),
+                 [](unsigned char c) { return char(std::toupper(c)); });
+  const auto& type = series.rescale_type;
+  if (type == "HU" || (notes.modality == "CT" && (type.empty() || type == "US"))) notes.quantity = "HU";
+  return notes;
 }
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice&) {
-  const auto noted = [](std::unique_ptr<VolumeSource> source) {
-    return with_notes(std::move(source), {.world = World::patient, .unit = "mm", .modality = "OT"});
-  };
-  auto slices = choose_series(path);
-  if (slices.empty())
+std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice) {
+  const bool folder = std::filesystem::is_directory(path);
+  const auto all = folder ? find_series(path, true) : find_series_of(path);
+  if (all.empty())
     throw InputError(fmt::format("{} holds no DICOM or TIFF images", path.string()),
                      "give a folder with one series or stack, or a volume file");
-  if (slices.size() == 1 && slices.front().grid.dims.z > 1)
-    return noted(std::make_unique<MultiFrameSource>(std::move(slices.front())));
-  sort_slices(slices);
-  require_alike(slices);
-  const Grid grid = stack_grid(slices, path);
-  return noted(std::make_unique<DicomSource>(grid, std::move(slices)));
+  const auto& series = choose_series(all, choice.series, path.string());
+  const bool multi_frame = series.images.size() == 1 && series.images.front().frames > 1;
+  auto opened = multi_frame ? open_frames(series.images.front(), choice) : open_series(series, choice, path);
+  auto notes = notes_of(series, opened.frames);
+  notes.series = describe(all);
+  return with_notes(std::move(opened.source), std::move(notes));
 }
 
 }  // namespace ringsplat::detail

@@ -63,7 +63,7 @@ class Copy {
     // The pixels' shape comes from what was checked.
     DicomItem rest = file_.elements;
     for (const auto tag : {dicom::samples, dicom::frames, dicom::rows, dicom::columns, dicom::bits_allocated,
-                           dicom::bits_stored, dicom::high_bit, dicom::is_signed, dicom::number})
+                           dicom::bits_stored, dicom::high_bit, dicom::is_signed})
       rest.values.erase(tag);
     // GDCM takes the distance of the first two frames.
     if (shape_.frames < 2) rest.values.erase(dicom::frame_offsets);
@@ -118,9 +118,13 @@ class Copy {
 
   Elements encoded(const DicomItem& item, DicomTag parent) const {
     Elements elements;
-    for (const auto& [tag, value] : item.values) elements[tag] = encoded(tag, value, parent);
+    for (const auto& [tag, value] : item.values)
+      if (find_dicom_rule(tag, parent)->told) elements[tag] = encoded(tag, value, parent);
     for (const auto& [tag, items] : item.sequences)
-      if (auto bytes = encoded(tag, items); !bytes.empty()) elements[tag] = std::move(bytes);
+      if (!find_dicom_rule(tag, parent)->told)
+        continue;
+      else if (auto bytes = encoded(tag, items); !bytes.empty())
+        elements[tag] = std::move(bytes);
     return elements;
   }
 

@@ -190,9 +190,9 @@ class Parser {
   }
 
   void keep(const Element& e, const DicomRule& rule, DicomItem& into) {
-    auto value = rule.vr == "US" || rule.vr == "FD" ? bytes_of(e) : text_of(e);
-    if (encoding_.big_endian && (rule.vr == "US" || rule.vr == "FD"))
-      std::reverse(value.begin(), value.end());
+    const bool binary = rule.vr == "US" || rule.vr == "UL" || rule.vr == "FD";
+    auto value = binary ? bytes_of(e) : text_of(e);
+    if (encoding_.big_endian && binary) std::reverse(value.begin(), value.end());
     if (value.empty()) return;
     if (!into.values.emplace(e.tag, std::move(value)).second) fail_twice(e.tag);
   }

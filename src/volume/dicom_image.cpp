@@ -37,8 +37,7 @@ struct DicomImage::Parts {
   MemoryFile copy;
   itk::GDCMImageIO::Pointer io;
   Grid grid;
-  std::string series;
-  int number = 0;
+  std::optional<DicomPlanes> planes;
   std::uint64_t stored_bytes = 0;  ///< before rescaling
 };
 
@@ -46,8 +45,7 @@ DicomImage::DicomImage(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) 
 DicomImage::~DicomImage() = default;
 DicomImage::DicomImage(DicomImage&&) noexcept = default;
 const Grid& DicomImage::grid() const { return parts_->grid; }
-const std::string& DicomImage::series() const { return parts_->series; }
-int DicomImage::number() const { return parts_->number; }
+const std::optional<DicomPlanes>& DicomImage::planes() const { return parts_->planes; }
 
 std::optional<DicomImage> DicomImage::open(const std::filesystem::path& path) {
   const auto file = read_dicom_file(path);
@@ -57,8 +55,7 @@ std::optional<DicomImage> DicomImage::open(const std::filesystem::path& path) {
               .copy = copy_dicom(*file, shape),
               .io = itk::GDCMImageIO::New(),
               .grid = {},
-              .series = {},
-              .number = 0,
+              .planes = {},
               .stored_bytes = shape.bytes()};
   with_itk(path, [&] {
     parts.io->SetFileName(parts.copy.path().string());
@@ -70,10 +67,8 @@ std::optional<DicomImage> DicomImage::open(const std::filesystem::path& path) {
         fmt::format("{}: GDCM takes its {} x {} x {} pixels for {} x {} x {}", path.string(), shape.columns,
                     shape.rows, shape.frames, parts.grid.dims.x, parts.grid.dims.y, parts.grid.dims.z),
         "convert it to another format");
-  require_frame_spacing(*file, parts.grid);
-  if (const auto* const series = file->elements.find(dicom::series)) parts.series = *series;
-  if (const auto* const number = file->elements.find(dicom::number))
-    parts.number = number_in<int>(trimmed(*number)).value_or(0);
+  if (shape.frames > 1) parts.planes = dicom_planes(*file, shape.frames);
+  if (!parts.planes) require_frame_spacing(*file, parts.grid);
   return DicomImage(std::make_unique<Parts>(std::move(parts)));
 }
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <optional>
 #include <span>
-#include <string>
 
 #include "ringsplat/volume/grid.hpp"
+#include "volume/dicom_planes.hpp"
 
 namespace ringsplat::detail {
 
@@ -21,8 +21,8 @@ class DicomImage {
   DicomImage(DicomImage&&) noexcept;
 
   const Grid& grid() const;  ///< of all frames; its type is that after rescaling
-  const std::string& series() const;
-  int number() const;  ///< Instance Number
+  /// Where its frames lie; nothing for a single one, and where GDCM alone knows.
+  const std::optional<DicomPlanes>& planes() const;
   /// All frames, grid().bytes() bytes.
   void read(std::span<std::byte> out);
 

@@ -8,12 +8,24 @@ namespace {
 
 using namespace dicom;
 
+constexpr DicomRule untold(DicomTag tag, std::string_view vr, std::string_view name, DicomTag parent = {}) {
+  return {.tag = tag, .vr = vr, .name = name, .parent = parent, .told = false};
+}
+
 constexpr std::array rules{
     DicomRule{storage_class, "UI", "SOP Class UID"},
     DicomRule{instance, "UI", "SOP Instance UID"},
     DicomRule{modality, "CS", "Modality"},
     DicomRule{series, "UI", "Series Instance UID"},
-    DicomRule{number, "IS", "Instance Number"},
+    untold(description, "LO", "Series Description"),
+    untold(series_number, "IS", "Series Number"),
+    untold(number, "IS", "Instance Number"),
+    untold(time_position, "IS", "Temporal Position Identifier"),
+    untold(b_value, "FD", "Diffusion b-value"),
+    untold(echo_time, "DS", "Echo Time"),
+    untold(trigger_time, "DS", "Trigger Time"),
+    untold(acquisition, "IS", "Acquisition Number"),
+    untold(acquisition_time, "TM", "Acquisition Time"),
     DicomRule{position, "DS", "Image Position Patient", 3},
     DicomRule{orientation, "DS", "Image Orientation Patient", 6},
     DicomRule{slice_distance, "DS", "Spacing Between Slices"},
@@ -35,6 +47,7 @@ constexpr std::array rules{
     DicomRule{is_signed, "US", "Pixel Representation"},
     DicomRule{intercept, "DS", "Rescale Intercept"},
     DicomRule{slope, "DS", "Rescale Slope"},
+    untold(rescale_type, "LO", "Rescale Type"),
     DicomRule{regions, "SQ", "Sequence of Ultrasound Regions"},
     DicomRule{delta_x, "FD", "Physical Delta X", 1, regions, true},
     DicomRule{delta_y, "FD", "Physical Delta Y", 1, regions, true},
@@ -50,6 +63,8 @@ constexpr std::array rules{
     DicomRule{plane_orientation, "SQ", "Plane Orientation Sequence", 1, shared_groups},
     DicomRule{pixel_measures, "SQ", "Pixel Measures Sequence", 1, shared_groups},
     DicomRule{pixel_transformation, "SQ", "Pixel Value Transformation Sequence", 1, shared_groups},
+    untold(frame_content, "SQ", "Frame Content Sequence", shared_groups),
+    untold(time_index, "UL", "Temporal Position Index", frame_content),
     DicomRule{position, "DS", "Image Position Patient", 3, plane_position, true},
     DicomRule{orientation, "DS", "Image Orientation Patient", 6, plane_orientation, true},
     DicomRule{pixel_spacing, "DS", "Pixel Spacing", 2, pixel_measures, true},

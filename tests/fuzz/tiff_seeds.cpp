@@ -15,6 +15,7 @@ struct TiffStack {
   bool big_endian = false, tiled = false;
   int compression = 1, format = 2, bits = 16;  ///< format: 1 unsigned, 2 signed, 3 floating point
   std::vector<Input> pages;                    ///< in their stored form
+  Input description = {};                      ///< of the first page
 
   Input bytes() const {
     Input out = big_endian ? Input("MM\0*", 4) : Input("II*\0", 4);
@@ -22,21 +23,29 @@ struct TiffStack {
     out += bytes_of(std::uint32_t{0}, big_endian);
     for (const Input& page : pages) {
       const auto at = std::uint32_t(out.size());
-      out += page;
+      out += page + description;
+      if (!description.empty()) out += '\0';
       if (out.size() % 2 != 0) out += '\0';
       const Input offset = bytes_of(std::uint32_t(out.size()), big_endian);
       out.replace(link, 4, offset);
       link = out.size() + 2 + 12 * fields(at, page).size();
       out += bytes_of(std::uint16_t(fields(at, page).size()), big_endian);
-      for (const auto& [tag, value] : fields(at, page))
-        out += bytes_of(std::uint16_t(tag), big_endian) + bytes_of(std::uint16_t{4}, big_endian) +
-               bytes_of(std::uint32_t{1}, big_endian) + bytes_of(value, big_endian);
+      for (const auto& [tag, value] : fields(at, page)) out += entry(tag, value);
       out += bytes_of(std::uint32_t{0}, big_endian);
     }
     return out;
   }
 
  private:
+  static constexpr int image_description = 270;
+
+  Input entry(int tag, std::uint32_t value) const {
+    const bool text = tag == image_description;
+    return bytes_of(std::uint16_t(tag), big_endian) + bytes_of(std::uint16_t(text ? 2 : 4), big_endian) +
+           bytes_of(std::uint32_t(text ? description.size() + 1 : 1), big_endian) +
+           bytes_of(value, big_endian);
+  }
+
   std::map<int, std::uint32_t> fields(std::uint32_t at, const Input& page) const {
     std::map<int, std::uint32_t> all{
         {256, nx}, {257, ny}, {258, std::uint32_t(bits)},  {259, std::uint32_t(compression)},
@@ -46,6 +55,7 @@ struct TiffStack {
     } else {
       all.insert({{273, at}, {278, ny}, {279, std::uint32_t(page.size())}});
     }
+    if (!description.empty()) all.insert({image_description, at + std::uint32_t(page.size())});
     return all;
   }
 };
@@ -79,7 +89,20 @@ std::vector<Input> tiff_seeds() {
   for (Input& page : deflated.pages) page = zlib_stream(page);
   for (Input& page : packed.pages) page = pack_bits(page);
   TiffStack tiles{.tiled = true, .format = 1, .bits = 8, .pages = std::vector<Input>(2, Input(256, 't'))};
-  return {little.bytes(), big.bytes(), floats.bytes(), deflated.bytes(), packed.bytes(), tiles.bytes()};
+  TiffStack ome{.pages = slices(samples<short>())}, image_j = ome, behind = ome;
+  ome.description =
+      "<?xml version=\"1.0\"?><OME><Image><Pixels DimensionOrder=\"XYCZT\" SizeX=\"5\" SizeY=\"4\" "
+      "SizeZ=\"1\" SizeC=\"3\" SizeT=\"1\" PhysicalSizeX=\"0.2\" PhysicalSizeXUnit=\"nm\" "
+      "PhysicalSizeZ=\"1\"><Channel Name=\"a&lt;\" SamplesPerPixel=\"1\"/><Channel/><Channel/>"
+      "<TiffData IFD=\"0\" FirstC=\"0\" PlaneCount=\"2\"/><TiffData IFD=\"2\" "
+      "FirstC=\"2\"/></Pixels></Image></OME>";
+  image_j.description =
+      "ImageJ=1.53t\nimages=3\nchannels=1\nslices=1\nframes=3\nhyperstack=true\nunit=\\u00B5m\nspacing=2\n";
+  behind.description = "ImageJ=1.53t\nimages=2\nslices=2\n";
+  behind.pages.resize(1);
+  return {ome.bytes(),      image_j.bytes(), behind.bytes() + samples<short>(),
+          little.bytes(),   big.bytes(),     floats.bytes(),
+          deflated.bytes(), packed.bytes(),  tiles.bytes()};
 }
 
 }  // namespace ringsplat::fuzz

@@ -244,6 +244,9 @@ std::vector<Input> dicom_seeds() {
   colour.samples = 3;
   colour.pixels = samples<short>().substr(0, 120);
   three.pixels = samples<short>();
+  scaled.more = Dicom::element(0x8, 0x103E, "LO", "Lung") + Dicom::element(0x20, 0x11, "IS", "2") +
+                Dicom::element(0x20, 0x100, "IS", "1") + Dicom::element(0x18, 0x9087, "FD", bytes_of(5.0)) +
+                Dicom::element(0x28, 0x1054, "LO", "HU");
   Input frames = three.bytes();
   frames.insert(frames.find(std::string("\x28\0\x10\0", 4)), Dicom::element(0x28, 8, "IS", "3"));
   // Pixels in fragments: an empty table of offsets, one fragment, the end.
@@ -341,6 +344,11 @@ const Words dicom_words{
     "1.2.840.10008.1.2.1.99", "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.70", "1.2.840.10008.1.2.4.90",
     "1.2.840.10008.1.2.5", "MONOCHROME1", "RGB", "PALETTE COLOR", "\xff\xff\xff\xff", "\xfe\xff\xdd\xe0",
     "\xfe\xff\x0d\xe0", "\xe0\x7f\x10"};
+const Words tiff_words{
+    "II", "MM", "ImageJ=", "images=", "channels=", "slices=", "frames=", "spacing=", "unit=um\n", "<OME", "<Pixels ",
+    "DimensionOrder=\"XYTZC\"", "SizeC=\"", "SizeZ=\"", "SizeT=\"", "<TiffData ", "IFD=\"", "FirstC=\"", "FirstZ=\"",
+    "PlaneCount=\"", "<!--", "-->", "<Channel ", "SamplesPerPixel=\"3\"", "PhysicalSizeX=\"", "1e-308", "/>",
+    "9223372036854775807", "-1"};
 const Words vtk_words{
     "ASCII", "BINARY", "DATASET STRUCTURED_POINTS", "DIMENSIONS ", "SPACING ", "ORIGIN ", "ASPECT_RATIO ",
     "POINT_DATA ", "CELL_DATA ", "SCALARS values ", "COLOR_SCALARS values 3", "VECTORS values float",
@@ -371,7 +379,7 @@ std::vector<Driver> volume_drivers() {
            {"n+1", "ni1", "n+2", "\x1f\x8b", "\x5c\x01", "\x01\x5c", "\x1c\x02", "\x02\x1c"},
            6000},
           {"dicom", run_dicom, dicom_seeds, dicom_words, 800},
-          {"tiff", run_tiff, tiff_seeds, {"II", "MM"}, 800},
+          {"tiff", run_tiff, tiff_seeds, tiff_words, 800},
           {"vtk", run_vtk, vtk_seeds, vtk_words, 6000},
           {"vti", run_vti, vti_seeds, vti_words, 6000},
           {"npy", run_npy, npy_seeds, npy_words, 6000},

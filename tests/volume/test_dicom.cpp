@@ -3,6 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <glm/geometric.hpp>
+#include <utility>
 
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
@@ -26,6 +29,63 @@ std::string written_by_oiio(const fs::path& path, const std::vector<std::uint8_t
   // DICOM has JPEG 2000's codestream without the boxes around it.
   const auto codestream = bytes.find("\xFF\x4F\xFF\x51");
   return codestream == std::string::npos ? bytes : bytes.substr(codestream);
+}
+
+/// One image of a series: where it lies, elements that tell it apart, the byte its pixels are made of.
+struct Placed {
+  std::string position;
+  std::string more = {};
+  char value = 'a';
+};
+
+std::string at_height(double z) { return fmt::format("0\\0\\{}", z); }
+
+fs::path write_images(const fs::path& folder, const std::vector<Placed>& images, Dicom image = {}) {
+  fs::create_directories(folder);
+  image.bits = 8;
+  image.is_signed = false;
+  for (const auto& [position, more, value] : images) {
+    image.position = position;
+    image.more = more;
+    image.pixels = std::string(std::size_t(nx * ny), value);
+    write(folder / fmt::format("{}.dcm", image.number), image.bytes());
+    ++image.number;
+  }
+  return folder;
+}
+
+/// The byte of each slice.
+std::string letters_of(VolumeSource& source) {
+  std::string letters;
+  for (int z = 0; z < source.grid().dims.z; ++z) letters += read_slice(source, z)[0];
+  return letters;
+}
+std::string letters_of(const fs::path& path, const VolumeChoice& choice = {}) {
+  return letters_of(*open_volume(path, {}, choice));
+}
+
+std::string complaint_of(const fs::path& path, const VolumeChoice& choice = {}) {
+  return message_of([&] { open_volume(path, {}, choice); });
+}
+
+std::string time_index(std::uint32_t time) {
+  return Dicom::sequence(0x20, 0x9111, {Dicom::element(0x20, 0x9128, "UL", bytes_of(time))});
+}
+
+/// A multi-frame image of which each frame has its position and other groups.
+Dicom frames_at(const std::vector<Placed>& frames) {
+  auto image = enhanced({});
+  image.frames = int(frames.size());
+  image.bits = 8;
+  image.is_signed = false;
+  image.pixels.clear();
+  std::vector<std::string> items;
+  for (const auto& [position, more, value] : frames) {
+    image.pixels += std::string(std::size_t(nx * ny), value);
+    items.push_back(plane_at(position) + more);
+  }
+  image.more = groups(0x9229, {shared_group("1")}) + groups(0x9230, items);
+  return image;
 }
 
 }  // namespace
@@ -266,4 +326,184 @@ TEST_CASE("a DICOM file without an ending is taken by its name, with its series"
   RawDescription raw;
   raw.type = ScalarType::int16;
   CHECK(says(message_of([&] { open_volume(folder / "IM000001", raw); }), "describes itself"));
+}
+
+TEST_CASE("series in folders below are found, listed and chosen", "[dicom]") {
+  const Folder folder;
+  Dicom scout, lung;
+  scout.series = "1.2.3.100.7";
+  scout.more = lung.more = "";
+  write_images(folder / "A",
+               {{at_height(0),
+                 Dicom::element(0x8, 0x103E, "LO", "Scout") + Dicom::element(0x20, 0x11, "IS", "1"), 's'}},
+               scout);
+  lung.series = "1.2.3.200.8";
+  const auto named = Dicom::element(0x8, 0x103E, "LO", "Lung 1.0") + Dicom::element(0x20, 0x11, "IS", "2");
+  write_images(folder / "B" / "C", {{at_height(0), named, 'l'}, {at_height(1), named, 'm'}}, lung);
+  fs::create_directory_symlink(folder.path(), folder / "B" / "loop");
+  fs::create_symlink("nowhere", folder / "B" / "broken");
+  {
+    const CapturedLog log;
+    const auto source = open_volume(folder.path());
+    CHECK(letters_of(*source) == "lm");
+    CHECK(source->notes().series ==
+          std::vector<std::string>{"1 slice CT, series 1, 'Scout', UID ...2.3.100.7",
+                                   "2 slices CT, series 2, 'Lung 1.0', UID ...2.3.200.8"});
+    CHECK(says(log.text(),
+               "holds 2 DICOM series, taken is the longest (2 slices); --series takes another: 1 "
+               "slice CT, series 1, 'Scout', UID ...2.3.100.7; 2 slices"));
+  }
+  for (const char* name : {"1", "scout", "1.2.3.100.7", "1.2.3.1", "100.7"}) {
+    CAPTURE(name);
+    CHECK(letters_of(folder.path(), {.series = name}) == "s");
+  }
+  CHECK(letters_of(folder.path(), {.series = "lung 1.0"}) == "lm");
+  CHECK(says(complaint_of(folder.path(), {.series = "1.2.3"}), "has 2 such series; hint: give"));
+  CHECK(says(complaint_of(folder.path(), {.series = "liver"}), "has no such series; hint: give"));
+  CHECK(letters_of(folder / "A", {.series = "1"}) == "s");
+}
+
+TEST_CASE("copies of a DICOM image count once", "[dicom]") {
+  const Folder folder;
+  write_images(folder / "a", {{at_height(0), "", 'a'}, {at_height(1), "", 'b'}});
+  fs::copy(folder / "a", folder / "b");
+  const CapturedLog log;
+  CHECK(letters_of(folder.path()) == "ab");
+  CHECK(says(log.text(), "2 files are copies of others and left out"));
+}
+
+TEST_CASE("time points of a DICOM series are told apart, not stacked", "[dicom]") {
+  const auto is = [](unsigned group, unsigned id, const char* vr) {
+    return [=](const std::string& value) { return Dicom::element(group, id, vr, value); };
+  };
+  const std::pair<const char*, std::function<std::string(const std::string&)>> kinds[] = {
+      {"temporal position", is(0x20, 0x100, "IS")},
+      {"trigger time", is(0x18, 0x1060, "DS")},
+      {"acquisition number", is(0x20, 0x12, "IS")},
+      {"acquisition time", is(0x8, 0x32, "TM")},
+      {"echo time", is(0x18, 0x81, "DS")},
+      {"b-value", [](const std::string& value) {
+         return Dicom::element(0x18, 0x9087, "FD", bytes_of(std::stod(value)));
+       }}};
+  for (const auto& [what, element] : kinds) {
+    CAPTURE(what);
+    const Folder folder;
+    write_images(folder.path(), {{at_height(3), element("20"), 'f'},
+                                 {at_height(0), element("20"), 'd'},
+                                 {at_height(3), element("9"), 'c'},
+                                 {at_height(0), element("9"), 'a'}});
+    const CapturedLog log;
+    const auto source = open_volume(folder.path());
+    CHECK(source->notes().frames == 2);
+    CHECK(source->grid().spacing.z == 3);
+    CHECK(letters_of(*source) == "ac");
+    CHECK(says(log.text(), "of 2 time points the first is shown; --frame takes another"));
+    CHECK(letters_of(folder.path(), {.frame = 1}) == "df");
+    CHECK(says(complaint_of(folder.path(), {.frame = 2}), "holds 2 time points; hint: they are numbered"));
+  }
+}
+
+TEST_CASE("time points that lack slices are refused", "[dicom]") {
+  const Folder folder;
+  write_images(folder.path(),
+               {{at_height(0)}, {at_height(1)}, {at_height(2)}, {at_height(0)}, {at_height(1)}});
+  CHECK(says(complaint_of(folder.path()),
+             "3 places have 1 to 2 images each, so they are no whole time points"));
+}
+
+TEST_CASE("a missing DICOM slice is filled in at its place", "[dicom]") {
+  const Folder folder;
+  write_images(folder.path(), {{at_height(0), "", 'a'},
+                               {at_height(2), "", 'c'},
+                               {at_height(4), "", 'e'},
+                               {at_height(10), "", 'n'},
+                               {at_height(12), "", 'q'}});
+  const CapturedLog log;
+  const auto source = open_volume(folder.path());
+  CHECK(source->grid().spacing.z == 2);
+  CHECK(letters_of(*source) == "acehknq");
+  CHECK(says(log.text(),
+             "2 slices are missing and filled in from their neighbours: 2 between 3.dcm and 4.dcm"));
+}
+
+TEST_CASE("slices at uneven distances are averaged, warned of or refused by how uneven they are", "[dicom]") {
+  const auto open = [](double jitter) {
+    const Folder folder;
+    write_images(folder.path(), {{at_height(0)}, {at_height(5 + jitter)}, {at_height(10)}, {at_height(15)}});
+    const CapturedLog log;
+    const auto text = message_of([&] {
+      const auto source = open_volume(folder.path());
+      CHECK(source->grid().dims.z == 4);
+      CHECK(source->grid().spacing.z == 5);
+    });
+    return text + log.text();
+  };
+  CHECK(open(0.04).empty());
+  CHECK(says(open(0.2), "slices are off their even places by up to 0.2 mm, 4 % of their distance"));
+  CHECK(says(open(0.5),
+             "not one stack of evenly spaced slices: 4 of them are 4.5 to 5.5 mm apart, and up to 0.5 mm"));
+  const Folder folder;
+  write_images(folder.path(), {{at_height(0)}, {at_height(1)}, {at_height(9)}});
+  CHECK(says(complaint_of(folder.path()), "3 of them are 1 to 8 mm apart"));
+}
+
+TEST_CASE("a tilted gantry's slices lie where they were taken", "[dicom]") {
+  const Folder folder;
+  write_images(folder.path(), {{"0\\0\\0"}, {"0\\3\\4"}, {"0\\6\\8"}});
+  const auto grid = open_volume(folder.path())->grid();
+  CHECK(grid.spacing.z == 5);
+  CHECK(glm::length(grid.direction[2] - glm::dvec3(0, 0.6, 0.8)) < 1e-12);
+  CHECK(grid.direction[1] == glm::dvec3(0, 1, 0));
+}
+
+TEST_CASE("slices of several orientations are refused", "[dicom]") {
+  const Folder folder;
+  write_images(folder.path(), {{at_height(0)}, {at_height(1)}});
+  Dicom turned;
+  turned.number = 3;
+  turned.orientation = "0\\1\\0\\0\\0\\-1";
+  write_images(folder.path(), {{at_height(2)}}, turned);
+  CHECK(says(complaint_of(folder.path()), "3.dcm is turned against the slices before it"));
+}
+
+TEST_CASE("frames lie where their groups say, in whatever order", "[dicom]") {
+  const Folder folder;
+  const auto write_frames = [&](const std::vector<Placed>& frames) {
+    return write(folder / "a.dcm", frames_at(frames).bytes());
+  };
+  // Slices ascend along -x, the rows' normal.
+  const auto mixed =
+      open_volume(write_frames({{"3\\8\\9", "", 'b'}, {"7\\8\\9", "", 'a'}, {"-1\\8\\9", "", 'c'}}));
+  CHECK(letters_of(*mixed) == "fgh");  // rescaled by 5
+  CHECK(mixed->grid().origin == glm::dvec3(7, 8, 9));
+  CHECK(mixed->grid().spacing == glm::dvec3(1, 2, 4));
+  CHECK(mixed->grid().direction[2] == glm::dvec3(-1, 0, 0));
+  const std::vector<Placed> times{{"0\\0\\0", time_index(2), 'x'},
+                                  {"-1\\0\\0", time_index(2), 'y'},
+                                  {"0\\0\\0", time_index(1), 'a'},
+                                  {"-1\\0\\0", time_index(1), 'b'}};
+  const auto first = open_volume(write_frames(times));
+  CHECK(first->notes().frames == 2);
+  CHECK(letters_of(*first) == "fg");
+  CHECK(letters_of(folder / "a.dcm", {.frame = 1}) == "}~");
+}
+
+TEST_CASE("a DICOM volume says what took it and what its values are", "[dicom]") {
+  const Folder folder;
+  const auto notes = [&](const char* modality, const std::string& type) {
+    Dicom image;
+    image.pixels = slice_of_samples(0);
+    if (!type.empty()) image.more = Dicom::element(0x28, 0x1054, "LO", type);
+    auto bytes = image.bytes();
+    const auto at = bytes.find(std::string("CS\2\0CT", 6));
+    REQUIRE(at != std::string::npos);
+    bytes.replace(at + 4, 2, modality);
+    return open_volume(write(folder / "a.dcm", bytes))->notes();
+  };
+  CHECK(notes("CT", "").modality == "CT");
+  CHECK(notes("CT", "").quantity == "HU");
+  CHECK(notes("CT", "HU").quantity == "HU");
+  CHECK(notes("CT", "OD").quantity.empty());
+  CHECK(notes("mr", "").modality == "MR");
+  CHECK(notes("MR", "").quantity.empty());
 }
