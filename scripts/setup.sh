@@ -15,7 +15,7 @@ required=(
   libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev
   libopenimageio-dev                          # pictures
   libboost-dev libturbojpeg0-dev              # the viewer's server and its JPEGs
-  libinsighttoolkit5-dev                      # volumes
+  libinsighttoolkit5-dev libhdf5-dev          # volumes
   libexpat1-dev liblz4-dev liblzma-dev        # volumes of VTK
   catch2                                      # tests
 )

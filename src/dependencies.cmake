@@ -28,6 +28,15 @@ pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
 # Blocks of VTK's XML files.
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
 
+# HDF5 without MPI: a build of it with another MPI than ours must not come into the process. Debian calls it
+# hdf5-serial; elsewhere hdf5 may be either.
+pkg_search_module(SerialHdf5 REQUIRED IMPORTED_TARGET hdf5-serial>=1.10.7 hdf5>=1.10.7)
+find_file(RINGSPLAT_HDF5_CONFIGURATION H5pubconf.h HINTS ${SerialHdf5_INCLUDE_DIRS} REQUIRED)
+file(STRINGS ${RINGSPLAT_HDF5_CONFIGURATION} parallel_hdf5 REGEX "^#define H5_HAVE_PARALLEL 1")
+if(parallel_hdf5)
+  message(FATAL_ERROR "${RINGSPLAT_HDF5_CONFIGURATION} is of an HDF5 built with MPI; install the serial one (Debian: libhdf5-dev)")
+endif()
+
 # The viewer's JPEGs.
 pkg_check_modules(TurboJpeg REQUIRED IMPORTED_TARGET libturbojpeg)
 

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
 #include <string_view>
 #include <utility>
 
@@ -17,23 +16,16 @@ namespace {
 
 using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&, const VolumeChoice&);
 
-constexpr std::array<std::pair<std::string_view, Open>, 17> formats{{{".nrrd", detail::open_nrrd},
-                                                                     {".nhdr", detail::open_nrrd},
-                                                                     {".mha", detail::open_meta},
-                                                                     {".mhd", detail::open_meta},
-                                                                     {".nii", detail::open_nifti},
-                                                                     {".nii.gz", detail::open_nifti},
-                                                                     {".hdr", detail::open_nifti},
-                                                                     {".img", detail::open_nifti},
-                                                                     {".img.gz", detail::open_nifti},
-                                                                     {".tif", detail::open_tiff},
-                                                                     {".tiff", detail::open_tiff},
-                                                                     {".vtk", detail::open_vtk},
-                                                                     {".vti", detail::open_vti},
-                                                                     {".pvti", detail::refuse_pvti},
-                                                                     {".npy", detail::open_npy},
-                                                                     {".npz", detail::refuse_npz},
-                                                                     {".dcm", detail::open_dicom}}};
+constexpr std::pair<std::string_view, Open> formats[] = {
+    {".nrrd", detail::open_nrrd}, {".nhdr", detail::open_nrrd},   {".mha", detail::open_meta},
+    {".mhd", detail::open_meta},  {".nii", detail::open_nifti},   {".nii.gz", detail::open_nifti},
+    {".hdr", detail::open_nifti}, {".img", detail::open_nifti},   {".img.gz", detail::open_nifti},
+    {".tif", detail::open_tiff},  {".tiff", detail::open_tiff},   {".vtk", detail::open_vtk},
+    {".vti", detail::open_vti},   {".pvti", detail::refuse_pvti}, {".npy", detail::open_npy},
+    {".npz", detail::refuse_npz}, {".dcm", detail::open_dicom},   {".h5", detail::open_hdf5},
+    {".hdf5", detail::open_hdf5}, {".he5", detail::open_hdf5},    {".hdf", detail::open_hdf5},
+    {".nc", detail::open_hdf5},   {".nc4", detail::open_hdf5},    {".vtkhdf", detail::open_hdf5},
+    {".mnc", detail::open_hdf5}};
 
 Open find_format(const std::filesystem::path& path) {
   const std::string name = detail::lower_case(path.filename().string());
@@ -100,16 +92,19 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
                                             const VolumeChoice& choice) {
   if (std::filesystem::is_directory(path))
     return open_described(path, has_tiff(path) ? detail::open_tiff : detail::open_dicom, raw, choice);
+  if (const auto [file, dataset] = detail::split_dataset(path); !dataset.empty())
+    return open_described(path, detail::open_hdf5, raw, choice);
   { const detail::InputFile readable(path); }
   if (const Open open = find_format(path)) return open_described(path, open, raw, choice);
   const bool named_raw = detail::lower_case(path.extension().string()) == ".raw";
   if (named_raw || raw.dims) return detail::open_raw(path, raw);
+  if (detail::is_hdf5(path)) return open_described(path, detail::open_hdf5, raw, choice);
   // Scanners often name their files without an ending.
   if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
-      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .npy .tif .dcm .raw or a folder, or describe a raw "
-      "file with --dims and --type");
+      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .tif .dcm .h5 .nc .npy .raw or a folder, or "
+      "describe a raw file with --dims and --type");
 }
 
 }  // namespace
