@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "app/watched_source.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "record/trace.hpp"
@@ -49,9 +48,10 @@ void check_memory(int width, int height, std::size_t pictures, const SliceMemory
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
            Progress& progress) {
-  progress.begin("loading", volume.grid.dims.z);
-  if (volume.source) volume.source = std::make_unique<WatchedSource>(std::move(volume.source), progress);
-  Scene scene = load_scene(volume, options, layout, wiring);
+  progress.begin("loading", 1);
+  LoadOptions told = options;
+  told.told = [&](double part) { progress.at(part); };
+  Scene scene = load_scene(volume, told, layout, wiring);
   progress.end();
   volume.source.reset();
   if (scene.range.empty())

@@ -11,6 +11,8 @@
 #include "net/blocks.hpp"
 #include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
+#include "scene/decoded_slices.hpp"
+#include "scene/load_pace.hpp"
 #include "volume/clipped.hpp"
 #include "volume/slice_ranges.hpp"
 
@@ -55,7 +57,12 @@ class Dealer {
         collectives_(collectives),
         process_of_gp_(std::size_t(gps)),
         slice_bytes_(grid_.slice_bytes(Axis::z)),
-        lit_(options.clip.value_or(whole_box(grid_))) {
+        lit_(options.clip.value_or(whole_box(grid_))),
+        batch_(std::max<int>(1, static_cast<int>(batch_bytes / std::max<std::size_t>(1, slice_bytes_)))),
+        pace_(grid_.dims.z, options.told) {
+    if (!volume.concurrent || volume.slab_depth > 1)
+      decoded_.emplace(volume.source.get(), grid_, volume.slab_depth, collectives.process(),
+                       volume.concurrent ? collectives.processes() : 1, batch_);
     for (std::size_t p = 0; p < gps_of_process.size(); ++p)
       for (const int gp : gps_of_process[p]) process_of_gp_[std::size_t(gp)] = static_cast<int>(p);
     for (const int gp : gps_of_process[std::size_t(collectives.process())])
@@ -64,12 +71,12 @@ class Dealer {
   }
 
   std::map<int, SliceStore> deal() {
-    const int batch =
-        std::max<int>(1, static_cast<int>(batch_bytes / std::max<std::size_t>(1, slice_bytes_)));
-    for (int z = 0; z < grid_.dims.z; z += batch) {
-      const int end = std::min(grid_.dims.z, z + batch);
-      if (!volume_.concurrent) hand_out_windows(z, end);
+    for (int z = 0; z < grid_.dims.z;) {
+      const int end = next_end(z);
+      if (decoded_) hand_out(z, end);
       exchange(z, end);
+      pace_.dealt(end);
+      z = end;
     }
     return std::move(stores_);
   }
@@ -78,34 +85,42 @@ class Dealer {
   int owning_process(int z) const { return process_of_gp_[std::size_t(SliceStore::owner_of(z, gps_))]; }
   bool mine(int z) const { return owning_process(z) == collectives_.process(); }
 
-  /// Process 0 decodes slices [z0, z1) and their neighbours and gives each owner what its normals need.
-  void hand_out_windows(int z0, int z1) {
-    std::vector<Block> out(std::size_t(collectives_.processes()));
-    std::string error;
-    if (collectives_.process() == 0) {
+  /// The end of the batch of slices that begins at z. Slices and their neighbours are decoded before it.
+  int next_end(int z) {
+    const int end = std::min(grid_.dims.z, z + batch_);
+    if (!decoded_) return end;
+    const auto known = [&] { return decoded_->end() == grid_.dims.z ? grid_.dims.z : decoded_->end() - 1; };
+    while (known() <= z) {
+      std::string error;
       try {
-        decode_up_to(std::min(grid_.dims.z, z1 + 1));
-        for (int p = 0; p < collectives_.processes(); ++p)
-          for (int z = std::max(0, z0 - 1); z < std::min(grid_.dims.z, z1 + 1); ++z)
-            if (needed_by(p, z, z0, z1)) {
-              put(out[std::size_t(p)], z);
-              const auto& slice = window_.at(z);
-              out[std::size_t(p)].insert(out[std::size_t(p)].end(), slice.begin(), slice.end());
-            }
-        window_.erase(window_.begin(), window_.lower_bound(z1 - 1));
+        decoded_->decode_group(z - 1, [&](double read) { pace_.read(read); });
       } catch (const InputError& e) {
         error = e.what();
       }
+      agree(collectives_, error);
     }
-    agree(collectives_, error);
-    const auto in = collectives_.all_to_all(std::move(out));
+    return std::min(end, known());
+  }
+
+  /// Whoever has decoded slices [z0, z1) and their neighbours gives them to those that need them.
+  void hand_out(int z0, int z1) {
+    std::vector<Block> out(std::size_t(collectives_.processes()));
+    for (int z = std::max(0, z0 - 1); z < std::min(grid_.dims.z, z1 + 1); ++z) {
+      const std::byte* slice = decoded_->find(z);
+      for (int p = 0; slice != nullptr && p < collectives_.processes(); ++p)
+        if (p != collectives_.process() && needed_by(p, z, z0, z1)) {
+          Block& block = out[std::size_t(p)];
+          put(block, z);
+          block.insert(block.end(), slice, slice + slice_bytes_);
+        }
+    }
     received_.clear();
-    const std::span<const std::byte> from_reader = in.front();
-    for (std::size_t at = 0; at < from_reader.size();) {
-      const int z = get<int>(from_reader, at);
-      const auto bytes = get_bytes(from_reader, at, slice_bytes_);
-      received_[z].assign(bytes.begin(), bytes.end());
-    }
+    for (const auto& in : collectives_.all_to_all(std::move(out)))
+      for (std::size_t at = 0; at < in.size();) {
+        const int z = get<int>(in, at);
+        const auto bytes = get_bytes(in, at, slice_bytes_);
+        received_[z].assign(bytes.begin(), bytes.end());
+      }
   }
 
   bool needed_by(int process, int z, int z0, int z1) const {
@@ -115,20 +130,13 @@ class Dealer {
     return false;
   }
 
-  void decode_up_to(int end) {
-    while (decoded_ < end) {
-      Block slice(slice_bytes_);
-      volume_.source->read_slices(decoded_, 1, slice);
-      window_.emplace(decoded_++, std::move(slice));
-    }
-  }
-
   const std::byte* slice_at(int z) {
     if (z < 0 || z >= grid_.dims.z) return nullptr;
+    if (const std::byte* own = decoded_ ? decoded_->find(z) : nullptr) return own;
     const auto found = received_.find(z);
     if (found != received_.end()) return found->second.data();
-    if (!volume_.source)
-      throw RunError(fmt::format("rank 0 did not hand out slice {}", z), "all ranks must run the same build");
+    if (decoded_)
+      throw RunError(fmt::format("no rank handed out slice {}", z), "all ranks must run the same build");
     Block slice(slice_bytes_);
     volume_.source->read_slices(z, 1, slice);
     return received_.emplace(z, std::move(slice)).first->second.data();
@@ -139,7 +147,7 @@ class Dealer {
     std::vector<Block> out(std::size_t(collectives_.processes()));
     std::string error;
     try {
-      if (volume_.concurrent) received_.erase(received_.begin(), received_.lower_bound(z0 - 1));
+      if (!decoded_) received_.erase(received_.begin(), received_.lower_bound(z0 - 1));
       for (int z = z0; z < z1; ++z)
         if (mine(z)) send_slice(z, out);
     } catch (const InputError& e) {
@@ -225,9 +233,10 @@ class Dealer {
   std::size_t slice_bytes_;
   VoxelBox lit_;  ///< where normals are made
   std::map<int, SliceStore> stores_;
-  std::map<int, Block> window_;    ///< process 0's decoded slices that are still needed
-  std::map<int, Block> received_;  ///< z slices this process has for the round
-  int decoded_ = 0;
+  int batch_;                             ///< slices of a round
+  std::optional<DecodedSlices> decoded_;  ///< not where every process reads its own slices
+  std::map<int, Block> received_;         ///< z slices this process has for the round
+  LoadPace pace_;
 };
 
 /// Gathers the values of all processes; a process may have none.
@@ -265,6 +274,7 @@ std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uin
 struct Known {
   Grid grid;
   std::uint8_t concurrent = 0;
+  std::int32_t slab_depth = 1;
 };
 
 /// Copies `known` into `volume`; throws RunError when such a volume cannot exist.
@@ -273,11 +283,13 @@ void take_known(const Known& known, OpenedVolume& volume) {
   try {
     if (type < 0 || type > last || known.concurrent > 1) throw InputError("its type is none");
     check(known.grid, "its grid");
+    if (known.slab_depth < 1) throw InputError("its slabs have no slices");
   } catch (const InputError& e) {
     throw RunError(fmt::format("rank 0 announced a volume that cannot be: {}", e.what()));
   }
   volume.grid = known.grid;
   volume.concurrent = known.concurrent == 1;
+  volume.slab_depth = known.slab_depth;
 }
 
 bool is_of(const Grid& grid, const SliceRange& range) {
@@ -319,7 +331,9 @@ OpenedVolume open_everywhere(Collectives& collectives,
   agree(collectives, error);
 
   Block block;
-  if (volume.source) block = block_of_value(Known{volume.source->grid(), volume.source->concurrent()});
+  if (volume.source)
+    block = block_of_value(
+        Known{volume.source->grid(), volume.source->concurrent(), volume.source->slab_depth()});
   block = collectives.broadcast(std::move(block), 0);
   take_known(value_of<Known>(block, "a volume's grid"), volume);
   if (!volume.concurrent) return volume;

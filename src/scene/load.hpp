@@ -25,6 +25,8 @@ struct LoadOptions {
   /// The part of the volume that is shown. Slices are kept whole, normals are made within it: those of lit
   /// splats are right in frames with this clip box only.
   std::optional<VoxelBox> clip = std::nullopt;
+  /// Told now and then which part of the loading's time has passed, 0 ... 1; the processes are in step.
+  std::function<void(double part)> told = {};
 };
 
 struct OpenedVolume {
@@ -33,6 +35,7 @@ struct OpenedVolume {
   std::unique_ptr<VolumeSource> source;
   Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
   VolumeNotes notes = {};  ///< on process 0
+  int slab_depth = 1;      ///< the source's, on every process
 };
 
 /// Opens the volume on process 0, and on all processes when it can be read concurrently; then all must see
@@ -44,11 +47,13 @@ OpenedVolume open_everywhere(Collectives& collectives,
                              const std::string& name = "the volume");
 
 /// Deals the volume to the GPs: GP g gets slices s ≡ g (mod G) of each kept axis, with quantised normals. A
-/// process holds at most its GPs' share of the volume and one batch of slices.
+/// process holds at most its GPs' share of the volume and one batch of slices, or one of the source's slabs.
 ///
-/// z slices are read whole, by their owner when the source is concurrent and by process 0 in ascending order
-/// otherwise; the other two axes come by exchange. `gps_of_process[p]` lists the GPs that process p hosts.
-/// Returns this process's stores by GP. All processes throw the same InputError when one cannot read.
+/// z slices are read whole. A concurrent source's are read by their owners, or slab by slab, where it decodes
+/// several together, by all processes in turn, which hand them to their owners; another source's are read by
+/// process 0 in ascending order. The other two axes come by exchange. `gps_of_process[p]` lists the GPs that
+/// process p hosts. Returns this process's stores by GP. All processes throw the same InputError when one
+/// cannot read.
 std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, int gps,
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives);

@@ -48,6 +48,7 @@ class SkippingSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
+  int slab_depth() const override { return reduced_slab_depth(full_.slab_depth(), {factor_, false}); }
   Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     for_each_slice(grid_, first, count, out,
@@ -87,6 +88,7 @@ class HalvedSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
+  int slab_depth() const override { return reduced_slab_depth(full_.slab_depth(), {2, true}); }
   Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     for_each_slice(grid_, first, count, out,
@@ -190,6 +192,10 @@ Grid reduced_grid(const Grid& grid, const Reduction& reduction) {
   reduced.spacing = grid.spacing * double(reduction.factor);
   if (reduction.prefilter) reduced.origin += grid.direction * (grid.spacing * (0.5 * (reduction.factor - 1)));
   return reduced;
+}
+
+int reduced_slab_depth(int depth, const Reduction& reduction) {
+  return std::max(1, depth / reduction.factor);
 }
 
 VoxelBox reduced_box(const VoxelBox& box, const Grid& grid, const Reduction& reduction) {
