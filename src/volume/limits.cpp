@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -11,6 +12,15 @@
 #include "volume/input_file.hpp"
 
 namespace ringsplat::detail {
+
+std::uint64_t bytes_of_volumes(const std::filesystem::path& file, std::uint64_t bytes, std::uint64_t count,
+                               std::uint64_t before) {
+  constexpr auto most = std::uint64_t(std::numeric_limits<std::int64_t>::max());
+  if (before > most || (count > 0 && bytes > (most - before) / count))
+    throw InputError(fmt::format("{}: {} volumes of {} bytes overflow 64 bits", file.string(), count, bytes),
+                     "correct the sizes in the header");
+  return before + count * bytes;
+}
 
 void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::uint64_t offset,
                    std::uint64_t bytes) {

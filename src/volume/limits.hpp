@@ -9,6 +9,11 @@ namespace ringsplat::detail {
 inline constexpr std::uint64_t deflate_best_ratio = 1032;
 inline constexpr std::uint64_t any_best_ratio = 100'000;
 
+/// The bytes of `count` volumes of `bytes` bytes, and `before` others before them. Throws InputError when
+/// they overflow 63 bits.
+std::uint64_t bytes_of_volumes(const std::filesystem::path& file, std::uint64_t bytes, std::uint64_t count,
+                               std::uint64_t before = 0);
+
 /// Throws InputError unless `bytes` bytes from `offset` on fit into a file of `size`.
 void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::uint64_t offset,
                    std::uint64_t bytes);

@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "volume/channels.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
 #include "volume/input_file.hpp"
+#include "volume/limits.hpp"
 #include "volume/meta_header.hpp"
 #include "volume/slice_files.hpp"
 #include "volume/stored_source.hpp"
@@ -150,17 +152,23 @@ int dimensions_of_a_file(const std::filesystem::path& path, const MetaHeader& he
   return dimensions;
 }
 
-std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path, const MetaHeader& header) {
+/// `grid`: of one frame.
+std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path, const MetaHeader& header,
+                                               const Grid& grid, int frame) {
   if (!header.binary || header.compressed)
     fail_data_file(path, header,
                    fmt::format("names several files of {}", header.binary ? "compressed voxels" : "text"),
                    "write the volume into one file");
-  const std::int64_t files = dimensions_of_a_file(path, header) > 2 ? 1 : header.grid.dims.z;
+  const std::int64_t files_of_frame = dimensions_of_a_file(path, header) > 2 ? 1 : grid.dims.z;
+  const auto files =
+      std::int64_t(bytes_of_volumes(path, std::uint64_t(files_of_frame), std::uint64_t(header.frames)));
   const auto names =
       is_list(header) ? names_of_list(path, header, files) : names_of_pattern(path, header, files);
   SliceFiles slices{.files = {}, .header_size = header.header_size, .big_endian = header.big_endian};
-  for (const auto& name : names) slices.files.push_back(path.parent_path() / name);
-  return slice_files_source(header.grid, std::move(slices));
+  const auto first = names.begin() + std::ptrdiff_t(frame * files_of_frame);
+  for (auto name = first; name != first + std::ptrdiff_t(files_of_frame); ++name)
+    slices.files.push_back(path.parent_path() / *name);
+  return slice_files_source(grid, std::move(slices));
 }
 
 /// The offset of one file's voxels. HeaderSize applies only to uncompressed voxels in a file of their own.
@@ -171,27 +179,49 @@ std::uint64_t voxel_offset(const MetaHeader& header, std::uint64_t file_bytes, s
   return std::uint64_t(header.header_size);
 }
 
-/// The voxels, which the header describes.
-std::unique_ptr<VolumeSource> source_of(const std::filesystem::path& path, const MetaHeader& header) {
+/// The interleaved voxels of one frame, which the header describes.
+std::unique_ptr<VolumeSource> source_of(const std::filesystem::path& path, const MetaHeader& header,
+                                        const Grid& grid, int frame) {
   if (is_list(header) || header.data_file.find('%') != std::string::npos)
-    return open_slice_files(path, header);
+    return open_slice_files(path, header, grid, frame);
   const auto file = header.is_local() ? path : path.parent_path() / header.data_file;
+  if (!header.binary && header.frames > 1)
+    fail_data_file(path, header, fmt::format("has {} volumes in text", header.frames),
+                   "write them in binary");
   if (!header.binary)
     return text_source(
-        header.grid, file,
+        grid, file,
         header.is_local() ? header.end : std::uint64_t(std::max<std::int64_t>(0, header.header_size)));
-  return stored_source(header.grid,
-                       {.file = file,
-                        .offset = voxel_offset(header, InputFile(file).size(), header.grid.bytes()),
-                        .compressed = header.compressed,
-                        .big_endian = header.big_endian,
-                        .type = header.grid.type});
+  const auto size = InputFile(file).size();
+  const auto total = bytes_of_volumes(path, grid.bytes(), std::uint64_t(header.frames));
+  const auto offset = voxel_offset(header, size, total);
+  if (header.compressed)
+    require_compressed_bytes(file, size - std::min(size, offset), total, deflate_best_ratio);
+  else
+    require_bytes(file, size, offset, total);
+  const auto before = std::uint64_t(frame) * grid.bytes();
+  return stored_source(grid, {.file = file,
+                              .offset = offset + (header.compressed ? 0 : before),
+                              .compressed = header.compressed,
+                              .skip = header.compressed ? before : 0,
+                              .big_endian = header.big_endian,
+                              .type = grid.type});
 }
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice&) {
-  return with_notes(source_of(path, read_meta_header(path)), {.world = World::patient, .unit = "mm"});
+std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice& choice) {
+  const auto header = read_meta_header(path);
+  const auto wide = interleaved_grid(header.grid, header.channels, path.string());
+  auto source = source_of(path, header, wide, std::clamp(choice.frame.value_or(0), 0, header.frames - 1));
+  if (header.channels > 1) {
+    const auto taken = choose_channel(choice.channel, header.channels,
+                                      are_colours(header.grid.type, header.channels), path.string());
+    source = channel_source(std::move(source), header.grid, header.channels, taken);
+  }
+  return with_notes(
+      std::move(source),
+      {.world = World::patient, .unit = "mm", .frames = header.frames, .channels = header.channels});
 }
 
 }  // namespace ringsplat::detail

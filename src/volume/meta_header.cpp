@@ -78,11 +78,12 @@ class Reader {
     header.big_endian = flag("BinaryDataByteOrderMSB", flag("ElementByteOrderMSB", header.big_endian));
     header.header_size = integer("HeaderSize", 0, -1);
     integer("CompressedDataSize", 0, 0);
-    if (const auto channels = integer("ElementNumberOfChannels", 1, 1); channels != 1)
-      fail(fmt::format("{} values per voxel", channels),
-           "only scalar volumes can be rendered: extract one channel");
+    const auto channels = integer("ElementNumberOfChannels", 1, 1);
+    if (channels > std::numeric_limits<int>::max())
+      fail(fmt::format("ElementNumberOfChannels is {}", channels), "correct the header");
+    header.channels = int(channels);
     header.dimensions = read_dimensions();
-    header.grid = read_grid(std::size_t(header.dimensions));
+    header.grid = read_grid(std::size_t(header.dimensions), header.frames);
     check(header.grid, path_.string());
     return header;
   }
@@ -194,7 +195,8 @@ class Reader {
     return *n;
   }
 
-  Grid read_grid(std::size_t count) const {
+  /// `frames`: set where the header has four dimensions.
+  Grid read_grid(std::size_t count, int& frames) const {
     Grid grid;
     grid.type = element_type();
     const auto sizes = numbers<std::int64_t>("DimSize", required("DimSize"), count);
@@ -202,8 +204,7 @@ class Reader {
       if (sizes[i] < 1 || sizes[i] > std::numeric_limits<int>::max())
         fail(fmt::format("DimSize is {} along axis {}", sizes[i], i),
              "every dimension must be at least 1 and less than 2^31");
-    if (count > 3 && sizes[3] > 1)
-      fail(fmt::format("{} dimensions", count), "extract one volume of the series");
+    if (count > 3) frames = int(sizes[3]);
     const auto spacing = reals({"ElementSpacing", "ElementSize"}, count);
     const auto origin = reals({"Offset", "Position", "Origin", "ImagePosition"}, count);
     const auto matrix = reals({"TransformMatrix", "Rotation", "Orientation"}, count * count);

@@ -13,6 +13,8 @@ namespace ringsplat::detail {
 struct MetaHeader {
   Grid grid;
   int dimensions = 3;  ///< NDims, 2 to 4
+  int frames = 1;      ///< along the fourth dimension
+  int channels = 1;    ///< numbers in a voxel
   bool binary = true;  ///< else the voxels are numbers in text
   bool compressed = false;
   bool big_endian = std::endian::native == std::endian::big;

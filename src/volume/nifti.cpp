@@ -108,15 +108,12 @@ std::unique_ptr<VolumeSource> source_of(NiftiImage image, const VolumeChoice& ch
   const auto wide = interleaved_grid(image.grid, image.colours, path.string());
   const auto volumes = std::uint64_t(image.frames) * std::uint64_t(image.vectors);
   const auto before = stored.compressed ? stored.skip : stored.offset;
-  if (wide.bytes() > (std::uint64_t(std::numeric_limits<std::int64_t>::max()) - before) / volumes)
-    throw InputError(
-        fmt::format("{}: {} volumes of {} bytes overflow 64 bits", path.string(), volumes, wide.bytes()),
-        "correct the sizes in the header");
+  const auto total = bytes_of_volumes(path, wide.bytes(), volumes, before);
   const auto size = InputFile(stored.file).size();
   if (stored.compressed)
-    require_compressed_bytes(stored.file, size, before + wide.bytes() * volumes, deflate_best_ratio);
+    require_compressed_bytes(stored.file, size, total, deflate_best_ratio);
   else
-    require_bytes(stored.file, size, before, wide.bytes() * volumes);
+    require_bytes(stored.file, size, before, total - before);
 
   if (image.vectors > 1 && image.colours > 1)
     throw InputError(fmt::format("{}: {} colours a voxel", path.string(), image.vectors),

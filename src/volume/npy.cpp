@@ -110,9 +110,7 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   const auto wide = interleaved_grid(grid, axes.components, path.string());
   const auto size = InputFile(path).size();
   const auto frame = std::uint64_t(std::clamp(choice.frame.value_or(0), 0, axes.frames - 1));
-  if (wide.bytes() > std::numeric_limits<std::int64_t>::max() / std::uint64_t(axes.frames))
-    fail(path, fmt::format("its array has the shape {}", text_of(header.shape)), "correct the header");
-  require_bytes(path, size, header.end, wide.bytes() * std::uint64_t(axes.frames));
+  require_bytes(path, size, header.end, bytes_of_volumes(path, wide.bytes(), std::uint64_t(axes.frames)));
   auto source = header.fortran_order ? transposed_source(wide, path, header.end, header.big_endian)
                                      : stored_source(wide, {.file = path,
                                                             .offset = header.end + frame * wide.bytes(),

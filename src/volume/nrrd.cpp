@@ -1,18 +1,21 @@
-#include <NrrdIO.h>
 #include <fmt/format.h>
 #include <itkNrrdImageIO.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
 #include <string>
+#include <utility>
 
+#include "volume/channels.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
 #include "volume/input_file.hpp"
 #include "volume/itk_image.hpp"
 #include "volume/limits.hpp"
 #include "volume/nrrd_files.hpp"
+#include "volume/nrrd_layout.hpp"
 #include "volume/stored_source.hpp"
 
 namespace ringsplat::detail {
@@ -39,6 +42,7 @@ class NrrdHeader {
   NrrdHeader& operator=(const NrrdHeader&) = delete;
 
   const NrrdIoState& io() const { return *io_; }
+  const Nrrd& nrrd() const { return *nrrd_; }
   /// ITK keeps the low 32 bits of a larger size.
   void require_sizes_of_int() const {
     for (unsigned i = 0; i < nrrd_->dim; ++i)
@@ -51,6 +55,9 @@ class NrrdHeader {
     const bool patient =
         nrrd_->space > nrrdSpaceUnknown && nrrd_->space <= nrrdSpaceLeftPosteriorSuperiorTime;
     return patient ? VolumeNotes{.world = World::patient, .unit = "mm"} : VolumeNotes{};
+  }
+  bool is_left_anterior() const {
+    return nrrd_->space == nrrdSpaceLeftAnteriorSuperior || nrrd_->space == nrrdSpaceLeftAnteriorSuperiorTime;
   }
   bool is_nrrd() const { return io_->format == nrrdFormatNRRD; }
   bool names_data_files() const { return io_->dataFNFormat != nullptr || io_->dataFNArr->len > 0; }
@@ -106,6 +113,24 @@ void require_files(const std::filesystem::path& path, const NrrdIoState& io, con
   require_compressed_bytes(path, compressed, grid.bytes(), deflate_best_ratio);
 }
 
+bool is_stored(const NrrdHeader& header) {
+  const auto* encoding = header.io().encoding;
+  return !header.several_files() && (encoding == nrrdEncodingGzip || encoding == nrrdEncodingRaw);
+}
+
+/// The voxels of one file, raw or gzip.
+StoredVoxels stored_of(const NrrdHeader& header, ScalarType type, const std::filesystem::path& path) {
+  const bool gzip = header.io().encoding == nrrdEncodingGzip;
+  if (gzip && header.io().byteSkip < 0)
+    throw InputError(fmt::format("{}: 'byte skip: -1' in compressed data", path.string()),
+                     "give the number of bytes");
+  StoredVoxels stored{.file = header.data_file(), .offset = header.offset(), .compressed = gzip};
+  stored.skip = gzip ? std::uint64_t(header.io().byteSkip) : 0;
+  stored.big_endian = header.io().endian == airEndianBig;
+  stored.type = type;
+  return stored;
+}
+
 /// The voxels, which the header describes.
 std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, itk::NrrdImageIO& io, const Grid& grid,
                                         const std::filesystem::path& path) {
@@ -113,19 +138,8 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, itk::NrrdImage
     require_files(path, header.io(), grid);
     return itk_source(&io, grid, path);
   }
-
+  if (is_stored(header)) return stored_source(grid, stored_of(header, grid.type, path));
   const auto* encoding = header.io().encoding;
-  const bool gzip = encoding == nrrdEncodingGzip;
-  if (gzip || encoding == nrrdEncodingRaw) {
-    if (gzip && header.io().byteSkip < 0)
-      throw InputError(fmt::format("{}: 'byte skip: -1' in compressed data", path.string()),
-                       "give the number of bytes");
-    StoredVoxels stored{.file = header.data_file(), .offset = header.offset(), .compressed = gzip};
-    stored.skip = gzip ? std::uint64_t(header.io().byteSkip) : 0;
-    stored.big_endian = header.io().endian == airEndianBig;
-    stored.type = grid.type;
-    return stored_source(grid, stored);
-  }
   if (encoding == nrrdEncodingAscii)
     require_numbers(header.data_file(), header.offset(), std::uint64_t(grid.voxels()));
   else if (encoding == nrrdEncodingHex)
@@ -137,9 +151,42 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, itk::NrrdImage
   return itk_source(&io, grid, path);
 }
 
+/// One frame and channel of a volume with axes of those.
+std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, const NrrdLayout& layout,
+                                        const VolumeChoice& choice, const std::filesystem::path& path) {
+  if (!is_stored(header))
+    throw InputError(
+        fmt::format("{}: several volumes or components as {}", path.string(),
+                    header.several_files() ? "several files"
+                                           : fmt::format("encoding '{}'", header.io().encoding->name)),
+        "write it anew in one file with encoding gzip or raw");
+  const auto wide = interleaved_grid(layout.grid, layout.leading, path.string());
+  auto stored = stored_of(header, wide.type, path);
+  const auto before = stored.compressed ? stored.skip : stored.offset;
+  const auto total = bytes_of_volumes(path, wide.bytes(), layout.volumes, before);
+  const auto size = InputFile(stored.file).size();
+  if (stored.compressed)
+    require_compressed_bytes(stored.file, size, total, deflate_best_ratio);
+  else
+    require_bytes(stored.file, size, before, total - before);
+
+  const int frame = std::clamp(choice.frame.value_or(0), 0, layout.frames - 1);
+  const auto channel = layout.channels > 1
+                           ? choose_channel(choice.channel, layout.channels, layout.colours, path.string())
+                           : ChannelChoice{.index = 0};
+  const auto volume = std::uint64_t(frame) * layout.frame_stride +
+                      std::uint64_t(channel.index.value_or(0)) * layout.channel_stride;
+  (stored.compressed ? stored.skip : stored.offset) += volume * wide.bytes();
+  auto source = stored_source(wide, stored);
+  if (layout.leading == 1) return source;
+  const bool of_frames = layout.leading_is == NrrdLayout::Axis::frames;
+  return channel_source(std::move(source), layout.grid, layout.leading,
+                        of_frames ? ChannelChoice{.index = frame} : channel);
+}
+
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const VolumeChoice&) {
+std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const VolumeChoice& choice) {
   return with_itk(path, [&]() -> std::unique_ptr<VolumeSource> {
     require_nrrdio_can_read(path);
     const NrrdHeader header(path);
@@ -147,10 +194,17 @@ std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const
       throw InputError(fmt::format("{} does not begin with the letters NRRD", path.string()),
                        "rename it to its own format's ending");
     header.require_sizes_of_int();
+    if (const auto layout = nrrd_layout(header.nrrd(), path)) {
+      auto notes = header.notes();
+      notes.frames = layout->frames;
+      notes.channels = layout->channels;
+      return with_notes(source_of(header, *layout, choice, path), notes);
+    }
     auto io = itk::NrrdImageIO::New();
     io->SetFileName(path.string());
     io->ReadImageInformation();
-    const Grid grid = grid_of(*io, path);
+    Grid grid = grid_of(*io, path);
+    if (header.is_left_anterior()) grid = nrrd_grid(header.nrrd(), path);
     return with_notes(source_of(header, *io, grid, path), header.notes());
   });
 }

@@ -125,6 +125,27 @@ void run_nrrd(std::span<const std::byte> input) {
   open_and_use(contains(text, "data file") || contains(text, "datafile") ? "a.nhdr" : "a.nrrd", input);
 }
 
+/// Of time points, vectors and colours.
+std::vector<Input> nrrd_seeds_of_more_axes() {
+  const auto little = samples<short>();
+  const auto with = [&](const std::string& fields) {
+    return "NRRD0005\ntype: short\nencoding: raw\nendian: little\n" + fields + "\n" + little;
+  };
+  return {
+      with("dimension: 4\nsizes: 5 4 1 3\nkinds: domain domain domain time\n"),
+      with("dimension: 4\nsizes: 3 5 4 1\nkinds: list domain domain domain\n"),
+      with("dimension: 4\nsizes: 3 5 4 1\nkinds: RGB-color space space space\nspace: left-anterior-superior\n"
+           "space directions: none (1,0,0) (0,2,0) (0,0.5,3)\n"),
+      "NRRD0005\ntype: uint8\nencoding: gzip\ndimension: 4\nsizes: 5 4 1 3\n\n" +
+          gzip(samples<std::uint8_t>())};
+}
+
+std::vector<Input> all_nrrd_seeds() {
+  auto seeds = nrrd_seeds();
+  for (auto& more : nrrd_seeds_of_more_axes()) seeds.push_back(std::move(more));
+  return seeds;
+}
+
 std::vector<Input> meta_seeds() {
   const auto little = samples<short>(), packed = zlib_stream(little);
   return with_kept(
@@ -142,6 +163,8 @@ std::vector<Input> meta_seeds() {
             "BinaryData = True\nBinaryDataByteOrderMSB = True\nHeaderSize = 3\nElementDataFile = data.raw\n",
             ""},
            {"BinaryData = True\nHeaderSize = -1\nElementDataFile = data.raw\n", ""},
+           {"ElementNumberOfChannels = 3\nBinaryData = True\nElementDataFile = LOCAL\n",
+            little + little + little},
            {"BinaryData = True\nCompressedData = True\nElementDataFile = data.zraw\n", ""},
            {"BinaryData = True\nElementDataFile = s%d.bin 0 2 1\n", ""},
            {"BinaryData = True\nElementDataFile = LIST\ns0.bin\ns1.bin\ns2.bin\n", ""}}));
@@ -188,9 +211,12 @@ std::vector<Input> vtk_seeds() {
         "ORIGIN 0 0 0\nPOINT_DATA 60\nSCALARS values {} 1\nLOOKUP_TABLE default\n",
         kind, type);
   };
+  const std::string vectors =
+      "# vtk DataFile Version 3.0\ntest\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 5 4 1\nSPACING 1 2 3\n"
+      "ORIGIN 0 0 0\nPOINT_DATA 20\nVECTORS values short\n";
   return {header("BINARY", "short") + samples<short>(true), header("ASCII", "short") + text_of_samples(),
           header("BINARY", "unsigned_char") + samples<std::uint8_t>(),
-          header("BINARY", "float") + samples<float>(true)};
+          header("BINARY", "float") + samples<float>(true), vectors + samples<short>(true)};
 }
 
 std::vector<Input> npy_seeds() {
@@ -371,7 +397,7 @@ const Words raw_words{
 }  // namespace
 
 std::vector<Driver> volume_drivers() {
-  return {{"nrrd", run_nrrd, nrrd_seeds, nrrd_words, 6000},
+  return {{"nrrd", run_nrrd, all_nrrd_seeds, nrrd_words, 6000},
           {"meta", run_meta, meta_seeds, meta_words, 6000},
           {"nifti",
            run_nifti,

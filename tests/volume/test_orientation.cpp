@@ -57,6 +57,10 @@ TEST_CASE("NRRD spaces are converted, plain spacings keep the lattice's axes", "
       "space: right-anterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)\n");
   check_near(world(ras, {1, 1, 1}), {-3, -5, 7});
 
+  const auto las = open(
+      "space: left-anterior-superior\nspace directions: (2,0,0) (0,3,0) (0,0,4)\nspace origin: (1,2,3)\n");
+  check_near(world(las, {1, 1, 1}), {3, -5, 7});
+
   const auto plain = open("spacings: 0.5 1.5 2.5\n");
   CHECK(plain.spacing == glm::dvec3(0.5, 1.5, 2.5));
   CHECK(plain.direction == glm::dmat3(1));
