@@ -23,7 +23,7 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 using Volume = VolumeOptions;
 constexpr OptionRow<Volume> volume_rows[] = {
     {"volume", "VOLUME", nullptr,
-     "NRRD, MetaImage, NIfTI, VTK, TIFF or raw file, or a folder with a DICOM series or TIFF pages",
+     "NRRD, MetaImage, NIfTI, VTK, NumPy, TIFF or raw file, or a folder with a DICOM series or TIFF pages",
      [](Volume& o) { return value(o.path); }},
     {"--dims", "XxYxZ", nullptr, "Voxels along x, y, z",
      [](Volume& o) { return parsed(o.raw.dims, parse_dims); }},

@@ -10,6 +10,7 @@
 #include <map>
 #include <memory>
 #include <new>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -31,6 +32,7 @@ class Parser {
     if (!parser_) throw std::bad_alloc();
     XML_SetUserData(parser_.get(), this);
     XML_SetElementHandler(parser_.get(), &Parser::on_start, &Parser::on_end);
+    XML_SetCharacterDataHandler(parser_.get(), &Parser::on_text);
     XML_SetStartDoctypeDeclHandler(parser_.get(), &Parser::on_doctype);
   }
 
@@ -100,6 +102,12 @@ class Parser {
     auto& parser = *static_cast<Parser*>(self);
     parser.guarded([&] { parser.end(); });
   }
+  static void on_text(void* self, const char* text, int length) {
+    auto& parser = *static_cast<Parser*>(self);
+    if (parser.is_inline_ && !parser.has_text_ && parser.open_.back() == "DataArray")
+      parser.has_text_ =
+          std::string_view(text, std::size_t(length)).find_first_not_of(" \t\r\n") != std::string_view::npos;
+  }
   static void on_doctype(void* self, const char*, const char*, const char*, int) {
     auto& parser = *static_cast<Parser*>(self);
     parser.guarded([&] { parser.fail("it declares a document type"); });
@@ -107,6 +115,7 @@ class Parser {
 
   void start(const std::string& name, const Attributes& attributes) {
     if (int(open_.size()) == deepest) fail(fmt::format("line {} is nested too deeply", line()));
+    if (is_inline_ && has_text_ && !inline_end_) inline_end_ = position();
     const std::string within = open_.empty() ? "" : open_.back();
     open_.push_back(name);
     if (within.empty()) return start_file(name, attributes);
@@ -120,11 +129,11 @@ class Parser {
   }
 
   void end() {
-    // What elements an array holds come before its numbers.
-    if (open_.size() > 1 && open_[open_.size() - 2] == "DataArray") inline_begin_ = behind();
-    if (open_.back() == "DataArray" && is_inline_) {
+    // An array's keys are elements before or behind its data.
+    if (is_inline_ && !has_text_ && open_.back() != "DataArray") inline_begin_ = behind();
+    if (is_inline_ && open_.back() == "DataArray") {
       header_.arrays.back().begin = inline_begin_;
-      header_.arrays.back().end = std::max(inline_begin_, position());
+      header_.arrays.back().end = inline_end_.value_or(std::max(inline_begin_, position()));
       is_inline_ = false;
     }
     open_.pop_back();
@@ -217,6 +226,8 @@ class Parser {
       array.format =
           one_of<VtiFormat>("format", format, {{"ascii", VtiFormat::ascii}, {"binary", VtiFormat::base64}});
       inline_begin_ = behind();
+      inline_end_.reset();
+      has_text_ = false;
     } else {
       const auto offset = number_in<std::uint64_t>(text(attributes, "offset", ""));
       if (!offset) fail(fmt::format("the array '{}' has no offset", excerpt(array.name)));
@@ -246,10 +257,11 @@ class Parser {
   std::exception_ptr error_;
   VtiHeader header_;
   std::vector<std::string> open_;
-  bool has_image_ = false, is_inline_ = false;
+  bool has_image_ = false, is_inline_ = false, has_text_ = false;
   bool done_ = false;  ///< the appended data is reached
   int pieces_ = 0;
   std::uint64_t inline_begin_ = 0, appended_begin_ = 0;
+  std::optional<std::uint64_t> inline_end_;
   VtiFormat appended_format_ = VtiFormat::raw;
   std::vector<std::size_t> appended_;  ///< arrays that have only their offset yet
 };

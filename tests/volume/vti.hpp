@@ -37,7 +37,8 @@ inline std::string xz_stream(const std::string& data) {
 struct Vti {
   std::string format = "appended", encoding = "raw", compressor = {};  ///< compressor: ZLib, LZ4 or LZMA
   bool big_endian = false, wide_numbers = false;
-  std::size_t block = 32;  ///< bytes of a compressed block
+  bool keys_behind = false;  ///< an array's keys follow its data, as newer versions of VTK have them
+  std::size_t block = 32;    ///< bytes of a compressed block
   std::string version = "1.0", extent = "0 4 0 3 0 2", piece = extent, type = "ImageData";
   std::string image = "Origin=\"0 0 0\" Spacing=\"1 2 3\"";
 
@@ -84,10 +85,12 @@ struct Vti {
         list += " offset=\"" + std::to_string(appended.size()) + "\"/>\n";
         appended += encoded(array.bytes, encoding == "base64");
       } else {
-        list +=
-            ">\n<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\"><Value "
+        const std::string keys =
+            "<InformationKey name=\"L2_NORM_RANGE\" location=\"vtkDataArray\" length=\"2\"><Value "
             "index=\"0\">0</Value></InformationKey>\n  ";
-        list += (format == "ascii" ? array.bytes : encoded(array.bytes, true)) + "\n</DataArray>\n";
+        list += ">\n" + (keys_behind ? "" : keys) +
+                (format == "ascii" ? array.bytes : encoded(array.bytes, true)) + "\n" +
+                (keys_behind ? keys : "") + "</DataArray>\n";
       }
     }
     const auto active = [](const std::string& name) {
