@@ -254,6 +254,12 @@ nlohmann::json to_json(const Forecast& f) {
           {"layouts", layouts}};
 }
 
+std::string list_of_series(const std::vector<std::string>& series) {
+  std::string text = "\nseries in this folder (--series takes one)\n";
+  for (const auto& one : series) text += fmt::format("  {}\n", one);
+  return series.empty() ? std::string() : text;
+}
+
 std::string list_of_presets() {
   std::string text;
   for (const auto& preset : preset_names())
@@ -285,10 +291,11 @@ ExitCode run_info(const InfoOptions& o) {
   if (o.json) {
     auto j = to_json(o, source.grid(), part->grid(), contents, source.concurrent());
     if (predicted) j["prediction"] = to_json(*predicted);
+    if (const auto series = source.notes().series; !series.empty()) j["series"] = series;
     fmt::print("{}\n", plain_json_text(std::move(j), 2));
   } else {
-    fmt::print("{}{}", to_text(o, source.grid(), part->grid(), contents, source.concurrent()),
-               predicted ? to_text(*predicted, o.ranks) : "");
+    fmt::print("{}{}{}", to_text(o, source.grid(), part->grid(), contents, source.concurrent()),
+               predicted ? to_text(*predicted, o.ranks) : "", list_of_series(source.notes().series));
   }
   return ExitCode::done;
 }

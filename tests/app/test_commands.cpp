@@ -310,8 +310,26 @@ TEST_CASE("info and render warn once of what is wrong with a volume") {
     const Ended ended = run_program(arguments);
     INFO(ended.err);
     CHECK(ended.code == 0);
-    CHECK(lines_with(ended.err, "not evenly spaced").size() == 1);
+    CHECK(lines_with(ended.err, "2 slices are missing").size() == 1);
   }
+}
+
+TEST_CASE("info lists a folder's DICOM series, and --series takes one") {
+  const TemporaryFolder folder;
+  files::Dicom other;
+  other.series = "1.2.3.400.50.6";
+  for (const char* name : {"a", "b"}) fs::create_directory(folder / name);
+  files::write_dicom_series(folder / "a");
+  other.pixels = files::samples<short>().substr(0, 40);
+  write_text(folder / "b/one.dcm", other.bytes());
+  const Ended all = run_program({"info", folder / ""});
+  INFO(all.out + all.err);
+  CHECK(all.code == 0);
+  CHECK(lines_with(all.out, "  3 slices CT, UID 1.2.3.4.5").size() == 1);
+  CHECK(lines_with(all.out, "  1 slice CT, UID ...400.50.6").size() == 1);
+  const Ended one = run_program({"info", folder / "", "--series", "400.50.6", "--json"});
+  CHECK(nlohmann::json::parse(one.out).at("dims") == nlohmann::json{5, 4, 1});
+  CHECK(nlohmann::json::parse(one.out).at("series").size() == 2);
 }
 
 TEST_CASE("zero is never printed with a minus sign") {
