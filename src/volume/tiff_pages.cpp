@@ -15,6 +15,8 @@ namespace {
 enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
 enum FieldTag : std::uint64_t {
   new_subfile_type = 254,
+  image_width = 256,
+  image_length = 257,
   compression = 259,
   photometric = 262,
   image_description = 270,
@@ -23,6 +25,8 @@ enum FieldTag : std::uint64_t {
   strip_offsets = 273,
   strip_bytes = 279,
   planar_configuration = 284,
+  tile_width = 322,
+  tile_length = 323,
   tile_offsets = 324,
   tile_bytes = 325
 };
@@ -108,9 +112,12 @@ class TiffChain {
     if (entries > file_.size() / entry_bytes()) fail();
     Field offsets, lengths;
     bool raw = true;
+    std::array<std::uint64_t, 2> image{}, tile{};
     for (std::uint64_t i = 0; i < entries; ++i) {
       const auto entry = at + count_bytes() + i * entry_bytes();
       const auto tag = number(entry, 2);
+      if (tag == image_width || tag == image_length) image[tag - image_width] = value_of(entry);
+      if (tag == tile_width || tag == tile_length) tile[tag - tile_width] = value_of(entry);
       if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
       if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
       constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
@@ -120,6 +127,7 @@ class TiffChain {
           (tag == planar_configuration && value_of(entry) != 1))
         raw = false;
     }
+    require_tiles_of_image(image, tile);
     const auto parts = std::min(offsets.count, lengths.count);
     for (std::uint64_t i = 0; i < parts; ++i) {
       const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
@@ -131,6 +139,17 @@ class TiffChain {
     }
     if (!raw) page.raw_begin = page.raw_bytes = 0;
     return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
+  }
+
+  /// The library takes memory for a whole tile, however small the image is.
+  void require_tiles_of_image(const std::array<std::uint64_t, 2>& image,
+                              const std::array<std::uint64_t, 2>& tile) const {
+    constexpr std::uint64_t any_image = 1024;
+    for (std::size_t i = 0; i < 2; ++i)
+      if (tile[i] > std::max(any_image, 2 * image[i]))
+        throw InputError(fmt::format("{}: tiles of {} x {} pixels in an image of {} x {}",
+                                     file_.path().string(), tile[0], tile[1], image[0], image[1]),
+                         "write the file again");
   }
 
   /// A field's first number, 0 when it has none.
