@@ -38,7 +38,7 @@ std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std:
   std::vector<Camera> views;
   for (const auto& [azimuth, elevation] :
        {std::pair{0.0, 0.0}, {35.0, -20.0}, {90.0, 0.0}, {115.0, -25.0}, {0.0, 90.0}, {40.0, -60.0}}) {
-    const Camera camera{.azimuth = azimuth, .elevation = elevation, .zoom = zoom};
+    const Camera camera{.azimuth = azimuth, .elevation = elevation, .zoom = zoom, .fit = run.front().fit};
     const auto needed = needed_axes({camera}, grid, width, height);
     if (std::equal(needed.begin(), needed.end(), kept_axes.begin(),
                    [](bool n, bool kept) { return kept || !n; }))

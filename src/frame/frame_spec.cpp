@@ -24,6 +24,7 @@ json to_json(const Camera& c) {
   if (c.pan != std::array<double, 2>{}) j["pan"] = c.pan;
   if (c.eye) j.update({{"eye", to_json(*c.eye)}, {"up", to_json(c.up)}});
   if (c.target) j["target"] = to_json(*c.target);
+  if (c.fit == Fit::box) j["fit"] = "box";
   return j;
 }
 

@@ -87,11 +87,11 @@ requires std::same_as<std::remove_const_t<S>, Shown>
 bool pass(Wire& wire, S& shown) {
   auto& [camera, width, height, transfer_function, shading, material, light, opacity_correction,
          opaque_threshold, reduction, clip] = shown;
-  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up] = camera;
+  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, fit] = camera;
   auto& [name, colours, opacities, nan_srgb] = transfer_function;
   auto& [factor, prefilter] = reduction;
-  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, width,
-                  height, name, colours, opacities, nan_srgb, shading, material, light, opacity_correction,
+  return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, fit,
+                  width, height, name, colours, opacities, nan_srgb, shading, material, light, opacity_correction,
                   opaque_threshold, factor, prefilter, clip);
 }
 
@@ -146,7 +146,7 @@ bool has_names(const Splats& splats) {
 bool has_names(const Sheets& sheets) { return is_one_of(sheets.image_plane, ImagePlane::slices); }
 
 bool has_names(const FrameSpec& spec) {
-  return is_one_of(spec.shown.shading, Shading::phong) &&
+  return is_one_of(spec.shown.shading, Shading::phong) && is_one_of(spec.shown.camera.fit, Fit::box) &&
          std::visit([](const auto& how) { return has_names(how); }, spec.how);
 }
 

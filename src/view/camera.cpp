@@ -74,6 +74,14 @@ glm::dmat3 lattice_to_world(const LatticeFrame& lattice) {
           lattice.direction[2] * lattice.spacing.z};
 }
 
+/// Half of the extent of the volume's box along a world direction of unit length.
+double half_extent(const LatticeFrame& lattice, const glm::dvec3& direction) {
+  const glm::dmat3 axes = lattice_to_world(lattice);
+  double half = 0;
+  for (int k = 0; k < 3; ++k) half += 0.5 * lattice.dims[k] * std::abs(glm::dot(axes[k], direction));
+  return half;
+}
+
 /// Radius of the sphere about the volume's box, which ends half a voxel beyond the outer voxel centres.
 double bounding_radius(const LatticeFrame& lattice) {
   const glm::dmat3 axes = lattice_to_world(lattice);
@@ -119,6 +127,38 @@ void turn(ViewTransform& view, const Camera& camera) {
   view.up = roll.cosine * up - roll.sine * right;
 }
 
+/// What the shorter side of the picture shows, from its middle, of the plane through the box's centre when an
+/// orthographic view just holds the box.
+double fitting_half_side(const ViewTransform& view, const LatticeFrame& lattice, int width, int height) {
+  const double side = std::min(width, height);
+  return std::max(half_extent(lattice, view.right) * (side / width),
+                  half_extent(lattice, view.up) * (side / height)) /
+         box_fill;
+}
+
+/// From the box's centre to the eye whose view, `slope` half as wide as far, just holds the box's corners.
+double fitting_distance(const ViewTransform& view, const LatticeFrame& lattice, int width, int height,
+                        double slope) {
+  const glm::dmat3 axes = lattice_to_world(lattice);
+  const double side = std::min(width, height);
+  double distance = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::dvec3 sign((corner & 1) ? -0.5 : 0.5, (corner & 2) ? -0.5 : 0.5, (corner & 4) ? -0.5 : 0.5);
+    const glm::dvec3 place = axes * (sign * glm::dvec3(lattice.dims));
+    const double off_centre = std::max(std::abs(glm::dot(place, view.right)) * (side / width),
+                                       std::abs(glm::dot(place, view.up)) * (side / height));
+    distance = std::max(distance, glm::dot(place, view.to_viewer) + off_centre / (slope * box_fill));
+  }
+  return distance;
+}
+
+/// How far before the box's centre the point is that the camera turns about. The eye stays where it would be
+/// without a target, and so outside of the box.
+double nearer_by(const ViewTransform& view, const LatticeFrame& lattice, const glm::dvec3& point) {
+  const glm::dvec3 from_centre = lattice_to_world(lattice) * (point - 0.5 * glm::dvec3(lattice.dims - 1));
+  return std::min(glm::dot(from_centre, view.to_viewer), half_extent(lattice, view.to_viewer));
+}
+
 ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
   ViewTransform view;
   const glm::dvec3 centre = centre_of(camera, lattice);
@@ -128,9 +168,13 @@ ViewTransform view_from_angles(const Camera& camera, const LatticeFrame& lattice
     distance = look(view, camera, lattice.origin + lattice_to_world(lattice) * centre);
   else
     turn(view, camera);
-  double shown = radius;  // from the centre to the nearer edges of the picture at zoom 1
+  const bool fits_box = camera.fit == Fit::box;
+  // From the centre to the nearer edges of the picture at zoom 1.
+  double shown = fits_box ? fitting_half_side(view, lattice, width, height) : radius;
   if (camera.fov > 0) {
     const double slope = std::tan(0.5 * camera.fov * std::numbers::pi / 180);
+    if (distance == 0 && fits_box)
+      distance = fitting_distance(view, lattice, width, height, slope) - nearer_by(view, lattice, centre);
     if (distance > 0) shown = distance * slope;
     view.eye = centre + glm::inverse(lattice.direction) * (shown / slope * view.to_viewer) / lattice.spacing;
   }

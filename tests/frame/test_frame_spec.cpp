@@ -27,7 +27,8 @@ FrameSpec unusual_spec() {
                        .pan = {0.5, -2},
                        .eye = glm::dvec3(7, 8, 9),
                        .target = glm::dvec3(-1, 2, 3),
-                       .up = {0, 1, 0}};
+                       .up = {0, 1, 0},
+                       .fit = Fit::box};
   spec.shown.width = 120;
   spec.shown.height = 104;
   spec.as<Splats>().image_plane = ImagePlane::slices;

@@ -16,13 +16,22 @@ struct LatticeFrame {
   glm::dmat3 direction{1.0};
 };
 
+/// What fits the picture at zoom 1. The volume's box ends half a voxel beyond the outer voxel centres.
+enum class Fit {
+  /// The box's bounding sphere fits the picture's shorter side: turning changes no sizes.
+  sphere,
+  /// The box as this camera sees it fills `box_fill` of the picture's width or height.
+  box
+};
+inline constexpr double box_fill = 0.95;
+
 /// Orthographic camera, or with a `fov` a perspective one. Angles in degrees. At azimuth = elevation = roll =
 /// 0 the viewer looks along world +y, world x to the right and world z up: in patient coordinates (LPS) at
 /// the face, with the patient's left at the right of the picture. Azimuth turns the viewer about world z (at
 /// 90 it stands at +x and looks along -x, world y to the right), elevation lifts it (at 90 it looks straight
 /// down, world y up in the picture), roll turns the picture clockwise. Multiples of 90 degrees are exact.
-/// Zoom 1 fits the bounding sphere of the volume's box (half a voxel beyond the outer voxel centres) to the
-/// shorter side of the image; the box's centre is at the image's centre, unless it is panned, at depth 0.
+/// Zoom 1 fits the volume to the image (Fit); the box's centre is at the image's centre, unless it is panned,
+/// at depth 0.
 ///
 /// A perspective camera's eye lies before the box's centre, towards the viewer, at `distance`. The plane
 /// through that centre parallel to the picture, at depth 0, then fills `fov` degrees of the shorter side at
@@ -34,8 +43,9 @@ struct Camera {
   std::optional<std::array<double, 12>> matrix = std::nullopt;
   /// Degrees of the picture's shorter side, 0.01 to 179; 0: orthographic. Not with a matrix.
   double fov = 0;
-  /// From the eye to the box's centre in radii of the bounding sphere, up to 1e5. 0: 1 / tan(fov / 2), so
-  /// that the plane through the centre is shown as by the orthographic camera.
+  /// From the eye to the box's centre in radii of the bounding sphere, up to 1e5. 0: fitted, for the sphere
+  /// 1 / tan(fov / 2), so that the plane through the centre is shown as by the orthographic camera; for the
+  /// box so that all of its corners, near ones, too, are in the picture.
   double distance = 0;
   /// Where the box's centre lies in the picture: right and down of its middle, in lengths of the shorter
   /// side. A perspective picture is shifted as a whole, as by a shift lens. Not with a matrix.
@@ -45,6 +55,9 @@ struct Camera {
   /// matrix.
   std::optional<glm::dvec3> eye = std::nullopt, target = std::nullopt;
   glm::dvec3 up{0, 0, 1};
+  /// Without effect where the size follows from elsewhere: with a matrix, or in perspective with a distance
+  /// or an eye. The box fits as it would in the middle, wherever pan and target move it.
+  Fit fit = Fit::sphere;
   bool operator==(const Camera&) const = default;
 };
 
