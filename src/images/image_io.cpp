@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "images/srgb.hpp"
@@ -156,13 +157,17 @@ namespace {
 /// An image as a file of that format holds it. What `data` names lies in the rest.
 struct FilePixels {
   FilePixels(const Image& image, const Format& format, const std::optional<glm::dvec3>& background,
-             const std::string& settings)
+             const std::string& settings, const Overlay& overlay)
       : linear(linear_pixels(image, background)),
         data{image.width,        image.height,
              background ? 3 : 4, format.linear_float ? SampleType::float32 : SampleType::uint8,
              linear.data(),      attributes_of(format, settings)} {
-    if (format.linear_float) return;
+    if (format.linear_float) {
+      lay_over(overlay, image.width, image.height, data.channels, std::span<float>(linear));
+      return;
+    }
     display = display_pixels(linear, std::size_t(data.channels));
+    lay_over(overlay, image.width, image.height, data.channels, std::span<std::uint8_t>(display));
     data.samples = display.data();
   }
   FilePixels(const FilePixels&) = delete;
@@ -176,16 +181,16 @@ struct FilePixels {
 }  // namespace
 
 void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background,
-                 const std::string& settings) {
+                 const std::string& settings, const Overlay& overlay) {
   check_image_name(file, "the picture", !background);
-  write_image_file(file, FilePixels(image, *format_of(file), background, settings).data);
+  write_image_file(file, FilePixels(image, *format_of(file), background, settings, overlay).data);
 }
 
 Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,
                   const std::string& settings) {
   const fs::path file = "picture" + ending;
   check_image_name(file, "the picture", !background);
-  return image_file_bytes(ending, FilePixels(image, *format_of(file), background, settings).data);
+  return image_file_bytes(ending, FilePixels(image, *format_of(file), background, settings, {}).data);
 }
 
 std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background) {

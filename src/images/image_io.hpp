@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "images/drawing.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/image.hpp"
 
@@ -19,10 +20,11 @@ void check_image_name(const std::filesystem::path& file, const std::string& opti
 /// .exr: premultiplied linear float32. All others: 8 bits, straight (not premultiplied) sRGB, rounded to
 /// nearest. A background (linear light) is blended behind the picture in linear light; the file then has no
 /// alpha channel. `settings`, a JSON text, becomes the metadata "ImageDescription" and, where the format has
-/// free names, "ringsplat:settings". Nothing in the file depends on when or where it was made. Throws
-/// RunError as OutputFile does, which then leaves an existing file untouched.
+/// free names, "ringsplat:settings". The overlay lies above all. Nothing in the file depends on when or where
+/// it was made. Throws RunError as OutputFile does, which then leaves an existing file untouched.
 void write_image(const Image& image, const std::filesystem::path& file,
-                 const std::optional<glm::dvec3>& background, const std::string& settings);
+                 const std::optional<glm::dvec3>& background, const std::string& settings,
+                 const Overlay& overlay = {});
 
 /// What write_image() would write into a file with that ending, such as ".png". Throws RunError when there is
 /// no memory for it.

@@ -1,6 +1,8 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "ringsplat/images/image_file.hpp"
 
@@ -19,6 +21,13 @@ class ImageSink {
   ~ImageSink() = default;
 };
 
+/// A line of text: how much of each pixel it covers, rows from the top. The first pixel lies at (left, top)
+/// from the beginning of the baseline, rightwards and downwards.
+struct TextCoverage {
+  int left = 0, top = 0, width = 0, height = 0;
+  std::vector<float> coverage;
+};
+
 /// Implements image_file.hpp's functions in a shared library of its own. No exception leaves it.
 class ImageLibrary {
  public:
@@ -26,6 +35,9 @@ class ImageLibrary {
   /// `path` only names the format; the bytes go to the sink. Returns what went wrong, or an empty text. Check
   /// the sink, too: some writers ignore its failures.
   virtual std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const = 0;
+  /// UTF-8 in the TrueType font of that file. Returns what went wrong, or an empty text.
+  virtual std::string draw_text(const std::string& text, int pixels, const std::string& font,
+                                TextCoverage& drawn) const = 0;
 
  protected:
   ~ImageLibrary() = default;

@@ -1,4 +1,6 @@
 #include <OpenImageIO/filesystem.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -137,6 +139,22 @@ class OpenImageIo final : public ImageLibrary {
     if (!output->open(name, spec) || !output->write_image(spec.format, image.samples) || !output->close())
       return output->geterror();
     return to_sink ? std::string() : damage_of(output->format_name(), name, spec);
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+
+  std::string draw_text(const std::string& text, int pixels, const std::string& font,
+                        TextCoverage& drawn) const override try {
+    const OIIO::ROI size = OIIO::ImageBufAlgo::text_size(text, pixels, font);
+    if (!size.defined()) return OIIO::has_error() ? OIIO::geterror() : "the font cannot be read";
+    drawn = {size.xbegin, size.ybegin, size.width(), size.height(), {}};
+    drawn.coverage.assign(std::size_t(size.width()) * std::size_t(size.height()), 0.0F);
+    OIIO::ImageBuf canvas(OIIO::ImageSpec(drawn.width, drawn.height, 1, TypeDesc::FLOAT),
+                          drawn.coverage.data());
+    const float ink = 1;
+    const bool done =
+        OIIO::ImageBufAlgo::render_text(canvas, -drawn.left, -drawn.top, text, pixels, font, ink);
+    return done ? std::string() : canvas.geterror();
   } catch (const std::exception& error) {
     return error.what();
   }

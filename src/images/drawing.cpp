@@ -1,0 +1,122 @@
+#include "images/drawing.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+
+#include "images/srgb.hpp"
+
+namespace ringsplat {
+namespace {
+
+double distance_to_segment(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
+  const glm::dvec2 along = b - a;
+  const double length2 = glm::dot(along, along);
+  const double t = length2 > 0 ? std::clamp(glm::dot(p - a, along) / length2, 0.0, 1.0) : 0.0;
+  return glm::distance(p, a + t * along);
+}
+
+/// The weights of a disc's pixels, whose rim is soft by one pixel.
+struct Disc {
+  explicit Disc(double radius) : reach(static_cast<int>(std::ceil(radius))) {
+    for (int y = -reach; y <= reach; ++y)
+      for (int x = -reach; x <= reach; ++x) {
+        const double weight = std::clamp(radius + 0.5 - std::hypot(x, y), 0.0, 1.0);
+        if (weight > 0) parts.push_back({x, y, float(weight)});
+      }
+  }
+  struct Part {
+    int x, y;
+    float weight;
+  };
+  int reach;
+  std::vector<Part> parts;
+};
+
+/// What a disc covers whose centre goes over all of the mask.
+Mask grown(const Mask& mask, double radius) {
+  const Disc disc(radius);
+  const int r = disc.reach;
+  Mask wide{mask.x - r, mask.y - r, mask.width + 2 * r, mask.height + 2 * r, {}};
+  wide.coverage.resize(std::size_t(wide.width) * std::size_t(wide.height));
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      const float covered = mask.coverage[std::size_t(y) * std::size_t(mask.width) + std::size_t(x)];
+      if (covered <= 0) continue;
+      for (const auto& [dx, dy, weight] : disc.parts) {
+        float& there =
+            wide.coverage[std::size_t(y + r + dy) * std::size_t(wide.width) + std::size_t(x + r + dx)];
+        there = std::max(there, covered * weight);
+      }
+    }
+  return wide;
+}
+
+/// Calls f(patch's values, pixel's number) for all of the patches' pixels that lie in the picture.
+template <class F>
+void for_each_pixel(const Overlay& overlay, int width, int height, F&& f) {
+  for (const Patch& patch : overlay)
+    for (int y = std::max(0, -patch.y); y < std::min(patch.height, height - patch.y); ++y)
+      for (int x = std::max(0, -patch.x); x < std::min(patch.width, width - patch.x); ++x) {
+        const float* rgba =
+            patch.rgba.data() + 4 * (std::size_t(y) * std::size_t(patch.width) + std::size_t(x));
+        if (rgba[3] > 0) f(rgba, std::size_t(y + patch.y) * std::size_t(width) + std::size_t(x + patch.x));
+      }
+}
+
+std::uint8_t to_byte(float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0F, 1.0F) * 255 + 0.5F); }
+
+}  // namespace
+
+Mask line_mask(const glm::dvec2& from, const glm::dvec2& to, double thickness) {
+  const double reach = 0.5 * thickness + 1;
+  const glm::dvec2 low = glm::floor(glm::min(from, to) - reach), high = glm::ceil(glm::max(from, to) + reach);
+  Mask mask{int(low.x), int(low.y), int(high.x - low.x), int(high.y - low.y), {}};
+  mask.coverage.reserve(std::size_t(mask.width) * std::size_t(mask.height));
+  for (int y = 0; y < mask.height; ++y)
+    for (int x = 0; x < mask.width; ++x) {
+      const double away = distance_to_segment(low + glm::dvec2(x + 0.5, y + 0.5), from, to);
+      mask.coverage.push_back(float(std::clamp(0.5 * thickness + 0.5 - away, 0.0, 1.0)));
+    }
+  return mask;
+}
+
+Patch inked(const Mask& mask, const glm::dvec3& ink, const glm::dvec3& halo, double halo_pixels) {
+  const Mask wide = grown(mask, halo_pixels);
+  Patch patch{wide.x, wide.y, wide.width, wide.height, {}};
+  patch.rgba.reserve(4 * wide.coverage.size());
+  for (int y = 0; y < wide.height; ++y)
+    for (int x = 0; x < wide.width; ++x) {
+      const int mx = x + wide.x - mask.x, my = y + wide.y - mask.y;
+      const bool inside = mx >= 0 && my >= 0 && mx < mask.width && my < mask.height;
+      const float in =
+          inside ? mask.coverage[std::size_t(my) * std::size_t(mask.width) + std::size_t(mx)] : 0.0F;
+      const float around =
+          (1 - in) * wide.coverage[std::size_t(y) * std::size_t(wide.width) + std::size_t(x)];
+      for (int c = 0; c < 3; ++c) patch.rgba.push_back(in * float(ink[c]) + around * float(halo[c]));
+      patch.rgba.push_back(in + around);
+    }
+  return patch;
+}
+
+void lay_over(const Overlay& overlay, int width, int height, int channels, std::span<std::uint8_t> display) {
+  for_each_pixel(overlay, width, height, [&](const float* over, std::size_t pixel) {
+    std::uint8_t* const value = display.data() + pixel * std::size_t(channels);
+    const float below = (channels == 4 ? float(value[3]) / 255 : 1.0F) * (1 - over[3]),
+                alpha = over[3] + below;
+    for (int c = 0; c < 3; ++c) value[c] = to_byte((over[c] + below * float(value[c]) / 255) / alpha);
+    if (channels == 4) value[3] = to_byte(alpha);
+  });
+}
+
+void lay_over(const Overlay& overlay, int width, int height, int channels, std::span<float> linear) {
+  for_each_pixel(overlay, width, height, [&](const float* over, std::size_t pixel) {
+    float* const value = linear.data() + pixel * std::size_t(channels);
+    for (int c = 0; c < 3; ++c)
+      value[c] = over[3] * linear_of_srgb(over[c] / over[3]) + (1 - over[3]) * value[c];
+    if (channels == 4) value[3] = over[3] + (1 - over[3]) * value[3];
+  });
+}
+
+}  // namespace ringsplat
