@@ -35,7 +35,7 @@ done
 # Counts, not times: once is enough.
 for shape in 2x2+4 3x3+6 4x4+4 4x4+8; do
   for slots in 1 4; do
-    options=("$head" "${view[@]}" --topology mesh --mesh "${shape%+*}" --renderers "${shape#*+}" --link-slots "$slots")
+    options=("$head" "${view[@]}" --fit sphere --topology mesh --mesh "${shape%+*}" --renderers "${shape#*+}" --link-slots "$slots")
     render 0 "queue-$shape-$slots-step" "${options[@]}" --transport loopback --in-step
     render 0 "queue-$shape-$slots-loopback" "${options[@]}" --transport loopback --shuffle --max-delay 3
     render $((${shape%x*} * ${shape%x*} + ${shape#*+})) "queue-$shape-$slots-mpi" "${options[@]}"

@@ -12,7 +12,7 @@ import subprocess
 
 from simulation import BUILD, HEAD, MACHINES, build, simulate
 
-VIEW = ["--tf", "mr-soft", "--size", "512x512", "--azimuth", "30", "--elevation", "25", "--shading", "none"]
+VIEW = ["--tf", "mr-soft", "--size", "512x512", "--azimuth", "30", "--elevation", "25", "--fit", "sphere", "--shading", "none"]
 
 
 def settings_of(layout):

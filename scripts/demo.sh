@@ -7,7 +7,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 build_ringsplat ringsplat_cli
 
 volume=$repo/tests/data/head.nrrd
-look=(--tf mr-skin --azimuth -35 --elevation 8 --zoom 1.4 --background '#20242c')
+look=(--tf mr-skin --azimuth -35 --elevation 8 --fit sphere --zoom 1.4 --background '#20242c')
 if (($# > 0)); then
   volume=$1
   shift

@@ -13,7 +13,7 @@ import tempfile
 from scaling_study import FROM_ABOVE, Study
 from simulation import HEAD, MACHINES, build, simulate
 
-VIEW = ["--size", "256x256", "--elevation", "20", "--azimuth", "30", "--tf", "mr-soft", "--count-only", "--shading", "none"]
+VIEW = ["--size", "256x256", "--elevation", "20", "--azimuth", "30", "--fit", "sphere", "--tf", "mr-soft", "--count-only", "--shading", "none"]
 
 
 def table_of(path):

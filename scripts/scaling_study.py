@@ -52,7 +52,7 @@ REMEDIES = {"as it is": ({}, 1), "1 slot": ({"slots": 1}, 1), "16 slots": ({"slo
             "4 frames in flight, look ahead 128, 1024 slots": ({"frames-in-flight": 4, "look-ahead": 128, "slots": 1024}, 8),
             "half the slices": ({"undersample": 2}, 1)}
 # Every slice lies flat on the screen, and the cube fills the picture.
-FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--zoom", 1.7]
+FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--fit", "sphere", "--zoom", 1.7]
 
 
 def ranks_of(layout):

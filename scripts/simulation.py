@@ -84,10 +84,10 @@ class PaperVolumes:
             return os.path.join(folder, name)
 
         program("synth", "constant", "-o", path("full.nrrd"), "--dims", "128x128x128")
-        self.full = [path("full.nrrd"), "--tf", step_function(path("all.json"), 0)]
+        self.full = [path("full.nrrd"), "--fit", "sphere", "--tf", step_function(path("all.json"), 0)]
 
         # Turned as one looks at things, and as large as the image.
-        turned = ["--azimuth", "30", "--elevation", "20", "--zoom", "1.5"]
+        turned = ["--azimuth", "30", "--elevation", "20", "--fit", "sphere", "--zoom", "1.5"]
         program("render", HEAD, "-o", path("head.png"), "--quality", "paper", "--size", "64", "--tf", "mr-soft", "--tf-out", path("soft.json"))
         self.head = [HEAD, "--tf", path("soft.json"), *turned]
         self.undersampled = [every_other_voxel(HEAD, path("half.nrrd")), "--tf", path("soft.json"), *turned]

@@ -31,10 +31,11 @@ json to_json(const MeasuredError& m) {
 }
 
 /// The settings that decide the picture, and the volume; the same bytes for any number of ranks.
-std::string picture_settings(const FrameSpec& spec, const VolumeOptions& volume, const MeasuredError* error) {
+std::string picture_settings(const FrameSpec& spec, const RenderOptions& o, const MeasuredError* error) {
   json j = json::parse(to_json_text(spec));
   if (error != nullptr) j["error"] = to_json(*error);
-  j["volume"] = fs::path(volume.path).filename().string();
+  if (o.annotate) j["annotated"] = true;
+  j["volume"] = fs::path(o.volume.path).filename().string();
   return plain_json_text(std::move(j));
 }
 
@@ -110,8 +111,8 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
   const std::string label = written ? file.string() : fmt::format("frame {}", result.spec.frame);
   if (written)
-    write_image(result.image, file, options_.background,
-                picture_settings(result.spec, options_.volume, error));
+    write_image(result.image, file, options_.background, picture_settings(result.spec, options_, error),
+                annotation_ ? annotation_->overlay(result.spec, range_) : Overlay{});
   const NodeStats sum = result.stats.total();
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();

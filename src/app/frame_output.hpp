@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "app/annotation.hpp"
 #include "app/frame_writer.hpp"
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
@@ -28,6 +29,9 @@ class FrameOutput {
   /// All that is passed by reference must outlive it.
   FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
               Progress& progress);
+
+  /// Has annotations drawn into the files of all pictures, after their errors were measured. Before take().
+  void annotate(const Annotation& annotation) { annotation_ = annotation; }
 
   /// Has the picture written. When its error is to be measured it keeps the picture until finish(), as a
   /// truth takes too long for other ranks to wait. Throws RunError when an earlier picture could not be
@@ -66,6 +70,7 @@ class FrameOutput {
   const Layout& layout_;
   const ValueRange& range_;
   SliceMemory memory_;
+  std::optional<Annotation> annotation_;
   Progress& progress_;
   std::vector<FinishedFrame> kept_;  ///< frames whose error is to be measured
   std::vector<double> seconds_;

@@ -7,12 +7,14 @@
 #include <thread>
 
 #include "app/commands.hpp"
+#include "app/first_view.hpp"
 #include "app/frame_output.hpp"
 #include "app/json_text.hpp"
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "app/role_choice.hpp"
 #include "app/watched_source.hpp"
+#include "base/log.hpp"
 #include "base/printable.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/volume/statistics.hpp"
@@ -199,8 +201,12 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   if (!o.machine.empty() && std::holds_alternative<Sheets>(o.picture.frame.how))
     throw InputError("a described machine has costs of splats only, so --machine cannot predict sheets",
                      "add --quality paper, or leave out --machine");
-  const auto cameras = views_of(o.picture);
   RenderOptions picture = o.picture;
+  if (const auto note = complete_view(picture, source.grid(), source.notes()); !note.empty()) {
+    progress.clear();
+    log_info("{}", note);
+  }
+  const auto cameras = views_of(picture);
   picture.frame.shown.clip = clip_box(picture.clip, source.grid());
   const FrameSpec& frame = picture.frame;
   const auto axes =

@@ -19,6 +19,10 @@
 /// Settings of the subcommands. option_tables.hpp has the options that set them.
 namespace ringsplat::app {
 
+/// The sides of --view. Left and right are the patient's where a file says that there is one, else those of
+/// the view from the front.
+enum class Side { front, back, left, right, top, bottom };
+
 enum class TransportChoice { automatic, mpi, loopback };
 
 /// The volume's file, the description of a raw file, and which of a file's volumes.
@@ -58,6 +62,10 @@ struct RenderOptions {
   std::string transfer_function = "auto", transfer_function_out;
   int orbit = 0;
   std::string path;
+  std::optional<Side> side;       ///< first_view.hpp makes angles of it
+  bool direction_chosen = false;  ///< some option says from where the volume is seen
+  std::optional<Fit> fit;         ///< empty: chosen by the other options
+  bool annotate = false;
   bool progressive = false;
   bool keep_all_axes = false;
   std::string output, stats, trace;

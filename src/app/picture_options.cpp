@@ -71,13 +71,15 @@ constexpr OptionRow<Render> clip_rows[] = {
 
 constexpr OptionRow<Render> render_output_rows[] = {
     {"-o,--output", "FILE", nullptr,
-     "The picture: .png (straight sRGB), .exr (linear float), .tif .jpg .tga; not needed with --stats or "
+     "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; not needed with --stats or "
      "--count-only",
      [](Render& o) { return value(o.output); }},
     {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
      [](Render& o) { return parsed(o.background, parse_colour); }},
+    {"--annotate", nullptr, nullptr, "Draws orientation, a scale bar and a colour bar into the picture",
+     [](Render& o) { return flag(o.annotate); }},
     {"--stats", "FILE", nullptr,
-     "What each node did in each frame: a JSON array, or JSON lines in a .jsonl; of --stats, --trace and "
+     "What each node did in each frame, as JSON; one array, or lines in a .jsonl; of --stats, --trace and "
      "--tf-out one may be -, stdout, and lines of results then go to stderr",
      [](Render& o) { return value(o.stats); }},
     {"--trace", "FILE", nullptr,
@@ -90,17 +92,34 @@ constexpr OptionRow<Render> render_output_rows[] = {
 };
 
 constexpr OptionRow<Render> camera_rows[] = {
-    {"--azimuth", nullptr, initial, "Degrees the viewer walks around the volume; 0 is in front",
+    {"--view", "SIDE", nullptr,
+     "Seen from the front, back, left, right, top or bottom; a flat volume without any such option from its "
+     "broad side",
+     [](Render& o) {
+       return choice(o.side, {{"front", Side::front},
+                              {"back", Side::back},
+                              {"left", Side::left},
+                              {"right", Side::right},
+                              {"top", Side::top},
+                              {"bottom", Side::bottom}});
+     }},
+    {"--azimuth", nullptr, initial, "Degrees the viewer walks around to the right: 0 is in front",
      [](Render& o) { return value(o.frame.shown.camera.azimuth); }},
-    {"--elevation", nullptr, initial, "Degrees the viewer climbs; 90 looks straight down",
+    {"--elevation", nullptr, initial, "Degrees the viewer climbs: 90 looks straight down, -90 up",
      [](Render& o) { return value(o.frame.shown.camera.elevation); }},
     {"--roll", nullptr, initial, "Degrees the picture is turned clockwise",
      [](Render& o) { return value(o.frame.shown.camera.roll); }},
-    {"--zoom", nullptr, initial, "1 fits the volume's bounding sphere to the image",
+    {"--zoom", nullptr, initial, "1 fits the volume to the image",
      [](Render& o) { return value(o.frame.shown.camera.zoom); }},
 };
 
 constexpr OptionRow<Render> view_rows[] = {
+    {"--fit", nullptr, nullptr,
+     "What --zoom 1 fits to the image: the volume's box as it is seen, or its bounding sphere, whose size "
+     "does not change as the volume turns; without it the sphere for --orbit and --path, else the box",
+     [](Render& o) {
+       return choice(o.fit, {{"box", Fit::box}, {"sphere", Fit::sphere}});
+     }},
     {"--matrix", "M11 ... M34", nullptr,
      "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
      [](Render& o) { return matrix(o.frame.shown.camera); }},
@@ -114,7 +133,7 @@ constexpr OptionRow<Render> view_rows[] = {
      [](Render& o) { return value(o.frame.shown.camera.fov); }},
     {"--distance", "RADII", nullptr,
      "From the eye to the volume's centre, in radii of its bounding sphere, in perspective; else so that the "
-     "sphere fits the field of view",
+     "volume fits the field of view",
      [](Render& o) { return value(o.frame.shown.camera.distance); }},
     {"--eye", "X Y Z", nullptr, "World position of the eye, instead of the angles and the distance",
      [](Render& o) { return place(o.frame.shown.camera.eye); }},

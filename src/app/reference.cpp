@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
+#include "app/first_view.hpp"
 #include "app/frame_output.hpp"
 #include "app/json_text.hpp"
 #include "app/measured_error.hpp"
@@ -56,11 +57,14 @@ ExitCode run_reference(const ReferenceOptions& o) {
   if (!o.without_effect.empty())
     log_warning("{} change{} nothing in the {} truth", joined(o.without_effect, ", "),
                 o.without_effect.size() == 1 ? "s" : "", to_string(o.truth));
-  const auto cameras = views_of(o.picture);
   const TransferFunctionChoice choice(o.picture.transfer_function);
   const auto source = open_volume(o.picture.volume);
+  RenderOptions picture = o.picture;
+  const std::string view_note = complete_view(picture, source->grid(), source->notes());
+  if (!view_note.empty()) log_info("{}", view_note);
+  const auto cameras = views_of(picture);
   WholeVolume volume = read_whole(*source);
-  FrameSpec spec = o.picture.frame;
+  FrameSpec spec = picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
   spec.shown.transfer_function = choice.make(volume.histogram);
   check(spec);

@@ -10,6 +10,7 @@
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/error_budget.hpp"
+#include "app/first_view.hpp"
 #include "app/frame_output.hpp"
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
@@ -41,7 +42,6 @@ struct Plan {
 Plan make_plan(const RenderOptions& o) {
   Plan plan;
   plan.transfer_function.emplace(o.transfer_function);
-  plan.cameras = views_of(o);
   if (!o.output.empty()) {
     check_image_name(o.output, "-o", !o.background);
     check_can_write(o.output, "-o");
@@ -157,6 +157,8 @@ struct Job {
   Layout layout;
   Plan plan;
   OpenedVolume volume;
+  std::string view_note;                 ///< on rank 0: what is said of the view, or nothing
+  std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
   SliceMemory memory;
 };
@@ -173,7 +175,12 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
-  launch.check_on_rank_0([&] { check_frames(o, job.plan, grid); });
+  launch.check_on_rank_0([&] {
+    job.view_note = complete_view(o, grid, job.volume.notes);
+    job.plan.cameras = views_of(o);
+    check_frames(o, job.plan, grid);
+    if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background);
+  });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
   o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
@@ -182,6 +189,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     check_memory(o.frame.shown.width, o.frame.shown.height,
                  FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);
   });
+  if (!job.view_note.empty()) log_info("{}", job.view_note);
   log_roles(job.layout, job.memory, launch);
   return job;
 }
@@ -234,6 +242,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const ValueRange range = scene.range;
   warn_of_steepness(o, frame, range, progress, launch);
   FrameOutput output(o, job.layout, range, job.memory, progress);
+  if (job.annotation) output.annotate(*job.annotation);
   const bool reads_stdin = o.path == "-";
   Browsing browsing(
       frame, job.plan.cameras,

@@ -9,6 +9,7 @@
 
 #include "app/auto_roles.hpp"
 #include "app/commands.hpp"
+#include "app/first_view.hpp"
 #include "app/loading.hpp"
 #include "app/role_choice.hpp"
 #include "app/threads.hpp"
@@ -74,7 +75,11 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
-  launch.check_on_rank_0([&] { check_first_view(o.frame, grid); });
+  std::string view_note;
+  launch.check_on_rank_0([&] {
+    view_note = complete_view(o, grid, job.volume.notes);
+    check_first_view(o.frame, grid);
+  });
   job.load = load_for_levels(o.frame, grid);
   if (o.run.choose_roles) job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, launch);
   o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
@@ -82,6 +87,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
   launch.check_on_all_ranks(
       [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch); });
+  if (!view_note.empty()) log_info("{}", view_note);
   log_roles(job.layout, memory, launch);
   return job;
 }

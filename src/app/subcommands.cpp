@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/first_view.hpp"
 #include "app/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -41,6 +42,7 @@ Command settle_render(const CLI::App& app, AllOptions& all) {
   if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
+  settle_fit(app, o);
   o.frame.how = method_for(o.method);
   note_fixed_shortcuts(app, o.budget);
   if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
@@ -68,6 +70,7 @@ void add_serve_options(CLI::App& app, AllOptions& all) {
 Command settle_serve(const CLI::App& app, AllOptions& all) {
   RunOptions& run = all.serve.picture.run;
   require_volume(app, all.serve.picture.volume);
+  note_direction(app, all.serve.picture);  // it fits the sphere: turning changes no sizes
   if (run.topology == Topology::mesh && app.get_option("--send-ahead")->empty()) run.protocol.send_ahead = 0;
   return all.serve;
 }
@@ -89,6 +92,7 @@ void add_info_options(CLI::App& app, AllOptions& all) {
 
 Command settle_info(const CLI::App& app, AllOptions& all) {
   if (!all.info.presets) require_volume(app, all.info.volume);
+  settle_fit(app, all.info.picture);
   all.info.picture.frame.how = method_for(all.info.picture.method);
   return all.info;
 }
@@ -118,6 +122,7 @@ void add_reference_options(CLI::App& app, AllOptions& all) {
 
 Command settle_reference(const CLI::App& app, AllOptions& all) {
   require_volume(app, all.reference.picture.volume);
+  settle_fit(app, all.reference.picture);
   all.reference.picture.frame.how = method_for(all.reference.picture.method);
   note_options_without_effect(app, all.reference);
   return all.reference;

@@ -79,7 +79,7 @@ class TheHead(WithPage):
             file.write(base64.b64decode(data.split(",")[1]))
         size = self.page.js("const c = document.getElementById('picture'); return `${c.width}x${c.height}`")
         run("render", HEAD, "-o", rendered, "--quality", "best", "--size", size, "--tf", "mr-skin", "--background", "#20242c",
-            "--azimuth", "40", "--zoom", "1.3")
+            "--azimuth", "40", "--fit", "sphere", "--zoom", "1.3")
         psnr = float(re.search(r"^all +\S+ +(\S+)", run("compare", shown, rendered), re.M).group(1))
         self.assertGreaterEqual(psnr, 45)
 

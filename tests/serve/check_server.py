@@ -251,7 +251,7 @@ def same_as_program(options, server):
         with open(files[name], "wb") as f:
             f.write(p.file)
     subprocess.run([options.program, "render", options.volume, "-o", files["program.png"], "--quality", "best", "--size",
-                    "256x192", "--azimuth", "30", "--elevation", "20", "--background", "black"], check=True,
+                    "256x192", "--fit", "sphere", "--azimuth", "30", "--elevation", "20", "--background", "black"], check=True,
                    capture_output=True)
     for name, limit in (("seen.jpg", 255 * 10 ** (-45 / 20)), ("snapshot.png", 0)):
         subprocess.run([options.program, "compare", files[name], files["program.png"], "--fail-above", str(limit)],

@@ -1,0 +1,43 @@
+#pragma once
+#include <optional>
+#include <string>
+
+#include "images/drawing.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/volume/source.hpp"
+#include "ringsplat/volume/statistics.hpp"
+
+/// What --annotate draws into pictures.
+namespace ringsplat::app {
+
+/// Orientation letters at the sides of a patient's picture, the lattice's axes in a corner of others; a scale
+/// bar in an orthographic picture; a bar of the colours that the transfer function makes visible. Sizes go
+/// with the picture's shorter side; what has no room is left out.
+class Annotation {
+ public:
+  /// `background` (linear light; none: transparent) decides between dark and light ink. Throws InputError
+  /// when there is no font that can be used.
+  Annotation(const Grid& grid, const VolumeNotes& notes, const std::optional<glm::dvec3>& background);
+  /// Of a frame's picture; `range` is the volume's.
+  Overlay overlay(const FrameSpec& spec, const ValueRange& range) const;
+
+ private:
+  Grid grid_;
+  VolumeNotes notes_;
+  bool dark_ink_;
+};
+
+/// 1, 2 or 5 times a power of ten: the largest that is at most `most`, which is above 0.
+double round_length(double most);
+
+/// Where a patient's direction (left, posterior, superior) points, in letters, the strongest part first: "L",
+/// "LP", "HA".
+std::string patient_letters(const glm::dvec3& direction);
+
+/// The values from the lowest to the highest one that is visible; nothing when none is.
+struct ValueSpan {
+  double low, high;
+};
+std::optional<ValueSpan> visible_span(const TransferFunction& tf, const ValueRange& range);
+
+}  // namespace ringsplat::app

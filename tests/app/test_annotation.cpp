@@ -1,0 +1,231 @@
+// What --annotate draws, where, and that it changes nothing else.
+#include "app/annotation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "images/image_io.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+using app::patient_letters;
+using app::round_length;
+using app::visible_span;
+using Catch::Matchers::Contains;
+using nlohmann::json;
+
+namespace {
+
+TransferFunction ramp(double from, double to) {
+  return {.colours = {{from, glm::dvec3(0.0)}, {to, glm::dvec3(1.0)}}, .opacities = {{from, 0}, {to, 1}}};
+}
+
+ValueRange range(double low, double high) {
+  ValueRange r;
+  r.low = low;
+  r.high = high;
+  r.finite = 1;
+  return r;
+}
+
+FrameSpec frame(int width, int height) {
+  FrameSpec spec;
+  spec.shown.width = width;
+  spec.shown.height = height;
+  spec.shown.camera.fit = Fit::box;
+  spec.shown.transfer_function = ramp(0, 255);
+  return spec;
+}
+
+Grid cube() {
+  Grid grid;
+  grid.dims = glm::ivec3(64);
+  return grid;
+}
+
+Overlay drawn(const FrameSpec& spec, const VolumeNotes& notes = {}) {
+  return app::Annotation(cube(), notes, std::nullopt).overlay(spec, range(0, 255));
+}
+
+/// A volume and its picture without annotations.
+struct Files {
+  TemporaryFolder folder;
+  std::string volume = folder / "jack.nrrd";
+  Files() { REQUIRE(run_program({"synth", "jack", "-o", volume, "--dims", "24x24x24"}).code == 0); }
+  Ended render(const std::string& name, std::vector<std::string> more) const {
+    more.insert(more.begin(), {"render", volume, "-o", folder / name, "--size", "256", "--tf", "grey"});
+    return run_program(more);
+  }
+  StoredImage picture(const std::string& name, const std::vector<std::string>& more) const {
+    const Ended ended = render(name, more);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    return read_image(folder / name);
+  }
+};
+
+/// Pixels that differ, and how many of them the plain picture leaves transparent.
+struct Changed {
+  int all = 0, were_clear = 0, became_clear = 0;
+};
+Changed changed(const Image& plain, const Image& annotated) {
+  Changed count;
+  for (std::size_t at = 0; at < plain.rgba.size(); at += 4)
+    if (!std::equal(&plain.rgba[at], &plain.rgba[at] + 4, &annotated.rgba[at])) {
+      ++count.all;
+      count.were_clear += plain.rgba[at + 3] == 0;
+      count.became_clear += annotated.rgba[at + 3] < plain.rgba[at + 3];
+    }
+  return count;
+}
+
+}  // namespace
+
+TEST_CASE("a round length is 1, 2 or 5 times a power of ten, and not longer than there is room") {
+  CHECK(round_length(1) == 1);
+  CHECK(round_length(1.99) == 1);
+  CHECK(round_length(4.9) == 2);
+  CHECK(round_length(9.9) == 5);
+  CHECK(round_length(1000) == Approx(1000));
+  CHECK(round_length(0.0034) == Approx(0.002));
+  for (double most = 1e-12; most < 1e12; most *= 1.37) {
+    const double length = round_length(most);
+    REQUIRE(length <= most * (1 + 1e-8));
+    REQUIRE(length > most / 2.51);
+  }
+}
+
+TEST_CASE("a patient's direction is named by its parts, the strongest first") {
+  CHECK(patient_letters({1, 0, 0}) == "L");
+  CHECK(patient_letters({-1, 0, 0}) == "R");
+  CHECK(patient_letters({0, 1, 0}) == "P");
+  CHECK(patient_letters({0, -1, 0}) == "A");
+  CHECK(patient_letters({0, 0, 1}) == "H");
+  CHECK(patient_letters({0, 0, -1}) == "F");
+  CHECK(patient_letters({0.8, 0.6, 0.05}) == "LP");
+  CHECK(patient_letters({-0.3, -0.5, -0.81}) == "FAR");
+}
+
+TEST_CASE("the colour bar spans the values that can be seen, within the volume's") {
+  const auto span = visible_span(ramp(100, 200), range(0, 255));
+  REQUIRE(span);
+  CHECK(span->low == 100);
+  CHECK(span->high == 255);
+  CHECK(visible_span(ramp(100, 200), range(150, 160))->low == 150);
+  CHECK_FALSE(visible_span(ramp(100, 200), range(0, 90)));
+  TransferFunction band = ramp(0, 9);
+  band.opacities = {{0, 0}, {2, 0}, {3, 1}, {4, 0}, {9, 0}};
+  CHECK(visible_span(band, range(0, 9))->low == 2);
+  CHECK(visible_span(band, range(0, 9))->high == 4);
+  band.opacities = {{3, 0.5}, {4, 0}};
+  CHECK(visible_span(band, range(-7, 9))->low == -7);
+}
+
+TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny one has nothing") {
+  for (const World world : {World::lattice, World::patient, World::microscope})
+    for (const auto& [width, height] : {std::pair{8, 8},
+                                        {64, 64},
+                                        {128, 96},
+                                        {96, 300},
+                                        {512, 512},
+                                        {1200, 200},
+                                        {200, 1200},
+                                        {900, 2100}}) {
+      const Overlay overlay =
+          drawn(frame(width, height),
+                {.world = world, .unit = "um", .quantity = "temperature in a long story (K), of all things"});
+      INFO(width << 'x' << height << ' ' << overlay.size());
+      for (const Patch& p : overlay) {
+        CHECK((p.x >= 0 && p.y >= 0));
+        CHECK((p.x + p.width <= width && p.y + p.height <= height));
+        CHECK(p.rgba.size() == 4 * std::size_t(p.width) * std::size_t(p.height));
+      }
+      CHECK(overlay.empty() == (width == 8));
+    }
+}
+
+TEST_CASE("a larger picture has larger letters, and a perspective one no scale bar") {
+  const auto tallest = [](const Overlay& overlay) {
+    int most = 0;
+    for (const Patch& p : overlay) most = std::max(most, p.height);
+    return most;
+  };
+  CHECK(tallest(drawn(frame(2048, 2048))) > 3 * tallest(drawn(frame(512, 512))));
+  FrameSpec perspective = frame(512, 512);
+  perspective.shown.camera.fov = 40;
+  CHECK(drawn(perspective).size() < drawn(frame(512, 512)).size());
+  FrameSpec invisible = frame(512, 512);
+  invisible.shown.transfer_function = ramp(300, 400);
+  CHECK(drawn(invisible).size() < drawn(frame(512, 512)).size());
+}
+
+TEST_CASE("values far from zero or close together have ticks that can be told apart, and end") {
+  for (const auto& [low, high] :
+       {std::pair{1e9, 1e9 + 10}, {-1e-30, 1e-30}, {-1e300, 1e300}, {1.0, 1.0 + 1e-15}}) {
+    FrameSpec spec = frame(512, 512);
+    spec.shown.transfer_function = ramp(low - std::abs(low), high);
+    const app::Annotation annotation(cube(), {}, std::nullopt);
+    CHECK_FALSE(annotation.overlay(spec, range(low, high)).empty());
+  }
+}
+
+TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else") {
+  const Files files;
+  for (const auto& [file, more] :
+       std::vector<std::pair<std::string, std::vector<std::string>>>{{"x.png", {}},
+                                                                     {"x.png", {"--background", "white"}},
+                                                                     {"x.exr", {}},
+                                                                     {"x.exr", {"--background", "black"}}}) {
+    const Image plain = files.picture(file, more).image;
+    std::vector<std::string> annotate = more;
+    annotate.emplace_back("--annotate");
+    const StoredImage annotated = files.picture(file, annotate);
+    const Changed count = changed(plain, annotated.image);
+    INFO(file << ' ' << count.all);
+    CHECK(count.all > 1000);
+    CHECK(count.all < 256 * 256 / 8);
+    CHECK((count.were_clear > 0) == more.empty());
+    CHECK(count.became_clear == 0);
+    CHECK(json::parse(annotated.settings).value("annotated", false));
+  }
+}
+
+TEST_CASE("what is measured of a picture is measured without its annotations") {
+  const Files files;
+  const auto error_of = [&](std::vector<std::string> more) {
+    more.insert(more.end(), {"--error", "method", "--stats", "-"});
+    const Ended ended = files.render("x.png", more);
+    REQUIRE(ended.code == 0);
+    json error = json::parse(ended.out).at(0).at("error");
+    error.erase("seconds");
+    return error;
+  };
+  CHECK(error_of({"--annotate"}) == error_of({}));
+}
+
+TEST_CASE("--annotate without a font says what to install, and writes nothing") {
+  const Files files;
+  const auto attempt = [&](const std::string& font) {
+    return run_command(
+        "env " + quoted("RINGSPLAT_FONT=" + font) + " " +
+        command_of(RINGSPLAT_PROGRAM, {"render", files.volume, "-o", files.folder / "no.png", "--annotate"}));
+  };
+  const Ended missing = attempt(files.folder / "none.ttf");
+  CHECK(missing.code == 2);
+  CHECK_THAT(missing.err, Contains("RINGSPLAT_FONT names") && Contains("hint: name a TrueType font"));
+  write_text(files.folder / "bad.ttf", "no font at all");
+  const Ended bad = attempt(files.folder / "bad.ttf");
+  CHECK(bad.code == 2);
+  CHECK_THAT(bad.err, Contains("no text can be drawn with"));
+  CHECK_FALSE(fs::exists(files.folder / "no.png"));
+}
+
+TEST_CASE("--annotate needs a picture to draw into") {
+  const Files files;
+  const Ended ended = run_program({"render", files.volume, "--stats", "-", "--annotate"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("--annotate has no effect without --output"));
+}

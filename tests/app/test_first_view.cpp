@@ -1,0 +1,165 @@
+// From where a volume is seen, and how large, when options leave it open.
+#include "app/first_view.hpp"
+
+#include <nlohmann/json.hpp>
+
+#include "app/program_runner.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::app_test;
+using nlohmann::json;
+
+namespace {
+
+Grid box(int x, int y, int z, const glm::dvec3& spacing = glm::dvec3(1)) {
+  Grid grid;
+  grid.dims = {x, y, z};
+  grid.spacing = spacing;
+  return grid;
+}
+
+struct Direction {
+  double azimuth, elevation;
+  bool operator==(const Direction&) const = default;
+};
+
+Direction first_view(app::RenderOptions o, const Grid& grid, World world = World::lattice) {
+  const std::string note = app::complete_view(o, grid, {.world = world});
+  const bool turned = !o.side && o.frame.shown.camera != app::RenderOptions().frame.shown.camera;
+  CHECK(note.empty() == (!turned || o.direction_chosen));
+  return {o.frame.shown.camera.azimuth, o.frame.shown.camera.elevation};
+}
+
+Direction from(app::Side side, World world = World::lattice) {
+  app::RenderOptions o;
+  o.side = side;
+  o.direction_chosen = true;
+  return first_view(o, box(256, 256, 8), world);
+}
+
+constexpr Direction front{0, 0}, top{0, 90}, right{90, 0};
+
+struct Files {
+  TemporaryFolder folder;
+  std::string flat = folder / "flat_40x36x10_uint8.raw", x = folder / "x.exr", y = folder / "y.exr";
+  Files() {
+    REQUIRE(run_program({"synth", "jack", "-o", folder / "flat.raw", "--dims", "40x36x10"}).code == 0);
+  }
+  Ended render(const std::string& output, std::vector<std::string> more, int ranks = 0) const {
+    more.insert(more.begin(), {"render", flat, "-o", output, "--size", "96x64", "--tf", "grey"});
+    const Ended ended = run_program(more, ranks);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    return ended;
+  }
+  json camera(std::vector<std::string> more) const {
+    more.insert(more.end(), {"--stats", "-"});
+    return json::parse(render(x, more).out).at(0).at("settings").at("camera");
+  }
+  bool same() const { return read_text(x) == read_text(y); }
+};
+
+}  // namespace
+
+TEST_CASE("a flat lattice is seen from its broad side, in world units") {
+  CHECK(first_view({}, box(256, 256, 32)) == top);
+  CHECK(first_view({}, box(32, 256, 256)) == right);
+  CHECK(first_view({}, box(256, 32, 256)) == front);
+  CHECK(first_view({}, box(256, 256, 256)) == front);
+  CHECK(first_view({}, box(256, 256, 86)) == front);
+  CHECK(first_view({}, box(256, 256, 85)) == top);
+  CHECK(first_view({}, box(256, 256, 32, {1, 1, 8})) == front);
+  CHECK(first_view({}, box(64, 64, 64, {1, 1, 0.2})) == top);
+  CHECK(first_view({}, box(20, 300, 20)) == right);
+}
+
+TEST_CASE("a patient, a microscope's stack and a chosen direction are not turned") {
+  const Grid flat = box(256, 256, 16);
+  CHECK(first_view({}, flat, World::patient) == front);
+  CHECK(first_view({}, flat, World::microscope) == front);
+  app::RenderOptions chosen;
+  chosen.direction_chosen = true;
+  chosen.frame.shown.camera.azimuth = 30;
+  CHECK(first_view(chosen, flat) == Direction{30, 0});
+}
+
+TEST_CASE("a lattice whose axes are swapped in the world is flat where the world sees it so") {
+  Grid grid = box(256, 256, 16);
+  grid.direction = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0));
+  CHECK(first_view({}, grid) == front);
+  grid.direction = glm::dmat3(glm::dvec3(0, 1, 0), glm::dvec3(0, 0, 1), glm::dvec3(1, 0, 0));
+  CHECK(first_view({}, grid) == right);
+}
+
+TEST_CASE("--view has its angles; left is the patient's where there is one") {
+  using enum app::Side;
+  CHECK(from(app::Side::front) == ::front);
+  CHECK(from(back) == Direction{180, 0});
+  CHECK(from(app::Side::right) == ::right);
+  CHECK(from(left) == Direction{-90, 0});
+  CHECK(from(left, World::patient) == Direction{90, 0});
+  CHECK(from(app::Side::right, World::patient) == Direction{-90, 0});
+  CHECK(from(app::Side::top) == ::top);
+  CHECK(from(bottom) == Direction{0, -90});
+}
+
+TEST_CASE("the program turns a flat volume, says so in a line, and draws it alike on ranks") {
+  const Files files;
+  const Ended plain = files.render(files.x, {});
+  CHECK(lines_with(plain.err, "the volume is flat").size() == 1);
+  const Ended asked = files.render(files.y, {"--view", "top"}, 3);
+  CHECK(lines_with(asked.err, "the volume is flat").empty());
+  CHECK(run_program({"compare", files.x, files.y, "--fail-above", "0"}).code == 0);
+  files.render(files.y, {}, 3);
+  CHECK(run_program({"compare", files.x, files.y, "--fail-above", "0"}).code == 0);
+  files.render(files.y, {"--view", "front"});
+  CHECK(run_program({"compare", files.x, files.y, "--fail-above", "0"}).code == 1);
+}
+
+TEST_CASE("single views fit the box, turning ones the sphere, unless --fit says otherwise") {
+  const Files files;
+  write_text(files.folder / "path", "10 20\n");
+  CHECK(files.camera({}).value("fit", "") == "box");
+  CHECK(files.camera({"--fit", "box"}).value("fit", "") == "box");
+  CHECK(files.camera({"--projection", "perspective", "--quality", "best"}).value("fit", "") == "box");
+  CHECK_FALSE(files.camera({"--fit", "sphere"}).contains("fit"));
+  CHECK_FALSE(files.camera({"--orbit", "2"}).contains("fit"));
+  CHECK_FALSE(files.camera({"--path", files.folder / "path"}).contains("fit"));
+  CHECK(files.camera({"--orbit", "2", "--fit", "box"}).value("fit", "") == "box");
+  CHECK_FALSE(
+      files.camera({"--projection", "perspective", "--quality", "best", "--distance", "5"}).contains("fit"));
+}
+
+TEST_CASE("the reference sees what the picture sees") {
+  const Files files;
+  files.render(files.x, {"--shading", "none"});
+  REQUIRE(run_program({"reference", files.flat, "-o", files.y, "--size", "96x64", "--tf", "grey", "--truth",
+                       "method", "--shading", "none"})
+              .code == 0);
+  const Ended compared = run_program({"compare", files.x, files.y, "--fail-above", "0.5"});
+  INFO(compared.out);
+  CHECK(compared.code == 0);
+}
+
+TEST_CASE("a --fit or --view that would do nothing, or that another option contradicts, is refused") {
+  const Files files;
+  const std::vector<std::string> perspective{"--projection", "perspective", "--quality", "best"};
+  const auto refused = [&](std::vector<std::string> more, const std::string& said) {
+    more.insert(more.begin(), {"render", files.flat, "-o", files.x});
+    const Ended ended = run_program(more);
+    INFO(ended.err);
+    CHECK(ended.code == 2);
+    CHECK_THAT(ended.err, Catch::Matchers::Contains(said));
+  };
+  refused({"--view", "above"}, "front|back|left|right|top|bottom");
+  refused({"--view", "top", "--azimuth", "10"}, "--view and --azimuth contradict each other");
+  refused({"--view", "top", "--elevation", "10"}, "contradict");
+  refused({"--view", "top", "--eye", "1", "2", "300"}, "contradict");
+  refused({"--fit", "box", "--matrix", "1", "0", "0", "0", "0", "1", "0", "0", "0", "0", "1", "0"},
+          "contradict");
+  refused({"--fit", "box", "--projection", "perspective", "--quality", "best", "--distance", "4"},
+          "contradict");
+  refused({"--fit", "box", "--projection", "perspective", "--quality", "best", "--eye", "1", "2", "300"},
+          "--fit has no effect");
+}
