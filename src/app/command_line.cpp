@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "app/contradictions.hpp"
+#include "app/help.hpp"
 #include "app/man_page.hpp"
 #include "app/option_values.hpp"
 #include "app/program_texts.hpp"
@@ -48,16 +49,6 @@ class SubcommandToml : public CLI::ConfigTOML {
 
  private:
   const CLI::App& program_;
-};
-
-/// "--zoom NUMBER [1]": CLI11's own line glues the default to the type and counts values.
-class HelpFormatter : public CLI::Formatter {
- public:
-  std::string make_option_opts(const CLI::Option* option) const override {
-    std::string text = option->get_type_name().empty() ? "" : " " + option->get_type_name();
-    if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
-    return option->get_required() && !option->get_positional() ? text + " (required)" : text;
-  }
 };
 
 std::string one_line(std::string text) {
@@ -119,6 +110,7 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
 void add_program_options(CLI::App& program, bool& verbose) {
   program.set_version_flag("--version", "ringsplat " RINGSPLAT_VERSION);
   program.set_help_flag("-h,--help", "Print this help");
+  program.set_help_all_flag("--help-all", "Print the help of all options");
   program
       .add_flag_callback(
           "--man", [] { throw CallForMan(); }, "Print the manual page, which man -l - shows")
@@ -139,9 +131,7 @@ void add_subcommands(CLI::App& program, AllOptions& options) {
 }
 
 void prepare(CLI::App& program, bool& verbose, AllOptions& options) {
-  auto formatter = std::make_shared<HelpFormatter>();
-  formatter->column_width(34);
-  program.formatter(formatter);
+  program.formatter(std::make_shared<HelpFormatter>());
   program.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", texts.examples, texts.exit_codes));
   program.fallthrough();
   program.require_subcommand(1);
@@ -175,6 +165,10 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   } catch (const CLI::CallForHelp&) {
     const auto chosen = program.get_subcommands();
     line.command = Say{chosen.empty() ? program.help() : chosen.front()->help("ringsplat")};
+  } catch (const CLI::CallForAllHelp&) {
+    const auto chosen = program.get_subcommands();
+    constexpr auto all = CLI::AppFormatMode::All;
+    line.command = Say{chosen.empty() ? program.help("", all) : chosen.front()->help("ringsplat", all)};
   } catch (const CLI::CallForVersion& e) {
     line.command = Say{std::string(e.what()) + "\n"};
   } catch (const CLI::ParseError& e) {

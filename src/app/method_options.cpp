@@ -56,9 +56,8 @@ Sheets sheets_for(const MethodOptions& o) {
 using Render = RenderOptions;
 constexpr OptionRow<Render> method_rows[] = {
     {"--quality", nullptr, name(usual_quality),
-     "paper: splats, as in the paper; draft, normal, best: sheets, from the fastest to the most exact; "
-     "single "
-     "options come first",
+     "Splats as in the paper, or sheets, from the fastest (draft) to the most exact (best); single options "
+     "come first",
      [](Render& o) {
        Choices<Quality> all;
        for (const Quality q : {Quality::paper, Quality::draft, Quality::normal, Quality::best})

@@ -6,7 +6,7 @@
 /// has the rules between options.
 namespace ringsplat::app {
 
-extern const OptionGroup<VolumeOptions> volume_options;
+extern const OptionGroup<VolumeOptions> volume_options, raw_options;
 extern const OptionGroup<RunOptions> rank_options, protocol_options, machine_options;
 /// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
 extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,

@@ -25,6 +25,16 @@ constexpr OptionRow<Volume> volume_rows[] = {
     {"volume", "VOLUME", nullptr,
      "NRRD, MetaImage, NIfTI, VTK, NumPy, TIFF or raw file, or a folder with a DICOM series or TIFF pages",
      [](Volume& o) { return value(o.path); }},
+    {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
+     [](Volume& o) { return value(o.choice.frame, CLI::NonNegativeNumber); }},
+    {"--channel", "N|NAME", nullptr,
+     "Of several values a voxel the one to take: a number from 0, r, g, b or a",
+     [](Volume& o) { return value(o.choice.channel); }},
+    {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
+     [](Volume& o) { return value(o.choice.series); }},
+};
+
+constexpr OptionRow<Volume> raw_rows[] = {
     {"--dims", "XxYxZ", nullptr, "Voxels along x, y, z",
      [](Volume& o) { return parsed(o.raw.dims, parse_dims); }},
     {"--type", "TYPE", nullptr, "int8 uint8 int16 uint16 int32 uint32 float32 float64",
@@ -35,13 +45,6 @@ constexpr OptionRow<Volume> volume_rows[] = {
      }},
     {"--offset", "BYTES", nullptr, "Bytes before the first voxel",
      [](Volume& o) { return value(o.raw.offset, CLI::NonNegativeNumber); }},
-    {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
-     [](Volume& o) { return value(o.choice.frame, CLI::NonNegativeNumber); }},
-    {"--channel", "N|NAME", nullptr,
-     "Of several values a voxel the one to take: a number from 0, r, g, b or a",
-     [](Volume& o) { return value(o.choice.channel); }},
-    {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
-     [](Volume& o) { return value(o.choice.series); }},
     {"--spacing", "XxYxZ", nullptr, "Distances between voxels; replaces the file's own, whatever the format",
      [](Volume& o) { return parsed(o.raw.spacing, parse_spacing); }},
 };
@@ -177,7 +180,8 @@ constexpr OptionRow<Synth> synth_rows[] = {
 
 }  // namespace
 
-constexpr OptionGroup<Volume> volume_options{"Raw volumes (others describe themselves)", volume_rows};
+constexpr OptionGroup<Volume> volume_options{"Volume", volume_rows};
+constexpr OptionGroup<Volume> raw_options{"Raw volumes (others describe themselves)", raw_rows};
 constexpr OptionGroup<Run> rank_options{"Ranks", rank_rows};
 constexpr OptionGroup<Run> protocol_options{"Protocol", protocol_rows};
 constexpr OptionGroup<Run> machine_options{"Simulated machines (docs/simulation.md)", machine_rows};

@@ -19,6 +19,7 @@ void add_render_options(CLI::App& app, AllOptions& all) {
   RenderOptions& o = all.render;
   add_options(app, volume_options, o.volume);
   add_options(app, clip_options, o);
+  add_options(app, raw_options, o.volume);
   add_options(app, render_output_options, o);
   add_options(app, camera_options, o);
   add_options(app, view_options, o);
@@ -59,6 +60,7 @@ void add_serve_options(CLI::App& app, AllOptions& all) {
   o.picture.frame.how = sheets_of(Quality::best);
   add_options(app, volume_options, o.picture.volume);
   add_options(app, clip_options, o.picture);
+  add_options(app, raw_options, o.picture.volume);
   add_options(app, server_options, o);
   add_options(app, camera_options, o.picture);
   add_options(app, size_options, o.picture);
@@ -79,6 +81,7 @@ void add_info_options(CLI::App& app, AllOptions& all) {
   InfoOptions& o = all.info;
   add_options(app, volume_options, o.volume);
   add_options(app, clip_options, o.picture);
+  add_options(app, raw_options, o.volume);
   add_options(app, info_output_options, o);
   add_options(app, prediction_options, o);
   add_options(app, camera_options, o.picture);
@@ -109,6 +112,7 @@ void add_reference_options(CLI::App& app, AllOptions& all) {
   ReferenceOptions& o = all.reference;
   add_options(app, volume_options, o.picture.volume);
   add_options(app, clip_options, o.picture);
+  add_options(app, raw_options, o.picture.volume);
   add_options(app, truth_options, o);
   add_options(app, reference_output_options, o);
   add_options(app, camera_options, o.picture);
@@ -137,6 +141,19 @@ constexpr const char* render_examples =
   mpirun -n 6 ringsplat render head.nrrd -o turn.png --gps 4 --renderers 2 --orbit 36 --elevation 15
   ringsplat render ct_512x512x300_int16.raw -o bone.exr --spacing 0.7x0.7x1 --tf ct-bone --stats bone.json)";
 
+/// All others are below --help-all.
+constexpr const char* everyday_render =
+    "--frame --channel --clip --output --background --annotate --stats --view --azimuth --elevation "
+    "--zoom --orbit --size --tf --shading --quality";
+constexpr const char* everyday_serve =
+    "--frame --channel --clip --port --open --background --view --azimuth --elevation --zoom --size "
+    "--tf --shading";
+constexpr const char* everyday_info =
+    "--frame --channel --series --dims --type --offset --spacing --clip --gps --json --presets --ranks";
+constexpr const char* everyday_reference =
+    "--frame --channel --clip --truth --formula --output --view --azimuth --elevation --zoom --orbit --size "
+    "--tf --shading --quality";
+
 constexpr const char* serve_examples = R"(  ringsplat serve head.nrrd --open
   mpirun -n 4 ringsplat serve head.nrrd --port 8080 --tf mr-surface)";
 
@@ -163,19 +180,21 @@ constexpr const char* study_examples = R"(  ringsplat study -o study.csv
 
 constexpr Subcommand all_subcommands[] = {
     {"render", "Render a volume: one view, an orbit or a path of views",
-     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, add_render_options,
-     settle_render},
+     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, everyday_render,
+     add_render_options, settle_render},
     {"serve", "Show a volume in a browser, drawn by the ranks while it is turned",
-     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, add_serve_options, settle_serve},
+     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, everyday_serve, add_serve_options,
+     settle_serve},
     {"info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest",
-     "gps = 4 or size = \"640x480\"", info_examples, add_info_options, settle_info},
+     "gps = 4 or size = \"640x480\"", info_examples, everyday_info, add_info_options, settle_info},
     {"compare", "Compare two pictures; exit with 1 when they differ too much", "threshold = 2",
-     compare_examples, add_compare_options, settle_compare},
-    {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, add_synth_options,
+     compare_examples, "", add_compare_options, settle_compare},
+    {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, "", add_synth_options,
      settle_synth},
     {"reference", "Compute the true picture in double precision, to compare with",
-     "size = \"640x480\" or truth = \"field\"", reference_examples, add_reference_options, settle_reference},
-    {"study", "Measure speed and error of many settings", "output = \"study.csv\"", study_examples,
+     "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference, add_reference_options,
+     settle_reference},
+    {"study", "Measure speed and error of many settings", "output = \"study.csv\"", study_examples, "",
      add_study_options, settle_study},
 };
 

@@ -33,6 +33,7 @@ struct Subcommand {
   const char* description;
   const char* config;    ///< what lines of a --config file may be
   const char* examples;  ///< command lines, indented
+  const char* everyday;  ///< the options that --help shows, with blanks between; empty: all
   void (*add_options)(CLI::App& app, AllOptions& options);
   /// Completes the options once `app` is parsed, and returns them. Throws InputError when something is
   /// missing.

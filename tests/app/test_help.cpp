@@ -3,9 +3,11 @@
 
 #include "app/command_line.hpp"
 #include "app/program_runner.hpp"
+#include "app/subcommands.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
+using Catch::Matchers::Contains;
 using ringsplat::app::CommandLine;
 using ringsplat::app::parse_command_line;
 
@@ -46,6 +48,40 @@ TEST_CASE("each subcommand's help has examples of its own, which are right") {
       CHECK(words.at(1) == subcommand);
       CHECK(parse(words).error.empty());
     }
+  }
+}
+
+TEST_CASE("--help of a subcommand with many options fits a screen, and says how to see the rest") {
+  const auto text_of = [](const char* subcommand, const char* flag) {
+    return std::get<ringsplat::app::Say>(parse({"ringsplat", subcommand, flag}).command).text;
+  };
+  for (const char* subcommand : {"render", "serve", "info", "reference"}) {
+    const std::string help = text_of(subcommand, "--help"), all = text_of(subcommand, "--help-all");
+    INFO(help);
+    std::istringstream in(help);
+    int lines = 0;
+    for (std::string line; std::getline(in, line); ++lines) CHECK(line.size() <= 108);
+    CHECK(lines <= 48);
+    CHECK_THAT(help, Contains("(more with --help-all):\n") && Contains("--help-all shows all options"));
+    for (const char* everyday : {"--channel", "--clip", "--size", "--tf"})
+      if (subcommand != std::string("info")) CHECK_THAT(help, Contains(everyday));
+    for (const char* rare : {"--look-ahead", "--qee-bits", "--threads-per-rank"}) {
+      CHECK_THAT(help, !Contains(rare));
+      if (subcommand == std::string("render")) CHECK_THAT(all, Contains(rare));
+    }
+    CHECK(all.size() > help.size());
+  }
+  CHECK_THAT(text_of("compare", "--help"), Contains("--diff-scale"));
+}
+
+TEST_CASE("every option that is named as an everyday one is in --help") {
+  for (const auto& subcommand : ringsplat::app::subcommands()) {
+    std::istringstream names(subcommand.everyday);
+    const std::string help =
+        std::get<ringsplat::app::Say>(parse({"ringsplat", subcommand.name, "--help"}).command).text;
+    int found = 0, all = 0;
+    for (std::string name; names >> name; ++all) found += help.find(name + " ") != std::string::npos;
+    CHECK(found == all);
   }
 }
 

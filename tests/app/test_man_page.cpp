@@ -72,13 +72,13 @@ std::vector<Told> told_in(const std::string& help) {
 
 }  // namespace
 
-TEST_CASE("the manual page has each subcommand and each option of --help, with its words") {
+TEST_CASE("the manual page has each subcommand and each option of --help-all, with its words") {
   const std::string page = said({"--man"});
   std::size_t options = 0;
   for (const std::string name : {"", "render", "info", "compare", "synth", "reference", "study"}) {
     const std::string section = section_of(page, upper(name));
     const std::vector<std::string> lines = lines_of(section);
-    std::string help = name.empty() ? said({"--help"}) : said({name, "--help"});
+    std::string help = name.empty() ? said({"--help"}) : said({name, "--help-all"});
     help = help.substr(0, help.find("\nSubcommands:"));
     for (const Told& told : told_in(help)) {
       INFO(name << ": " << told.usage << ": " << told.help);
