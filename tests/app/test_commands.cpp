@@ -168,7 +168,7 @@ TEST_CASE("a path renders its lines") {
   const Workshop w;
   write_text(w / "path.csv", "0 0\n90 0\n");
   w.render("walk.exr", {"--path", w / "path.csv"});
-  w.render("side.exr", {"--azimuth", "90"});
+  w.render("side.exr", {"--azimuth", "90", "--fit", "sphere"});
   CHECK(read_image(w / "walk-0001.exr").image == read_image(w / "side.exr").image);
 }
 

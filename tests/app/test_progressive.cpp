@@ -68,7 +68,7 @@ TEST_CASE("a newer view on stdin ends the refinement of the ones before it", "[t
     CHECK(files.has("x-0001-u4.png"));
     CHECK_FALSE(files.has("x-0000.png"));
     CHECK_FALSE(files.has("x-0001.png"));
-    CHECK(files.same_as_alone("x-0002.png", {"--azimuth", "190", "--elevation", "5"}));
+    CHECK(files.same_as_alone("x-0002.png", {"--azimuth", "190", "--elevation", "5", "--fit", "sphere"}));
     CHECK(lines_with(ended.out, "3 views, 4 refinements dropped").size() == 1);
   }
 }
@@ -93,8 +93,8 @@ TEST_CASE("lines on stdin that give no view are skipped, the others are rendered
     const auto errors = lines_with(ended.err, "error: --path -");
     REQUIRE(errors.size() == 1);
     CHECK_THAT(errors[0], Catch::Matchers::Contains("3 lines give no view and were skipped (2, 3, 4)"));
-    CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5"}));
-    CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5"}));
+    CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
+    CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5", "--fit", "sphere"}));
     CHECK(json::parse(read_text(files.stats)).size() == 2);
   }
 }
@@ -121,7 +121,7 @@ TEST_CASE("a run that only waits for views says so, and not that it renders") {
   CHECK_THAT(text, Catch::Matchers::StartsWith("ringsplat: waiting for views on stdin\n"));
   std::fputs("10 5\n", program);
   CHECK(pclose(program) == 0);
-  CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5"}));
+  CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
 }
 
 TEST_CASE("views on stdin are each rendered, but not by every subcommand") {
@@ -129,7 +129,7 @@ TEST_CASE("views on stdin are each rendered, but not by every subcommand") {
   const Ended ended = run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n");
   INFO(ended.err);
   REQUIRE(ended.code == 0);
-  CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5"}));
+  CHECK(files.same_as_alone("x-0001.png", {"--azimuth", "100", "--elevation", "5", "--fit", "sphere"}));
   const Ended none = run_program({"reference", files.volume, "-o", files.picture, "--path", "-"});
   CHECK(none.code == 2);
   CHECK(lines_with(none.err, "stdin").size() == 1);

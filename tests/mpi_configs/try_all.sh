@@ -11,7 +11,7 @@ export RINGSPLAT_MPIEXEC=$3
 
 configs=$repo/mpi_configs
 # Small and shaded, from a side that cuts through all regions. Command lines come before configuration files.
-view=(--size 96x80 --region 32 --azimuth 35 --elevation 20 --tf mr-soft)
+view=(--size 96x80 --region 32 --fit sphere --azimuth 35 --elevation 20 --tf mr-soft)
 
 rm -rf "$scratch"
 mkdir -p "$scratch/out" "$scratch/bin" "$scratch/mpi_configs/slurm" "$scratch/tests"

@@ -11,7 +11,7 @@ import sys
 REPO = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 HEAD = os.path.join(REPO, "tests/data/head.nrrd")
 PP5 = os.path.join(REPO, "mpi_configs/machines/pixel-planes-5.toml")
-VIEW = ["--size", "256x256", "--elevation", "20", "--azimuth", "30", "--tf", "mr-soft"]
+VIEW = ["--size", "256x256", "--fit", "sphere", "--elevation", "20", "--azimuth", "30", "--tf", "mr-soft"]
 
 
 class Run:
