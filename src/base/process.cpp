@@ -52,15 +52,31 @@ int allowed_cores() {
   return 1;
 }
 
-void flush_denormals() {
+namespace {
+
 #if defined(__SSE2__)
-  constexpr unsigned flush_to_zero = 0x8000, denormals_are_zero = 0x0040;
-  _mm_setcsr(_mm_getcsr() | flush_to_zero | denormals_are_zero);
+constexpr std::uint64_t flushing = 0x8040;  // flush to zero, denormals are zero
+std::uint64_t float_control() { return _mm_getcsr(); }
+void set_float_control(std::uint64_t bits) { _mm_setcsr(static_cast<unsigned>(bits)); }
 #elif defined(__aarch64__)
+constexpr std::uint64_t flushing = std::uint64_t{1} << 24;
+std::uint64_t float_control() {
   std::uint64_t control = 0;
   asm volatile("mrs %0, fpcr" : "=r"(control));
-  asm volatile("msr fpcr, %0" ::"r"(control | (std::uint64_t{1} << 24)));
-#endif
+  return control;
 }
+void set_float_control(std::uint64_t bits) { asm volatile("msr fpcr, %0" ::"r"(bits)); }
+#else
+constexpr std::uint64_t flushing = 0;
+std::uint64_t float_control() { return 0; }
+void set_float_control(std::uint64_t) {}
+#endif
+
+}  // namespace
+
+void flush_denormals() { set_float_control(float_control() | flushing); }
+
+KeptDenormals::KeptDenormals() : before_(float_control()) { set_float_control(before_ & ~flushing); }
+KeptDenormals::~KeptDenormals() { set_float_control(before_); }
 
 }  // namespace ringsplat
