@@ -37,6 +37,16 @@ Rule rule_for(const std::vector<Which>& options, Engine engine, const char* way_
 
 const Rule all_rules[] = {
     {{{"--orbit"}}, excludes, {{"--path"}}, "each says what all frames are: keep one"},
+    {{{"--frames"}}, excludes, {{"--frame"}}, "each says which volumes: keep one"},
+    {{{"--frames"}},
+     excludes,
+     {{.option = "--path", .value = "-"}},
+     "a path on stdin has no end that could be told: put it into a file with a line for each frame"},
+    {{{"--frames"}},
+     excludes,
+     {{"--progressive"}, {"--trace"}, {"--error"}, {"--max-error"}, {"--machine"}},
+     "leave it out, or render one of the volumes by itself",
+     "{0} renders many volumes, {1} is for one"},
     {{{"--matrix"}},
      excludes,
      {{"--azimuth"}, {"--elevation"}, {"--roll"}},

@@ -31,11 +31,12 @@ json to_json(const MeasuredError& m) {
 }
 
 /// The settings that decide the picture, and the volume; the same bytes for any number of ranks.
-std::string picture_settings(const FrameSpec& spec, const RenderOptions& o, const MeasuredError* error) {
+std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
+                             const MeasuredError* error) {
   json j = json::parse(to_json_text(spec));
   if (error != nullptr) j["error"] = to_json(*error);
-  if (o.annotate) j["annotated"] = true;
-  j["volume"] = fs::path(o.volume.path).filename().string();
+  if (annotated) j["annotated"] = true;
+  j["volume"] = fs::path(volume).filename().string();
   return plain_json_text(std::move(j));
 }
 
@@ -58,6 +59,7 @@ FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, con
                          SliceMemory memory, Progress& progress)
     : options_(options),
       layout_(layout),
+      volume_(options.volume.path),
       range_(range),
       memory_(std::move(memory)),
       progress_(progress),
@@ -77,18 +79,23 @@ void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
   if (options_.progressive && factor > 1)
     file.replace_filename(fmt::format("{}-u{}{}", file.stem().string(), factor, file.extension().string()));
   if (options_.error.truth) {
-    kept_.push_back({std::move(result), std::move(file)});
+    kept_.push_back({std::move(result), std::move(file), volume_, range_});
     progress_.at(double(kept_.size()));
   } else {
-    writer_.put({std::move(result), std::move(file)});
+    writer_.put({std::move(result), std::move(file), volume_, range_});
   }
+}
+
+void FrameOutput::show(const std::string& volume, const ValueRange& range) {
+  volume_ = volume;
+  range_ = range;
 }
 
 void FrameOutput::measure_kept() {
   const auto source = open_volume(options_.volume);
   truth::Scene scene = make_scene(read_whole(*source));
   for (const FinishedFrame& frame : kept_) {
-    const auto& [result, file] = frame;
+    const auto& [result, file, volume, range] = frame;
     FrameSpec asked = result.spec;
     asked.how = options_.frame.how;  // an error budget may have chosen a cheaper one
     set_frame(scene, asked);
@@ -107,35 +114,40 @@ void FrameOutput::measure_kept() {
 }
 
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
-  const auto& [result, file] = frame;
+  const auto& [result, file, volume, range] = frame;
   const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
   const std::string label = written ? file.string() : fmt::format("frame {}", result.spec.frame);
   if (written)
-    write_image(result.image, file, options_.background, picture_settings(result.spec, options_, error),
-                annotation_ ? annotation_->overlay(result.spec, range_) : Overlay{});
+    write_image(result.image, file, options_.background,
+                picture_settings(result.spec, volume, options_.annotate, error),
+                annotation_ ? annotation_->overlay(result.spec, range) : Overlay{});
   const NodeStats sum = result.stats.total();
   if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
     progress_.clear();
     log_warning("{}: {}", label,
-                why_nothing_is_visible(result.spec.shown.transfer_function, range_,
+                why_nothing_is_visible(result.spec.shown.transfer_function, range,
                                        sum.visible_voxels + sum.voxels_outside));
   }
   const std::string after =
       seconds_.empty() ? "" : fmt::format(", {:.4f} s after the one before", result.stats.period);
   const char* items = std::holds_alternative<Sheets>(result.spec.how) ? "blocks" : "splats";
-  progress_.print(fmt::format("{}  {:.4f} s{}  {} visible voxels  {} {}", label, result.stats.seconds, after,
-                              sum.visible_voxels, sum.splats_sent, items));
+  const std::string shown =
+      options_.frames
+          ? fmt::format("  {}: {:g} to {:g}", fs::path(volume).filename().string(), range.low, range.high)
+          : "";
+  progress_.print(fmt::format("{}  {:.4f} s{}  {} visible voxels  {} {}{}", label, result.stats.seconds,
+                              after, sum.visible_voxels, sum.splats_sent, items, shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
   if (!options_.stats.empty())
     records_.push_back({result.spec, result.stats, result.axis, written ? file.string() : std::string(),
-                        error == nullptr ? std::nullopt : std::optional(*error)});
+                        error == nullptr ? std::nullopt : std::optional(*error), volume});
 }
 
 std::string FrameOutput::json_text(const FrameRecord& record) const {
   json j = json::parse(to_json_text(record.stats, layout_, to_json_text(record.spec), name(record.axis)));
   if (!record.picture.empty()) j["file"] = record.picture;
-  j["volume"] = options_.volume.path;
+  j["volume"] = record.volume;
   j["memory"] = to_json(memory_);
   if (record.error) {
     j["error"] = to_json(*record.error);
@@ -175,8 +187,8 @@ std::string FrameOutput::summary() const {
 }
 
 fs::path output_file(const RenderOptions& options, std::size_t view) {
-  return options.orbit > 0 || !options.path.empty() ? numbered(options.output, view)
-                                                    : fs::path(options.output);
+  return options.orbit > 0 || !options.path.empty() || options.frames ? numbered(options.output, view)
+                                                                      : fs::path(options.output);
 }
 
 std::vector<Camera> views_of(const RenderOptions& o) {

@@ -38,6 +38,8 @@ class FrameOutput {
   /// written. `view` counts from 0; the names of a refined view's coarser pictures contain their
   /// undersampling factor.
   void take(FrameResult&& result, std::size_t view, int factor);
+  /// The next frames show another volume of a series.
+  void show(const std::string& volume, const ValueRange& range);
   /// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and
   /// its error against the full picture.
   struct RefinementStep {
@@ -58,6 +60,7 @@ class FrameOutput {
     Axis axis;
     std::string picture;  ///< its file; empty when none was written
     std::optional<MeasuredError> error;
+    std::string volume;  ///< its path
   };
 
   void write(const FinishedFrame& frame, const MeasuredError* error);
@@ -68,7 +71,8 @@ class FrameOutput {
 
   const RenderOptions& options_;
   const Layout& layout_;
-  const ValueRange& range_;
+  std::string volume_;  ///< path of the volume that is shown
+  ValueRange range_;
   SliceMemory memory_;
   std::optional<Annotation> annotation_;
   Progress& progress_;

@@ -5,16 +5,20 @@
 #include <filesystem>
 #include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
+#include "ringsplat/volume/statistics.hpp"
 #include "session/director.hpp"
 
 namespace ringsplat::app {
 
-/// A frame and the file that its picture goes to.
+/// A frame, the file that its picture goes to, and the volume that it shows.
 struct FinishedFrame {
   FrameResult result;
   std::filesystem::path file;
+  std::string volume;
+  ValueRange range;  ///< of its values
 };
 
 /// A thread that writes finished frames in the order they come, so that encoding pictures delays neither the

@@ -30,14 +30,34 @@ SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
   return memory;
 }
 
-void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
-                  const Layout& layout, const Launch& launch) {
-  const double machine = machine_memory_bytes();
+namespace {
+
+/// Of the GPs in this process.
+double slice_bytes_here(const SliceMemory& slices, const Layout& layout, const Launch& launch) {
   double held = 0;
   for (int gp = 0; gp < layout.gps; ++gp)
     if (!launch.over_mpi() || layout.rank_of({Role::gp, gp}) == launch.rank())
       held += double(slices.predicted[std::size_t(gp)]);
-  const double frames = launch.rank() == 0 ? 4.0 * sizeof(float) * width * height * double(pictures) : 0;
+  return held;
+}
+
+double picture_bytes_here(int width, int height, std::size_t pictures, const Launch& launch) {
+  return launch.rank() == 0 ? 4.0 * sizeof(float) * width * height * double(pictures) : 0;
+}
+
+}  // namespace
+
+std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, const SliceMemory& slices,
+                               const Layout& layout, const Launch& launch) {
+  const double held = slice_bytes_here(slices, layout, launch),
+               needed = 2 * held + picture_bytes_here(width, height, pictures, launch);
+  return needed <= machine_memory_bytes() ? std::size_t(held) : 0;
+}
+
+void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
+                  const Layout& layout, const Launch& launch) {
+  const double machine = machine_memory_bytes(), held = slice_bytes_here(slices, layout, launch),
+               frames = picture_bytes_here(width, height, pictures, launch);
   if (held + frames <= machine) return;
   throw InputError(fmt::format("this needs {:.1f} GiB for slices and {:.1f} GiB for pictures in one process, "
                                "but the machine has {:.1f} GiB",
@@ -48,6 +68,7 @@ void check_memory(int width, int height, std::size_t pictures, const SliceMemory
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
            Progress& progress) {
+  const KeptDenormals as_before_the_first_frame;
   progress.begin("loading", 1);
   LoadOptions told = options;
   told.told = [&](double part) { progress.at(part); };

@@ -22,6 +22,11 @@ SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps);
 void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
                   const Layout& layout, const Launch& launch);
 
+/// Bytes that this process may hold of the next volume of a series while one is drawn: as many as it holds of
+/// one volume's slices, or none where the machine has no room for so many beside slices and pictures.
+std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, const SliceMemory& slices,
+                               const Layout& layout, const Launch& launch);
+
 /// Deals an opened volume and closes it. Throws InputError when it has no finite value.
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
            Progress& progress);

@@ -10,7 +10,7 @@ extern const OptionGroup<VolumeOptions> volume_options, raw_options;
 extern const OptionGroup<RunOptions> rank_options, protocol_options, machine_options;
 /// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
 extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,
-    method_options, picture_options, shortcut_options, clip_options;
+    method_options, picture_options, shortcut_options, clip_options, series_options;
 /// Parts of the above that a viewer has, too.
 extern const OptionGroup<RenderOptions> camera_options, shading_options;
 extern const OptionGroup<ErrorOptions> error_options;

@@ -7,6 +7,7 @@
 
 #include "app/clip_option.hpp"
 #include "app/error_budget_options.hpp"
+#include "app/frames_option.hpp"
 #include "app/method_options.hpp"
 #include "app/option_values.hpp"
 #include "app/truth_options.hpp"
@@ -53,6 +54,7 @@ struct RunOptions {
 
 struct RenderOptions {
   VolumeOptions volume;
+  std::optional<FrameRange> frames;  ///< of a series of volumes
   RunOptions run;
   /// Without its transfer function, which may depend on the volume's histogram, and its clip box, which
   /// follows from `clip` and the volume's grid. Its `how` follows from `method`.

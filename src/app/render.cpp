@@ -15,12 +15,14 @@
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
 #include "app/output_names.hpp"
+#include "app/series_loader.hpp"
 #include "app/simulation_options.hpp"
 #include "app/steepness.hpp"
 #include "app/text_output.hpp"
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
+#include "base/clock.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"
@@ -77,6 +79,16 @@ void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
       throw InputError(fmt::format("frame {}: {}", k, e.what()));
     }
   }
+}
+
+/// One camera is for all volumes of a series.
+void check_one_camera_each(const Plan& plan, const RenderOptions& o, std::size_t volumes) {
+  if (!o.frames || plan.cameras.size() == volumes || (o.orbit == 0 && o.path.empty())) return;
+  throw InputError(
+      fmt::format("{} has {} views, but --frames {} chooses {} volumes", o.orbit > 0 ? "--orbit" : "--path",
+                  plan.cameras.size(), o.frames->text, volumes),
+      o.orbit > 0 ? fmt::format("the camera moves on with each volume: give --orbit {}", volumes)
+                  : "each line is the view of one volume");
 }
 
 std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, const Grid& grid,
@@ -156,7 +168,8 @@ struct Job {
   RenderOptions options;
   Layout layout;
   Plan plan;
-  OpenedVolume volume;
+  std::vector<SeriesEntry> series;       ///< one volume, without --frames
+  OpenedVolume volume;                   ///< the first of them
   std::string view_note;                 ///< on rank 0: what is said of the view, or nothing
   std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
@@ -172,12 +185,18 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   check(o.run.engine);
   warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
   launch.check_on_rank_0([&] { job.plan = make_plan(o); });
+  if (o.frames && simulated())
+    throw InputError("--frames: the next volume is read by the clock on the wall, not the simulated one",
+                     "simulate one volume at a time");
+  job.series = find_series(o.volume, o.frames, launch);
+  o.volume = job.series.front().volume;
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
   launch.check_on_rank_0([&] {
     job.view_note = complete_view(o, grid, job.volume.notes);
     job.plan.cameras = views_of(o);
+    check_one_camera_each(job.plan, o, job.series.size());
     check_frames(o, job.plan, grid);
     if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background);
   });
@@ -228,6 +247,89 @@ void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const Val
   }
 }
 
+/// The volumes of a series, each drawn while the next is read. The transfer function is the first one's, so
+/// that colours mean the same in all pictures.
+class SeriesRun {
+ public:
+  SeriesRun(Job& job, Progress& progress, Launch& launch)
+      : job_(job),
+        progress_(progress),
+        launch_(launch),
+        wiring_(launch.wiring(job.options.run.loopback)),
+        loader_(job.series, std::move(job.volume), plan(), progress, launch) {}
+
+  void run() {
+    Scene scene = loader_.load(0);
+    frame_ = choose_frame(job_, scene, wiring_, progress_, launch_);
+    warn_of_steepness(job_.options, frame_, scene.range, progress_, launch_);
+    FrameOutput output(job_.options, job_.layout, scene.range, job_.memory, progress_);
+    if (job_.annotation) output.annotate(*job_.annotation);
+    say_what_comes(scene.range);
+    progress_.begin("rendering", double(loader_.size()));
+    last_ended_ = now_seconds();
+    try {
+      for (std::size_t k = 0; k < loader_.size(); ++k) {
+        if (k > 0) scene = loader_.load(k);
+        loader_.read_ahead(k + 1);
+        draw(k, std::exchange(scene, {}), output);
+      }
+    } catch (const InputError&) {
+      progress_.end();
+      if (launch_.rank() == 0) output.finish();
+      throw;
+    }
+    progress_.end();
+    if (launch_.rank() == 0) output.finish();
+  }
+
+ private:
+  SeriesLoader::Plan plan() const {
+    const Shown& shown = job_.options.frame.shown;
+    const std::size_t pictures = FrameOutput::most_held(job_.options, job_.series.size());
+    return {job_.load, job_.layout, wiring_,
+            room_to_read_ahead(shown.width, shown.height, pictures, job_.memory, job_.layout, launch_)};
+  }
+
+  void say_what_comes(const ValueRange& range) {
+    if (launch_.rank() != 0) return;
+    progress_.print(fmt::format(
+        "{} volumes, {} to {}; the transfer function {} of the first, {:g} to {:g}, is kept for all",
+        loader_.size(), loader_.entry(0).name, loader_.entry(loader_.size() - 1).name,
+        frame_.shown.transfer_function.name, range.low, range.high));
+  }
+
+  void draw(std::size_t k, Scene scene, FrameOutput& output) {
+    FrameSpec frame = frame_;
+    const auto& cameras = job_.plan.cameras;
+    if (launch_.rank() == 0) frame.shown.camera = cameras[cameras.size() == 1 ? 0 : k];
+    const SeriesEntry& entry = loader_.entry(k);
+    output.show(entry.volume.path, scene.range);
+    const auto take = [&](FrameResult&& result) {
+      const double now = now_seconds();
+      result.spec.frame = result.stats.frame = entry.number;
+      result.stats.period = now - std::exchange(last_ended_, now);
+      output.take(std::move(result), std::size_t(entry.number), 1);
+    };
+    render_all(std::move(scene), job_.layout, job_.options.run.protocol,
+               launch_.rank() == 0 ? director_of({frame}, take) : Director{}, wiring_,
+               job_.options.run.engine);
+  }
+
+  Job& job_;
+  Progress& progress_;
+  Launch& launch_;
+  const Wiring wiring_;
+  SeriesLoader loader_;
+  FrameSpec frame_;
+  double last_ended_ = 0;
+};
+
+ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
+  SeriesRun(job, progress, launch).run();
+  launch.take_leave(job.options.run.protocol.stall_timeout);
+  return ExitCode::done;
+}
+
 }  // namespace
 
 ExitCode run_render(const RenderOptions& given, Launch& launch) {
@@ -235,6 +337,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const RenderOptions& o = job.options;
   // Silent in a simulation: progress in simulated time tells nothing.
   Progress progress(launch.rank() != 0 || simulated(), writes_to_stdout(o) ? stderr : stdout);
+  if (o.frames) return render_series(job, progress, launch);
   const Wiring wiring = launch.wiring(o.run.loopback);
   Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
   const FrameSpec frame = choose_frame(job, scene, wiring, progress, launch);

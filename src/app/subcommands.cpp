@@ -19,6 +19,7 @@ void add_render_options(CLI::App& app, AllOptions& all) {
   RenderOptions& o = all.render;
   add_options(app, volume_options, o.volume);
   add_options(app, clip_options, o);
+  add_options(app, series_options, o);
   add_options(app, raw_options, o.volume);
   add_options(app, render_output_options, o);
   add_options(app, camera_options, o);
@@ -139,14 +140,15 @@ Command settle_study(const CLI::App&, AllOptions& all) { return all.study; }
 constexpr const char* render_examples =
     R"(  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
   mpirun -n 6 ringsplat render head.nrrd -o turn.png --gps 4 --renderers 2 --orbit 36 --elevation 15
-  ringsplat render ct_512x512x300_int16.raw -o bone.exr --spacing 0.7x0.7x1 --tf ct-bone --stats bone.json)";
+  ringsplat render ct_512x512x300_int16.raw -o bone.exr --spacing 0.7x0.7x1 --tf ct-bone --stats bone.json
+  ringsplat render 'step_*.nrrd' --frames all -o film.png --tf mr-soft)";
 
 /// All others are below --help-all.
 constexpr const char* everyday_render =
-    "--frame --channel --clip --output --background --annotate --stats --view --azimuth --elevation "
+    "--frame --frames --channel --clip --output --background --annotate --stats --view --azimuth --elevation "
     "--zoom --orbit --size --tf --shading --quality";
 constexpr const char* everyday_serve =
-    "--frame --channel --clip --port --open --background --view --azimuth --elevation --zoom --size "
+    "--frame --frames --channel --clip --port --open --background --view --azimuth --elevation --zoom --size "
     "--tf --shading";
 constexpr const char* everyday_info =
     "--frame --channel --series --dims --type --offset --spacing --clip --gps --json --presets --ranks";

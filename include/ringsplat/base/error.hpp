@@ -17,7 +17,8 @@ class Error : public std::runtime_error {
   ExitCode code_;
 };
 
-/// Wrong usage or bad input, exit code 2. Found before the first frame, except in views from stdin.
+/// Wrong usage or bad input, exit code 2. Found before the first frame, except in views from stdin and
+/// in later volumes of a series.
 struct InputError : Error {
   InputError(const std::string& problem, const std::string& hint = {})
       : Error(ExitCode::bad_input, problem, hint) {}

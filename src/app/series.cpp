@@ -1,0 +1,241 @@
+#include "app/series.hpp"
+
+#include <fmt/format.h>
+#include <glob.h>
+
+#include <algorithm>
+#include <charconv>
+#include <filesystem>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string_view>
+
+#include "base/printable.hpp"
+#include "net/blocks.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using Numbered = std::vector<std::pair<int, std::string>>;
+
+constexpr std::size_t most_volumes = 1'000'000;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// Runs of digits are compared as numbers.
+bool naturally_before(const std::string& a, const std::string& b) {
+  std::size_t i = 0, k = 0;
+  while (i < a.size() && k < b.size()) {
+    if (!is_digit(a[i]) || !is_digit(b[k])) {
+      if (a[i] != b[k]) return a[i] < b[k];
+      ++i, ++k;
+      continue;
+    }
+    const auto number_at = [](const std::string& text, std::size_t& at) {
+      const std::size_t begin = std::min(text.find_first_not_of('0', at), text.size());
+      for (at = begin; at < text.size() && is_digit(text[at]);) ++at;
+      return std::string_view(text).substr(begin, at - begin);
+    };
+    const std::string_view one = number_at(a, i), other = number_at(b, k);
+    if (one.size() != other.size()) return one.size() < other.size();
+    if (one != other) return one < other;
+  }
+  return a.size() - i != b.size() - k ? a.size() - i < b.size() - k : a < b;
+}
+
+/// A %d or %04d in a file's name.
+struct NumberForm {
+  std::string before, after;
+  std::size_t digits = 1;  ///< at least; shorter numbers have zeros in front
+};
+
+std::optional<NumberForm> number_form(const std::string& name) {
+  const auto percent = name.find('%');
+  if (percent == std::string::npos) return std::nullopt;
+  std::size_t at = percent + 1;
+  while (at < name.size() && is_digit(name[at])) ++at;
+  const std::string width = name.substr(percent + 1, at - percent - 1);
+  const bool zeros = width.empty() || (width.front() == '0' && width.size() <= 3);
+  if (at == name.size() || name[at] != 'd' || !zeros || name.find('%', at) != std::string::npos)
+    return std::nullopt;
+  NumberForm form{name.substr(0, percent), name.substr(at + 1)};
+  if (!width.empty()) form.digits = std::max<std::size_t>(1, std::stoul(width));
+  return form;
+}
+
+std::string written(const NumberForm& form, int number) {
+  return fmt::format("{}{:0{}}{}", form.before, number, form.digits, form.after);
+}
+
+std::optional<int> number_in(const NumberForm& form, const std::string& name) {
+  if (!name.starts_with(form.before) || name.size() < form.before.size() + form.after.size())
+    return std::nullopt;
+  int number = 0;
+  const char* const end = name.data() + name.size() - form.after.size();
+  const auto [parsed, error] = std::from_chars(name.data() + form.before.size(), end, number);
+  if (error != std::errc{} || parsed != end || number < 0 || written(form, number) != name)
+    return std::nullopt;
+  return number;
+}
+
+Numbered numbered_files(const fs::path& path, const NumberForm& form) {
+  Numbered found;
+  const fs::path folder = path.parent_path();
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? fs::path(".") : folder))
+    if (const auto number = number_in(form, entry.path().filename().string()))
+      found.emplace_back(*number, (folder / entry.path().filename()).string());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+Numbered globbed_files(const std::string& pattern) {
+  glob_t names{};
+  const int result = glob(pattern.c_str(), GLOB_NOSORT, nullptr, &names);
+  std::vector<std::string> found(names.gl_pathv, names.gl_pathv + names.gl_pathc);
+  globfree(&names);
+  if (result != 0 && result != GLOB_NOMATCH)
+    throw InputError(fmt::format("the files of {} cannot be listed", printable(pattern)),
+                     "check the folder's permissions");
+  std::sort(found.begin(), found.end(), naturally_before);
+  Numbered numbered;
+  for (auto& name : found) numbered.emplace_back(int(numbered.size()), std::move(name));
+  return numbered;
+}
+
+bool has_wildcard(const std::string& path) { return path.find_first_of("*?[") != std::string::npos; }
+
+/// Where "FILES:/place within each" has its place; the whole length without one.
+std::size_t place_in(const std::string& path) { return std::min(path.rfind(":/"), path.size()); }
+
+bool is_pattern(const std::string& whole) {
+  const std::string path = whole.substr(0, place_in(whole));
+  std::error_code error;
+  return !fs::exists(whole, error) && !fs::exists(path, error) &&
+         (has_wildcard(path) || number_form(fs::path(path).filename().string()));
+}
+
+std::string base_name(const std::string& path) {
+  const fs::path whole = path;
+  return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
+}
+
+std::vector<SeriesEntry> volumes_of_pattern(const VolumeOptions& volume, const FrameRange& range) {
+  const Numbered files = files_of_pattern(volume.path);
+  std::vector<int> numbers;
+  for (const auto& [number, file] : files) numbers.push_back(number);
+  std::vector<SeriesEntry> entries;
+  for (const int number : chosen_frames(range, numbers, printable(volume.path))) {
+    const auto found = std::lower_bound(numbers.begin(), numbers.end(), number);
+    SeriesEntry entry{number, volume, {}};
+    entry.volume.path = files[std::size_t(found - numbers.begin())].second;
+    entry.name = base_name(entry.volume.path);
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const FrameRange& range) {
+  const int count = open_volume(volume)->notes().frames;
+  if (count == 1)
+    throw InputError(fmt::format("--frames {}: {} holds one volume", range.text, printable(volume.path)),
+                     "for a series of files give a pattern in quotes, such as 'step_*.nrrd'");
+  std::vector<int> numbers;
+  for (int number = 0; number < count; ++number) numbers.push_back(number);
+  std::vector<SeriesEntry> entries;
+  for (const int number : chosen_frames(range, numbers, printable(volume.path))) {
+    SeriesEntry entry{number, volume, fmt::format("{}, frame {}", base_name(volume.path), number)};
+    entry.volume.choice.frame = number;
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+std::vector<SeriesEntry> look_for(const VolumeOptions& volume, const std::optional<FrameRange>& range) {
+  try {
+    const bool pattern = is_pattern(volume.path);
+    if (range) return pattern ? volumes_of_pattern(volume, *range) : volumes_in_file(volume, *range);
+    if (pattern)
+      throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
+                       "add --frames all, or name one file");
+    return {{0, volume, base_name(volume.path)}};
+  } catch (const fs::filesystem_error& error) {
+    throw InputError(fmt::format("cannot look for {}: {}", printable(volume.path), error.code().message()),
+                     "check the path and the permissions");
+  }
+}
+
+}  // namespace
+
+Numbered files_of_pattern(const std::string& pattern) {
+  const std::string path = pattern.substr(0, place_in(pattern)), within = pattern.substr(path.size());
+  const auto form = number_form(fs::path(path).filename().string());
+  if (!form && !has_wildcard(path))
+    throw InputError(fmt::format("{} is no pattern", printable(pattern)), "such as 'step_*.nrrd'");
+  Numbered files = form ? numbered_files(path, *form) : globbed_files(path);
+  if (files.empty())
+    throw InputError(
+        fmt::format("no file is named like {}", printable(path)),
+        "put the pattern in quotes: 'step_*.nrrd', or step_%04d.nrrd for names with four digits");
+  if (files.size() > most_volumes)
+    throw InputError(fmt::format("{} means more than {} files", printable(path), most_volumes),
+                     "give a narrower pattern");
+  for (auto& [number, file] : files) file += within;
+  return files;
+}
+
+std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& numbers,
+                               const std::string& what) {
+  const int first = range.first.value_or(numbers.front()),
+            end = range.end.value_or(numbers.back() == std::numeric_limits<int>::max() ? numbers.back()
+                                                                                       : numbers.back() + 1);
+  const std::string there = fmt::format("{} has {} volume{}, numbered from {} to {}", what, numbers.size(),
+                                        numbers.size() == 1 ? "" : "s", numbers.front(), numbers.back());
+  const auto is_there = [&](std::int64_t number) {
+    return std::binary_search(numbers.begin(), numbers.end(), number);
+  };
+  std::vector<int> chosen;
+  for (const int number : numbers)
+    if (number >= first && number < end && (number - first) % range.step == 0) chosen.push_back(number);
+  // With both ends given, each number between them was asked for.
+  for (std::int64_t number = first; range.first && range.end && number < end; number += range.step)
+    if (!is_there(number))
+      throw InputError(fmt::format("--frames {}: there is no frame {}", range.text, number),
+                       there + "; leave an end open for all that there are");
+  if (chosen.empty()) throw InputError(fmt::format("--frames {}: there is no such frame", range.text), there);
+  return chosen;
+}
+
+std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
+                                     Launch& launch) {
+  std::vector<SeriesEntry> entries;
+  launch.check_on_rank_0([&] { entries = look_for(volume, frames); });
+  if (!frames) return {{0, volume, base_name(volume.path)}};
+  if (launch.ranks() == 1) return entries;
+  json list = json::array();
+  for (const SeriesEntry& e : entries)
+    list.push_back({{"number", e.number},
+                    {"path", json::binary({e.volume.path.begin(), e.volume.path.end()})},
+                    {"frame", e.volume.choice.frame.value_or(-1)},
+                    {"name", json::binary({e.name.begin(), e.name.end()})}});
+  const auto bytes = json::to_cbor(list);
+  const Block block = launch.collectives().broadcast(block_of(std::as_bytes(std::span(bytes))), 0);
+  const auto* first = reinterpret_cast<const std::uint8_t*>(block.data());
+  entries.clear();
+  for (const json& j : json::from_cbor(first, first + block.size())) {
+    const auto text = [&j](const char* key) {
+      const auto& bytes_of = j.at(key).get_binary();
+      return std::string(bytes_of.begin(), bytes_of.end());
+    };
+    SeriesEntry entry{j.at("number"), volume, text("name")};
+    entry.volume.path = text("path");
+    if (j.at("frame") >= 0) entry.volume.choice.frame = j.at("frame").get<int>();
+    entries.push_back(std::move(entry));
+  }
+  return entries;
+}
+
+}  // namespace ringsplat::app
