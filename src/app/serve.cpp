@@ -12,12 +12,14 @@
 #include "app/first_view.hpp"
 #include "app/loading.hpp"
 #include "app/role_choice.hpp"
+#include "app/series_loader.hpp"
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
 #include "model/charge.hpp"
+#include "net/blocks.hpp"
 #include "serve/program.hpp"
 #include "serve/viewer.hpp"
 
@@ -31,8 +33,10 @@ struct Job {
   RenderOptions picture;
   Layout layout;
   std::optional<TransferFunctionChoice> transfer_function;  ///< on rank 0
-  OpenedVolume volume;
+  std::vector<SeriesEntry> series;                          ///< one volume, without --frames
+  OpenedVolume volume;                                      ///< the first of them
   LoadOptions load;
+  std::size_t ahead_bytes = 0;
 };
 
 serve::Qualities qualities() {
@@ -58,6 +62,14 @@ LoadOptions load_for_levels(const FrameSpec& frame, const Grid& grid) {
   return load;
 }
 
+/// The page gets the names of all.
+void refuse_long_series(const std::vector<SeriesEntry>& series) {
+  constexpr std::size_t most = 10000;
+  if (series.size() > most)
+    throw InputError(fmt::format("the series has {} volumes, the viewer shows {}", series.size(), most),
+                     "choose fewer by --frames A:B:STEP");
+}
+
 Job prepare(const ServeOptions& options, Launch& launch) {
   Job job;
   RenderOptions& o = job.picture = options.picture;
@@ -71,6 +83,9 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   check(run.engine);
   warn_of_shared_cores(run.engine.threads_per_rank, launch);
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function); });
+  job.series = find_series(o.volume, o.frames, launch);
+  refuse_long_series(job.series);
+  o.volume = job.series.front().volume;
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   o.frame.shown.reduction.prefilter = true;
@@ -87,6 +102,8 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
   launch.check_on_all_ranks(
       [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch); });
+  job.ahead_bytes =
+      room_to_read_ahead(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch);
   if (!view_note.empty()) log_info("{}", view_note);
   log_roles(job.layout, memory, launch);
   return job;
@@ -101,8 +118,8 @@ int largest_side() {
   return side;
 }
 
-serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const Scene& scene,
-                                    const Launch& launch) {
+serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
+                                    const Scene& scene, const Launch& launch) {
   const RenderOptions& o = job.picture;
   serve::ViewerOptions v;
   v.version = RINGSPLAT_VERSION;
@@ -112,10 +129,12 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   const std::filesystem::path path = o.volume.path;
   v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(),
               scene.grid,
-              job.volume.notes.world == World::patient,
-              job.volume.notes.unit,
+              notes.world == World::patient,
+              notes.unit,
               scene.range,
               scene.histogram};
+  v.frames.clear();
+  for (const SeriesEntry& entry : job.series) v.frames.push_back(entry.name);
   v.frame = o.frame;
   v.initial.camera = o.frame.shown.camera;
   v.initial.transfer_function = job.transfer_function->make(scene.histogram);
@@ -139,11 +158,11 @@ void open_in_browser(const std::string& url) {
     log_warning("--open needs xdg-open, which could not be started; open the line above in a browser");
 }
 
-std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job, const Scene& scene,
-                                            Launch& launch) {
+std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job,
+                                            const VolumeNotes& notes, const Scene& scene, Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   launch.check_on_rank_0([&] {
-    viewer = std::make_unique<serve::Viewer>(viewer_options(options, job, scene, launch));
+    viewer = std::make_unique<serve::Viewer>(viewer_options(options, job, notes, scene, launch));
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(
           "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "
@@ -167,6 +186,48 @@ void leave_the_end_to_rank_0() {
   sigaction(SIGINT, &action, nullptr);
 }
 
+/// The frame that pages ask for next, on all ranks; nothing when the viewer has ended.
+std::optional<std::size_t> agree_on_next(serve::Viewer* viewer, Launch& launch) {
+  const int mine = viewer != nullptr ? viewer->next_volume().value_or(-1) : -1;
+  const Block block = launch.collectives().broadcast(block_of_value(mine), 0);
+  const int next = value_of<int>(block, "the number of the next volume");
+  return next < 0 ? std::nullopt : std::optional(std::size_t(next));
+}
+
+/// Loads volume `next`; where that fails, tells pages why and loads `shown` again. Returns the one that is
+/// loaded.
+std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader, Scene& scene,
+                      serve::Viewer* viewer) {
+  std::size_t loaded = next;
+  try {
+    scene = loader.load(next);
+  } catch (const InputError& e) {
+    if (viewer != nullptr) viewer->not_loaded(int(next), e.what());
+    loaded = shown;
+    scene = loader.load(shown);
+  }
+  if (viewer != nullptr) viewer->loaded(int(loaded), scene.range);
+  return loaded;
+}
+
+/// Shows one volume of the series after another, as pages ask for them; the next in the same direction is
+/// read meanwhile.
+void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer,
+                 const Wiring& wiring, Launch& launch) {
+  const RunOptions& run = job.picture.run;
+  std::size_t shown = 0;
+  bool backwards = false;
+  while (true) {
+    loader.read_ahead(backwards ? shown - 1 : shown + 1);
+    render_all(std::exchange(scene, {}), job.layout, run.protocol,
+               viewer != nullptr ? viewer->director() : Director{}, wiring, run.engine);
+    const auto next = agree_on_next(viewer, launch);
+    if (!next) return;
+    const std::size_t before = std::exchange(shown, load_next(*next, shown, loader, scene, viewer));
+    if (shown != before) backwards = shown < before;
+  }
+}
+
 }  // namespace
 
 ExitCode run_serve(const ServeOptions& options, Launch& launch) {
@@ -174,12 +235,14 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   const RunOptions& run = job.picture.run;
   Progress progress(launch.rank() != 0, stderr);
   const Wiring wiring = launch.wiring(run.loopback);
-  Scene scene = load(job.volume, job.load, job.layout, wiring, progress);
-  const std::unique_ptr<serve::Viewer> viewer = start_viewer(options, job, scene, launch);
+  const VolumeNotes notes = job.volume.notes;
+  SeriesLoader loader(job.series, std::move(job.volume), {job.load, job.layout, wiring, job.ahead_bytes},
+                      progress, launch);
+  Scene scene = loader.load(0);
+  const std::unique_ptr<serve::Viewer> viewer = start_viewer(options, job, notes, scene, launch);
   if (!viewer) leave_the_end_to_rank_0();
   try {
-    render_all(std::move(scene), job.layout, run.protocol, viewer ? viewer->director() : Director{}, wiring,
-               run.engine);
+    show_series(loader, std::move(scene), job, viewer.get(), wiring, launch);
   } catch (const std::exception& e) {
     if (viewer) viewer->end(e.what());
     throw;

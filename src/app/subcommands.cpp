@@ -61,6 +61,7 @@ void add_serve_options(CLI::App& app, AllOptions& all) {
   o.picture.frame.how = sheets_of(Quality::best);
   add_options(app, volume_options, o.picture.volume);
   add_options(app, clip_options, o.picture);
+  add_options(app, series_options, o.picture);
   add_options(app, raw_options, o.picture.volume);
   add_options(app, server_options, o);
   add_options(app, camera_options, o.picture);

@@ -32,7 +32,7 @@ int depth_of(std::string_view text) {
 
 SceneState scene_of(const json& j, const MessageRules& rules) {
   const auto state = j.find("state");
-  return state == j.end() ? rules.initial : scene_from(*state, rules.initial, rules.dims);
+  return state == j.end() ? rules.initial : scene_from(*state, rules.initial, rules.dims, rules.frames);
 }
 
 int side(const json& j, const char* name, int largest) {

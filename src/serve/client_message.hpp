@@ -49,6 +49,7 @@ using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeM
 struct MessageRules {
   SceneState initial;  ///< has what a message's scene leaves out
   glm::ivec3 dims{1};  ///< of the volume
+  int frames = 1;      ///< volumes of the series
   int largest_width = 4096, largest_height = 4096;
 };
 

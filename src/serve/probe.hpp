@@ -30,6 +30,8 @@ class Probe {
   /// the ranks would refuse the ray's frame.
   Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, double x, double y);
 
+  /// The values of the volume that is read, when it became known after the view.
+  void know_range(const ValueRange& range) { range_ = range; }
   /// The next frame to draw; nothing when the answer is there.
   std::optional<FrameSpec> next_frame() const;
   /// Takes the frame's picture.

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "classify/srgb.hpp"
 #include "images/image_io.hpp"
@@ -24,7 +26,7 @@ std::string_view text(const Bytes& bytes) {
 
 Requests::Requests(RequestsHost host, const Grid& grid, const ValueRange& range, int levels,
                    std::optional<std::filesystem::path> ffmpeg)
-    : host_(std::move(host)), grid_(grid), range_(range), levels_(levels), ffmpeg_(std::move(ffmpeg)) {}
+    : host_(std::move(host)), grid_(grid), levels_(levels), ffmpeg_(std::move(ffmpeg)), range_(range) {}
 
 Requests::~Requests() { stop(); }
 
@@ -43,8 +45,8 @@ void Requests::stop() {
 
 // What pages ask.
 
-void Requests::add(ClientId client, const ProbeMessage& asked, const FrameSpec& best) {
-  Probing probing{client, asked.id, Probe(best, grid_, range_, asked.x, asked.y)};
+void Requests::add(ClientId client, const ProbeMessage& asked, const FrameSpec& best, int volume) {
+  Probing probing{client, asked.id, Probe(best, grid_, {}, asked.x, asked.y), volume};
   std::optional<std::uint32_t> replaced;
   {
     const std::lock_guard lock(mutex_);
@@ -60,6 +62,7 @@ void Requests::add(ClientId client, const SnapshotMessage& asked, const FrameSpe
   queue({.client = client,
          .request = {"snapshot", asked.id},
          .spec = best,
+         .volume = asked.scene.frame,
          .background = srgb_to_linear(asked.scene.background),
          .exr = asked.exr,
          .movie = nullptr});
@@ -70,6 +73,7 @@ void Requests::add(ClientId client, const MovieFrameMessage& asked, const FrameS
   queue({.client = client,
          .request = {"movie_frame", asked.id},
          .spec = best,
+         .volume = asked.scene.frame,
          .background = srgb_to_linear(asked.scene.background),
          .movie = movie_for(client, asked),
          .index = asked.index});
@@ -136,6 +140,43 @@ void Requests::forget(ClientId client) {
   if (movie_ && movie_->client == client) give_movie_up();
 }
 
+// Which volume is shown.
+
+void Requests::show(int volume, const ValueRange& range) {
+  const std::lock_guard lock(mutex_);
+  volume_ = volume;
+  range_ = range;
+}
+
+std::optional<int> Requests::wanted_volume() const {
+  const std::lock_guard lock(mutex_);
+  if (ended_) return std::nullopt;
+  if (probing_ && probing_->frame < 0 && !probing_->forgotten && probing_->volume != volume_)
+    return probing_->volume;
+  const bool file_can_come = !files_.empty() && !rendering_ && !encoding_;
+  return file_can_come && files_.front().volume != volume_ ? std::optional(files_.front().volume)
+                                                           : std::nullopt;
+}
+
+void Requests::refuse_volume(int volume, const std::string& what) {
+  std::vector<File> refused;
+  {
+    const std::lock_guard lock(mutex_);
+    if (probing_ && probing_->volume == volume)
+      probes_.insert_or_assign(probing_->client, *std::exchange(probing_, std::nullopt));
+    std::erase_if(probes_, [&](const auto& waiting) {
+      const auto& [client, probing] = waiting;
+      if (probing.volume != volume) return false;
+      if (!probing.forgotten) host_.send_text(client, error_text(what, Request{"probe", probing.id}));
+      return true;
+    });
+    std::copy_if(files_.begin(), files_.end(), std::back_inserter(refused),
+                 [volume](const File& file) { return file.volume == volume; });
+    std::erase_if(files_, [volume](const File& file) { return file.volume == volume; });
+  }
+  for (const File& file : refused) fail(file, what);
+}
+
 // What is rendered.
 
 std::optional<FrameSpec> Requests::next(std::int64_t frame) {
@@ -149,13 +190,14 @@ std::optional<FrameSpec> Requests::next_probe(std::int64_t frame) {
   if (probing_ && probing_->frame >= 0) return std::nullopt;
   if (probing_ && probing_->forgotten) probing_.reset();
   if (!probing_ && !probes_.empty()) probing_ = std::move(probes_.extract(probes_.begin()).mapped());
-  if (!probing_) return std::nullopt;
+  if (!probing_ || probing_->volume != volume_) return std::nullopt;
+  probing_->probe.know_range(range_);
   probing_->frame = frame;
   return probing_->probe.next_frame();
 }
 
 std::optional<FrameSpec> Requests::next_file(std::int64_t frame) {
-  if (files_.empty() || rendering_ || encoding_) return std::nullopt;
+  if (files_.empty() || rendering_ || encoding_ || files_.front().volume != volume_) return std::nullopt;
   rendering_ = std::move(files_.front());
   files_.pop_front();
   rendering_->frame = frame;

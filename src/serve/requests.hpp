@@ -42,7 +42,8 @@ class Requests {
 
   /// `best`: the frame to draw, or the last view's, at the best level; the ranks will not refuse it. All
   /// throw InputError when there is too much to do already, and for a movie whatever is wrong with it.
-  void add(ClientId client, const ProbeMessage& asked, const FrameSpec& best);
+  /// A probe is of volume `volume` of the series; the others say theirs.
+  void add(ClientId client, const ProbeMessage& asked, const FrameSpec& best, int volume);
   void add(ClientId client, const SnapshotMessage& asked, const FrameSpec& best);
   void add(ClientId client, const MovieFrameMessage& asked, const FrameSpec& best);
   /// Gives a client's movie up. Another number than its movie's: nothing happens.
@@ -53,6 +54,13 @@ class Requests {
   void end();
   /// end(), and waits for what is under way. The host is not called any more.
   void stop();
+
+  /// Frames are drawn of another volume from now on; none is under way.
+  void show(int volume, const ValueRange& range);
+  /// The volume that must be shown for what waits, when next() has nothing for the one that is.
+  std::optional<int> wanted_volume() const;
+  /// Answers all that waits for this volume by an error.
+  void refuse_volume(int volume, const std::string& what);
 
   /// The next frame to render, which has the number `frame`.
   std::optional<FrameSpec> next(std::int64_t frame);
@@ -69,6 +77,7 @@ class Requests {
     ClientId client;
     std::uint32_t id;
     Probe probe;
+    int volume = 0;
     std::int64_t frame = -1;  ///< that is being rendered
     bool forgotten = false;
   };
@@ -76,6 +85,7 @@ class Requests {
     ClientId client;
     Request request;
     FrameSpec spec;
+    int volume = 0;
     glm::dvec3 background;  ///< linear light
     bool exr = false;
     std::shared_ptr<Movie> movie;  ///< that it is a frame of
@@ -109,12 +119,13 @@ class Requests {
 
   const RequestsHost host_;
   const Grid grid_;
-  const ValueRange range_;
   const int levels_;
   const std::optional<std::filesystem::path> ffmpeg_;
 
   mutable std::mutex mutex_;  ///< guards what follows, up to the workers
   bool ended_ = false;
+  int volume_ = 0;                      ///< that is shown
+  ValueRange range_;                    ///< its values
   std::map<ClientId, Probing> probes_;  ///< each client's newest, not yet begun
   std::optional<Probing> probing_;
   std::deque<File> files_;

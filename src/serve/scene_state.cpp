@@ -95,7 +95,8 @@ json to_json(const SceneState& s) {
   json clip;
   if (s.clip)
     for (int k = 0; k < 3; ++k) clip.push_back({s.clip->first[k], s.clip->end[k]});
-  return {{"camera",
+  return {{"frame", s.frame},
+          {"camera",
            {{"azimuth", c.azimuth},
             {"elevation", c.elevation},
             {"roll", c.roll},
@@ -110,9 +111,11 @@ json to_json(const SceneState& s) {
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
 
-SceneState scene_from(const json& j, const SceneState& initial, const glm::ivec3& dims) {
+SceneState scene_from(const json& j, const SceneState& initial, const glm::ivec3& dims, int frames) {
   if (!j.is_object()) throw InputError("state must be an object");
   SceneState scene = initial;
+  if (j.contains("frame"))
+    scene.frame = static_cast<int>(whole(j, "frame", 0, static_cast<std::uint32_t>(frames - 1)));
   if (const auto found = j.find("camera"); found != j.end()) scene.camera = camera_from(*found, scene.camera);
   if (const auto found = j.find("transfer_function"); found != j.end())
     scene.transfer_function = transfer_function_from(*found, scene.transfer_function);

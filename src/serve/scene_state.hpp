@@ -9,6 +9,7 @@ namespace ringsplat::serve {
 
 /// What a page can change of a picture.
 struct SceneState {
+  int frame = 0;  ///< which volume of a series, from 0
   Camera camera;
   TransferFunction transfer_function;
   Shading shading = Shading::phong;
@@ -22,8 +23,9 @@ nlohmann::json to_json(const TransferFunction& tf);
 nlohmann::json to_json(const SceneState& scene);
 
 /// Members that are missing are those of `initial`. Throws InputError naming the member that is wrong; `dims`
-/// of the volume bound the clip box.
-SceneState scene_from(const nlohmann::json& j, const SceneState& initial, const glm::ivec3& dims);
+/// of the volume bound the clip box, `frames` is how many volumes there are.
+SceneState scene_from(const nlohmann::json& j, const SceneState& initial, const glm::ivec3& dims,
+                      int frames = 1);
 
 /// `frame` with that scene. The background is not the frame's.
 FrameSpec with_scene(FrameSpec frame, const SceneState& scene);

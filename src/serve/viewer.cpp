@@ -25,7 +25,8 @@ bool shows_the_same(const ViewMessage& a, const ViewMessage& b) {
 Viewer::Viewer(ViewerOptions options)
     : options_(std::move(options)),
       levels_(make_levels(options_.qualities, options_.volume.grid.dims)),
-      rules_{options_.initial, options_.volume.grid.dims, options_.largest_side, options_.largest_side},
+      rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()), options_.largest_side,
+             options_.largest_side},
       hello_(hello_text(options_, levels_)),
       controller_(int(levels_.size()), options_.target_seconds),
       requests_(requests_host(), options_.volume.grid, options_.volume.range, int(levels_.size()),
@@ -65,7 +66,7 @@ Director Viewer::director() {
           .may_come =
               [this] {
                 const std::lock_guard lock(mutex_);
-                return !ended_;
+                return !ended_ && !next_volume_;
               },
           .unwanted = [this](const FrameSpec& spec) { return unwanted(spec); },
           .pause = [this](std::chrono::nanoseconds most) { pause(most); }};
@@ -79,6 +80,41 @@ void Viewer::end(const std::string& message) {
   }
   requests_.end();
   server_->end(end_text(message));
+}
+
+std::optional<int> Viewer::next_volume() {
+  const std::lock_guard lock(mutex_);
+  return ended_ ? std::nullopt : next_volume_;
+}
+
+void Viewer::loaded(int volume, const ValueRange& range) {
+  requests_.show(volume, range);
+  const std::lock_guard lock(mutex_);
+  next_volume_.reset();
+  shown_volume_ = volume;
+  not_yet_seen_ = true;
+  next_frame_ = 0;
+  say_frame(volume, "shown");
+}
+
+void Viewer::not_loaded(int volume, const std::string& why) {
+  requests_.refuse_volume(volume, why);
+  const std::lock_guard lock(mutex_);
+  if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
+  if (current_ && current_->message.scene.frame == volume) current_.reset();
+  say_frame(volume, "failed");
+  for (const ClientId client : audience_.all()) say(client, error_text(why, {}));
+}
+
+/// The mutex is held.
+void Viewer::ask_for(int volume) {
+  next_volume_ = volume;
+  say_frame(volume, "loading");
+}
+
+/// The mutex is held.
+void Viewer::say_frame(int volume, std::string_view status) {
+  for (const ClientId client : audience_.all()) say(client, frame_text(volume, status));
 }
 
 /// The mutex is held.
@@ -182,7 +218,8 @@ void Viewer::handle(ClientId client, const ProbeMessage& asked) {
   const std::lock_guard lock(mutex_);
   if (!last_put_ || asked.x >= last_put_->width || asked.y >= last_put_->height)
     throw InputError("there is no such pixel in the last view");
-  requests_.add(client, asked, best_frame(last_put_->scene, last_put_->width, last_put_->height));
+  requests_.add(client, asked, best_frame(last_put_->scene, last_put_->width, last_put_->height),
+                last_put_->scene.frame);
   wake();
 }
 
@@ -208,15 +245,24 @@ void Viewer::handle(ClientId client, const CancelMessage& asked) {
 
 std::optional<FrameSpec> Viewer::next() {
   const std::lock_guard lock(mutex_);
-  if (ended_) return std::nullopt;
+  if (ended_ || next_volume_) return std::nullopt;
   auto spec = next_picture();
-  if (!spec) spec = requests_.next(next_frame_);
+  if (!spec && !next_volume_) {
+    spec = requests_.next(next_frame_);
+    const auto volume = spec ? std::nullopt : requests_.wanted_volume();
+    if (volume) ask_for(*volume);
+  }
   if (spec) ++next_frame_;
   return spec;
 }
 
+/// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
+/// of each that was.
 void Viewer::take_newest() {
   if (!newest_) return;
+  const bool loaded_for_current =
+      not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == shown_volume_;
+  if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
   View view = *std::exchange(newest_, std::nullopt);
   if (current_ && current_->scene == view.scene) view.shown = current_->shown;
   if (view.message.moving && current_ && !current_->message.moving) controller_.begin_motion();
@@ -243,6 +289,11 @@ std::optional<FrameSpec> Viewer::next_picture() {
     if (rests) show_again();
     return std::nullopt;
   }
+  if (view.message.scene.frame != shown_volume_) {
+    ask_for(view.message.scene.frame);
+    return std::nullopt;
+  }
+  not_yet_seen_ = false;
   ++pictures_rendering_;
   rendering_[next_frame_] = {view, *level, rests, view.shown.has_value()};
   return at_level(full_frame(view.message.scene, view.message.width, view.message.height),

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "ringsplat/volume/statistics.hpp"
@@ -36,7 +37,8 @@ struct ViewerOptions {
   std::string version;  ///< of the program
   std::string layout;   ///< "4 GPs + 2 Renderers, ring"
   int ranks = 1;
-  ShownVolume volume;
+  ShownVolume volume;                   ///< the first of the series
+  std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series
   SceneState initial;
   FrameSpec frame;  ///< what all frames have in common
   Qualities qualities;
@@ -57,8 +59,15 @@ class Viewer {
   Viewer& operator=(const Viewer&) = delete;
 
   std::string url() const { return server_->url(); }
-  /// Of a run that lasts until end() or a signal. The viewer must outlive it.
+  /// Of a run of the volume that is shown, the first of the series before loaded(). It lasts until another is
+  /// needed, end() or a signal. The viewer must outlive it.
   Director director();
+  /// After such a run: the volume to load for the next one; nothing when the viewer has ended.
+  std::optional<int> next_volume();
+  /// The next run is of this volume.
+  void loaded(int volume, const ValueRange& range);
+  /// It cannot be loaded: whoever waits for it is told why. loaded() must follow.
+  void not_loaded(int volume, const std::string& why);
   /// Tells all pages why there will be no more pictures, and ends the run.
   void end(const std::string& message);
 
@@ -101,6 +110,8 @@ class Viewer {
   std::optional<FrameSpec> next();
   std::optional<FrameSpec> next_picture();
   void take_newest();
+  void ask_for(int volume);
+  void say_frame(int volume, std::string_view status);
   void show_again();
   void take(FrameResult&& result);
   bool unwanted(const FrameSpec& spec);
@@ -129,6 +140,9 @@ class Viewer {
   std::optional<View> newest_;  ///< not yet taken
   std::uint64_t scenes_ = 0, views_ = 0;
   std::optional<View> current_;
+  int shown_volume_ = 0;
+  std::optional<int> next_volume_;  ///< that the run ends for
+  bool not_yet_seen_ = false;       ///< no frame was drawn of the volume since it was loaded
   std::optional<ViewMessage> last_put_;
   LevelController controller_;
   std::map<std::int64_t, Rendering> rendering_;  ///< by frame

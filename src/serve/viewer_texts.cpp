@@ -59,6 +59,7 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels)
   return text_of({{"type", "hello"},
                   {"version", o.version},
                   {"volume", volume_json(o.volume)},
+                  {"frames", o.frames},
                   {"state", to_json(o.initial)},
                   {"presets", presets(o.volume.histogram)},
                   {"levels", names},
@@ -76,6 +77,10 @@ std::string hello_for(const std::string& hello, bool drives, int viewers) {
 
 std::string driver_text(bool drives, int viewers) {
   return text_of({{"type", "driver"}, {"you", drives}, {"viewers", viewers}});
+}
+
+std::string frame_text(int frame, std::string_view status) {
+  return text_of({{"type", "frame"}, {"frame", frame}, {"status", status}});
 }
 
 std::string state_text(const SceneState& scene) {

@@ -13,6 +13,8 @@ namespace ringsplat::serve {
 std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels);
 std::string hello_for(const std::string& hello, bool drives, int viewers);
 std::string driver_text(bool drives, int viewers);
+/// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
+std::string frame_text(int frame, std::string_view status);
 std::string state_text(const SceneState& scene);
 std::string probe_text(std::uint32_t id, const Probed& probed);
 /// A movie's frame is there; another may come.

@@ -7,6 +7,7 @@ import argparse, os, shutil, signal, socket, subprocess, sys, time
 import viewer_client as vc
 from access_cases import allowed, page, strangers
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
+from series_cases import make_series, series, series_failures, series_quickly
 from server_case import expect, is_alive, start, told
 
 
@@ -354,6 +355,7 @@ def returning(options, server):
         client.close()
 
 
+SERIES = ("--frames", "all", "--tf", "mr-soft")
 CASES = {"page": (page,), "strangers": (strangers,),
          "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
@@ -361,6 +363,8 @@ CASES = {"page": (page,), "strangers": (strangers,),
          "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
+         "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
+         "series_failures": (series_failures, *SERIES),
          "no_ffmpeg": (no_ffmpeg, "TMPDIR={scratch}", "PATH={scratch}/empty")}
 SKIPPED = 77  # CTest's SKIP_RETURN_CODE
 
@@ -381,6 +385,8 @@ if __name__ == "__main__":
     shutil.rmtree(given.scratch, ignore_errors=True)
     os.makedirs(given.scratch)
     fake_ffmpeg(given, "exit 1\n")
+    if "--frames" in more:
+        given.volume = make_series(given)
     running = start(given, *(word.format(scratch=given.scratch) for word in more))
     try:
         test(given, running)

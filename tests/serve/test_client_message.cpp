@@ -15,6 +15,7 @@ MessageRules rules() {
   r.initial.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
   r.dims = {10, 20, 30};
+  r.frames = 4;
   return r;
 }
 
@@ -46,9 +47,11 @@ TEST_CASE("A scene that was written is read back to the last bit") {
   scene.transfer_function.opacities = {{-3, 0.25}, {0.1, 0}, {0.1, 1}};
   scene.shading = Shading::none;
   scene.light = {1, 2, 3};
+  scene.frame = 3;
   scene.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
   scene.background = {0.1, 0.2, 0.3};
-  CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules().initial, rules().dims) == scene);
+  CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules().initial, rules().dims,
+                   rules().frames) == scene);
 }
 
 TEST_CASE("Messages that are not quite right are refused with words") {
@@ -72,6 +75,8 @@ TEST_CASE("Messages that are not quite right are refused with words") {
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip":[[3,3],[0,20],[0,30]]}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"opacities":[[0,2],[1,1]]}}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"colours":[[0,0,0,0]]}}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"frame":4}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"frame":-1}})",
        R"({"type":"snapshot","id":1,"width":9,"height":9,"format":"jpg"})",
        R"({"type":"probe","id":1,"x":-1,"y":0})"})
     CHECK_THROWS_AS(parse_client_message(text, rules()), InputError);

@@ -6,6 +6,7 @@ import { Connection, kinds } from './connection.js';
 import { Cube } from './cube.js';
 import { byId } from './dom.js';
 import { FilmPanel } from './film_panel.js';
+import { FramePanel } from './frame_panel.js';
 import { Gestures } from './gestures.js';
 import { attachKeyboard } from './keyboard.js';
 import { drawOverlay } from './overlay.js';
@@ -46,6 +47,7 @@ export class App {
     this.viewPanel = new ViewPanel(this);
     this.clipPanel = new ClipPanel(this);
     this.film = new FilmPanel(this);
+    this.series = new FramePanel(this);
     this.snapshots = new SnapshotPanel(this);
     this.probing = new Probe(this);
     this.cube = new Cube((view) => this.lookFrom(view));
@@ -91,6 +93,7 @@ export class App {
       hello: () => this.greet(message),
       driver: () => this.setDriver(message.you, message.viewers),
       state: () => this.follow(message.state),
+      frame: () => this.series.told(message),
       probe: () => this.requests.answer(message.id, message),
       movie_frame: () => this.requests.answer(message.id, message),
       error: () => this.requests.fail(message.id, message.message) || showError(message.message, message.hint),
@@ -108,7 +111,8 @@ export class App {
     this.viewPanel.begin(volume.patient);
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
-    this.scene.begin(hello.state, kept);
+    this.scene.begin(hello.state, this.withinSeries(kept));
+    this.series.begin(hello.frames);
     this.transfer.begin(hello.presets);
     this.film.begin(hello.ffmpeg);
     this.snapshots.begin(hello.largest);
@@ -121,6 +125,7 @@ export class App {
     if (driving !== this.driving) this.stage.forget();
     [this.driving, this.viewers, this.scene.locked] = [driving, viewers, !driving];
     if (!driving) this.film.stop();
+    if (!driving) this.series.stop();
     showDriver(driving, viewers);
     this.redraw();
     if (began || driving) this.sender.request();
@@ -141,6 +146,7 @@ export class App {
 
   pictureShown(picture) {
     if (picture.seq !== this.latencyOf && this.driving) [this.latency, this.latencyOf] = [picture.latency, picture.seq];
+    if (!this.driving || this.stage.frameOf(picture.seq) === this.series.frame) this.series.pictureShown();
     showFacts(picture, this.driving ? this.latency : NaN, this.hello);
     if (!this.driving) this.redraw();
   }
@@ -173,12 +179,18 @@ export class App {
     return this.driving && this.scene.state !== null;
   }
 
-  takeState(state) {
+  takeState(given) {
+    const state = this.withinSeries(given);
     this.scene.change(state);
     if (state.transfer_function) this.transfer.commit();
   }
+  /** A scene may come from a longer series. */
+  withinSeries(state) {
+    if (state?.frame === undefined) return state;
+    return { ...state, frame: Math.min(state.frame, this.hello.frames.length - 1) };
+  }
   wholeState(part) {
-    return { ...this.hello.state, ...part, camera: { ...this.hello.state.camera, ...part.camera } };
+    return { ...this.hello.state, ...this.withinSeries(part), camera: { ...this.hello.state.camera, ...part.camera } };
   }
 
   editTransfer(tf, whole) {
@@ -215,6 +227,13 @@ export class App {
   toggleClip() {
     if (this.scene.state.clip) this.lastClip = this.scene.state.clip;
     this.scene.change({ clip: this.scene.state.clip ? null : this.lastClip ?? wholeBox(this.volume.dims) });
+  }
+
+  stepFrame(by) {
+    this.series.step(by);
+  }
+  playSeries() {
+    this.series.toggle();
   }
 
   addKeyFrame() {
@@ -255,7 +274,7 @@ export class App {
     const { width, height } = this.stage.canvas;
     const { state } = this.scene, time = performance.now();
     const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
-    if (sent) this.stage.remember(seq, this.scene.state.camera);
+    if (sent) this.stage.remember(seq, this.scene.state.camera, this.scene.state.frame);
     return sent;
   }
 
@@ -289,6 +308,7 @@ export class App {
       if (keys.has('transfer_function')) this.transfer.refresh();
       if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
       if (keys.has('clip')) this.clipPanel.refresh();
+      if (keys.has('frame')) this.series.refresh();
       const { state } = this.scene, { cross } = this.probing;
       this.scale = drawOverlay({ state, volume: this.volume, seen: this.seen(), cross });
       byId('cube').hidden = !settings.cube;

@@ -49,6 +49,9 @@ function actions(app) {
     ['b', 'scale bar on or off', toggle('scale')],
     ['g', 'colour bar on or off', toggle('colours')],
     ['x', 'handles of the clip box on or off', toggle('box')],
+    ['[', 'the frame before, of a series', () => app.stepFrame(-1)],
+    [']', 'the next frame', () => app.stepFrame(1)],
+    ['l', 'play the series', () => app.playSeries()],
     ['k', 'add a key frame', () => app.addKeyFrame()],
     [' ', 'play the film', () => app.playFilm()],
     ['v', 'save a picture', () => app.saveSnapshot()],
@@ -65,7 +68,7 @@ function fillHelp(list) {
     element('th', { scope: 'row' }, ...names.flatMap((name) => [element('kbd', {}, name), ' ']));
   const row = (head, text) => element('tr', {}, head, element('td', {}, text));
   const names = { ' ': 'Space', Escape: 'Esc' };
-  const rows = list.map(([key, text]) => row(keys(names[key] ?? key), text)), half = 15;
+  const rows = list.map(([key, text]) => row(keys(names[key] ?? key), text)), half = 17;
   byId('help-gestures').append(
     ...gestures.map(([name, text]) => row(element('th', { scope: 'row' }, name), text)),
     row(keys('←', '→', '↑', '↓'), 'turn'), row(keys('Shift', 'arrows'), 'pan'),

@@ -20,6 +20,7 @@ const checks = {
   clip: (b) => b === null || (Array.isArray(b) && b.length === 3 &&
                               b.every((range) => isNumbers(range, 2) && range[0] < range[1])),
   background: isRgb,
+  frame: (f) => Number.isInteger(f) && f >= 0,
 };
 
 /** Keeps the known, valid members of a state from outside; names the others. */

@@ -74,10 +74,15 @@ export class Stage {
              left: 0.5 * (width - scale * this.shown.width), top: 0.5 * (height - scale * this.shown.height) };
   }
 
-  /** Remembers the camera of a view that was sent, to know what its picture shows. */
-  remember(seq, camera) {
-    this.sent.set(seq, { camera, width: this.canvas.width, height: this.canvas.height });
+  /** Remembers camera and frame of a view that was sent, to know what its picture shows. */
+  remember(seq, camera, frame) {
+    this.sent.set(seq, { camera, frame, width: this.canvas.width, height: this.canvas.height });
     if (this.sent.size > mostRemembered) this.sent.delete(this.sent.keys().next().value);
+  }
+
+  /** The frame of the series that a view showed. */
+  frameOf(seq) {
+    return this.sent.get(seq)?.frame;
   }
 
   /** Numbers of views begin anew: another page drives, or the connection is new. */
