@@ -111,7 +111,7 @@ class TiffChain {
     const auto entries = number(at, count_bytes());
     if (entries > file_.size() / entry_bytes()) fail();
     Field offsets, lengths;
-    bool raw = true;
+    bool raw = true, compressed = false;
     std::array<std::uint64_t, 2> image{}, tile{};
     for (std::uint64_t i = 0; i < entries; ++i) {
       const auto entry = at + count_bytes() + i * entry_bytes();
@@ -123,11 +123,15 @@ class TiffChain {
       constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
       if (tag == new_subfile_type) page.beside = (value_of(entry) & (smaller_copy | mask)) != 0;
       if (tag == photometric) page.palette = value_of(entry) == is_palette;
-      if (tag == tile_offsets || (tag == compression && value_of(entry) != 1) ||
-          (tag == planar_configuration && value_of(entry) != 1))
-        raw = false;
+      if (tag == compression) compressed = value_of(entry) != 1;
+      if (tag == tile_offsets || (tag == planar_configuration && value_of(entry) != 1)) raw = false;
     }
     require_tiles_of_image(image, tile);
+    // The library would guess lengths, and take as much memory.
+    if (compressed && lengths.count < offsets.count)
+      throw InputError(
+          fmt::format("{}: a page does not say how long its compressed parts are", file_.path().string()),
+          "write the file again");
     const auto parts = std::min(offsets.count, lengths.count);
     for (std::uint64_t i = 0; i < parts; ++i) {
       const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
@@ -137,7 +141,7 @@ class TiffChain {
       raw = raw && begin == page.raw_begin + page.raw_bytes;
       page.raw_bytes += length;
     }
-    if (!raw) page.raw_begin = page.raw_bytes = 0;
+    if (!raw || compressed) page.raw_begin = page.raw_bytes = 0;
     return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
   }
 
