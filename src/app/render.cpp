@@ -2,8 +2,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "app/auto_roles.hpp"
@@ -83,12 +85,26 @@ void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
 
 /// One camera is for all volumes of a series.
 void check_one_camera_each(const Plan& plan, const RenderOptions& o, std::size_t volumes) {
-  if (!o.frames || plan.cameras.size() == volumes || (o.orbit == 0 && o.path.empty())) return;
+  if (plan.cameras.size() == volumes || (o.orbit == 0 && o.path.empty())) return;
   throw InputError(
       fmt::format("{} has {} views, but --frames {} chooses {} volumes", o.orbit > 0 ? "--orbit" : "--path",
                   plan.cameras.size(), o.frames->text, volumes),
       o.orbit > 0 ? fmt::format("the camera moves on with each volume: give --orbit {}", volumes)
                   : "each line is the view of one volume");
+}
+
+/// The pictures of a series of pages may have their names.
+void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEntry>& series) {
+  std::error_code error;
+  std::set<std::filesystem::path> volumes;
+  for (const SeriesEntry& entry : series)
+    volumes.insert(std::filesystem::weakly_canonical(entry.volume.path, error));
+  for (const SeriesEntry& entry : series) {
+    const auto picture = output_file(o, std::size_t(entry.number));
+    if (volumes.contains(std::filesystem::weakly_canonical(picture, error)))
+      throw InputError(fmt::format("-o {} would replace {}, which is read", o.output, picture.string()),
+                       "write into another folder, or under another name");
+  }
 }
 
 std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, const Grid& grid,
@@ -190,13 +206,14 @@ Job prepare(const RenderOptions& given, Launch& launch) {
                      "simulate one volume at a time");
   job.series = find_series(o.volume, o.frames, launch);
   o.volume = job.series.front().volume;
+  if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
   launch.check_on_rank_0([&] {
     job.view_note = complete_view(o, grid, job.volume.notes);
     job.plan.cameras = views_of(o);
-    check_one_camera_each(job.plan, o, job.series.size());
+    if (o.frames) check_one_camera_each(job.plan, o, job.series.size());
     check_frames(o, job.plan, grid);
     if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background);
   });

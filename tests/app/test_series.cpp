@@ -190,6 +190,33 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a volume of denormal numbers is the same wherever it comes in a series") {
+  const TemporaryFolder folder;
+  constexpr int side = 16;
+  std::vector<float> voxels;
+  for (int k = 0; k < side * side * side; ++k)
+    voxels.push_back(float(k % side + 2 * (k / side % side)) * 1e-40F);
+  for (const char* name : {"d_0_16x16x16_float32.raw", "d_1_16x16x16_float32.raw"})
+    write_text(folder / name, {reinterpret_cast<const char*>(voxels.data()), voxels.size() * sizeof(float)});
+  write_text(
+      folder / "tf.json",
+      R"([{"ColorSpace":"RGB","Name":"all","RGBPoints":[-1,1,1,1,1,1,1,1],"Points":[-1,0.3,0.5,0,1,0.3,0.5,0]}])");
+  const auto render = [&](const std::string& output, const std::string& shading) {
+    const Ended ended =
+        run_program({"render", folder / "d_*.raw", "--frames", "all", "-o", folder / output, "--size", "48",
+                     "--tf", folder / "tf.json", "--azimuth", "30", "--shading", shading});
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+  };
+  const auto same = [&](const std::string& a, const std::string& b) {
+    return run_program({"compare", folder / a, folder / b, "--fail-above", "0"}).code == 0;
+  };
+  render("lit.png", "phong");
+  render("plain.png", "none");
+  CHECK(same("lit-0000.png", "lit-0001.png"));
+  CHECK_FALSE(same("lit-0000.png", "plain-0000.png"));
+}
+
 TEST_CASE("a camera may move on with each volume of a series") {
   const Series series;
   const Ended ended = run_program(series.render("0:3", {"--orbit", "3"}), 2);
@@ -212,6 +239,11 @@ TEST_CASE("what cannot be a series is refused with a way out") {
   refused({"render", series.pattern(), "-o", series.folder / "y.png"}, "add --frames all");
   refused({"render", series.file(0), "--frames", "all", "-o", series.folder / "y.png"}, "holds one volume");
   refused(series.render("0:9"), "there is no frame 5");
+  for (const char* name : {"x-0000.tif", "x-0001.tif"})
+    write_text(series.folder / name, "not to be replaced");
+  refused({"render", series.folder / "x-*.tif", "--frames", "all", "-o", series.folder / "x.tif"},
+          "would replace");
+  CHECK(read_text(series.folder / "x-0001.tif") == "not to be replaced");
   refused(series.render("all", {"--progressive"}), "--progressive");
   refused(series.render("all", {"--error", "method"}), "--error");
   refused(series.render("all", {"--path", "-"}), "stdin");

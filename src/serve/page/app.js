@@ -260,6 +260,7 @@ export class App {
   }
   quiet() {
     this.stopFilm();
+    this.series.stop();
     this.probing.hide();
   }
 

@@ -53,6 +53,7 @@ export class FilmPanel {
   play() {
     if (this.player) return this.stop();
     if (this.frames.length < 2 || !this.app.mayEdit()) return undefined;
+    this.app.series.stop();
     const begin = performance.now(), end = this.frames.length - 1;
     this.app.sender.hold();
     byId('play').setAttribute('aria-pressed', 'true');

@@ -49,6 +49,7 @@ export class FramePanel {
   toggle() {
     if (this.playing) return this.stop();
     if (this.count < 2 || !this.app.mayEdit()) return undefined;
+    this.app.stopFilm();
     this.playing = true;
     byId('frame-play').setAttribute('aria-pressed', 'true');
     this.app.sender.hold();
@@ -89,9 +90,8 @@ export class FramePanel {
 
   /** What the server says of a frame. */
   told({ frame, status }) {
-    if (status === 'loading') this.say(`loading ${this.names[frame]}`);
+    this.say(status === 'loading' ? `loading ${this.names[frame]}` : '');
     if (status !== 'failed') return;
-    this.say('');
     this.stop();
     if (this.app.driving && frame === this.frame) this.go(this.seen);
   }

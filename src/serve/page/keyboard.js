@@ -56,7 +56,7 @@ function actions(app) {
     [' ', 'play the film', () => app.playFilm()],
     ['v', 'save a picture', () => app.saveSnapshot()],
     ['Enter', 'value at the cross or the cursor', () => app.probeAtCross()],
-    ['Escape', 'hide the value, stop the film', () => app.quiet()],
+    ['Escape', 'hide the value, stop the film and the series', () => app.quiet()],
     ['\\', 'hide or show the controls',
      () => set({ folded: !document.body.classList.contains('folded') })],
     ['?', 'this list', () => byId('help').showModal()],
