@@ -1,0 +1,132 @@
+#include "classify/adjust.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "classify/piecewise.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// The value `part` of the way from `low` to `high` on a logarithmic axis.
+double between(double low, double high, double part) {
+  return std::clamp(low * std::pow(high / low, part), low, high);
+}
+
+int steps_between(double low, double high) {
+  constexpr double per_decade = 8;
+  return std::clamp(int(std::ceil(per_decade * std::log10(high / low))), 1, 256);
+}
+
+/// `points` with others in between, made by `blended(a, b, part, value)`.
+template <class Point, class Blend>
+std::vector<Point> filled(const std::vector<Point>& points, Blend blended) {
+  std::vector<Point> out;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    out.push_back(points[k]);
+    if (k + 1 == points.size() || !(points[k].value < points[k + 1].value)) continue;
+    const int steps = steps_between(points[k].value, points[k + 1].value);
+    for (int i = 1; i < steps; ++i) {
+      const double part = double(i) / steps;
+      out.push_back(blended(points[k], points[k + 1], part, between(points[k].value, points[k + 1].value, part)));
+    }
+  }
+  return out;
+}
+
+double opacity_at(const TransferFunction& tf, double value) {
+  const Place o = locate(tf.opacities, value);
+  const double opacity = tf.opacities[o.index].opacity;
+  return o.t > 0 ? std::clamp(blend(opacity, tf.opacities[o.index + 1].opacity, o.t), 0.0, 1.0) : opacity;
+}
+
+}  // namespace
+
+void scale_opacity(TransferFunction& tf, double factor) {
+  for (auto& point : tf.opacities)
+    if (point.opacity > 0 && point.opacity < 1)
+      point.opacity = std::clamp(-std::expm1(factor * std::log1p(-point.opacity)), 0.0, 1.0);
+}
+
+Ends ends_of(const TransferFunction& tf) {
+  return {std::min(tf.colours.front().value, tf.opacities.front().value),
+          std::max(tf.colours.back().value, tf.opacities.back().value)};
+}
+
+void stretch(TransferFunction& tf, double low, double high) {
+  const auto [first, last] = ends_of(tf);
+  const auto moved = [&, first = first, last = last](double value) {
+    return first < last ? std::lerp(low, high, fraction(value, first, last)) : low;
+  };
+  for (auto& point : tf.colours) point.value = moved(point.value);
+  for (auto& point : tf.opacities) point.value = moved(point.value);
+}
+
+std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, double low, double high) {
+  auto points = map.points;
+  for (auto& point : points) point.value = std::lerp(low, high, point.value);
+  return points;
+}
+
+void clear_below(TransferFunction& tf, double value) {
+  const double here = opacity_at(tf, value);
+  std::erase_if(tf.opacities, [&](const auto& p) { return p.value <= value; });
+  tf.opacities.insert(tf.opacities.begin(), {{value, 0.0}, {value, here}});
+}
+
+void clear_above(TransferFunction& tf, double value) {
+  const double here = opacity_at(tf, value);
+  std::erase_if(tf.opacities, [&](const auto& p) { return p.value >= value; });
+  tf.opacities.insert(tf.opacities.end(), {{value, here}, {value, 0.0}});
+}
+
+void clear_at(TransferFunction& tf, double value, bool whole) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double low = whole ? value - 0.5 : std::nextafter(value, -infinity),
+               high = whole ? value + 0.5 : std::nextafter(value, infinity);
+  const double before = opacity_at(tf, low), after = opacity_at(tf, high);
+  std::erase_if(tf.opacities, [&](const auto& p) { return p.value >= low && p.value <= high; });
+  const auto at = std::find_if(tf.opacities.begin(), tf.opacities.end(),
+                               [&](const auto& p) { return p.value > high; });
+  tf.opacities.insert(at, {{low, before}, {low, 0.0}, {high, 0.0}, {high, after}});
+}
+
+namespace {
+
+std::vector<TransferFunction::ColourPoint> filled(const std::vector<TransferFunction::ColourPoint>& points) {
+  return filled(points, [](const auto& a, const auto& b, double part, double value) {
+    return TransferFunction::ColourPoint{value, a.srgb + part * (b.srgb - a.srgb)};
+  });
+}
+
+}  // namespace
+
+TransferFunction on_logarithmic_axis(const TransferFunction& tf) {
+  TransferFunction moved = tf;
+  const auto [low, high] = ends_of(tf);
+  const auto move = [low = low, high = high](auto& points) {
+    for (auto& point : points) point.value = between(low, high, fraction(point.value, low, high));
+  };
+  move(moved.colours);
+  move(moved.opacities);
+  return at_logarithmic_steps(moved);
+}
+
+std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(
+    std::vector<TransferFunction::ColourPoint> points) {
+  const double low = points.front().value, high = points.back().value;
+  for (auto& point : points) point.value = between(low, high, fraction(point.value, low, high));
+  return filled(points);
+}
+
+TransferFunction at_logarithmic_steps(const TransferFunction& tf) {
+  TransferFunction out = tf;
+  out.colours = filled(tf.colours);
+  out.opacities = filled(tf.opacities, [](const auto& a, const auto& b, double part, double value) {
+    return TransferFunction::OpacityPoint{value, a.opacity + part * (b.opacity - a.opacity)};
+  });
+  return out;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,39 @@
+#pragma once
+#include <vector>
+
+#include "classify/colour_maps.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+
+/// Changes of a transfer function.
+namespace ringsplat {
+
+/// 1 − (1 − α)^factor: twice as dense for 2.
+void scale_opacity(TransferFunction& tf, double factor);
+
+/// Moves all points linearly, so that the first and the last one of all lie at `low` and `high`.
+void stretch(TransferFunction& tf, double low, double high);
+
+/// A map's points over [low, high].
+std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, double low, double high);
+
+/// Wholly transparent below or above a value.
+void clear_below(TransferFunction& tf, double value);
+void clear_above(TransferFunction& tf, double value);
+/// Transparent at a single value, and at the next representable ones to half-way to whole numbers for `whole`.
+void clear_at(TransferFunction& tf, double value, bool whole);
+
+/// The first and the last of all points, of colours and opacities.
+struct Ends {
+  double low, high;
+};
+Ends ends_of(const TransferFunction& tf);
+
+/// Moves the points of positive values, each as far along the logarithm's axis from the first to the last point as it
+/// was along the values', and puts more points in between, so that logarithms are interpolated.
+TransferFunction on_logarithmic_axis(const TransferFunction& tf);
+std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(std::vector<TransferFunction::ColourPoint> points);
+
+/// Only puts more points in between, so that logarithms are interpolated.
+TransferFunction at_logarithmic_steps(const TransferFunction& tf);
+
+}  // namespace ringsplat
