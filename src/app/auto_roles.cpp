@@ -64,8 +64,8 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
     progress.begin("measuring a frame", 0);
     const auto source = open_volume(o.volume);
     const auto views = probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras);
-    const FrameCosts costs =
-        measure_frame_costs(*source, o.frame, TransferFunctionChoice(o.transfer_function), views, load);
+    const FrameCosts costs = measure_frame_costs(
+        *source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour), views, load);
     progress.end();
     const auto predictions = predict_all(costs, ranks, layouts);
     chosen = predictions.front().layout;

@@ -46,6 +46,17 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
+/// The mean opacity of the picture's pixels.
+double mean_opacity(const Image& image) {
+  double sum = 0;
+  for (std::size_t k = 3; k < image.rgba.size(); k += 4) sum += double(image.rgba[k]);
+  return image.rgba.empty() ? 0 : 4 * sum / double(image.rgba.size());
+}
+
+/// A useful picture has a tenth of all light stopped in the mean, and often more; a thousandth of that is
+/// nearly nothing.
+constexpr double least_mean_opacity = 0.1 / 1000;
+
 json to_json(const SliceMemory& memory) {
   std::string axes;
   for (const Axis axis : all_axes)
@@ -128,6 +139,11 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                 why_nothing_is_visible(result.spec.shown.transfer_function, range,
                                        sum.visible_voxels + sum.voxels_outside));
   }
+  if (drawn && sum.splats_drawn > 0 && mean_opacity(result.image) < least_mean_opacity &&
+      nearly_empty_frames_++ == 0) {
+    progress_.clear();
+    log_warning("{}: {}", label, why_hardly_anything_is_visible(mean_opacity(result.image), result.spec));
+  }
   const std::string after =
       seconds_.empty() ? "" : fmt::format(", {:.4f} s after the one before", result.stats.period);
   const char* items = std::holds_alternative<Sheets>(result.spec.how) ? "blocks" : "splats";
@@ -173,6 +189,8 @@ void FrameOutput::finish() {
   if (!kept_.empty()) measure_kept();
   if (!options_.stats.empty()) write_text_output(options_.stats, stats_text());
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
+  if (nearly_empty_frames_ > 1)
+    log_warning("{} of {} frames are nearly empty", nearly_empty_frames_, seconds_.size());
   if (seconds_.size() > 1) progress_.print(summary());
 }
 

@@ -82,7 +82,7 @@ class FrameOutput {
   /// Turned into text at the end, when no frame waits for a core.
   std::vector<FrameRecord> records_;
   std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
-  int empty_frames_ = 0;
+  int empty_frames_ = 0, nearly_empty_frames_ = 0;
   FrameWriter writer_;  ///< declared last: it uses all of the above
 };
 

@@ -17,20 +17,16 @@
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
-#include "ringsplat/volume/statistics.hpp"
 #include "volume/clipped.hpp"
 #include "volume/slice_store.hpp"
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
 namespace {
 
-constexpr int bins = 64, shown_bins = 16;
+constexpr int json_bins = 64, shown_bins = 16;
+constexpr double shown_shares[] = {0, 0.001, 0.01, 0.25, 0.5, 0.75, 0.99, 0.999, 1};
 constexpr std::array<bool, 3> all_sets{true, true, true};
-
-struct Contents {
-  ValueRange range;
-  Histogram histogram;
-};
 
 template <class F>
 void for_each_batch(VolumeSource& source, F&& f) {
@@ -48,19 +44,27 @@ void for_each_batch(VolumeSource& source, F&& f) {
   }
 }
 
-/// Two passes: the histogram's bins need the range first.
-Contents read_contents(VolumeSource& source, Progress& progress) {
-  Contents contents;
+ValueStatistics read_values(VolumeSource& source, Progress& progress) {
   const Grid& grid = source.grid();
-  progress.begin("reading the range", grid.dims.z);
-  for_each_batch(source, [&](std::span<const std::byte> v) { contents.range.add(grid.type, v); });
-  progress.end();
-  if (contents.range.empty()) return contents;
-  contents.histogram = Histogram(contents.range.low, contents.range.high, bins);
-  progress.begin("reading the histogram", grid.dims.z);
-  for_each_batch(source, [&](std::span<const std::byte> v) { contents.histogram.add(grid.type, v); });
-  progress.end();
-  return contents;
+  const VolumeNotes notes = source.notes();
+  int passes = 0;
+  const Pass pass = [&](const RowVisitor& visit) {
+    progress.begin(passes++ == 0 ? "reading the values" : "reading the values again", grid.dims.z);
+    for_each_batch(source, [&](std::span<const std::byte> rows) { visit(rows, grid.dims.x); });
+    progress.end();
+  };
+  Merging alone;
+  return describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone);
+}
+
+/// Fewer bins, which add up those of `histogram`.
+Histogram coarser(const Histogram& histogram, int bins) {
+  Histogram coarse(histogram.low, histogram.high, bins);
+  coarse.below = histogram.below;
+  coarse.above = histogram.above;
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
+    coarse.counts[k * std::size_t(bins) / histogram.counts.size()] += histogram.counts[k];
+  return coarse;
 }
 
 std::string human_bytes(std::uint64_t bytes) {
@@ -107,28 +111,78 @@ std::string matrix_text(const glm::dmat3& m) {
 }
 
 /// Bars show the square root of counts: the air around an object would flatten all others.
-std::string histogram_text(const Histogram& histogram) {
-  std::vector<std::uint64_t> counts(shown_bins);
-  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
-    counts[k * shown_bins / histogram.counts.size()] += histogram.counts[k];
-  const double highest = std::sqrt(double(*std::max_element(counts.begin(), counts.end())));
-  const double total = double(std::max<std::uint64_t>(1, histogram.total()));
+std::string histogram_text(const ValueStatistics& values) {
+  const Histogram histogram = coarser(values.histogram, shown_bins);
+  const double highest =
+      std::sqrt(double(*std::max_element(histogram.counts.begin(), histogram.counts.end())));
+  const double total = double(std::max<std::uint64_t>(1, values.range.finite));
   std::string text = "histogram  (bars by the square root)\n";
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    const double from = histogram.low + (histogram.high - histogram.low) * double(k) / shown_bins;
-    const auto length =
-        highest > 0 ? static_cast<std::size_t>(40 * std::sqrt(double(counts[k])) / highest + 0.5) : 0;
-    text += fmt::format("  {:>12.6g}  {:>6.2f} %  {}\n", plain(from), 100 * double(counts[k]) / total,
+  const auto outside = [&](std::uint64_t count, const char* where, double from, double to) {
+    if (count > 0)
+      text += fmt::format("  {:>12}  {:>6.2f} %  {} voxel{} from {:g} to {:g}\n", where,
+                          100 * double(count) / total, count, count == 1 ? "" : "s", plain(from), plain(to));
+  };
+  outside(histogram.below, "below", values.range.low, histogram.low);
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k) {
+    const double count = double(histogram.counts[k]);
+    const double from = std::lerp(histogram.low, histogram.high, double(k) / shown_bins);
+    const auto length = highest > 0 ? static_cast<std::size_t>(40 * std::sqrt(count) / highest + 0.5) : 0;
+    text += fmt::format("  {:>12.6g}  {:>6.2f} %  {}\n", plain(from), 100 * count / total,
                         std::string(length, '#'));
   }
+  outside(histogram.above, "above", histogram.high, values.range.high);
   return text;
+}
+
+std::string quantiles_text(const ValueStatistics& values) {
+  std::string shares, found;
+  for (const double share : shown_shares) {
+    shares += fmt::format("{:>11}", fmt::format("{:g} %", 100 * share));
+    found += fmt::format("{:>11.5g}", plain(values.quantile(share)));
+  }
+  return fmt::format("quantiles{}\n         {}\n", shares, found);
+}
+
+const char* name(World world) {
+  constexpr const char* names[] = {"lattice", "patient", "microscope"};
+  return names[static_cast<int>(world)];
+}
+
+/// What the file says beside the lattice, as name and value; nothing of what it does not say.
+std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& notes,
+                                                         const ValueStatistics& values) {
+  std::vector<std::pair<const char*, std::string>> rows;
+  const auto row = [&](const char* what, const std::string& text) {
+    if (!text.empty()) rows.emplace_back(what, text);
+  };
+  row("world", notes.world == World::patient ? "patient: left, posterior, superior, in mm"
+               : notes.world == World::microscope
+                   ? "microscope: columns, rows downwards, away from the viewer"
+                   : "");
+  row("unit", notes.unit);
+  row("quantity", notes.quantity);
+  row("modality", notes.modality);
+  row("frames", notes.frames > 1 ? fmt::format("{} time points, --frame chooses one", notes.frames) : "");
+  row("channels", notes.channels > 1 ? fmt::format("{}, --channel chooses one", notes.channels) : "");
+  if (notes.labels || look_like_labels(values))
+    row("labels", fmt::format("{} different values{}", values.labels.size(), notes.labels ? "" : ", found"));
+  if (notes.fill) row("fill value", fmt::format("{:g}, {} voxels", *notes.fill, values.fill_voxels));
+  return rows;
 }
 
 std::string range_text(const VoxelBox& box, int k) { return fmt::format("{}:{}", box.first[k], box.end[k]); }
 
-/// `grid` and contents are the clipped part's; GPs hold whole slices.
-std::string to_text(const InfoOptions& o, const Grid& whole, const Grid& grid, const Contents& c,
-                    bool concurrent) {
+/// What info has found in the part of the volume that is shown.
+struct Found {
+  Grid whole, part;
+  VolumeNotes notes;
+  ValueStatistics values;
+  bool concurrent;
+};
+
+/// GPs hold whole slices, whatever part is shown.
+std::string to_text(const InfoOptions& o, const Found& found) {
+  const auto& [whole, grid, notes, values, concurrent] = found;
   const glm::dvec3 extent = glm::dvec3(grid.dims) * grid.spacing;
   std::string text;
   const auto row = [&](const char* name, const std::string& value) {
@@ -145,10 +199,12 @@ std::string to_text(const InfoOptions& o, const Grid& whole, const Grid& grid, c
   row("directions", matrix_text(grid.direction));
   row("size", triple_text(extent, " x "));
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
-  row("range", c.range.empty() ? "no finite value"
-                               : fmt::format("{:g} to {:g}", plain(c.range.low), plain(c.range.high)));
-  row("not finite", fmt::format("{} voxels", c.range.not_finite));
-  if (!c.range.empty()) text += histogram_text(c.histogram);
+  for (const auto& [what, value] : rows_of(notes, values)) row(what, value);
+  row("range", values.range.empty()
+                   ? "no finite value"
+                   : fmt::format("{:g} to {:g}", plain(values.range.low), plain(values.range.high)));
+  row("not finite", fmt::format("{} voxels", values.range.not_finite));
+  if (!values.range.empty()) text += quantiles_text(values) + histogram_text(values);
   text += fmt::format(
       "\nslices held by a GP (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n", "--gps",
       "all axes, lit", "all axes, unlit", "one axis, lit", "one axis, unlit");
@@ -158,8 +214,19 @@ std::string to_text(const InfoOptions& o, const Grid& whole, const Grid& grid, c
   return text;
 }
 
-nlohmann::json to_json(const InfoOptions& o, const Grid& whole, const Grid& grid, const Contents& c,
-                       bool concurrent) {
+nlohmann::json to_json(const VolumeNotes& notes, const ValueStatistics& values) {
+  nlohmann::json j{{"world", name(notes.world)}, {"frames", notes.frames}, {"channels", notes.channels}};
+  for (const auto& [what, text] :
+       {std::pair("unit", &notes.unit), {"quantity", &notes.quantity}, {"modality", &notes.modality}})
+    j[what] = text->empty() ? nlohmann::json() : nlohmann::json(*text);
+  j["fill"] = notes.fill ? nlohmann::json(*notes.fill) : nlohmann::json();
+  j["fill_voxels"] = values.fill_voxels;
+  j["labels"] = notes.labels || look_like_labels(values) ? nlohmann::json(values.labels) : nlohmann::json();
+  return j;
+}
+
+nlohmann::json to_json(const InfoOptions& o, const Found& found) {
+  const auto& [whole, grid, notes, values, concurrent] = found;
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
   j["volume"] = o.volume.path;
@@ -174,10 +241,20 @@ nlohmann::json to_json(const InfoOptions& o, const Grid& whole, const Grid& grid
   j["directions"] = {triple(grid.direction[0]), triple(grid.direction[1]), triple(grid.direction[2])};
   j["size"] = triple(glm::dvec3(grid.dims) * grid.spacing);
   j["concurrent_reading"] = concurrent;
-  j["range"] = c.range.empty() ? nlohmann::json() : nlohmann::json{c.range.low, c.range.high};
-  j["finite"] = c.range.finite;
-  j["not_finite"] = c.range.not_finite;
-  j["histogram"] = {{"low", c.histogram.low}, {"high", c.histogram.high}, {"counts", c.histogram.counts}};
+  const ValueRange& range = values.range;
+  j["range"] = range.empty() ? nlohmann::json() : nlohmann::json{range.low, range.high};
+  j["finite"] = range.finite;
+  j["not_finite"] = range.not_finite;
+  j["quantiles"] = nlohmann::json::array();
+  for (const double share : shown_shares)
+    if (!range.empty()) j["quantiles"].push_back({{"share", share}, {"value", values.quantile(share)}});
+  const Histogram histogram = coarser(values.histogram, json_bins);
+  j["histogram"] = {{"low", histogram.low},
+                    {"high", histogram.high},
+                    {"counts", histogram.counts},
+                    {"below", histogram.below},
+                    {"above", histogram.above}};
+  j["notes"] = to_json(notes, values);
   for (const auto& m : memory_table(whole, o.gps))
     j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
                                          {"all_axes_lit", m.all_lit},
@@ -215,9 +292,9 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   Forecast f;
   if (!o.machine.empty()) f.machine = read_machine(o.machine);
   progress.begin("measuring a frame", 0);
-  f.costs = measure_frame_costs(source, frame, TransferFunctionChoice(o.picture.transfer_function),
-                                probe_views(cameras), load_options(picture, axes),
-                                f.machine ? &*f.machine : nullptr);
+  f.costs = measure_frame_costs(
+      source, frame, TransferFunctionChoice(o.picture.transfer_function, o.picture.colour),
+      probe_views(cameras), load_options(picture, axes), f.machine ? &*f.machine : nullptr);
   progress.end();
   f.ranks = f.machine ? described_rank_costs(*f.machine, o.ranks) : usual_rank_costs(o.ranks, cores);
   f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true, f.machine ? 0 : cores));
@@ -270,7 +347,7 @@ std::string list_of_presets() {
   std::string text;
   for (const auto& preset : preset_names())
     text += fmt::format("{:<14}{}\n", preset.name, preset.description);
-  return text;
+  return text + "\ncolour maps for --colours\n" + list_of_colour_maps();
 }
 
 nlohmann::json json_of_presets() {
@@ -291,17 +368,18 @@ ExitCode run_info(const InfoOptions& o) {
   WatchedSource source(open_volume(o.volume), progress);
   const auto clip = clip_box(o.picture.clip, source.grid());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
-  const Contents contents = read_contents(clip ? *part : source, progress);
+  const Found found{source.grid(), part->grid(), source.notes(), read_values(clip ? *part : source, progress),
+                    source.concurrent()};
   std::optional<Forecast> predicted;
   if (o.ranks > 0) predicted = forecast(o, source, progress);
   if (o.json) {
-    auto j = to_json(o, source.grid(), part->grid(), contents, source.concurrent());
+    auto j = to_json(o, found);
     if (predicted) j["prediction"] = to_json(*predicted);
     if (const auto series = source.notes().series; !series.empty()) j["series"] = series;
     fmt::print("{}\n", plain_json_text(std::move(j), 2));
   } else {
-    fmt::print("{}{}{}", to_text(o, source.grid(), part->grid(), contents, source.concurrent()),
-               predicted ? to_text(*predicted, o.ranks) : "", list_of_series(source.notes().series));
+    fmt::print("{}{}{}", to_text(o, found), predicted ? to_text(*predicted, o.ranks) : "",
+               list_of_series(source.notes().series));
   }
   return ExitCode::done;
 }

@@ -12,10 +12,6 @@
 namespace ringsplat::app {
 namespace {
 
-bool agree_on(bool mine, Launch& launch) {
-  return launch.collectives().broadcast(Block{std::byte(mine ? 1 : 0)}, 0).at(0) != std::byte(0);
-}
-
 /// The hint: what to change for more exactness.
 std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
   std::vector<std::string> fixed;
@@ -83,13 +79,13 @@ bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
   Place place;
   if (launch.rank() == 0) {
     views = calibration_views(cameras, kept_axes, scene.grid, frame.shown.width, frame.shown.height);
-    place.key = calibration_key(o, frame, layout, scene.histogram, views);
+    place.key = calibration_key(o, frame, layout, scene.values.histogram, views);
     if (const auto folder = cache_folder()) {
       place.file = calibration_file(*folder, place.key);
       measured = read_calibration(place.file, place.key, settings);
     }
   }
-  const bool known = agree_on(measured.has_value(), launch);
+  const bool known = launch.of_rank_0(measured.has_value());
   if (!known) {
     progress.begin("calibrating", 0);
     const double start = now_seconds();

@@ -101,6 +101,10 @@ void Launch::check_on_rank_0(const std::function<void()>& check) {
   if (!agreed.empty()) throw InputError(agreed);
 }
 
+bool Launch::of_rank_0(bool decision) {
+  return collectives_->broadcast(Block{std::byte(decision ? 1 : 0)}, 0).at(0) != std::byte(0);
+}
+
 Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
   Outcome outcome;
   if (rank() == 0) outcome = guarded(work);

@@ -48,6 +48,8 @@ class Launch {
   void check_on_all_ranks(const std::function<void()>& check);
   /// Runs `check` on rank 0 only; when it throws InputError, all ranks throw it.
   void check_on_rank_0(const std::function<void()>& check);
+  /// What rank 0 passes, on all ranks.
+  bool of_rank_0(bool decision);
   /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);
   /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it

@@ -75,7 +75,7 @@ Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layou
   Scene scene = load_scene(volume, told, layout, wiring);
   progress.end();
   volume.source.reset();
-  if (scene.range.empty())
+  if (scene.values.range.empty())
     throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                      "check the file's --type and --endian");
   return scene;

@@ -14,9 +14,6 @@
 namespace ringsplat::app {
 namespace {
 
-/// The same as load_scene's: presets depend on it.
-constexpr int histogram_bins = 1024;
-
 void check_room(const Grid& grid) {
   const double machine = machine_memory_bytes(), needed = 8.0 * double(grid.voxels());
   if (needed > 0.9 * machine)
@@ -35,12 +32,14 @@ WholeVolume read_whole(VolumeSource& source) {
   check_room(volume.grid);
   volume.values = truth::read_values(source);
   const auto bytes = std::as_bytes(std::span(volume.values));
-  volume.range.add(ScalarType::float64, bytes);
-  if (volume.range.empty())
+  const VolumeNotes notes = source.notes();
+  const Pass pass = [&](const RowVisitor& visit) { visit(bytes, volume.grid.dims.x); };
+  Merging alone;
+  volume.statistics = describe_values({volume.grid.type, notes.fill, ScalarType::float64}, volume.grid.dims,
+                                      notes, pass, alone);
+  if (volume.statistics.range.empty())
     throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                      "check the file's --type and --endian");
-  volume.histogram = Histogram(volume.range.low, volume.range.high, histogram_bins);
-  volume.histogram.add(ScalarType::float64, bytes);
   return volume;
 }
 

@@ -5,8 +5,8 @@
 
 #include "app/options.hpp"
 #include "app/truth_scene.hpp"
-#include "ringsplat/volume/statistics.hpp"
 #include "truth/sampling.hpp"
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
 
@@ -14,8 +14,7 @@ namespace ringsplat::app {
 struct WholeVolume {
   Grid grid;
   std::vector<double> values;
-  ValueRange range;
-  Histogram histogram;  ///< the same as load_scene's, so that presets are the same
+  ValueStatistics statistics;  ///< the same as load_scene's, so that presets are the same
 };
 /// Throws InputError when the volume is unreadable, has no finite value or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);

@@ -70,7 +70,8 @@ constexpr OptionRow<Render> method_rows[] = {
      [](Render& o) {
        return choice(o.method.engine, {{"splats", Engine::splats}, {"sheets", Engine::sheets}});
      }},
-    {"--slabs", "1|2|3|4", nullptr, "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else 3",
+    {"--slabs", "1|2|3|4", nullptr,
+     "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else 3",
      [](Render& o) { return value(o.method.slabs); }},
     {"--light-points", "1|2", nullptr,
      "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",

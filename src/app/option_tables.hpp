@@ -13,6 +13,8 @@ extern const OptionGroup<RenderOptions> render_output_options, view_options, siz
     method_options, picture_options, shortcut_options, clip_options, series_options;
 /// Parts of the above that a viewer has, too.
 extern const OptionGroup<RenderOptions> camera_options, shading_options;
+/// Changes of the transfer function.
+extern const OptionGroup<RenderOptions> colour_options;
 extern const OptionGroup<ErrorOptions> error_options;
 extern const OptionGroup<ErrorBudgetOptions> error_budget_options;
 extern const OptionGroup<ServeOptions> server_options;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "app/clip_option.hpp"
+#include "app/colour_options.hpp"
 #include "app/error_budget_options.hpp"
 #include "app/frames_option.hpp"
 #include "app/method_options.hpp"
@@ -62,6 +63,7 @@ struct RenderOptions {
   std::optional<ClipText> clip;
   MethodOptions method;
   std::string transfer_function = "auto", transfer_function_out;
+  ColourOptions colour;
   int orbit = 0;
   std::string path;
   std::optional<Side> side;       ///< first_view.hpp makes angles of it

@@ -15,17 +15,15 @@
 #include "frame/frame_geometry.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/volume/statistics.hpp"
 #include "session/render_frames.hpp"
 #include "volume/clipped.hpp"
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 constexpr std::int64_t most_voxels = std::int64_t{1} << 24;
 constexpr int slabs_of_large_volumes = 3;
-/// The same as load_scene's: presets depend on it.
-constexpr int histogram_bins = 1024;
 constexpr int repetitions = 3;
 constexpr double patience = 2;  ///< seconds after which no measurement is repeated
 constexpr int most_renderers = 1024;
@@ -71,15 +69,19 @@ std::vector<Slab> read_slabs(VolumeSource& source) {
   return slabs;
 }
 
-TransferFunction make_for(const std::vector<Slab>& slabs, const TransferFunctionChoice& choice) {
-  ValueRange range;
-  for (const Slab& slab : slabs) range.add(slab.grid.type, slab.voxels);
-  if (range.empty())
+/// Of slabs of the volume, whose dimensions are `dims`.
+TransferFunction make_for(const std::vector<Slab>& slabs, glm::ivec3 dims, const VolumeNotes& notes,
+                          const TransferFunctionChoice& choice) {
+  const Pass pass = [&](const RowVisitor& visit) {
+    for (const Slab& slab : slabs) visit(slab.voxels, slab.grid.dims.x);
+  };
+  Merging alone;
+  const ValueStatistics values =
+      describe_values({slabs.front().grid.type, notes.fill}, dims, notes, pass, alone);
+  if (values.range.empty())
     throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                      "check the file's --type and --endian");
-  Histogram histogram(range.low, range.high, histogram_bins);
-  for (const Slab& slab : slabs) histogram.add(slab.grid.type, slab.voxels);
-  return choice.make(histogram);
+  return choice.make(values).function;
 }
 
 /// The view as a matrix, so that a part of the volume appears at its place in the whole. A perspective view
@@ -220,7 +222,7 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
                                const std::vector<Camera>& views, LoadOptions load, const Machine* machine) {
   const Grid grid = source.grid();
   std::vector<Slab> slabs = read_slabs(source);
-  frame.shown.transfer_function = make_for(slabs, choice);
+  frame.shown.transfer_function = make_for(slabs, grid.dims, source.notes(), choice);
   check(frame);
   // What is rendered are slabs of the clipped part, as volumes of their own.
   const std::optional<VoxelBox> clip = frame.shown.clip;

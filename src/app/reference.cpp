@@ -57,7 +57,7 @@ ExitCode run_reference(const ReferenceOptions& o) {
   if (!o.without_effect.empty())
     log_warning("{} change{} nothing in the {} truth", joined(o.without_effect, ", "),
                 o.without_effect.size() == 1 ? "s" : "", to_string(o.truth));
-  const TransferFunctionChoice choice(o.picture.transfer_function);
+  const TransferFunctionChoice choice(o.picture.transfer_function, o.picture.colour);
   const auto source = open_volume(o.picture.volume);
   RenderOptions picture = o.picture;
   const std::string view_note = complete_view(picture, source->grid(), source->notes());
@@ -66,13 +66,15 @@ ExitCode run_reference(const ReferenceOptions& o) {
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
-  spec.shown.transfer_function = choice.make(volume.histogram);
+  MadeFunction made = choice.make(volume.statistics);
+  spec.shown.transfer_function = std::move(made.function);
   check(spec);
   if (!o.picture.transfer_function_out.empty())
     write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.shown.transfer_function));
   truth::Scene scene = make_scene(std::move(volume));
   const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
   std::FILE* const results = is_stdout(o.picture.transfer_function_out) ? stderr : stdout;
+  if (!made.said.empty()) fmt::print(results, "{}\n", made.said);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.shown.camera = cameras[k];
     set_frame(scene, spec);

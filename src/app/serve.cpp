@@ -82,7 +82,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   check(run.protocol);
   check(run.engine);
   warn_of_shared_cores(run.engine.threads_per_rank, launch);
-  launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function); });
+  launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   job.series = find_series(o.volume, o.frames, launch);
   refuse_long_series(job.series);
   o.volume = job.series.front().volume;
@@ -131,13 +131,17 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
               scene.grid,
               notes.world == World::patient,
               notes.unit,
-              scene.range,
-              scene.histogram};
+              scene.values.range,
+              scene.values.histogram};
   v.frames.clear();
   for (const SeriesEntry& entry : job.series) v.frames.push_back(entry.name);
   v.frame = o.frame;
   v.initial.camera = o.frame.shown.camera;
-  v.initial.transfer_function = job.transfer_function->make(scene.histogram);
+  MadeFunction made = job.transfer_function->make(scene.values);
+  if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
+  if (made.labels)
+    log_warning("the viewer interpolates values: voxels between two labels get other labels' colours");
+  v.initial.transfer_function = std::move(made.function);
   check(v.initial.transfer_function, o.transfer_function);
   v.initial.shading = o.frame.shown.shading;
   v.initial.light = o.frame.shown.light;
@@ -206,7 +210,7 @@ std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader,
     loaded = shown;
     scene = loader.load(shown);
   }
-  if (viewer != nullptr) viewer->loaded(int(loaded), scene.range);
+  if (viewer != nullptr) viewer->loaded(int(loaded), scene.values.range);
   return loaded;
 }
 

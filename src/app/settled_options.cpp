@@ -49,8 +49,7 @@ std::string name_of(const CLI::Option& option) {
 
 bool may_differ(const CLI::App& program, const CLI::Option& option) {
   return &option == program.get_config_ptr() || &option == program.get_help_ptr() ||
-         option.check_lname("verbose") || option.check_lname("help") ||
-         option.check_lname("help-all");
+         option.check_lname("verbose") || option.check_lname("help") || option.check_lname("help-all");
 }
 
 }  // namespace

@@ -173,7 +173,8 @@ class SceneStudy {
   SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
       : list_(list), scene_list_(s), pictures_(pictures) {
     WholeVolume volume = read_whole(*open_scene(s));
-    transfer_function_ = TransferFunctionChoice(s.transfer_function).make(volume.histogram);
+    transfer_function_ =
+        TransferFunctionChoice(s.transfer_function, s.colour).make(volume.statistics).function;
     scene_ = make_scene(std::move(volume));
   }
 

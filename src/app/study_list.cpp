@@ -250,6 +250,14 @@ class Reader {
       s.type = scalar_type_from(text(item));
     else if (item.name == "tf")
       s.transfer_function = text(item);
+    else if (item.name == "range")
+      s.colour.range = parse_window(text(item), item.fullname());
+    else if (item.name == "opacity")
+      s.colour.opacity = parse_density(text(item), item.fullname());
+    else if (item.name == "colours")
+      s.colour.colours = text(item);
+    else if (item.name == "log")
+      s.colour.log = flag(item);
     else if (item.name == "clip")
       s.clip = parse_clip(text(item), item.fullname());
     else

@@ -16,6 +16,7 @@ struct StudyList {
     glm::ivec3 dims{64};
     ScalarType type = ScalarType::uint8;
     std::string transfer_function = "auto";
+    ColourOptions colour;
     std::optional<ClipText> clip;
   };
   struct Setting {

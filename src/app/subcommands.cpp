@@ -25,6 +25,7 @@ void add_render_options(CLI::App& app, AllOptions& all) {
   add_options(app, camera_options, o);
   add_options(app, view_options, o);
   add_options(app, size_options, o);
+  add_options(app, colour_options, o);
   add_options(app, tf_output_options, o);
   add_options(app, method_options, o);
   add_options(app, shading_options, o);
@@ -39,6 +40,7 @@ void add_render_options(CLI::App& app, AllOptions& all) {
 
 Command settle_render(const CLI::App& app, AllOptions& all) {
   RenderOptions& o = all.render;
+  if (o.colour.colours == "list") return Say{list_of_colour_maps()};
   require_volume(app, o.volume);
   // A run that only counts has no picture; a run for statistics needs none.
   if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
@@ -66,6 +68,7 @@ void add_serve_options(CLI::App& app, AllOptions& all) {
   add_options(app, server_options, o);
   add_options(app, camera_options, o.picture);
   add_options(app, size_options, o.picture);
+  add_options(app, colour_options, o.picture);
   add_options(app, shading_options, o.picture);
   add_options(app, rank_options, o.picture.run);
   add_options(app, protocol_options, o.picture.run);
@@ -73,6 +76,7 @@ void add_serve_options(CLI::App& app, AllOptions& all) {
 
 Command settle_serve(const CLI::App& app, AllOptions& all) {
   RunOptions& run = all.serve.picture.run;
+  if (all.serve.picture.colour.colours == "list") return Say{list_of_colour_maps()};
   require_volume(app, all.serve.picture.volume);
   note_direction(app, all.serve.picture);  // it fits the sphere: turning changes no sizes
   if (run.topology == Topology::mesh && app.get_option("--send-ahead")->empty()) run.protocol.send_ahead = 0;
@@ -89,6 +93,7 @@ void add_info_options(CLI::App& app, AllOptions& all) {
   add_options(app, camera_options, o.picture);
   add_options(app, view_options, o.picture);
   add_options(app, size_options, o.picture);
+  add_options(app, colour_options, o.picture);
   add_options(app, method_options, o.picture);
   add_options(app, shading_options, o.picture);
   add_options(app, picture_options, o.picture);
@@ -96,6 +101,7 @@ void add_info_options(CLI::App& app, AllOptions& all) {
 }
 
 Command settle_info(const CLI::App& app, AllOptions& all) {
+  if (all.info.picture.colour.colours == "list") return Say{list_of_colour_maps()};
   if (!all.info.presets) require_volume(app, all.info.volume);
   settle_fit(app, all.info.picture);
   all.info.picture.frame.how = method_for(all.info.picture.method);
@@ -120,6 +126,7 @@ void add_reference_options(CLI::App& app, AllOptions& all) {
   add_options(app, camera_options, o.picture);
   add_options(app, view_options, o.picture);
   add_options(app, size_options, o.picture);
+  add_options(app, colour_options, o.picture);
   add_options(app, tf_output_options, o.picture);
   add_options(app, method_options, o.picture);
   add_options(app, shading_options, o.picture);
@@ -127,6 +134,7 @@ void add_reference_options(CLI::App& app, AllOptions& all) {
 }
 
 Command settle_reference(const CLI::App& app, AllOptions& all) {
+  if (all.reference.picture.colour.colours == "list") return Say{list_of_colour_maps()};
   require_volume(app, all.reference.picture.volume);
   settle_fit(app, all.reference.picture);
   all.reference.picture.frame.how = method_for(all.reference.picture.method);

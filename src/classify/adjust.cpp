@@ -29,7 +29,8 @@ std::vector<Point> filled(const std::vector<Point>& points, Blend blended) {
     const int steps = steps_between(points[k].value, points[k + 1].value);
     for (int i = 1; i < steps; ++i) {
       const double part = double(i) / steps;
-      out.push_back(blended(points[k], points[k + 1], part, between(points[k].value, points[k + 1].value, part)));
+      out.push_back(
+          blended(points[k], points[k + 1], part, between(points[k].value, points[k + 1].value, part)));
     }
   }
   return out;
@@ -87,8 +88,8 @@ void clear_at(TransferFunction& tf, double value, bool whole) {
                high = whole ? value + 0.5 : std::nextafter(value, infinity);
   const double before = opacity_at(tf, low), after = opacity_at(tf, high);
   std::erase_if(tf.opacities, [&](const auto& p) { return p.value >= low && p.value <= high; });
-  const auto at = std::find_if(tf.opacities.begin(), tf.opacities.end(),
-                               [&](const auto& p) { return p.value > high; });
+  const auto at =
+      std::find_if(tf.opacities.begin(), tf.opacities.end(), [&](const auto& p) { return p.value > high; });
   tf.opacities.insert(at, {{low, before}, {low, 0.0}, {high, 0.0}, {high, after}});
 }
 

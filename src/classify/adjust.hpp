@@ -19,7 +19,8 @@ std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, do
 /// Wholly transparent below or above a value.
 void clear_below(TransferFunction& tf, double value);
 void clear_above(TransferFunction& tf, double value);
-/// Transparent at a single value, and at the next representable ones to half-way to whole numbers for `whole`.
+/// Transparent at a single value, and at the next representable ones to half-way to whole numbers for
+/// `whole`.
 void clear_at(TransferFunction& tf, double value, bool whole);
 
 /// The first and the last of all points, of colours and opacities.
@@ -28,10 +29,11 @@ struct Ends {
 };
 Ends ends_of(const TransferFunction& tf);
 
-/// Moves the points of positive values, each as far along the logarithm's axis from the first to the last point as it
-/// was along the values', and puts more points in between, so that logarithms are interpolated.
+/// Moves the points of positive values, each as far along the logarithm's axis from the first to the last
+/// point as it was along the values', and puts more points in between, so that logarithms are interpolated.
 TransferFunction on_logarithmic_axis(const TransferFunction& tf);
-std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(std::vector<TransferFunction::ColourPoint> points);
+std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(
+    std::vector<TransferFunction::ColourPoint> points);
 
 /// Only puts more points in between, so that logarithms are interpolated.
 TransferFunction at_logarithmic_steps(const TransferFunction& tf);

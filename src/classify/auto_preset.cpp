@@ -1,71 +1,231 @@
 #include "classify/auto_preset.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <limits>
-#include <numeric>
+#include <optional>
+
+#include "base/printable.hpp"
+#include "classify/adjust.hpp"
+#include "classify/colour_maps.hpp"
+#include "classify/label_function.hpp"
+#include "classify/value_shape.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
 
 constexpr double haze = 0.05;
 
-/// The histogram's bins in order away from its background.
-struct Foreground {
-  bool upward;             ///< values grow away from the background
-  std::size_t first, end;  ///< the foreground's bins, first < end, counted from the low end
-  std::uint64_t voxels;
-};
+std::string percent(double share) { return fmt::format("{:.3g} %", 100 * share); }
 
-std::uint64_t voxels_between(const Histogram& h, std::size_t first, std::size_t end) {
-  return std::accumulate(h.counts.begin() + std::ptrdiff_t(first), h.counts.begin() + std::ptrdiff_t(end),
-                         std::uint64_t(0));
-}
-
-/// Where the background ends: down the peak's slope while counts fall and are still a good part of the peak.
-std::size_t foot_of(const Histogram& h, std::size_t peak, bool upward) {
-  const auto floor = h.counts[peak] / 20;
-  std::size_t bin = peak;
-  const auto last = upward ? h.counts.size() - 1 : std::size_t(0);
-  while (bin != last) {
-    const auto next = upward ? bin + 1 : bin - 1;
-    if (h.counts[next] >= h.counts[bin] || h.counts[next] < floor) break;
-    bin = next;
-  }
-  return bin;
-}
-
-Foreground find_foreground(const Histogram& h, std::uint64_t total) {
-  const auto bins = h.counts.size();
-  const auto peak = std::size_t(std::max_element(h.counts.begin(), h.counts.end()) - h.counts.begin());
-  const Foreground everything{true, 0, bins, total};
-  if (h.counts[peak] < total / 10) return everything;
-  const std::size_t above = foot_of(h, peak, true) + 1, below = foot_of(h, peak, false);
-  const auto voxels_above = voxels_between(h, above, bins), voxels_below = voxels_between(h, 0, below);
-  if (voxels_above == 0 && voxels_below == 0) return everything;
-  if (voxels_above >= voxels_below) return {true, above, bins, voxels_above};
-  return {false, 0, below, voxels_below};
-}
-
-/// The value up to which `share` of the foreground lies, counted from the background: a bin's far edge.
-double quantile_edge(const Histogram& h, const DataRange& range, const Foreground& f, double share) {
-  const double wanted = share * double(f.voxels), bins = double(h.counts.size());
-  double seen = 0;
-  for (std::size_t k = 0; k < f.end - f.first; ++k) {
-    const std::size_t bin = f.upward ? f.first + k : f.end - 1 - k;
-    seen += double(h.counts[bin]);
-    if (seen >= wanted) return range.at((f.upward ? double(bin) + 1 : double(bin)) / bins);
-  }
-  return f.upward ? range.high : range.low;
+/// "values 0 to 255 but for 1 voxel outside (up to 1e+30)".
+std::string described(const Data& d) {
+  std::string text = fmt::format("values {:g} to {:g}", plain(d.low()), plain(d.high()));
+  if (d.fill_below || d.fill_above)
+    text += fmt::format(" but for {:g} in {} of the voxels, which is left clear",
+                        d.fill_below ? *d.fill_below : *d.fill_above, percent(d.filled / d.all));
+  if (d.outside > 0)
+    text += fmt::format(" but for {:.0f} voxel{} far outside ({} {:g})", d.outside, d.outside == 1 ? "" : "s",
+                        d.outlier < d.low() ? "down to" : "up to", d.outlier);
+  return text;
 }
 
 const std::vector<glm::dvec3> warm{
     {0.35, 0.12, 0.10}, {0.78, 0.40, 0.26}, {0.95, 0.76, 0.54}, {1.0, 0.96, 0.88}};
 
-TransferFunction even_haze(const DataRange& range) {
+AutoChoice even_haze(const ValueStatistics& s) {
+  const DataRange range = range_of(s.histogram);
   TransferFunction tf;
   tf.colours = {{range.low, warm[2]}, {range.high, warm[2]}};
   tf.opacities = {{range.low, haze}, {range.high, haze}};
-  return tf;
+  return {tf, fmt::format("every voxel is {:g}: an even haze", plain(s.range.low)), false, range};
+}
+
+/// The optical depth of a way through the object, as thick as its visible voxels would be in one piece.
+double optical_depth(const TransferFunction& tf, const Data& d) {
+  double depth = 0, visible = 0;
+  for (const ValueBin& bin : d.bins) {
+    const double opacity = std::min(tf.evaluate(bin.middle()).opacity, 0.999);
+    if (!(opacity > 0)) continue;
+    visible += double(bin.count);
+    depth -= std::log1p(-opacity) * double(bin.count);
+  }
+  if (visible == 0) return 0;
+  return depth / visible * d.depth * std::cbrt(visible / d.all);
+}
+
+/// Scales opacities so that a way through the object neither shows next to nothing nor its surface alone.
+void balance(TransferFunction& tf, const Data& d) {
+  constexpr double least = 1.5, most = 25;
+  for (int round = 0; round < 4; ++round) {
+    const double depth = optical_depth(tf, d);
+    if (depth <= 0 || (depth >= least && depth <= most)) return;
+    scale_opacity(tf, std::clamp(depth, least, most) / depth);
+  }
+}
+
+/// Clear where the fill value and outliers are.
+void clear_outside(TransferFunction& tf, const Data& d) {
+  const double span = d.high() - d.low();
+  if (d.fill_below) clear_below(tf, std::lerp(*d.fill_below, d.low(), 0.5));
+  if (d.fill_above) clear_above(tf, std::lerp(d.high(), *d.fill_above, 0.5));
+  if (d.outside_below && !d.fill_below) clear_below(tf, d.low() - span);
+  if (d.outside_above && !d.fill_above) clear_above(tf, d.high() + span);
+}
+
+// --- CT
+// -----------------------------------------------------------------------------------------------------
+
+std::optional<AutoChoice> choose_ct(const ValueStatistics& s, const Data& d) {
+  const bool said = s.modality == "CT" && d.low() < -200 && d.high() > 100;
+  const double air = share_within(d.bins, -1100, -850), soft = share_within(d.bins, -150, 250),
+               between = share_within(d.bins, -600, -250), bone = share_within(d.bins, 300, 1e5);
+  const bool of_its_range = s.range.low <= -900 && s.range.low >= -4096 && s.range.high > 1000 &&
+                            s.range.high < 70000 && air > 0.03 && soft > 0.03 && between < soft;
+  if (!said && !of_its_range) return std::nullopt;
+  const char* const name = bone > soft ? "ct-bone" : "ct-soft";
+  AutoChoice choice{
+      preset(name, s.histogram),
+      fmt::format("CT in Hounsfield units ({}): preset {}",
+                  said ? "modality CT" : "by its range and the shares of air and soft tissue", name),
+      false,
+      {-1000, 1500}};
+  return choice;
+}
+
+// --- both signs
+// ---------------------------------------------------------------------------------------------
+
+/// The bins of |v|, ascending.
+Bins magnitudes(const Bins& bins) {
+  Bins all;
+  for (const ValueBin& bin : bins) {
+    const double a = std::abs(bin.low), b = std::abs(bin.high);
+    all.push_back({bin.low < 0 && bin.high > 0 ? 0 : std::min(a, b), std::max(a, b), bin.count});
+  }
+  std::sort(all.begin(), all.end(), [](const ValueBin& a, const ValueBin& b) { return a.high < b.high; });
+  return all;
+}
+
+std::optional<AutoChoice> choose_signed(const Data& d) {
+  if (!(d.low() < 0 && d.high() > 0)) return std::nullopt;
+  const double a = -upper_quantile(d.bins, 0.001), b = upper_quantile(d.bins, 0.999);
+  const double most = std::max(a, b), median = upper_quantile(d.bins, 0.5);
+  const double negative = share_within(d.bins, -std::numeric_limits<double>::infinity(), -0.02 * most),
+               positive = share_within(d.bins, 0.02 * most, std::numeric_limits<double>::infinity());
+  if (std::min(a, b) < 0.25 * most || std::abs(median) > 0.1 * most ||
+      std::min(negative, positive) < 0.1 * std::max(negative, positive))
+    return std::nullopt;
+  Bins sizes = magnitudes(d.bins);
+  std::erase_if(sizes, [&](const ValueBin& bin) { return bin.high <= 0.02 * most; });
+  const double scale = std::max(upper_quantile(sizes, 0.9999), most);
+  const double gap = 0.03 * scale;
+  const double clear = std::min(std::max(upper_quantile(sizes, 0.5), 0.05 * scale), 0.6 * scale);
+  const double common = std::max(upper_quantile(sizes, 0.85), clear + gap);
+  const double rare = std::max(upper_quantile(sizes, 0.97), common + gap);
+  const double end = std::max(scale, rare + gap);
+  TransferFunction tf;
+  tf.opacities = {{-end, 0.7},  {-rare, 0.3},   {-common, haze}, {-clear, 0.0},
+                  {clear, 0.0}, {common, haze}, {rare, 0.3},     {end, 0.7}};
+  tf.colours = colours_over(colour_map("coolwarm"), -end, end);
+  balance(tf, d);
+  return AutoChoice{tf,
+                    fmt::format("{}, both signs about zero: diverging colours, clear from {:.3g} to {:.3g}",
+                                described(d), -clear, clear),
+                    false,
+                    {-end, end}};
+}
+
+// --- many decades
+// -------------------------------------------------------------------------------------------
+
+std::optional<AutoChoice> choose_logarithmic(const Data& d) {
+  if (d.low() < 0) return std::nullopt;
+  Bins positive = d.bins;
+  std::erase_if(positive, [](const ValueBin& bin) { return !(bin.middle() > 0); });
+  if (positive.size() < 8) return std::nullopt;
+  const double high = upper_quantile(positive, 0.999), low = upper_quantile(positive, 0.01),
+               median = upper_quantile(positive, 0.5);
+  const double few = share_within(positive, 0.1 * high, std::numeric_limits<double>::infinity());
+  if (!(low > 0) || high < 1000 * low || high < 100 * median || few > 0.05) return std::nullopt;
+  const double top = positive.back().high;
+  TransferFunction tf;
+  tf.opacities = {{median, 0.0},
+                  {upper_quantile(positive, 0.85), haze},
+                  {upper_quantile(positive, 0.98), 0.3},
+                  {top, 0.7}};
+  tf.colours = {
+      {median, warm[0]}, {tf.opacities[1].value, warm[1]}, {tf.opacities[2].value, warm[2]}, {top, warm[3]}};
+  tf = at_logarithmic_steps(tf);
+  balance(tf, d);
+  return AutoChoice{
+      tf,
+      fmt::format("{} over {:.0f} decades, mostly small: warm ramp at logarithmic steps from {:.3g}",
+                  described(d), std::log10(top / low), median),
+      false,
+      {median, top}};
+}
+
+// --- all else
+// -----------------------------------------------------------------------------------------------
+
+/// Scales what is as opaque as a plateau and less, so that a way through the plateau alone is not opaque.
+void thin_out(TransferFunction& tf, const Plateau& plateau, const Data& d) {
+  const double opacity = tf.evaluate(plateau.value).opacity;
+  const double depth = -std::log1p(-std::min(opacity, 0.999)) * d.depth * std::cbrt(plateau.voxels / d.all);
+  constexpr double most = 1.0;
+  if (!(depth > most)) return;
+  for (auto& point : tf.opacities)
+    if (point.opacity <= opacity) point.opacity *= most / depth;
+  const TransferFunction::OpacityPoint at{plateau.value, opacity * most / depth};
+  const auto next = std::find_if(tf.opacities.begin(), tf.opacities.end(),
+                                 [&](const auto& p) { return p.value > at.value; });
+  tf.opacities.insert(next, at);
+}
+
+AutoChoice choose_generic(const Data& d) {
+  Foreground f = find_foreground(d);
+  const auto plateau = flatten_plateaus(f.bins, d.all);
+  const double sign = f.upward ? 1 : -1, span = d.high() - d.low(), gap = 0.02 * span;
+  const auto share = [&](double s) {
+    if (f.upward) return upper_quantile(f.bins, s);
+    for (auto bin = f.bins.rbegin(); bin != f.bins.rend(); ++bin)
+      if ((s -= double(bin->count) / count_of(f.bins)) <= 1e-12) return bin->low;
+    return f.bins.front().low;
+  };
+  const double edge = f.edge, end = f.upward ? d.high() : d.low(), behind = f.upward ? d.low() : d.high();
+  const auto away = [&](double wanted, double before, double part) {
+    const double least = before + sign * std::min(gap, part * std::abs(end - before));
+    return f.upward ? std::clamp(wanted, std::min(least, end), end)
+                    : std::clamp(wanted, end, std::max(least, end));
+  };
+  const double common = away(share(0.5), edge, 0.3), rare = away(share(0.9), common, 0.5);
+  TransferFunction tf;
+  tf.opacities = {{behind, 0.0}, {edge, 0.0}, {common, haze}, {rare, 0.3}, {end, 0.7}};
+  tf.colours = {{edge, warm[0]}, {common, warm[1]}, {rare, warm[2]}, {end, warm[3]}};
+  if (!f.upward) {
+    std::reverse(tf.opacities.begin(), tf.opacities.end());
+    std::reverse(tf.colours.begin(), tf.colours.end());
+  }
+  if (plateau) thin_out(tf, *plateau, d);
+  balance(tf, d);
+  std::string why = described(d);
+  if (f.background) why += fmt::format(", background {} {:.4g}", f.upward ? "below" : "above", plain(edge));
+  if (plateau)
+    why +=
+        fmt::format(", {} of the voxels at {:.4g}", percent(plateau->voxels / d.all), plain(plateau->value));
+  why += fmt::format(": warm ramp from {:.4g} to {:.4g}", plain(edge), plain(end));
+  return {tf, why, false, f.upward ? DataRange{edge, end} : DataRange{end, edge}};
+}
+
+AutoChoice labelled(const std::vector<double>& labels, const char* reason) {
+  const auto count = std::count_if(labels.begin(), labels.end(), [](double v) { return v != 0; });
+  return {label_function(labels),
+          fmt::format("{} labels ({}): a colour each, 0 clear", count, reason),
+          true,
+          {labels.front() - 0.5, labels.back() + 0.5}};
 }
 
 }  // namespace
@@ -79,26 +239,88 @@ DataRange range_of(const Histogram& histogram) {
   return {low > reach - most ? low - reach : -most, high < most - reach ? high + reach : most};
 }
 
-TransferFunction auto_preset(const Histogram& histogram) {
-  const DataRange range = range_of(histogram);
-  const auto total = histogram.counts.empty() ? 0 : voxels_between(histogram, 0, histogram.counts.size());
-  TransferFunction tf = even_haze(range);
-  if (total > 0 && histogram.low < histogram.high) {
-    const Foreground f = find_foreground(histogram, total);
-    const double bins = double(histogram.counts.size());
-    const double edge = range.at(double(f.upward ? f.first : f.end) / bins);
-    const double common = quantile_edge(histogram, range, f, 0.5),
-                 rare = quantile_edge(histogram, range, f, 0.9);
-    const double extreme = f.upward ? range.high : range.low, behind = f.upward ? range.low : range.high;
-    tf.opacities = {{behind, 0.0}, {edge, 0.0}, {common, haze}, {rare, 0.3}, {extreme, 0.7}};
-    tf.colours = {{edge, warm[0]}, {common, warm[1]}, {rare, warm[2]}, {extreme, warm[3]}};
-    if (!f.upward) {
-      std::reverse(tf.opacities.begin(), tf.opacities.end());
-      std::reverse(tf.colours.begin(), tf.colours.end());
-    }
-  }
+AutoChoice choose_labels(const ValueStatistics& s) {
+  if (s.labels.empty())
+    throw InputError(
+        fmt::format("the volume's values are no labels: they are not whole numbers, or more than {} "
+                    "different ones",
+                    DistinctValues::most),
+        "leave out --labels");
+  if (s.labels.size() == 1 && s.labels.front() == 0)
+    throw InputError("the volume has no label: every voxel is 0, which is background",
+                     "choose another volume");
+  return labelled(s.labels, "--labels");
+}
+
+AutoChoice choose_within(const ValueStatistics& s, const DataRange& window, bool logarithmic) {
+  Data d = data_of(s);
+  std::erase_if(d.bins,
+                [&](const ValueBin& bin) { return bin.middle() < window.low || bin.middle() > window.high; });
+  // Places on the axis, 0 to 1.
+  const auto place = [&](double value) {
+    const double part = logarithmic ? std::log(value / window.low) / std::log(window.high / window.low)
+                                    : (value - window.low) / (window.high - window.low);
+    return std::isfinite(part) ? std::clamp(part, 0.0, 1.0) : 0.5;
+  };
+  const auto value = [&](double part) {
+    return logarithmic
+               ? std::clamp(window.low * std::pow(window.high / window.low, part), window.low, window.high)
+               : window.at(part);
+  };
+  const double common = std::clamp(place(upper_quantile(d.bins, 0.5)), 0.1, 0.8);
+  const double rare = std::clamp(place(upper_quantile(d.bins, 0.9)), common + 0.05, 0.95);
+  TransferFunction tf;
   tf.name = "auto";
-  return tf;
+  tf.opacities = {{window.low, 0.0}, {value(common), haze}, {value(rare), 0.3}, {window.high, 0.7}};
+  tf.colours = {
+      {window.low, warm[0]}, {value(common), warm[1]}, {value(rare), warm[2]}, {window.high, warm[3]}};
+  if (logarithmic) tf = at_logarithmic_steps(tf);
+  balance(tf, d);
+  return {tf,
+          fmt::format("warm ramp from {:.4g} to {:.4g}{}", plain(window.low), plain(window.high),
+                      logarithmic ? " at logarithmic steps" : ""),
+          false, window};
+}
+
+DataRange positive_range(const ValueStatistics& s) {
+  Bins positive = s.bins.empty() ? Bins{} : data_of(s).bins;
+  std::erase_if(positive, [](const ValueBin& bin) { return !(bin.middle() > 0); });
+  if (positive.empty())
+    throw InputError(fmt::format("--log needs positive values, but the volume's run from {:g} to {:g}",
+                                 plain(s.range.low), plain(s.range.high)),
+                     "leave out --log");
+  const double high = positive.back().high;
+  double low = positive.back().middle();
+  double seen = 0;
+  for (const ValueBin& bin : positive)
+    if ((seen += double(bin.count)) >= 0.01 * count_of(positive)) {
+      low = std::max(bin.low, bin.middle() / 2);
+      break;
+    }
+  return {low, high > low ? high : 2 * low};
+}
+
+AutoChoice choose_function(const ValueStatistics& s) {
+  const bool single = s.bins.empty() || !(s.range.low < s.range.high);
+  AutoChoice choice;
+  if (single) {
+    choice = even_haze(s);
+  } else if (s.labels.size() > 1 && (s.noted_labels || look_like_labels(s))) {
+    choice = labelled(s.labels, s.noted_labels ? "the file says so" : "few whole numbers in pieces");
+  } else {
+    const Data d = data_of(s);
+    if (const auto ct = choose_ct(s, d))
+      choice = *ct;
+    else if (const auto diverging = choose_signed(d))
+      choice = *diverging;
+    else if (const auto logarithmic = choose_logarithmic(d))
+      choice = *logarithmic;
+    else
+      choice = choose_generic(d);
+    clear_outside(choice.function, d);
+  }
+  choice.function.name = "auto";
+  return choice;
 }
 
 }  // namespace ringsplat

@@ -18,7 +18,8 @@ struct ColourMapName {
 /// Perceptual ones first.
 const std::vector<ColourMapName>& colour_map_names();
 
-/// Upper and lower case, blanks and hyphens are the same. Throws InputError listing the names for an unknown one.
+/// Upper and lower case, blanks and hyphens are the same. Throws InputError listing the names for an unknown
+/// one.
 ColourMap colour_map(const std::string& name);
 
 }  // namespace ringsplat

@@ -88,10 +88,6 @@ std::vector<TransferFunction::ColourPoint> read_colours(const Json& map, const s
 
 std::vector<TransferFunction::OpacityPoint> read_opacities(const Json& map, std::vector<CurveShape>& shapes,
                                                            const std::string& where) {
-  if (is_missing(map, "Points"))
-    throw InputError(fmt::format("{} has no opacity Points", where),
-                     "tick \"Opacities\" when exporting from ParaView, or add \"Points\": "
-                     "[value, opacity, 0.5, 0, ...]");
   std::vector<TransferFunction::OpacityPoint> points;
   const auto flat = numbers(map, "Points", 4, where);
   for (std::size_t i = 0; i < flat.size(); i += 4) {
@@ -132,13 +128,20 @@ std::vector<TransferFunction::ColourPoint> sample_space(
 
 }  // namespace
 
-TransferFunction parse_transfer_function(const std::string& json, const std::string& where) {
+TransferFunction parse_transfer_function(const std::string& json, const std::string& where, bool* ramp) {
   const Json map = parse_map(json, where);
   TransferFunction tf;
   std::vector<CurveShape> shapes;
   tf.name = text_field(map, "Name", tf.name, where);
   tf.colours = read_colours(map, where);
-  tf.opacities = read_opacities(map, shapes, where);
+  const bool no_opacities = is_missing(map, "Points");
+  if (!no_opacities) {
+    tf.opacities = read_opacities(map, shapes, where);
+  } else if (!tf.colours.empty()) {
+    tf.opacities = {{tf.colours.front().value, 0.0}, {tf.colours.back().value, 1.0}};
+    shapes.resize(tf.opacities.size());
+  }
+  if (ramp != nullptr) *ramp = no_opacities;
   if (!is_missing(map, "NanColor")) {
     const auto c = numbers(map, "NanColor", 3, where);
     if (c.size() != 3)
@@ -152,7 +155,7 @@ TransferFunction parse_transfer_function(const std::string& json, const std::str
   return tf;
 }
 
-TransferFunction read_transfer_function(const std::filesystem::path& file) {
+TransferFunction read_transfer_function(const std::filesystem::path& file, bool* ramp) {
   std::error_code ignored;
   if (!std::filesystem::exists(file, ignored))
     throw InputError(fmt::format("there is no transfer function {}", file.string()),
@@ -170,7 +173,7 @@ TransferFunction read_transfer_function(const std::filesystem::path& file) {
   text.resize(std::size_t(in.gcount()));
   if (text.size() > most_bytes)
     throw InputError(fmt::format("transfer function {} is larger than 64 MiB", file.string()), format_hint);
-  return parse_transfer_function(text, file.string());
+  return parse_transfer_function(text, file.string(), ramp);
 }
 
 std::string to_paraview_json(const TransferFunction& tf) {

@@ -103,15 +103,16 @@ const std::vector<PresetName>& preset_names() {
   static const std::vector<PresetName> names = [] {
     std::vector<PresetName> all;
     for (const auto& table : tables()) all.push_back(table.name);
-    all.push_back(
-        {automatic, "made from the histogram: the background clear, the rest by its share of voxels"});
+    all.push_back({automatic,
+                   "chosen by the values: CT, labels, both signs, many decades; else background clear, rare "
+                   "values dense"});
     return all;
   }();
   return names;
 }
 
 TransferFunction preset(const std::string& name, const Histogram& histogram) {
-  if (name == automatic) return auto_preset(histogram);
+  if (name == automatic) return choose_function(describe_values(histogram)).function;
   for (const auto& table : tables())
     if (table.name.name == name) return from_table(table, range_of(histogram));
   std::string list;

@@ -248,40 +248,21 @@ std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
   return all;
 }
 
-/// Sums over all processes. One process adds them up: with a thousand processes, each could not hold the
-/// counts of all.
-std::vector<std::uint64_t> summed(Collectives& collectives, std::vector<std::uint64_t> mine) {
-  std::vector<Block> out(std::size_t(collectives.processes()));
-  out.front() = block_of(std::as_bytes(std::span(mine)));
-  Block sums = out.front();
-  const auto in = collectives.all_to_all(std::move(out));
-  if (collectives.process() == 0) {
-    std::fill(mine.begin(), mine.end(), 0);
-    for (const Block& one : in)
-      for (std::size_t k = 0, at = 0; k < mine.size(); ++k) mine[k] += get<std::uint64_t>(one, at);
-    sums = block_of(std::as_bytes(std::span(mine)));
-  }
-  sums = collectives.broadcast(std::move(sums), 0);
-  if (sums.size() != mine.size() * sizeof(mine[0]))
-    throw RunError(fmt::format("process 0 sent {} bytes instead of {} sums", sums.size(), mine.size()),
-                   "all ranks must run the same build");
-  std::size_t at = 0;
-  for (auto& sum : mine) sum = get<std::uint64_t>(sums, at);
-  return mine;
-}
-
 /// What process 0 tells the others of the volume it has opened.
 struct Known {
   Grid grid;
   std::uint8_t concurrent = 0;
   std::int32_t slab_depth = 1;
+  std::uint8_t has_fill = 0;
+  double fill = 0;  ///< what the values' statistics leave out
 };
 
 /// Copies `known` into `volume`; throws RunError when such a volume cannot exist.
 void take_known(const Known& known, OpenedVolume& volume) {
   const auto type = int(known.grid.type), last = int(ScalarType::float64);
   try {
-    if (type < 0 || type > last || known.concurrent > 1) throw InputError("its type is none");
+    if (type < 0 || type > last || known.concurrent > 1 || known.has_fill > 1)
+      throw InputError("its type is none");
     check(known.grid, "its grid");
     if (known.slab_depth < 1) throw InputError("its slabs have no slices");
   } catch (const InputError& e) {
@@ -290,22 +271,12 @@ void take_known(const Known& known, OpenedVolume& volume) {
   volume.grid = known.grid;
   volume.concurrent = known.concurrent == 1;
   volume.slab_depth = known.slab_depth;
+  if (known.has_fill == 1) volume.notes.fill = known.fill;
 }
 
 bool is_of(const Grid& grid, const SliceRange& range) {
   const auto is_axis = std::find(all_axes.begin(), all_axes.end(), range.axis) != all_axes.end();
   return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
-}
-
-/// Calls `f(values)` for every slice of one kept axis of every store: each voxel once over all processes.
-template <class F>
-void for_each_slice(const std::map<int, SliceStore>& stores, F&& f) {
-  for (const auto& [gp, store] : stores) {
-    const auto kept =
-        std::find_if(all_axes.rbegin(), all_axes.rend(), [&](Axis a) { return store.keeps(a); });
-    for (int s = 0; kept != all_axes.rend() && s < store.grid().slices(*kept); ++s)
-      if (store.owns(s)) f(std::span(store.slice(*kept, s).values, store.grid().slice_bytes(*kept)));
-  }
 }
 
 }  // namespace
@@ -331,9 +302,11 @@ OpenedVolume open_everywhere(Collectives& collectives,
   agree(collectives, error);
 
   Block block;
-  if (volume.source)
-    block = block_of_value(
-        Known{volume.source->grid(), volume.source->concurrent(), volume.source->slab_depth()});
+  if (volume.source) {
+    const auto& fill = volume.notes.fill;
+    block = block_of_value(Known{volume.source->grid(), volume.source->concurrent(),
+                                 volume.source->slab_depth(), fill.has_value(), fill.value_or(0)});
+  }
   block = collectives.broadcast(std::move(block), 0);
   take_known(value_of<Known>(block, "a volume's grid"), volume);
   if (!volume.concurrent) return volume;
@@ -367,33 +340,6 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
                      "all ranks must run the same build");
   const auto ranges = std::make_shared<const SliceRanges>(all);
   for (auto& [gp, store] : stores) store.know_ranges(ranges);
-}
-
-ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives) {
-  ValueRange mine;
-  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) {
-    mine.add(s.begin()->second.grid().type, values);
-  });
-  ValueRange all;
-  for (const auto& one : gathered(collectives, std::vector<ValueRange>{mine})) {
-    const bool is_range = std::isfinite(one.low) && std::isfinite(one.high) && one.low <= one.high;
-    if (!one.empty() && !is_range)
-      throw RunError(fmt::format("a rank sent {} to {} as the range of its values", one.low, one.high),
-                     "all ranks must run the same build");
-    all.merge(one);
-  }
-  return all;
-}
-
-Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins,
-                    Collectives& collectives) {
-  Histogram all = range.empty() ? Histogram(0, 1, bins) : Histogram(range.low, range.high, bins);
-  Histogram mine = all;
-  for_each_slice(stores, [&, &s = stores](std::span<const std::byte> values) {
-    mine.add(s.begin()->second.grid().type, values);
-  });
-  all.counts = summed(collectives, mine.counts);
-  return all;
 }
 
 }  // namespace ringsplat

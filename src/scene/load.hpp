@@ -10,9 +10,9 @@
 #include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/volume/source.hpp"
-#include "ringsplat/volume/statistics.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
 #include "volume/slice_store.hpp"
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat {
 
@@ -34,7 +34,7 @@ struct OpenedVolume {
   bool concurrent = false;
   std::unique_ptr<VolumeSource> source;
   Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
-  VolumeNotes notes = {};  ///< on process 0
+  VolumeNotes notes = {};  ///< on process 0; elsewhere the fill value at least
   int slab_depth = 1;      ///< the source's, on every process
 };
 
@@ -66,9 +66,8 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
 void share_cell_ranges(std::map<int, SliceStore>& stores, int gps,
                        const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
 
-/// Value range and histogram over all GPs' slices; the same on every process.
-ValueRange value_range(const std::map<int, SliceStore>& stores, Collectives& collectives);
-Histogram histogram(const std::map<int, SliceStore>& stores, const ValueRange& range, int bins,
-                    Collectives& collectives);
+/// Range, histogram and more of the values of all GPs' slices; the same on every process.
+ValueStatistics share_values(const std::map<int, SliceStore>& stores, const Grid& grid,
+                             const VolumeNotes& notes, Collectives& collectives);
 
 }  // namespace ringsplat

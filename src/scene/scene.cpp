@@ -8,8 +8,6 @@
 namespace ringsplat {
 namespace {
 
-constexpr int histogram_bins = 1024;
-
 void share_ranges(std::map<int, SliceStore>& stores, const LoadOptions& options, int gps,
                   const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
   share_slice_ranges(stores, collectives);
@@ -50,13 +48,12 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   Scene scene;
   scene.grid = volume.grid;
   const bool whole = std::find(options.factors.begin(), options.factors.end(), 1) != options.factors.end();
-  // Range and histogram are the full volume's at every level, so that presets do not change with the level.
+  // Statistics are the full volume's at every level, so that presets do not change with the level.
   const LoadOptions values_only{{false, false, true}, false};
   double begun = share_of(options);
   scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), gps,
                              gps_of_process, collectives);
-  scene.range = value_range(scene.stores, collectives);
-  scene.histogram = histogram(scene.stores, scene.range, histogram_bins, collectives);
+  scene.values = share_values(scene.stores, volume.grid, volume.notes, collectives);
   if (whole)
     share_ranges(scene.stores, options, gps, gps_of_process, collectives);
   else

@@ -10,11 +10,10 @@ namespace ringsplat {
 struct Scene {
   Grid grid;
   std::map<int, SliceStore> stores;  ///< by GP, those of this process
-  ValueRange range;
-  Histogram histogram;
+  ValueStatistics values;
 };
 
-/// Deals all requested levels of an opened volume to `gps` GPs and gathers its range and histogram.
+/// Deals all requested levels of an opened volume to `gps` GPs and gathers its values' statistics.
 /// `gps_of_process` as for deal_slices(). All processes call it, with the same grid and options.
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);

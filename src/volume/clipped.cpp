@@ -14,6 +14,7 @@ class ClippedSource final : public VolumeSource {
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
   Facts facts() const override { return full_.facts(); }
+  VolumeNotes notes() const override { return full_.notes(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     slice_.resize(full_.grid().slice_bytes(Axis::z));
     for (int k = 0; k < count; ++k) {

@@ -100,6 +100,8 @@ void Histogram::add(ScalarType type, std::span<const std::byte> bytes) {
 
 void Histogram::merge(const Histogram& other) {
   for (std::size_t i = 0; i < std::min(counts.size(), other.counts.size()); ++i) counts[i] += other.counts[i];
+  below += other.below;
+  above += other.above;
 }
 
 std::uint64_t Histogram::total() const {
@@ -109,13 +111,13 @@ std::uint64_t Histogram::total() const {
 double Histogram::quantile(double fraction) const {
   const double wanted = std::clamp(fraction, 0.0, 1.0) * double(total());
   const double width = (high - low) / double(std::max<std::size_t>(counts.size(), 1));
-  double below = 0;
+  double seen = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const auto here = double(counts[i]);
-    if (here > 0 && below + here >= wanted) return low + width * (double(i) + (wanted - below) / here);
-    below += here;
+    if (here > 0 && seen + here >= wanted) return low + width * (double(i) + (wanted - seen) / here);
+    seen += here;
   }
-  return counts.empty() || below == 0 ? low : high;
+  return counts.empty() || seen == 0 ? low : high;
 }
 
 }  // namespace ringsplat

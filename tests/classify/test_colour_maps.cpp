@@ -11,7 +11,8 @@
 using namespace ringsplat;
 
 TEST_CASE("every colour map is within 4 of 255 display levels of the original everywhere") {
-  // A map a line: its name and its entries as rrggbb, as matplotlib 3.11 has them; ParaView's two interpolated.
+  // A map a line: its name and its entries as rrggbb, as matplotlib 3.11 has them; ParaView's two
+  // interpolated.
   std::ifstream file(RINGSPLAT_TEST_DATA "/colour_maps.txt");
   REQUIRE(file);
   std::size_t maps = 0;
@@ -27,7 +28,8 @@ TEST_CASE("every colour map is within 4 of 255 display levels of the original ev
     for (std::size_t k = 0; k < 256; ++k) {
       const glm::dvec3 linear = tf.evaluate(double(k)).colour;
       for (int c = 0; c < 3; ++c) {
-        const double value = linear[c] <= 0.0031308 ? 12.92 * linear[c] : 1.055 * std::pow(linear[c], 1 / 2.4) - 0.055;
+        const double value =
+            linear[c] <= 0.0031308 ? 12.92 * linear[c] : 1.055 * std::pow(linear[c], 1 / 2.4) - 0.055;
         const int wanted = std::stoi(entries.substr(6 * k + 2 * std::size_t(c), 2), nullptr, 16);
         worst = std::max(worst, std::abs(255 * value - wanted));
       }

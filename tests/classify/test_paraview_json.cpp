@@ -95,8 +95,6 @@ TEST_CASE("what is wrong with a colour map is named with its field") {
   REQUIRE(says(refusal("[[]]"), "holds no colour map"));
   REQUIRE(says(refusal(map_text(opacities)), "map.json has no RGBPoints"));
   REQUIRE(says(refusal(map_text(R"("IndexedColors":[1,0,0])")), "indexed colours"));
-  REQUIRE(says(refusal(map_text(colours)), "has no opacity Points"));
-  REQUIRE(says(refusal(map_text(colours + R"(,"Points":null)")), "has no opacity Points"));
   REQUIRE(says(refusal(map_text(R"("RGBPoints":5,)" + opacities)), "RGBPoints: is not a list"));
   REQUIRE(says(refusal(map_text(R"("RGBPoints":[0,0,0,0,1,1,1],)" + opacities)),
                "7 numbers are not a multiple of 4"));
@@ -134,4 +132,18 @@ TEST_CASE("files: read, missing, a folder") {
   std::ofstream(folder / "binary.json", std::ios::binary) << std::string(1000, '\0') << "\xff\xfe";
   REQUIRE(
       says(message_of([&] { read_transfer_function(folder / "binary.json"); }), "binary.json is not JSON"));
+}
+
+TEST_CASE("a map without opacity points gets a ramp over its colours, and says so") {
+  for (const std::string& map : {map_text(colours), map_text(colours + R"(,"Points":null)")}) {
+    bool ramp = false;
+    const TransferFunction tf = parse_transfer_function(map, "map.json", &ramp);
+    CHECK(ramp);
+    CHECK(tf.evaluate(0).opacity == 0);
+    CHECK(tf.evaluate(0.25).opacity == Approx(0.25));
+    CHECK(tf.evaluate(1).opacity == 1);
+  }
+  bool ramp = true;
+  parse_transfer_function(map_text(colours + "," + opacities), "map.json", &ramp);
+  CHECK_FALSE(ramp);
 }

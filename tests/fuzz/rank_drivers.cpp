@@ -224,8 +224,7 @@ void deal_a_volume(Collectives& collectives, bool concurrent) {
   if (volume.grid.bytes() > most_bytes) return;
   auto stores = deal_slices(volume, {}, dealt_gps, {{0, 2}, {1}}, collectives);
   share_slice_ranges(stores, collectives);
-  const ValueRange range = value_range(stores, collectives);
-  static_cast<void>(histogram(stores, range, 64, collectives));
+  static_cast<void>(share_values(stores, volume.grid, volume.notes, collectives));
   TransferFunction tf = test::ramp(20, 255, 0.9);
   for (auto& [gp, store] : stores) {
     EmptySpace empty_space;

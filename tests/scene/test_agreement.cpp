@@ -115,7 +115,7 @@ TEST_CASE("a process without slices has its part in what all gather") {
         open_everywhere(collectives, [&] { return memory_source(grid, std::as_bytes(std::span(bytes))); });
     auto stores = deal_slices(volume, {}, 2, {{0}, {}, {1}}, collectives);
     share_slice_ranges(stores, collectives);
-    ranges[process] = value_range(stores, collectives);
+    ranges[process] = share_values(stores, grid, {}, collectives).range;
     for (const auto& [gp, store] : stores)
       known[process] = store.ranges() == nullptr ? 0 : store.ranges()->of(Axis::z).size();
   });

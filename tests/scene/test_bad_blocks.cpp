@@ -35,6 +35,21 @@ class OddCompany final : public Collectives {
   Block said_, gathered_;
 };
 
+/// What a process says of its values before it counts them.
+struct Head {
+  ValueRange range;
+  std::uint64_t fill;
+  std::uint64_t flags;
+};
+
+Head head_of(double low, double high) {
+  Head head{};
+  head.range.low = low;
+  head.range.high = high;
+  head.range.finite = 3;
+  return head;
+}
+
 std::map<int, SliceStore> one_store() {
   std::map<int, SliceStore> stores;
   stores.emplace(0, SliceStore(grid, 0, 1, {true, true, true}, false));
@@ -53,21 +68,14 @@ TEST_CASE("blocks of a wrong size are refused while a volume is opened and dealt
   auto stores = one_store();
   CHECK_THAT(message_of<RunError>([&] { share_slice_ranges(stores, short_blocks); }),
              Catch::Matchers::Contains("too short"));
-  CHECK_THAT(message_of<RunError>([&] { value_range(stores, short_blocks); }),
-             Catch::Matchers::Contains("too short"));
-  // Process 0 sends more sums than requested, or fewer.
-  const ValueRange range = [] {
-    ValueRange r;
-    r.low = 0;
-    r.high = 255;
-    r.finite = 1;
-    return r;
-  }();
-  CHECK_THAT(message_of<RunError>([&] { histogram(stores, range, 64, short_blocks); }),
+  CHECK_THAT(message_of<RunError>([&] { share_values(stores, grid, {}, short_blocks); }),
              Catch::Matchers::Contains("7 bytes"));
-  OddCompany long_blocks(Block(8000));
-  CHECK_THAT(message_of<RunError>([&] { histogram(stores, range, 64, long_blocks); }),
-             Catch::Matchers::Contains("8000 bytes"));
+  // Process 0 sends more sums than requested, or fewer.
+  for (const std::size_t bytes : {7U, 8000U}) {
+    OddCompany company{Block(bytes), block_of_value(head_of(0, 255))};
+    CHECK_THAT(message_of<RunError>([&] { share_values(stores, grid, {}, company); }),
+               Catch::Matchers::Contains(std::to_string(bytes) + " bytes instead of"));
+  }
 }
 
 TEST_CASE("ranges of slices and values that cannot be are refused") {
@@ -78,11 +86,7 @@ TEST_CASE("ranges of slices and values that cannot be are refused") {
     CHECK_THAT(message_of<RunError>([&] { share_slice_ranges(stores, company); }),
                Catch::Matchers::Contains("does not have"));
   }
-  ValueRange odd;
-  odd.finite = 3;
-  odd.low = NAN;
-  odd.high = 5;
-  OddCompany company(block_of_value(odd));
-  CHECK_THAT(message_of<RunError>([&] { value_range(stores, company); }),
+  OddCompany company(block_of_value(head_of(NAN, 5)));
+  CHECK_THAT(message_of<RunError>([&] { share_values(stores, grid, {}, company); }),
              Catch::Matchers::Contains("range of its"));
 }

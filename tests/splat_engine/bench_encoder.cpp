@@ -131,7 +131,7 @@ int main(int argc, char** argv) try {
   OpenedVolume volume = open_everywhere(solo, [&] { return open_volume(argv[1]); });
   const Scene scene = load_scene(volume, {}, Layout{1, 1, Placement::dedicated}, {solo});
   const SliceStore& store = scene.stores.at(0);
-  FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.histogram);
+  FrameSpec orbit = orbit_from(argc > 3 ? argv[3] : "float", argv[2], scene.values.histogram);
   if (argc > 5 && std::string(argv[5]) == "slices") orbit.as<Splats>().image_plane = ImagePlane::slices;
   const int repetitions = argc > 4 ? std::max(1, std::atoi(argv[4])) : 5;
   EmptySpace empty_space;

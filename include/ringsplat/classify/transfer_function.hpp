@@ -48,14 +48,16 @@ void check(const TransferFunction& tf, const std::string& where);
 
 /// Reads ParaView's JSON colour map (an object, or a list of one): RGBPoints, Points, NanColor, Name. Opacity
 /// pieces whose midpoint and sharpness are not 0.5 and 0 are sampled. Throws InputError naming file and
-/// field.
-TransferFunction read_transfer_function(const std::filesystem::path& file);
-TransferFunction parse_transfer_function(const std::string& json, const std::string& where);
+/// field. A map without opacity points gets a ramp from clear to opaque over its colours; then `*ramp`
+/// becomes true.
+TransferFunction read_transfer_function(const std::filesystem::path& file, bool* ramp = nullptr);
+TransferFunction parse_transfer_function(const std::string& json, const std::string& where,
+                                         bool* ramp = nullptr);
 std::string to_paraview_json(const TransferFunction& tf);
 
 /// Presets by name, each with a line of description: "mr-soft", "mr-surface", "mr-skin", "ct-bone",
 /// "ct-skin", "ct-soft", "grey" ... Presets for MR and for float data span the range given; CT ones
-/// are in Hounsfield units. "auto" is made from the histogram.
+/// are in Hounsfield units. "auto" is chosen by the values.
 struct PresetName {
   std::string name, description;
 };

@@ -21,6 +21,7 @@ struct ValueRange {
 struct Histogram {
   double low = 0, high = 1;
   std::vector<std::uint64_t> counts;
+  std::uint64_t below = 0, above = 0;  ///< finite values outside, when its maker knows them
   Histogram() = default;
   Histogram(double low_value, double high_value, int bins)
       : low(low_value), high(high_value), counts(std::size_t(bins)) {}

@@ -1,0 +1,251 @@
+#include "app/render_job.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <utility>
+
+#include "app/auto_roles.hpp"
+#include "app/browsing.hpp"
+#include "app/commands.hpp"
+#include "app/first_view.hpp"
+#include "app/keep_budget.hpp"
+#include "app/loading.hpp"
+#include "app/output_names.hpp"
+#include "app/simulation_options.hpp"
+#include "app/steepness.hpp"
+#include "app/text_output.hpp"
+#include "app/threads.hpp"
+#include "base/log.hpp"
+#include "frame/frame_geometry.hpp"
+#include "images/image_io.hpp"
+#include "model/charge.hpp"
+#include "net/blocks.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+Plan make_plan(const RenderOptions& o) {
+  Plan plan;
+  plan.transfer_function.emplace(o.transfer_function, o.colour);
+  if (!o.output.empty()) {
+    check_image_name(o.output, "-o", !o.background);
+    check_can_write(o.output, "-o");
+  }
+  if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");
+  if (!o.trace.empty()) check_can_write_text(o.trace, "--trace");
+  if (!o.transfer_function_out.empty()) check_can_write_text(o.transfer_function_out, "--tf-out");
+  refuse_clashes(
+      {{"-o", o.output}, {"--stats", o.stats}, {"--trace", o.trace}, {"--tf-out", o.transfer_function_out}},
+      {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
+  return plan;
+}
+
+/// Finds everything wrong with a frame before a voxel is read.
+void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
+  FrameSpec spec = o.frame;
+  spec.shown.transfer_function = stand_in_function();
+  check(spec);
+  for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
+    spec.shown.camera = plan.cameras[k];
+    try {
+      check_view(o, spec, grid);
+    } catch (const InputError& e) {
+      if (plan.cameras.size() == 1) throw;
+      throw InputError(fmt::format("frame {}: {}", k, e.what()));
+    }
+  }
+}
+
+/// One camera is for all volumes of a series.
+void check_one_camera_each(const Plan& plan, const RenderOptions& o, std::size_t volumes) {
+  if (plan.cameras.size() == volumes || (o.orbit == 0 && o.path.empty())) return;
+  throw InputError(
+      fmt::format("{} has {} views, but --frames {} chooses {} volumes", o.orbit > 0 ? "--orbit" : "--path",
+                  plan.cameras.size(), o.frames->text, volumes),
+      o.orbit > 0 ? fmt::format("the camera moves on with each volume: give --orbit {}", volumes)
+                  : "each line is the view of one volume");
+}
+
+/// The pictures of a series of pages may have their names.
+void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEntry>& series) {
+  std::error_code error;
+  std::set<std::filesystem::path> volumes;
+  for (const SeriesEntry& entry : series)
+    volumes.insert(std::filesystem::weakly_canonical(entry.volume.path, error));
+  for (const SeriesEntry& entry : series) {
+    const auto picture = output_file(o, std::size_t(entry.number));
+    if (volumes.contains(std::filesystem::weakly_canonical(picture, error)))
+      throw InputError(fmt::format("-o {} would replace {}, which is read", o.output, picture.string()),
+                       "write into another folder, or under another name");
+  }
+}
+
+std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, const Grid& grid,
+                                  Launch& launch) {
+  if (o.keep_all_axes || o.path == "-") return {true, true, true};
+  std::array<bool, 3> axes{};
+  if (launch.rank() == 0)
+    axes = needed_axes(plan.cameras, grid, o.frame.shown.width, o.frame.shown.height, o.frame.shown.clip);
+  const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
+  return value_of<std::array<bool, 3>>(block, "the axes to keep");
+}
+
+}  // namespace
+
+void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
+  for (const Reduction& level : Browsing::levels(spec, o.progressive)) {
+    spec.shown.reduction = level;
+    static_cast<void>(make_geometry(spec, grid));
+  }
+}
+
+LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
+  LoadOptions load{axes,
+                   needs_normals(o.frame),
+                   {},
+                   o.frame.shown.reduction.prefilter,
+                   needs_cell_ranges(o.frame),
+                   o.frame.shown.clip};
+  if (o.budget.other_engine) {
+    FrameSpec other = o.frame;
+    other.how = *o.budget.other_engine;
+    load.with_normals |= needs_normals(other);
+    load.with_cell_ranges |= needs_cell_ranges(other);
+  }
+  for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
+    load.factors.push_back(level.factor);
+  if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
+  return load;
+}
+
+Job prepare(const RenderOptions& given, Launch& launch) {
+  Job job;
+  RenderOptions& o = job.options = given;
+  prepare_simulation(o.run, launch);
+  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
+  check(o.run.protocol);
+  check(o.run.engine);
+  warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
+  launch.check_on_rank_0([&] { job.plan = make_plan(o); });
+  if (o.frames && simulated())
+    throw InputError("--frames: the next volume is read by the clock on the wall, not the simulated one",
+                     "simulate one volume at a time");
+  job.series = find_series(o.volume, o.frames, launch);
+  o.volume = job.series.front().volume;
+  if (o.frames && !o.output.empty()) launch.check_on_rank_0([&] { refuse_replacing_volumes(o, job.series); });
+  job.volume = open(o.volume, launch);
+  const Grid& grid = job.volume.grid;
+  launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
+  launch.check_on_rank_0([&] {
+    job.view_note = complete_view(o, grid, job.volume.notes);
+    job.plan.cameras = views_of(o);
+    if (o.frames) check_one_camera_each(job.plan, o, job.series.size());
+    check_frames(o, job.plan, grid);
+    if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background);
+  });
+  job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
+  if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
+  o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
+  job.memory = predict_memory(grid, job.load, job.layout.gps);
+  launch.check_on_all_ranks([&] {
+    check_memory(o.frame.shown.width, o.frame.shown.height,
+                 FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);
+  });
+  if (!job.view_note.empty()) log_info("{}", job.view_note);
+  log_roles(job.layout, job.memory, launch);
+  return job;
+}
+
+namespace {
+
+/// Rank 0's transfer function for the loaded volume, written out when asked.
+MadeFunction make_transfer_function(const RenderOptions& o, const Plan& plan, const Scene& scene) {
+  MadeFunction made = plan.transfer_function->make(scene.values);
+  check(made.function, o.transfer_function);
+  if (!o.transfer_function_out.empty())
+    write_text_output(o.transfer_function_out, to_paraview_json(made.function));
+  return made;
+}
+
+/// Splats can draw the run instead of sheets that nobody has asked for.
+bool splats_can_draw(const RenderOptions& o, const Plan& plan) {
+  const bool chosen = o.method.engine || o.method.quality || o.budget.max_error;
+  const bool perspective = std::any_of(plan.cameras.begin(), plan.cameras.end(),
+                                       [](const Camera& camera) { return camera.fov > 0; });
+  return !chosen && !perspective && !o.frames && o.path != "-";
+}
+
+/// Says what has been chosen. Sheets interpolate values, so that labels between others appear.
+void tell(const MadeFunction& made, bool sheets, bool splats_instead, Progress& progress) {
+  if (!made.said.empty() && !simulated())
+    progress.print(made.said +
+                   (splats_instead ? "; drawn with splats (--quality paper), which do not mix labels" : ""));
+  if (!made.labels || !sheets || splats_instead) return;
+  progress.clear();
+  log_warning(
+      "sheets interpolate values: voxels between two labels get other labels' colours; hint: --quality paper "
+      "does not");
+}
+
+/// Loads the scene again, from the same volume.
+Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
+  const Facts before = std::exchange(job.volume, open(job.options.volume, launch)).facts;
+  launch.check_on_rank_0([&] {
+    if (job.volume.facts != before)
+      throw InputError(fmt::format("{} has changed since it was first read", job.options.volume.path),
+                       "start again when nobody writes to it any more");
+  });
+  return load(job.volume, job.load, job.layout, wiring, progress);
+}
+
+/// Loads what splats need and sheets do not.
+Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
+  RenderOptions& o = job.options;
+  o.frame.how = Splats{};
+  job.load = load_options(o, job.load.kept_axes);
+  job.memory = predict_memory(job.volume.grid, job.load, job.layout.gps);
+  return reload(job, wiring, progress, launch);
+}
+
+/// Says on rank 0 what splats err, unless their error is measured.
+void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
+                       Progress& progress, const Launch& launch) {
+  const bool drawn = !o.run.engine.simulation.count_only;
+  if (launch.rank() != 0 || o.error.truth || !drawn || !std::holds_alternative<Splats>(frame.how)) return;
+  if (const std::string why = why_splats_err(frame.shown.transfer_function, range); !why.empty()) {
+    progress.clear();
+    log_warning("{}", why);
+  }
+}
+
+}  // namespace
+
+FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch) {
+  const RenderOptions& o = job.options;
+  const bool sheets = std::holds_alternative<Sheets>(o.frame.how);
+  TransferFunction function;
+  bool labels = false, splats_instead = false;
+  launch.check_on_rank_0([&] {
+    MadeFunction made = make_transfer_function(o, job.plan, scene);
+    labels = made.labels;
+    splats_instead = labels && sheets && splats_can_draw(o, job.plan);
+    tell(made, sheets, splats_instead, progress);
+    function = std::move(made.function);
+  });
+  if (launch.of_rank_0(splats_instead)) scene = reload_for_splats(job, wiring, progress, launch);
+  FrameSpec frame = o.frame;
+  frame.shown.transfer_function = std::move(function);
+  if (o.budget.max_error &&
+      keep_budget(o, job.plan.cameras, job.load.kept_axes, job.layout, scene, frame, progress, launch))
+    scene = reload(job, wiring, progress, launch);
+  ValueRange without_outliers = scene.values.range;
+  without_outliers.low = scene.values.histogram.low;
+  without_outliers.high = scene.values.histogram.high;
+  if (!labels) warn_of_steepness(o, frame, without_outliers, progress, launch);
+  return frame;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,252 @@
+#include "volume/value_statistics.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace ringsplat {
+namespace {
+
+constexpr int histogram_bins = 1024;
+/// Fewer than these, with 0, may as well be levels.
+constexpr std::size_t least_found_labels = 5, most_found_labels = 64;
+
+/// The keys' bins within the range. A key that begins with the largest value has a bin of the smallest width
+/// there is, as a bin does not hold its upper bound.
+std::vector<ValueBin> bins_of_keys(const ValueTally& tally) {
+  std::vector<ValueBin> bins;
+  const auto type = tally.kind().type;
+  const auto& range = tally.range;
+  for (std::size_t key = 0; key < tally.counts.size(); ++key) {
+    if (tally.counts[key] == 0) continue;
+    const auto edges = ValueTally::edges_of(type, key);
+    const double low = std::clamp(edges.low, range.low, range.high);
+    double high = std::clamp(edges.high, range.low, range.high);
+    if (!ValueTally::is_exact(type))
+      high = std::max(high, std::nextafter(low, std::numeric_limits<double>::max()));
+    bins.push_back({low, high, tally.counts[key]});
+  }
+  return bins;
+}
+
+/// Voxels below each of `edges`, ascending, as the bins tell it exactly; `edges` hold all their bounds.
+std::vector<double> counted_below(const std::vector<ValueBin>& bins, const std::vector<double>& edges) {
+  std::vector<double> below;
+  double sum = 0;
+  std::size_t k = 0;
+  for (const double edge : edges) {
+    while (k < bins.size() && bins[k].high <= edge && bins[k].low < edge) sum += double(bins[k++].count);
+    double here = sum;
+    if (k < bins.size() && bins[k].low < edge)
+      here += double(bins[k].count) * (edge - bins[k].low) / (bins[k].high - bins[k].low);
+    below.push_back(here);
+  }
+  return below;
+}
+
+/// Both divisions of the values in one: at every edge the count below it is exact in one of them, the one
+/// whose edge it is.
+std::vector<ValueBin> refined(const std::vector<ValueBin>& keys, const std::vector<ValueBin>& equal) {
+  std::vector<double> edges;
+  for (const auto* bins : {&keys, &equal})
+    for (const ValueBin& bin : *bins) edges.insert(edges.end(), {bin.low, bin.high});
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const auto by_keys = counted_below(keys, edges), by_equal = counted_below(equal, edges);
+  const auto is_edge = [](const std::vector<ValueBin>& bins, double edge) {
+    const auto at = std::lower_bound(bins.begin(), bins.end(), edge,
+                                     [](const ValueBin& b, double v) { return b.low < v; });
+    return (at != bins.end() && at->low == edge) || (at != bins.begin() && (at - 1)->high == edge);
+  };
+  std::vector<ValueBin> bins;
+  double before = 0;
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const double below = std::max(before, is_edge(keys, edges[i]) ? by_keys[i] : by_equal[i]);
+    const auto count = std::uint64_t(std::llround(below) - std::llround(before));
+    if (count > 0) bins.push_back({edges[i - 1], edges[i], count});
+    before = below;
+  }
+  return bins;
+}
+
+std::vector<ValueBin> bins_of(const Histogram& h) {
+  std::vector<ValueBin> bins;
+  const double count = double(h.counts.size());
+  for (std::size_t k = 0; k < h.counts.size(); ++k)
+    if (h.counts[k] > 0)
+      bins.push_back({std::lerp(h.low, h.high, double(k) / count),
+                      std::lerp(h.low, h.high, double(k + 1) / count), h.counts[k]});
+  return bins;
+}
+
+void count_histogram(ValueStatistics& s, const std::vector<ValueBin>& keys, const Pass& pass,
+                     Merging& merging) {
+  const KeptBins kept = without_outliers(keys);
+  s.histogram = Histogram(keys[kept.first].low, std::min(keys[kept.last].high, s.range.high), histogram_bins);
+  pass([&](std::span<const std::byte> rows, int) {
+    for_each_unfilled(s.kind, rows, [&](auto values) { s.histogram.add(s.kind.type, values); });
+  });
+  merging.sum(s.histogram.counts);
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    if (k < kept.first) s.histogram.below += keys[k].count;
+    if (k > kept.last) s.histogram.above += keys[k].count;
+  }
+  s.bins = keys;
+  if (ValueTally::is_exact(s.kind.type)) return;
+  s.bins = refined({keys.begin() + std::ptrdiff_t(kept.first), keys.begin() + std::ptrdiff_t(kept.last) + 1},
+                   bins_of(s.histogram));
+  s.bins.insert(s.bins.begin(), keys.begin(), keys.begin() + std::ptrdiff_t(kept.first));
+  s.bins.insert(s.bins.end(), keys.begin() + std::ptrdiff_t(kept.last) + 1, keys.end());
+}
+
+/// Counts neighbours among rows, with values told apart by their place in `labels`.
+class NeighbourTally {
+ public:
+  NeighbourTally(const ValueKind& kind, const std::vector<double>& labels) : kind_(kind), labels_(labels) {}
+
+  void add(std::span<const std::byte> rows, int width) {
+    visit_type(kind_.stored_as.value_or(kind_.type), [&](auto zero) {
+      using T = decltype(zero);
+      const std::size_t bytes = std::size_t(width) * sizeof(T);
+      for (std::size_t at = 0; at + bytes <= rows.size(); at += bytes)
+        add_row(std::span(reinterpret_cast<const T*>(rows.data() + at), std::size_t(width)));
+    });
+  }
+
+  std::vector<std::uint64_t> counts = std::vector<std::uint64_t>(4);
+
+ private:
+  static constexpr std::size_t none = std::size_t(-1);
+
+  template <class T>
+  void add_row(std::span<const T> row) {
+    std::size_t before = none;
+    double last = 0;
+    bool changed = false;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const double value = double(row[i]);
+      const std::size_t here = i > 0 && value == last ? before : place_of(value);
+      if (here != none && before != none && i > 0)
+        ++counts[here == before ? 0 : (here > before ? here - before : before - here) == 1 ? 1 : 2];
+      const bool changes = i > 0 && here != before;
+      if (changes && changed) ++counts[3];
+      changed = changes;
+      before = here;
+      last = value;
+    }
+  }
+
+  std::size_t place_of(double value) const {
+    const auto at = std::lower_bound(labels_.begin(), labels_.end(), value);
+    return at != labels_.end() && *at == value ? std::size_t(at - labels_.begin()) : none;
+  }
+
+  const ValueKind& kind_;
+  const std::vector<double>& labels_;
+};
+
+void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
+  NeighbourTally mine(s.kind, s.labels);
+  pass([&](std::span<const std::byte> rows, int width) { mine.add(rows, width); });
+  merging.sum(mine.counts);
+  s.neighbours = {mine.counts[0], mine.counts[1], mine.counts[2], mine.counts[3]};
+}
+
+std::vector<double> all_values(const ValueTally& tally, const std::vector<ValueBin>& keys) {
+  if (!ValueTally::is_exact(tally.kind().type)) return tally.distinct.sorted();
+  std::vector<double> values;
+  for (const ValueBin& bin : keys) values.push_back(bin.low);
+  if (values.size() > DistinctValues::most) values.clear();
+  return values;
+}
+
+}  // namespace
+
+std::uint64_t ValueStatistics::total() const {
+  std::uint64_t sum = 0;
+  for (const ValueBin& bin : bins) sum += bin.count;
+  return sum;
+}
+
+double ValueStatistics::quantile(double share) const {
+  if (bins.empty()) return 0;
+  if (share <= 0) return range.low;
+  if (share >= 1) return range.high;
+  const double wanted = share * double(total());
+  double below = 0;
+  for (const ValueBin& bin : bins) {
+    const double here = double(bin.count);
+    if (below + here >= wanted) {
+      // The key of 0 holds float32's smallest numbers, too.
+      const bool narrow = !(bin.high - bin.low >= double(std::numeric_limits<float>::min()));
+      return narrow ? bin.low : std::lerp(bin.low, bin.high, (wanted - below) / here);
+    }
+    below += here;
+  }
+  return range.high;
+}
+
+ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
+                                const Pass& pass, Merging& merging) {
+  ValueStatistics s;
+  s.kind = kind;
+  s.dims = dims;
+  s.modality = notes.modality;
+  s.noted_labels = notes.labels;
+  ValueTally tally(kind);
+  pass([&](std::span<const std::byte> rows, int) { tally.add(rows); });
+  merging.merge(tally);
+  s.range = tally.range;
+  s.fill_voxels = tally.fill;
+  s.histogram = Histogram(0, 1, histogram_bins);
+  if (s.range.empty()) return s;
+  const auto keys = bins_of_keys(tally);
+  if (keys.empty()) return s;
+  count_histogram(s, keys, pass, merging);
+  s.labels = all_values(tally, keys);
+  if (s.labels.size() >= least_found_labels && s.labels.size() <= most_found_labels)
+    count_neighbours(s, pass, merging);
+  return s;
+}
+
+ValueStatistics describe_values(const Histogram& histogram) {
+  ValueStatistics s;
+  s.kind.type = ScalarType::float64;
+  s.histogram = histogram;
+  s.bins = bins_of(histogram);
+  s.range.low = histogram.low;
+  s.range.high = histogram.high;
+  s.range.finite = histogram.total();
+  return s;
+}
+
+KeptBins without_outliers(const std::vector<ValueBin>& bins) {
+  std::uint64_t total = 0;
+  for (const ValueBin& bin : bins) total += bin.count;
+  constexpr double far = 50;
+  const auto few = std::max<std::uint64_t>(1, total / 10000);
+  KeptBins core{0, bins.size() - 1};
+  std::uint64_t seen = bins.front().count;
+  while (seen <= few && core.first < core.last) seen += bins[++core.first].count;
+  seen = bins.back().count;
+  while (seen <= few && core.first < core.last) seen += bins[--core.last].count;
+  if (core.first >= core.last) return {0, bins.size() - 1};
+  const double reach = far * (bins[core.last].high - bins[core.first].low);
+  KeptBins kept = core;
+  while (kept.first > 0 && !(bins[kept.first].low - bins[kept.first - 1].high > reach)) --kept.first;
+  while (kept.last + 1 < bins.size() && !(bins[kept.last + 1].low - bins[kept.last].high > reach))
+    ++kept.last;
+  return kept;
+}
+
+bool look_like_labels(const ValueStatistics& s) {
+  if (!s.neighbours || s.labels.front() < 0) return false;
+  const auto [equal, adjacent, apart, alone] = *s.neighbours;
+  const double changes = double(adjacent + apart), pairs = double(equal) + changes;
+  // Scans cut down to few grey levels have either next levels as neighbours (a head of 3 to 8 levels: at most
+  // a tenth of the changes are others) or thin lines of the levels between (of 6 to 64: a quarter of all
+  // pieces and more). Pieces of labels hardly have either.
+  return double(equal) >= 0.85 * pairs && double(apart) >= 0.25 * changes && double(alone) <= 0.15 * changes;
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,200 @@
+#include "volume/value_tally.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+namespace ringsplat {
+namespace {
+
+constexpr std::size_t chunk_values = 16384;
+
+template <class T>
+std::span<const T> typed(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)};
+}
+
+/// A wide type's nearest float32; those beyond its range become its largest.
+template <class T>
+float narrowed(T value) {
+  if constexpr (std::is_same_v<T, double>) {
+    constexpr double most = std::numeric_limits<float>::max();
+    return float(std::clamp(value, -most, most));
+  }
+  return float(value);
+}
+
+/// The upper half of bits that have the order of the values. Adding 0 makes +0 of −0.
+std::size_t key_of_float(float value) {
+  const auto bits = std::bit_cast<std::uint32_t>(value + 0.0F);
+  return ((bits >> 31) != 0 ? ~bits : bits | 0x80000000U) >> 16;
+}
+
+double float_of_key(std::size_t key) {
+  if (key >= ValueTally::most_keys) return std::numeric_limits<double>::infinity();
+  const auto ordered = std::uint32_t(key) << 16;
+  const std::uint32_t bits = (ordered >> 31) != 0 ? ordered & 0x7fffffffU : ~ordered;
+  const double value = double(std::bit_cast<float>(bits));
+  return std::isnan(value) ? (ordered >> 31 ? 1 : -1) * std::numeric_limits<double>::infinity() : value;
+}
+
+template <class T>
+std::size_t key_of_value(T value) {
+  if constexpr (sizeof(T) <= 2)
+    return std::size_t(int(value) - int(std::numeric_limits<T>::min()));
+  else
+    return key_of_float(narrowed(value));
+}
+
+template <class T>
+bool finite(T value) {
+  if constexpr (std::is_floating_point_v<T>)
+    return std::abs(value) <= std::numeric_limits<T>::max();
+  else
+    return true;
+}
+
+/// Without the fill value, converted from `From` when the caller has widened them.
+template <class T, class From>
+std::uint64_t pass_on(std::span<const From> values, std::optional<double> fill,
+                      const std::function<void(std::span<const std::byte>)>& f) {
+  std::uint64_t filled = 0;
+  std::vector<T> kept(std::min(values.size(), chunk_values));
+  for (std::size_t first = 0; first < values.size(); first += chunk_values) {
+    const auto part = values.subspan(first, std::min(chunk_values, values.size() - first));
+    std::size_t count = 0;
+    const T unwanted = fill ? static_cast<T>(*fill) : T{};
+    for (const From value : part) {
+      kept[count] = static_cast<T>(value);
+      count += !(fill && kept[count] == unwanted);
+    }
+    filled += part.size() - count;
+    f(std::as_bytes(std::span<const T>(kept.data(), count)));
+  }
+  return filled;
+}
+
+/// The fill value, if the type has it.
+template <class T>
+std::optional<double> fill_of(const ValueKind& kind) {
+  if (!kind.fill || !std::isfinite(*kind.fill)) return std::nullopt;
+  const double fill = *kind.fill;
+  if constexpr (std::is_same_v<T, float>)
+    return std::abs(fill) <= std::numeric_limits<float>::max() ? kind.fill : std::nullopt;
+  if constexpr (std::is_integral_v<T>)
+    return fill == std::floor(fill) && fill >= double(std::numeric_limits<T>::min()) &&
+                   fill <= double(std::numeric_limits<T>::max())
+               ? kind.fill
+               : std::nullopt;
+  return kind.fill;
+}
+
+}  // namespace
+
+std::uint64_t for_each_unfilled(const ValueKind& kind, std::span<const std::byte> values,
+                                const std::function<void(std::span<const std::byte>)>& f) {
+  return visit_type(kind.type, [&](auto zero) -> std::uint64_t {
+    using T = decltype(zero);
+    const auto fill = fill_of<T>(kind);
+    const bool widened = kind.stored_as == ScalarType::float64 && kind.type != ScalarType::float64;
+    if (widened) return pass_on<T>(typed<double>(values), fill, f);
+    if (fill) return pass_on<T>(typed<T>(values), fill, f);
+    f(values);
+    return 0;
+  });
+}
+
+void DistinctValues::overflow() {
+  overflown_ = true;
+  table_ = {};
+  count_ = 0;
+}
+
+void DistinctValues::add(double value) {
+  if (overflown_ || (any_ && value == last_)) return;
+  if (table_.empty()) table_.assign(slots, std::numeric_limits<double>::quiet_NaN());
+  any_ = true;
+  last_ = value;
+  const auto hash = std::bit_cast<std::uint64_t>(value + 0.0) * 0x9e3779b97f4a7c15U;
+  for (std::size_t slot = std::size_t(hash >> 40);; ++slot) {
+    double& place = table_[slot % slots];
+    if (place == value) return;
+    if (!std::isnan(place)) continue;
+    place = value;
+    if (++count_ > most) overflow();
+    return;
+  }
+}
+
+void DistinctValues::merge(std::span<const double> values) {
+  for (const double value : values) add(value);
+}
+
+std::vector<double> DistinctValues::sorted() const {
+  std::vector<double> values;
+  for (const double value : table_)
+    if (!std::isnan(value)) values.push_back(value);
+  std::sort(values.begin(), values.end());
+  return values;
+}
+
+ValueTally::ValueTally(const ValueKind& kind) : counts(keys_of(kind.type)), kind_(kind) {}
+
+std::size_t ValueTally::keys_of(ScalarType type) { return size_of(type) == 1 ? 256 : most_keys; }
+
+std::size_t ValueTally::key_of(ScalarType type, double value) {
+  return visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    using Limits = std::numeric_limits<T>;
+    return key_of_value(static_cast<T>(std::clamp(value, double(Limits::lowest()), double(Limits::max()))));
+  });
+}
+
+ValueTally::Edges ValueTally::edges_of(ScalarType type, std::size_t key) {
+  if (!is_exact(type)) return {float_of_key(key), float_of_key(key + 1)};
+  const double value = visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    if constexpr (std::is_integral_v<T>)
+      return double(std::int64_t(key)) + double(std::numeric_limits<T>::min());
+    return 0.0;
+  });
+  return {value, value};
+}
+
+void ValueTally::add(std::span<const std::byte> values) {
+  fill += for_each_unfilled(kind_, values, [this](std::span<const std::byte> some) {
+    range.add(kind_.type, some);
+    count(some);
+    look_for_labels(some);
+  });
+}
+
+void ValueTally::count(std::span<const std::byte> values) {
+  visit_type(kind_.type, [&](auto zero) {
+    using T = decltype(zero);
+    for (const T value : typed<T>(values))
+      if (finite(value)) ++counts[key_of_value(value)];
+  });
+}
+
+void ValueTally::look_for_labels(std::span<const std::byte> values) {
+  if (is_exact(kind_.type) || distinct.overflown()) return;
+  visit_type(kind_.type, [&](auto zero) {
+    using T = decltype(zero);
+    for (const T value : typed<T>(values)) {
+      if (!finite(value)) continue;
+      if constexpr (std::is_floating_point_v<T>) {
+        if (value != std::floor(value)) {
+          whole = false;
+          distinct.overflow();
+        }
+      }
+      if (distinct.overflown()) return;
+      distinct.add(double(value));
+    }
+  });
+}
+
+}  // namespace ringsplat
