@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "base/log.hpp"
 #include "base/printable.hpp"
@@ -13,6 +14,7 @@
 #include "volume/hdf5_axes.hpp"
 #include "volume/hdf5_datasets.hpp"
 #include "volume/hdf5_source.hpp"
+#include "volume/hdf5_trial.hpp"
 #include "volume/input_file.hpp"
 
 namespace ringsplat::detail {
@@ -140,6 +142,14 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
   return {grid, meaning.notes, std::move(selection), channels, where};
 }
 
+std::unique_ptr<VolumeSource> source_of(Described found) {
+  if (found.channels.choice.index)
+    return hdf5::dataset_source(found.grid, found.notes, std::move(found.selection));
+  const Grid interleaved = interleaved_grid(found.grid, found.channels.count, found.where);
+  return channel_source(hdf5::dataset_source(interleaved, found.notes, std::move(found.selection)),
+                        found.grid, found.channels.count, found.channels.choice);
+}
+
 }  // namespace
 
 bool is_hdf5(const std::filesystem::path& path) {
@@ -164,12 +174,17 @@ std::pair<std::filesystem::path, std::string> split_dataset(const std::filesyste
 std::unique_ptr<VolumeSource> open_hdf5(const std::filesystem::path& path, const VolumeChoice& choice) {
   const auto [file, named] = split_dataset(path);
   require_hdf5(file);
-  Described found = describe(file, named, choice);
-  if (found.channels.choice.index)
-    return hdf5::dataset_source(found.grid, found.notes, std::move(found.selection));
-  const Grid interleaved = interleaved_grid(found.grid, found.channels.count, found.where);
-  return channel_source(hdf5::dataset_source(interleaved, found.notes, std::move(found.selection)),
-                        found.grid, found.channels.count, found.channels.choice);
+  const auto open = [&, &file = file, &named = named] { return source_of(describe(file, named, choice)); };
+  // Describing reads all of a dataset's index of chunks. Its voxels go through filters that check themselves;
+  // of small volumes they are tried, too.
+  hdf5::try_first(file, [&] {
+    constexpr std::uint64_t small = 4 << 20;
+    const auto source = open();
+    if (source->grid().bytes() > small) return;
+    std::vector<std::byte> voxels(source->grid().bytes());
+    source->read_slices(0, source->grid().dims.z, voxels);
+  });
+  return open();
 }
 
 }  // namespace ringsplat::detail

@@ -2,15 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <mutex>
+
 #include "base/printable.hpp"
 
 namespace ringsplat::detail::hdf5 {
 namespace {
 
-std::recursive_mutex& one_at_a_time() {
-  static std::recursive_mutex mutex;
-  return mutex;
-}
+std::mutex one_at_a_time;
+/// Of this thread's lives. No recursive mutex, because those are lost by the child of a fork.
+thread_local int lives = 0;
 
 herr_t keep_first(unsigned, const H5E_error2_t* error, void* reason) {
   if (error->desc != nullptr) *static_cast<std::string*>(reason) = error->desc;
@@ -19,12 +20,16 @@ herr_t keep_first(unsigned, const H5E_error2_t* error, void* reason) {
 
 }  // namespace
 
-Quiet::Quiet() : alone_(one_at_a_time()) {
+Quiet::Quiet() {
+  if (lives++ == 0) one_at_a_time.lock();
   H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-Quiet::~Quiet() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+Quiet::~Quiet() {
+  H5Eset_auto2(H5E_DEFAULT, function_, data_);
+  if (--lives == 0) one_at_a_time.unlock();
+}
 
 std::string innermost_reason() {
   std::string reason;

@@ -3,7 +3,6 @@
 #define H5_USE_110_API
 #include <hdf5.h>
 
-#include <mutex>
 #include <string>
 #include <utility>
 
@@ -45,7 +44,6 @@ class Quiet {
   Quiet& operator=(const Quiet&) = delete;
 
  private:
-  std::lock_guard<std::recursive_mutex> alone_;
   H5E_auto2_t function_ = nullptr;
   void* data_ = nullptr;
 };

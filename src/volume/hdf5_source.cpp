@@ -143,10 +143,7 @@ class DatasetSource final : public VolumeSource {
     const auto depth = std::uint64_t(std::min<hsize_t>(layer, hsize_t(grid_.dims.z)));
     const std::uint64_t most = std::max<std::uint64_t>(1, most_slab_bytes / grid_.slice_bytes(Axis::z));
     const std::uint64_t parts = (depth + most - 1) / most;
-    // Slabs must end where layers do, or every chunk at an end would be decoded for two of them.
-    std::uint64_t bounded = (depth + parts - 1) / parts;
-    while (layer % bounded != 0 && depth > most) --bounded;
-    return int(bounded);
+    return int((depth + parts - 1) / parts);
   }
 
   void read_slab(int begin, int end, std::span<std::byte> out) {

@@ -130,6 +130,17 @@ TEST_CASE("every chunk is decoded once, by slices in order and by slabs") {
   }
 }
 
+TEST_CASE("a layer of chunks that is too large for memory is cut into even slabs") {
+  const Folder folder;
+  const auto path = write_hdf5(folder / "large.h5", [](hid_t file) {
+    add(file, {.dims = {64, 4096, 4096}, .type = H5T_STD_U8LE, .voxels = "", .chunk = {64, 64, 64}});
+    const hsize_t first[3] = {0, 0, 0};
+    const std::string chunk(64 * 64 * 64, 'v');
+    H5Dwrite_chunk(opened(file, "/volume").get(), H5P_DEFAULT, 0, first, chunk.size(), chunk.data());
+  });
+  CHECK(open_volume(path)->slab_depth() == 16);  // 256 MiB
+}
+
 TEST_CASE("the only volume of an HDF5 file is taken, several are listed") {
   const Folder folder;
   const auto text = [](hid_t file) {
@@ -307,4 +318,10 @@ TEST_CASE("an HDF5 file that changes while it is read is refused") {
   const auto source = open_volume(path);
   fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(5));
   CHECK_THAT(message_of([&] { read_all(*source); }), Contains("has changed since it was opened"));
+}
+
+TEST_CASE("files on which HDF5 itself crashes are refused") {
+  const fs::path folder = fs::path(RINGSPLAT_TEST_DATA) / "../fuzz/crashes/hdf5";
+  for (const char* name : {"heap_beyond_memory", "object_beyond_memory", "reference_beyond_memory"})
+    CHECK_THAT(refusal(folder / name), Contains("hdf5"));
 }
