@@ -130,7 +130,7 @@ void describe_openpmd(hid_t file, hid_t dataset, const std::string& path, const 
     const double inside = position.size() == axes ? position[k] : 0;
     axis.first = ((offset.size() == axes ? offset[k] : 0) + inside * spacing[k]) * si;
   }
-  meaning.notes.unit = "m";
+  meaning.notes.unit = std::string("m");  // GCC 12 warns falsely of the text itself
   meaning.notes.quantity = path.substr(path.rfind('/') + 1);
 }
 

@@ -8,6 +8,7 @@
 
 #include "app/option_values.hpp"
 #include "fuzz/driver.hpp"
+#include "fuzz/hdf5_seeds.hpp"
 #include "fuzz/tiff_seeds.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "volume/files.hpp"
@@ -262,6 +263,8 @@ void run_vti(std::span<const std::byte> input) { open_and_use("a.vti", input, an
 
 void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, any_ratio); }
 
+void run_hdf5(std::span<const std::byte> input) { open_and_use("a.h5", input, any_ratio); }
+
 std::vector<Input> dicom_seeds() {
   Dicom plain, scaled, colour, three;
   plain.pixels = scaled.pixels = samples<short>().substr(0, 40);
@@ -389,6 +392,9 @@ const Words vti_words{
 const Words npy_words{
     "\x93NUMPY", "{", "}", "'descr': ", "'fortran_order': ", "True", "False", "'shape': ", "(", ")", ",", ", }", "<f4",
     ">f8", "|u1", "<i8", "|O", "<f2", "=i4", "3L", "(3, 4, 5, 1)", "4294967296", "2147483647"};
+const Words hdf5_words{
+    "TREE", "SNOD", "HEAP", "GCOL", "OHDR", "OCHK", "FRHP", "BTHD", "FADB", "EADB", "volume", "DIMENSION_LIST",
+    "VTKHDF", "WholeExtent", "gridSpacing", "_FillValue", "\xff\xff\xff\xff\xff\xff\xff\xff"};
 const Words raw_words{
     "dims=", "type=", "endian=", "offset=", "spacing=", "big", "little", "uint8", "float", "float64", "5x4x3",
     "_5x4x3_int16.raw", "1x1x1", "x"};
@@ -409,6 +415,7 @@ std::vector<Driver> volume_drivers() {
           {"vtk", run_vtk, vtk_seeds, vtk_words, 6000},
           {"vti", run_vti, vti_seeds, vti_words, 6000},
           {"npy", run_npy, npy_seeds, npy_words, 6000},
+          {"hdf5", run_hdf5, hdf5_seeds, hdf5_words, 800},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }
 
