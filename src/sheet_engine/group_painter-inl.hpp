@@ -223,7 +223,9 @@ class GroupPainter {
   }
 
   HWY_INLINE M single_slab_serves(const State& s, const Work& w) const {
-    constexpr float most_opacity = 0.02F, most_change = 0.004F, most_entries = 8;
+    // The more slabs, the smaller is the error that one instead of them may add to.
+    const float pieces = float(slab_->pieces), most_opacity = 0.04F / pieces, most_change = 0.008F / pieces;
+    constexpr float most_entries = 8;
     const F opacity = of_all_pieces(OpacityOf(w.whole)), through = sub(set(1.0F), s.opacity),
             bend = bend_of(w);
     const F over_steepness = from_bits(sub(set_int((127 + 15) << 23), up<23>(down<28>(w.whole.high))));

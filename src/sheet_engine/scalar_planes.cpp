@@ -31,12 +31,13 @@ template <class Number, class T>
 void convert(const std::byte* from, int count, const PlaneCode& code, Number* to) {
   T values[side];
   std::memcpy(values, from, std::size_t(count) * sizeof(T));
+  const bool as_stored = code.scale == 1 && !code.bounded();
   for (int i = 0; i < count; ++i) {
     if constexpr (std::is_same_v<Number, float> && std::is_same_v<T, float>)
-      to[i] = code.scale == 1 && !std::isinf(values[i]) ? values[i] : coded<Number>(code, values[i]);
+      to[i] = as_stored && !std::isinf(values[i]) ? values[i] : coded<Number>(code, values[i]);
     else if constexpr (std::is_integral_v<T> && sizeof(T) <= 2 && std::is_integral_v<Number>)
-      to[i] = code.scale == 1 ? static_cast<Number>(int(values[i]) - int(code.offset))
-                              : coded<Number>(code, values[i]);
+      to[i] =
+          as_stored ? static_cast<Number>(int(values[i]) - int(code.offset)) : coded<Number>(code, values[i]);
     else
       to[i] = coded<Number>(code, static_cast<double>(values[i]));
   }
@@ -70,10 +71,11 @@ std::size_t plane_bytes(int width, int height, bool floats) {
 void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode& code,
                                const Fillers& fillers) {
   const auto same_bits = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
-  const bool as_before =
-      width == width_ && height == height_ && slots == slots_ && code.floats == code_.floats &&
-      code.offset == code_.offset && code.scale == code_.scale && code.below == code_.below &&
-      code.above == code_.above && std::equal(fillers.begin(), fillers.end(), fillers_.begin(), same_bits);
+  const bool as_before = width == width_ && height == height_ && slots == slots_ &&
+                         code.floats == code_.floats && code.offset == code_.offset &&
+                         code.scale == code_.scale && code.below == code_.below &&
+                         code.above == code_.above && code.least == code_.least && code.most == code_.most &&
+                         std::equal(fillers.begin(), fillers.end(), fillers_.begin(), same_bits);
   if (as_before) return;
   width_ = width;
   height_ = height;

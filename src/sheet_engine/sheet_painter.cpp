@@ -121,18 +121,37 @@ class SlabPainter final : public FramePainter<SheetFrame> {
       throw RunError(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
                                  renderer_, header.low, header.high),
                      "all ranks must run the same build");
-    const auto [low, high] = finite_range(header);
-    if (ready_ && low == low_ && high == high_) return;
+    auto [low, high] = finite_range(header);
+    const bool cut = leave_outliers(low, high);
+    if (ready_ && low == low_ && high == high_ && cut == cut_) return;
     low_ = low;
     high_ = high;
+    cut_ = cut;
     make_ready();
+  }
+
+  /// Narrows a range that the table could not resolve the function in. From a voxel so many widths of the
+  /// function away, all but a ten-thousandth of the way to its neighbour lies beyond the function's ends, so
+  /// that how far beyond does not matter. Returns whether there was something to leave out.
+  bool leave_outliers(double& low, double& high) const {
+    const auto [first, last] = ends_of_function();
+    constexpr double widths = 1e4;
+    const double reach = widths * (last - first), from = std::max(low, first - reach),
+                 to = std::min(high, last + reach);
+    const bool cut = (from > low || to < high) && from < to;
+    if (cut) low = from, high = to;
+    return cut;
+  }
+
+  std::pair<double, double> ends_of_function() const {
+    const TransferFunction& tf = frame_->shown.transfer_function;
+    return {std::min(tf.opacities.front().value, tf.colours.front().value),
+            std::max(tf.opacities.back().value, tf.colours.back().value)};
   }
 
   /// What stands for infinite values: some beyond the transfer function's ends, as in the truths.
   std::pair<double, double> beyond_function() const {
-    const TransferFunction& tf = frame_->shown.transfer_function;
-    const double first = std::min(tf.opacities.front().value, tf.colours.front().value),
-                 last = std::max(tf.opacities.back().value, tf.colours.back().value);
+    const auto [first, last] = ends_of_function();
     return {first - 1 - std::abs(first), last + 1 + std::abs(last)};
   }
 
@@ -154,6 +173,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     table_.set_function(frame_->shown.transfer_function, low_, high_);
     code_ = PlaneCode::choose(geometry().grid.type, low_, high_, table_.axis(), sheets.slabs);
     std::tie(code_.below, code_.above) = beyond_function();
+    if (cut_) code_.least = low_, code_.most = high_;
     table_.set_length(frame_->step_length() / sheets.slabs);
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
@@ -338,6 +358,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
   SlabTable table_;
   ScalarPlanes planes_;
   SheetPaint paint_;
+  bool cut_ = false;    ///< outliers lie beyond the table's axis
   bool ready_ = false;  ///< tables and planes are the frame's
   std::optional<SheetPayload> payload_;
   int step_ = 0;

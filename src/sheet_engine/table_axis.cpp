@@ -85,7 +85,7 @@ double TableAxis::value_at(double place) const {
 }
 
 double PlaneCode::finite(double value) const {
-  return !std::isinf(value) ? value : value > 0 ? above : below;
+  return std::clamp(!std::isinf(value) ? value : value > 0 ? above : below, least, most);
 }
 
 PlaneCode PlaneCode::choose(ScalarType type, double low, double high, const TableAxis& axis, int pieces) {

@@ -1,5 +1,7 @@
 #pragma once
 #include <array>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "ringsplat/classify/transfer_function.hpp"
@@ -39,6 +41,9 @@ struct PlaneCode {
   double offset = 0, scale = 1;
   /// What stands for infinite values: values beyond the transfer function's ends.
   double below = 0, above = 0;
+  /// Values beyond are drawn as these: the table's ends, where outliers lie too far away to matter.
+  double least = -std::numeric_limits<double>::infinity(), most = std::numeric_limits<double>::infinity();
+  bool bounded() const { return std::isfinite(least) || std::isfinite(most); }
   double finite(double value) const;
   double of(double value) const { return (finite(value) - offset) * scale; }
 
