@@ -53,12 +53,20 @@ std::optional<glm::dvec3> extents_in_world(const Grid& grid) {
   return extents;
 }
 
-/// The broad side of a volume whose front shows less than a third of it.
-std::optional<Side> broad_side(const Grid& grid) {
-  constexpr double flat = 3;
+/// The broad side of a volume whose front shows less than a third of it; of a patient, whom people expect to
+/// face them, less than a fifth. A few axial slices are seen from the feet, sagittal ones from the left, as
+/// radiologists do.
+std::optional<Side> broad_side(const Grid& grid, World world) {
+  const bool patient = world == World::patient;
+  const double flat = patient ? 5 : 3;
   const auto extents = extents_in_world(grid);
   if (!extents || !(extents->y > flat * std::min(extents->x, extents->z))) return std::nullopt;
-  return extents->x <= extents->z ? Side::right : Side::top;
+  if (extents->x <= extents->z) return patient ? Side::left : Side::right;
+  return patient ? Side::bottom : Side::top;
+}
+
+const char* name(Side side) {
+  return side == Side::top ? "top" : side == Side::bottom ? "bottom" : side == Side::left ? "left" : "right";
 }
 
 }  // namespace
@@ -83,12 +91,12 @@ void settle_fit(const CLI::App& app, RenderOptions& o) {
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
   Camera& camera = o.frame.shown.camera;
   if (o.side) stand_at(camera, *o.side, notes.world);
-  if (o.direction_chosen || notes.world != World::lattice) return {};
-  const auto side = broad_side(grid);
+  if (o.direction_chosen || notes.world == World::microscope) return {};
+  const auto side = broad_side(grid, notes.world);
   if (!side) return {};
   stand_at(camera, *side, notes.world);
   return fmt::format("the volume is flat: it is seen from the {}, --view front shows its narrow side",
-                     *side == Side::top ? "top" : "right");
+                     name(*side));
 }
 
 }  // namespace ringsplat::app

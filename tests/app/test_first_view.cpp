@@ -74,9 +74,15 @@ TEST_CASE("a flat lattice is seen from its broad side, in world units") {
   CHECK(first_view({}, box(20, 300, 20)) == right);
 }
 
-TEST_CASE("a patient, a microscope's stack and a chosen direction are not turned") {
+TEST_CASE("a patient is turned for a few slices only, as radiologists look at them") {
+  CHECK(first_view({}, box(256, 256, 60), World::patient) == front);
+  CHECK(first_view({}, box(256, 256, 16), World::patient) == Direction{0, -90});
+  CHECK(first_view({}, box(1, 256, 256), World::patient) == Direction{90, 0});
+  CHECK(first_view({}, box(256, 1, 256), World::patient) == front);
+}
+
+TEST_CASE("a microscope's stack and a chosen direction are not turned") {
   const Grid flat = box(256, 256, 16);
-  CHECK(first_view({}, flat, World::patient) == front);
   CHECK(first_view({}, flat, World::microscope) == front);
   app::RenderOptions chosen;
   chosen.direction_chosen = true;
