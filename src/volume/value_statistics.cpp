@@ -9,7 +9,7 @@ namespace {
 
 constexpr int histogram_bins = 1024;
 /// Fewer than these, with 0, may as well be levels.
-constexpr std::size_t least_found_labels = 5, most_found_labels = 64;
+constexpr std::size_t least_found_labels = 5, most_found_labels = 256;
 
 /// The keys' bins within the range. A key that begins with the largest value has a bin of the smallest width
 /// there is, as a bin does not hold its upper bound.
@@ -102,7 +102,13 @@ void count_histogram(ValueStatistics& s, const std::vector<ValueBin>& keys, cons
 /// Counts neighbours among rows, with values told apart by their place in `labels`.
 class NeighbourTally {
  public:
-  NeighbourTally(const ValueKind& kind, const std::vector<double>& labels) : kind_(kind), labels_(labels) {}
+  NeighbourTally(const ValueKind& kind, const std::vector<double>& labels) : kind_(kind), labels_(labels) {
+    constexpr double most = 1 << 16;
+    const double span = labels.back() - labels.front() + 1;
+    if (span > most) return;
+    places_.assign(std::size_t(span), none);
+    for (std::size_t k = 0; k < labels.size(); ++k) places_[std::size_t(labels[k] - labels.front())] = k;
+  }
 
   void add(std::span<const std::byte> rows, int width) {
     visit_type(kind_.stored_as.value_or(kind_.type), [&](auto zero) {
@@ -137,12 +143,18 @@ class NeighbourTally {
   }
 
   std::size_t place_of(double value) const {
+    if (!places_.empty()) {
+      const double at = value - labels_.front();
+      return at >= 0 && at < double(places_.size()) ? places_[std::size_t(at)] : none;
+    }
     const auto at = std::lower_bound(labels_.begin(), labels_.end(), value);
     return at != labels_.end() && *at == value ? std::size_t(at - labels_.begin()) : none;
   }
 
   const ValueKind& kind_;
   const std::vector<double>& labels_;
+  std::vector<std::size_t>
+      places_;  ///< by value from the smallest label on; empty when they lie too far apart
 };
 
 void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
@@ -244,7 +256,7 @@ bool look_like_labels(const ValueStatistics& s) {
   const auto [equal, adjacent, apart, alone] = *s.neighbours;
   const double changes = double(adjacent + apart), pairs = double(equal) + changes;
   // Scans cut down to few grey levels have either next levels as neighbours (a head of 3 to 8 levels: at most
-  // a tenth of the changes are others) or thin lines of the levels between (of 6 to 64: a quarter of all
+  // a tenth of the changes are others) or thin lines of the levels between (of 6 and more: a quarter of all
   // pieces and more). Pieces of labels hardly have either.
   return double(equal) >= 0.85 * pairs && double(apart) >= 0.25 * changes && double(alone) <= 0.15 * changes;
 }
