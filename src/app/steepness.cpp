@@ -60,7 +60,7 @@ std::string why_splats_err(const TransferFunction& tf, const ValueRange& range) 
   return fmt::format(
       "transfer function '{}' is steep (its opacity changes by {:.2g} within 1/64 of the values' range), and "
       "splats are classified before they are interpolated: expect an error of about {:.0f}/255 rms, as rings "
-      "and staircases; hint: --quality best interpolates first, --quality paper takes it as it is",
+      "and staircases; hint: --quality best interpolates first",
       tf.name, change, expected_error(change));
 }
 

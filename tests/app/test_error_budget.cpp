@@ -204,7 +204,7 @@ TEST_CASE("a setting's text is the options that make it") {
         "--opaque-threshold 0.25 --engine sheets --slabs 3 --light-points 2 --image-plane slices --samples "
         "1.5");
   CHECK(to_text({0, Sheets{.light_points = 1}}) ==
-        "--opaque-threshold 0 --engine sheets --slabs 2 --light-points 1");
+        "--opaque-threshold 0 --engine sheets --slabs 3 --light-points 1");
 }
 
 TEST_CASE("a calibration is read back for its own key and settings only") {

@@ -59,7 +59,7 @@ TEST_CASE("single options come before a quality's settings") {
   finer.plane_samples = 4;
   CHECK(drawn_by({"--samples", "4", "--quality", "draft"}) == Method(finer));
   // Of a plane that is not used the samples have no trace.
-  CHECK(drawn_by({"--quality", "normal", "--image-plane", "screen"}) == Method(best));
+  CHECK(drawn_by({"--quality", "normal", "--image-plane", "screen"}) == Method(Sheets{.slabs = 2}));
   const auto splats = drawn_by({"--quality", "paper", "--radius", "1.4", "--precision", "half",
                                 "--image-plane", "slices", "--samples", "2"});
   CHECK(splats == Method(Splats{.image_plane = ImagePlane::slices,

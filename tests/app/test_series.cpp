@@ -7,6 +7,7 @@
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
+#include "volume/npy.hpp"
 
 using namespace ringsplat::app_test;
 using nlohmann::json;
@@ -202,9 +203,9 @@ TEST_CASE("a volume of denormal numbers is the same wherever it comes in a serie
       folder / "tf.json",
       R"([{"ColorSpace":"RGB","Name":"all","RGBPoints":[-1,1,1,1,1,1,1,1],"Points":[-1,0.3,0.5,0,1,0.3,0.5,0]}])");
   const auto render = [&](const std::string& output, const std::string& shading) {
-    const Ended ended =
-        run_program({"render", folder / "d_*.raw", "--frames", "all", "-o", folder / output, "--size", "48",
-                     "--tf", folder / "tf.json", "--azimuth", "30", "--shading", shading});
+    const Ended ended = run_program({"render", folder / "d_*.raw", "--frames", "all", "-o", folder / output,
+                                     "--size", "48", "--tf", folder / "tf.json", "--azimuth", "30",
+                                     "--shading", shading, "--quality", "paper"});
     INFO(ended.err);
     REQUIRE(ended.code == 0);
   };
@@ -217,12 +218,39 @@ TEST_CASE("a volume of denormal numbers is the same wherever it comes in a serie
   CHECK_FALSE(same("lit-0000.png", "plain-0000.png"));
 }
 
+TEST_CASE("one file's own frames are a series, as its volumes by themselves") {
+  const TemporaryFolder folder;
+  constexpr int frames = 3, side = 12;
+  std::string voxels;
+  for (int k = 0; k < frames * side * side * side; ++k)
+    voxels.push_back(char(k / (side * side * side) * 40 + 5 * (k % side)));
+  write_text(folder / "film.npy", files::npy("|u1", "(3, 12, 12, 12)") + voxels);
+  const std::vector<std::string> look{"--size", "32", "--tf", "grey", "--range", "0:150", "--azimuth", "30"};
+  const auto render = [&](std::vector<std::string> words, int ranks) {
+    words.insert(words.begin(), {"render", folder / "film.npy"});
+    words.insert(words.end(), look.begin(), look.end());
+    const Ended ended = run_program(words, ranks);
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+  };
+  render({"-o", folder / "x.png", "--frames", "all"}, 3);
+  for (int k = 0; k < frames; ++k) {
+    const std::string number = std::to_string(k);
+    render({"-o", folder / "alone.png", "--frame", number}, 0);
+    CHECK(run_program(
+              {"compare", folder / ("x-000" + number + ".png"), folder / "alone.png", "--fail-above", "0"})
+              .code == 0);
+  }
+  CHECK(run_program({"compare", folder / "x-0000.png", folder / "x-0002.png", "--fail-above", "1"}).code ==
+        1);
+}
+
 TEST_CASE("a camera may move on with each volume of a series") {
   const Series series;
   const Ended ended = run_program(series.render("0:3", {"--orbit", "3"}), 2);
   INFO(ended.err);
   REQUIRE(ended.code == 0);
-  CHECK(series.same_as_alone("x-0001.png", 1, {}, "140"));
+  CHECK(series.same_as_alone("x-0001.png", 1, {"--fit", "sphere"}, "140"));
   const Ended other = run_program(series.render("0:3", {"--orbit", "4"}), 2);
   CHECK(other.code == 2);
   CHECK_THAT(other.err, Catch::Matchers::Contains("give --orbit 3"));

@@ -52,8 +52,9 @@ TEST_CASE("a setting may be sheets, by engine or by quality") {
   CHECK(
       list.settings[1].how ==
       Method(Sheets{.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 3, .light_points = 1}));
-  CHECK(list.settings[2].how == Method(Sheets{.image_plane = ImagePlane::slices, .light_points = 1}));
-  CHECK(list.settings[3].how == Method(Sheets{}));
+  CHECK(list.settings[2].how ==
+        Method(Sheets{.image_plane = ImagePlane::slices, .slabs = 2, .light_points = 1}));
+  CHECK(list.settings[3].how == Method(Sheets{.slabs = 2}));
 }
 
 TEST_CASE("a sweep adds views a step apart, both ends included") {

@@ -28,9 +28,10 @@ TEST_CASE("--trace writes a whole timeline, in one process and on five ranks") {
   for (const int ranks : {0, 5}) {
     INFO(ranks << " ranks");
     const Files files;
-    const Ended ended = run_program(files.render({"--gps", "3", "--renderers", "2", "--orbit", "3", "--quality",
-                                                  "paper", "--trace", files.trace, "--stats", files.stats}),
-                                    ranks);
+    const Ended ended =
+        run_program(files.render({"--gps", "3", "--renderers", "2", "--orbit", "3", "--quality", "paper",
+                                  "--trace", files.trace, "--stats", files.stats}),
+                    ranks);
     INFO(ended.err);
     REQUIRE(ended.code == 0);
     CHECK(ended.err.empty());

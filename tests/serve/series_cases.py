@@ -35,7 +35,7 @@ def is_the_programs(options, picture, number, limit):
         f.write(picture.file)
     volume = os.path.join(options.scratch, f"step_{number + 7}.nrrd")
     subprocess.run([options.program, "render", volume, "-o", alone, "--quality", "best", "--size", "160x120", "--azimuth", "30",
-                    "--background", "black", "--tf", os.path.join(options.scratch, "tf.json")], check=True, capture_output=True)
+                    "--background", "black", "--fit", "sphere", "--tf", os.path.join(options.scratch, "tf.json")], check=True, capture_output=True)
     subprocess.run([options.program, "compare", seen, alone, "--fail-above", str(limit)], check=True, stdout=subprocess.DEVNULL)
 
 

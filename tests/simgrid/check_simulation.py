@@ -67,7 +67,7 @@ def bytes_of(path):
 
 def image(run):
     """Sixteen simulated ranks, as a ring and as a mesh, draw the picture that one process draws, bit for bit."""
-    run.program("render", HEAD, "-o", run.path("alone.exr"), *VIEW)
+    run.program("render", HEAD, "-o", run.path("alone.exr"), "--quality", "paper", *VIEW)
     layouts = {"ring": "gps = 12\nrenderers = 4", "mesh": 'topology = "mesh"\nmesh = "4x3"\nrenderers = 4',
                "colocated": 'gps = 16\nrenderers = 16\nroles = "colocated"'}
     for name, layout in layouts.items():
