@@ -71,7 +71,11 @@ Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layou
   const KeptDenormals as_before_the_first_frame;
   progress.begin("loading", 1);
   LoadOptions told = options;
-  told.told = [&](double part) { progress.at(part); };
+  told.told = [&](double part) {
+    // Memory for the slices comes before, at no pace that tells of the rest.
+    if (part == 0) progress.begin("loading", 1);
+    progress.at(part);
+  };
   Scene scene = load_scene(volume, told, layout, wiring);
   progress.end();
   volume.source.reset();

@@ -71,6 +71,7 @@ class Dealer {
   }
 
   std::map<int, SliceStore> deal() {
+    pace_.begin();
     for (int z = 0; z < grid_.dims.z;) {
       const int end = next_end(z);
       if (decoded_) hand_out(z, end);

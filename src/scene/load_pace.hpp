@@ -13,6 +13,11 @@ class LoadPace {
  public:
   LoadPace(int slices, const std::function<void(double part)>& told) : slices_(slices), told_(told) {}
 
+  /// Starts the clock: slices begin to be read.
+  void begin() {
+    last_ = now_seconds();
+    if (told_) told_(0);
+  }
   /// So many slices have been read; the time since the last call went into it.
   void read(double slices) { note(read_, slices); }
   void dealt(double slices) { note(dealt_, slices); }
