@@ -49,6 +49,10 @@ void try_first(const std::filesystem::path& file, const std::function<void()>& u
   int status = 0;
   while (::waitpid(child, &status, 0) < 0)
     if (errno != EINTR) return;
+  // A sanitizer's report ends a process without a signal.
+  if (WIFEXITED(status) && WEXITSTATUS(status) != 0)
+    throw InputError(fmt::format("{}: HDF5 ends on it (exit code {})", file.string(), WEXITSTATUS(status)),
+                     "the file is damaged: copy it again");
   if (!WIFSIGNALED(status) || WTERMSIG(status) == SIGALRM) return;
   const int ended_by = WTERMSIG(status);
   throw InputError(ended_by == SIGXCPU || ended_by == SIGKILL

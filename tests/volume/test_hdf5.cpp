@@ -213,7 +213,8 @@ TEST_CASE("more dimensions are time before and components behind") {
   CHECK_THAT(refusal(vectors), Contains("vector of 2 numbers"));
   CHECK_THAT(refusal(sample_file(folder, {.dims = {5, 5, 6, 7, 8}, .voxels = ""})),
              Contains("never written"));
-  const auto five = sample_file(folder, {.dims = {2, 5, 2, 2, 3}, .voxels = samples<short>()});
+  const auto five =
+      sample_file(folder, {.dims = {2, 5, 2, 2, 3}, .voxels = samples<short>() + samples<short>()});
   CHECK(open_volume(five, {}, {.channel = "2"})->notes().frames == 2);
   const auto six = sample_file(folder, {.dims = {2, 5, 2, 2, 3, 5}, .voxels = std::string(1200, 'x')});
   CHECK_THAT(refusal(six), Contains("cannot be told"));
