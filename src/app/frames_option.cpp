@@ -56,7 +56,7 @@ namespace {
 
 constexpr OptionRow<RenderOptions> series_rows[] = {
     {"--frames", "A:B[:STEP]|all", nullptr,
-     "The volumes of a series, from A to before B, or all. VOLUME is a file with several time points, or "
+     "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or "
      "a quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
      [](RenderOptions& o) { return parsed(o.frames, parse_frames); }},
 };

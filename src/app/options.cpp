@@ -23,12 +23,13 @@ ScalarType parse_type(const std::string& text, const std::string&) { return scal
 using Volume = VolumeOptions;
 constexpr OptionRow<Volume> volume_rows[] = {
     {"volume", "VOLUME", nullptr,
-     "NRRD, MetaImage, NIfTI, VTK, NumPy, TIFF or raw file, or a folder with a DICOM series or TIFF pages",
+     "NRRD, MetaImage, NIfTI, HDF5 (FILE:/DATASET), VTK, NumPy, TIFF or raw file, or a folder with a DICOM "
+     "series or TIFF pages",
      [](Volume& o) { return value(o.path); }},
     {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
      [](Volume& o) { return value(o.choice.frame, CLI::NonNegativeNumber); }},
     {"--channel", "N|NAME", nullptr,
-     "Of several values a voxel the one to take: a number from 0, r, g, b or a",
+     "Of several values a voxel the one to take; a number from 0, r, g, b, a or an array's name",
      [](Volume& o) { return value(o.choice.channel); }},
     {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
      [](Volume& o) { return value(o.choice.series); }},

@@ -63,7 +63,7 @@ CLI::Validator up_to_a_million_frames() {
 
 constexpr OptionRow<Render> clip_rows[] = {
     {"--clip", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
-     "Only these voxels, from the first to before the last, as if the rest were cut off; an empty part or "
+     "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
      "end "
      "means up to the face; with mm behind a part, or behind all, distances from the first face",
      [](Render& o) { return parsed(o.clip, parse_clip); }},
@@ -157,8 +157,7 @@ constexpr OptionRow<Render> size_rows[] = {
      [](Render& o) { return clearing_flag(o.frame.shown.opacity_correction); }},
     {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
      [](Render& o) { return direction(o.frame.shown.light); }},
-    {"--tf", "NAME|FILE", initial,
-     "Transfer function: a preset (ringsplat info --presets) or a ParaView JSON file",
+    {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
      [](Render& o) { return value(o.transfer_function); }},
 };
 

@@ -155,15 +155,15 @@ constexpr const char* render_examples =
 /// All others are below --help-all.
 constexpr const char* everyday_render =
     "--frame --frames --channel --clip --output --background --annotate --stats --view --azimuth --elevation "
-    "--zoom --orbit --size --tf --shading --quality";
+    "--zoom --orbit --size --tf --shading --quality --range --opacity --colours";
 constexpr const char* everyday_serve =
     "--frame --frames --channel --clip --port --open --background --view --azimuth --elevation --zoom --size "
-    "--tf --shading";
+    "--tf --shading --range --opacity --colours";
 constexpr const char* everyday_info =
     "--frame --channel --series --dims --type --offset --spacing --clip --gps --json --presets --ranks";
 constexpr const char* everyday_reference =
     "--frame --channel --clip --truth --formula --output --view --azimuth --elevation --zoom --orbit --size "
-    "--tf --shading --quality";
+    "--tf --shading --quality --range --opacity --colours";
 
 constexpr const char* serve_examples = R"(  ringsplat serve head.nrrd --open
   mpirun -n 4 ringsplat serve head.nrrd --port 8080 --tf mr-surface)";
