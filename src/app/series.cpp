@@ -11,6 +11,7 @@
 #include <span>
 #include <string_view>
 
+#include "base/natural_order.hpp"
 #include "base/printable.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
@@ -25,27 +26,6 @@ using Numbered = std::vector<std::pair<int, std::string>>;
 constexpr std::size_t most_volumes = 1'000'000;
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-/// Runs of digits are compared as numbers.
-bool naturally_before(const std::string& a, const std::string& b) {
-  std::size_t i = 0, k = 0;
-  while (i < a.size() && k < b.size()) {
-    if (!is_digit(a[i]) || !is_digit(b[k])) {
-      if (a[i] != b[k]) return a[i] < b[k];
-      ++i, ++k;
-      continue;
-    }
-    const auto number_at = [](const std::string& text, std::size_t& at) {
-      const std::size_t begin = std::min(text.find_first_not_of('0', at), text.size());
-      for (at = begin; at < text.size() && is_digit(text[at]);) ++at;
-      return std::string_view(text).substr(begin, at - begin);
-    };
-    const std::string_view one = number_at(a, i), other = number_at(b, k);
-    if (one.size() != other.size()) return one.size() < other.size();
-    if (one != other) return one < other;
-  }
-  return a.size() - i != b.size() - k ? a.size() - i < b.size() - k : a < b;
-}
 
 /// A %d or %04d in a file's name.
 struct NumberForm {

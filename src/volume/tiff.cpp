@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
 
 #include "base/log.hpp"
+#include "base/natural_order.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
@@ -17,36 +17,13 @@
 namespace ringsplat::detail {
 namespace {
 
-/// slice2 comes before slice10: runs of digits compare as numbers.
-bool natural_less(const std::string& a, const std::string& b) {
-  const auto digits = [](const std::string& s, std::size_t& i) {
-    while (i + 1 < s.size() && s[i] == '0' && std::isdigit(static_cast<unsigned char>(s[i + 1]))) ++i;
-    const auto start = i;
-    while (i < s.size() && std::isdigit(static_cast<unsigned char>(s[i]))) ++i;
-    return s.substr(start, i - start);
-  };
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (std::isdigit(static_cast<unsigned char>(a[i])) && std::isdigit(static_cast<unsigned char>(b[j]))) {
-      const auto left = digits(a, i), right = digits(b, j);
-      if (left.size() != right.size()) return left.size() < right.size();
-      if (left != right) return left < right;
-    } else if (a[i] != b[j]) {
-      return a[i] < b[j];
-    } else {
-      ++i, ++j;
-    }
-  }
-  return a.size() - i != b.size() - j ? a.size() - i < b.size() - j : a < b;
-}
-
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path};
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(path))
     if (is_tiff(entry.path())) files.push_back(entry.path());
   std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
-    return natural_less(a.filename().string(), b.filename().string());
+    return naturally_before(a.filename().string(), b.filename().string());
   });
   return files;
 }
