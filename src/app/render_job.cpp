@@ -104,6 +104,20 @@ void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   }
 }
 
+namespace {
+
+/// Predicts what the job's slices take. Throws InputError on all ranks when one has not so much memory.
+void require_memory(Job& job, Launch& launch) {
+  const RenderOptions& o = job.options;
+  job.memory = predict_memory(job.volume.grid, job.load, job.layout.gps);
+  launch.check_on_all_ranks([&] {
+    check_memory(o.frame.shown.width, o.frame.shown.height,
+                 FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);
+  });
+}
+
+}  // namespace
+
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes,
                    needs_normals(o.frame),
@@ -151,11 +165,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
   o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
-  job.memory = predict_memory(grid, job.load, job.layout.gps);
-  launch.check_on_all_ranks([&] {
-    check_memory(o.frame.shown.width, o.frame.shown.height,
-                 FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);
-  });
+  require_memory(job, launch);
   if (!job.view_note.empty()) log_info("{}", job.view_note);
   log_roles(job.layout, job.memory, launch);
   return job;
@@ -208,7 +218,7 @@ Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Laun
   RenderOptions& o = job.options;
   o.frame.how = Splats{};
   job.load = load_options(o, job.load.kept_axes);
-  job.memory = predict_memory(job.volume.grid, job.load, job.layout.gps);
+  require_memory(job, launch);
   return reload(job, wiring, progress, launch);
 }
 
