@@ -15,8 +15,8 @@
 #include "volume/dicom_stack.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/slice_by_slice.hpp"
 #include "volume/text.hpp"
-#include "volume/volume_files.hpp"
 #include "volume/whole_source.hpp"
 
 namespace ringsplat::detail {
@@ -56,55 +56,44 @@ void mix(ScalarType type, std::span<const std::byte> next, double part, std::spa
   });
 }
 
-/// Each slice is a file of its own, so every process reads its own.
-class DicomSource final : public VolumeSource {
+/// Slices are images of files, or lie between two.
+class DicomSource final : public SliceBySlice {
  public:
   DicomSource(const Grid& grid, std::vector<DicomFrame> images, std::vector<DicomSlice> slices)
-      : grid_(grid), images_(std::move(images)), slices_(std::move(slices)), files_(files_of()) {}
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return true; }
-  Facts facts() const override {
-    Facts facts = files_.facts();
-    facts.insert(facts.begin(), {"encoding", "DICOM"});
-    return facts;
-  }
-
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    for (int i = 0; i < count; ++i)
-      read_slice(slices_[std::size_t(first + i)], out.subspan(std::size_t(i) * bytes, bytes));
-  }
+      : SliceBySlice(grid, files_of(images, slices), {{"encoding", "DICOM"}}),
+        images_(std::move(images)),
+        slices_(std::move(slices)) {}
 
  private:
-  std::vector<std::filesystem::path> files_of() const {
+  static std::vector<std::filesystem::path> files_of(const std::vector<DicomFrame>& images,
+                                                     const std::vector<DicomSlice>& slices) {
     std::vector<std::filesystem::path> files;
-    for (const DicomSlice& slice : slices_) files.push_back(images_[slice.image].file);
+    for (const DicomSlice& slice : slices) files.push_back(images[slice.image].file);
     return files;
   }
 
-  void read_slice(const DicomSlice& slice, std::span<std::byte> out) {
+  void read_slice(int z, std::span<std::byte> out) override {
+    const DicomSlice& slice = slices_[std::size_t(z)];
     read_file(images_[slice.image], out);
     if (slice.part == 0) return;
     std::vector<std::byte> next(out.size());
     read_file(images_[slice.next], next);
-    mix(grid_.type, next, slice.part, out);
+    mix(grid().type, next, slice.part, out);
   }
 
   void read_file(const DicomFrame& image, std::span<std::byte> out) {
-    files_.require_unchanged(image.file);
-    const bool same = image.grid.type == grid_.type;
+    require_unchanged(image.file);
+    const bool same = image.grid.type == grid().type;
     std::vector<std::byte> raw(same ? 0 : image.grid.bytes());
     read_image(image, same ? out : raw);
-    files_.require_unchanged(image.file);
+    require_unchanged(image.file);
     if (same) return;
     // Slices with different rescaling may have different types; the volume is then float32.
     visit_type(image.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
   }
 
-  Grid grid_;
   std::vector<DicomFrame> images_;
   std::vector<DicomSlice> slices_;
-  VolumeFiles files_;
 };
 
 /// The frames of one file. GDCM decodes all at once.

@@ -18,7 +18,8 @@ std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const 
 std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const VolumeChoice& choice);
 /// Throws: the pieces of a parallel VTK file are files of their own.
 std::unique_ptr<VolumeSource> refuse_pvti(const std::filesystem::path& path, const VolumeChoice& choice);
-/// NumPy arrays: [z][y][x], in C order also with an axis of frames before and one of 1 to 4 components behind.
+/// NumPy arrays: [z][y][x], in C order also with an axis of frames before and one of 1 to 4 components
+/// behind.
 std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const VolumeChoice& choice);
 /// Throws: an archive holds arrays by name.
 std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice& choice);

@@ -9,8 +9,8 @@
 #include "ringsplat/base/error.hpp"
 #include "volume/byte_order.hpp"
 #include "volume/input_file.hpp"
+#include "volume/slice_by_slice.hpp"
 #include "volume/text.hpp"
-#include "volume/volume_files.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -29,23 +29,12 @@ SampleType sample_type_of(ScalarType type) {
       ->second;
 }
 
-class TiffSource final : public VolumeSource {
+class TiffSource final : public SliceBySlice {
  public:
   TiffSource(const Grid& grid, std::vector<TiffSlice> slices, const TiffSamples& samples)
-      : grid_(grid), slices_(std::move(slices)), samples_(samples), files_(files_of(slices_)) {}
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return true; }
-  Facts facts() const override {
-    Facts facts = files_.facts();
-    facts.insert(facts.begin(), {"encoding", "TIFF"});
-    return facts;
-  }
-
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    for (int i = 0; i < count; ++i)
-      read_slice(slices_[std::size_t(first + i)], out.subspan(std::size_t(i) * bytes, bytes));
-  }
+      : SliceBySlice(grid, files_of(slices), {{"encoding", "TIFF"}}),
+        slices_(std::move(slices)),
+        samples_(samples) {}
 
  private:
   static std::vector<std::filesystem::path> files_of(const std::vector<TiffSlice>& slices) {
@@ -54,39 +43,38 @@ class TiffSource final : public VolumeSource {
     return files;
   }
 
-  void read_slice(const TiffSlice& slice, std::span<std::byte> out) {
-    files_.require_unchanged(slice.file);
+  void read_slice(int z, std::span<std::byte> out) override {
+    const TiffSlice& slice = slices_[std::size_t(z)];
+    require_unchanged(slice.file);
     if (samples_.count == 1) {
       read_samples(slice, out);
     } else {
       std::vector<std::byte> interleaved(out.size() * std::size_t(samples_.count));
       read_samples(slice, interleaved);
-      take_channel(grid_.type, samples_.count, samples_.taken, interleaved, out);
+      take_channel(grid().type, samples_.count, samples_.taken, interleaved, out);
     }
-    files_.require_unchanged(slice.file);
+    require_unchanged(slice.file);
   }
 
   void read_samples(const TiffSlice& slice, std::span<std::byte> out) {
     if (slice.raw_begin) {
       InputFile(slice.file).read(*slice.raw_begin, out);
-      return to_native_order(out, size_of(grid_.type), slice.big_endian);
+      return to_native_order(out, size_of(grid().type), slice.big_endian);
     }
     if (!image_ || opened_ != slice.file) {
       image_ = open_tiff_image(slice.file);
       opened_ = slice.file;
     }
     const std::string problem =
-        image_->read(slice.page, samples_.count, sample_type_of(grid_.type), out.data());
+        image_->read(slice.page, samples_.count, sample_type_of(grid().type), out.data());
     if (!problem.empty())
       throw InputError(
           fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), one_line(problem)),
           "the file was cut short or damaged");
   }
 
-  Grid grid_;
   std::vector<TiffSlice> slices_;
   TiffSamples samples_;
-  VolumeFiles files_;
   std::unique_ptr<ImageFile> image_;
   std::filesystem::path opened_;
 };
