@@ -80,14 +80,6 @@ std::vector<Input> with_kept(const std::string& prefix, std::vector<Input> seeds
   return seeds;
 }
 
-std::string text_of_samples() {
-  std::string text;
-  for (int z = 0; z < nz; ++z)
-    for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) text += std::to_string(sample<short>(x, y, z)) + (x + 1 < nx ? " " : "\n");
-  return text;
-}
-
 std::vector<Input> with_header(std::string_view header,
                                const std::vector<std::pair<std::string, std::string>>& rest) {
   folder_of_volumes();

@@ -94,6 +94,14 @@ std::string samples(bool big_endian = false) {
   return bytes;
 }
 
+inline std::string text_of_samples() {
+  std::string text;
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) text += std::to_string(sample<short>(x, y, z)) + (x + 1 < nx ? " " : "\n");
+  return text;
+}
+
 inline std::string read_all(VolumeSource& source) {
   std::string bytes(source.grid().bytes(), '\0');
   source.read_slices(0, source.grid().dims.z, std::as_writable_bytes(std::span(bytes)));

@@ -45,14 +45,6 @@ std::string vtk_header(const std::string& kind) {
          "SCALARS values short 1\nLOOKUP_TABLE default\n";
 }
 
-std::string as_text() {
-  std::string text;
-  for (int z = 0; z < nz; ++z)
-    for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) text += std::to_string(sample<short>(x, y, z)) + (x + 1 < nx ? " " : "\n");
-  return text;
-}
-
 const std::string little = samples<short>(), big = samples<short>(true);
 
 std::vector<Format> nrrd_formats() {
@@ -80,7 +72,7 @@ std::vector<Format> nrrd_formats() {
        }},
       {"nrrd ascii", false,
        [](const Folder& f) {
-         return write(f / "a.nrrd", nrrd("type: short\nencoding: ascii\n", as_text()));
+         return write(f / "a.nrrd", nrrd("type: short\nencoding: ascii\n", text_of_samples()));
        }},
       {"nhdr detached raw with a byte skip", true,
        [](const Folder& f) {
@@ -129,7 +121,7 @@ std::vector<Format> meta_formats() {
        }},
       {"mha text", false,
        [](const Folder& f) {
-         return write(f / "a.mha", meta("BinaryData = False\nElementDataFile = LOCAL\n", as_text()));
+         return write(f / "a.mha", meta("BinaryData = False\nElementDataFile = LOCAL\n", text_of_samples()));
        }},
       {"mhd big", true,
        [](const Folder& f) {
@@ -193,7 +185,7 @@ std::vector<Format> other_formats() {
        }},
       {"vtk binary", true, [](const Folder& f) { return write(f / "a.vtk", vtk_header("BINARY") + big); }},
       {"vtk text", false,
-       [](const Folder& f) { return write(f / "a.vtk", vtk_header("ASCII") + as_text()); }},
+       [](const Folder& f) { return write(f / "a.vtk", vtk_header("ASCII") + text_of_samples()); }},
       {"raw by its name", true, [](const Folder& f) { return write(f / "a_5x4x3_int16.raw", little); }},
   };
 }

@@ -19,14 +19,6 @@ Vti with_shorts(Vti vti = {}) {
   return vti;
 }
 
-std::string text_of_samples() {
-  std::string text;
-  for (int z = 0; z < nz; ++z)
-    for (int y = 0; y < ny; ++y)
-      for (int x = 0; x < nx; ++x) text += std::to_string(sample<short>(x, y, z)) + (x + 1 < nx ? " " : "\n");
-  return text;
-}
-
 std::string voxels_of(const fs::path& path, const VolumeChoice& choice = {}) {
   return read_all(*open_volume(path, {}, choice));
 }
