@@ -1,8 +1,8 @@
 # Included when all rooms are known. ringsplat::ringsplat is the whole library: every room but the command
-# line and its viewer's server, with what the rooms use.
+# line, its viewer's server and its way to do without MPI, with what the rooms use.
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
-list(REMOVE_ITEM rooms ringsplat_app ringsplat_serve)
+list(REMOVE_ITEM rooms ringsplat_app ringsplat_serve ringsplat_alone)
 add_library(ringsplat_library INTERFACE)
 add_library(ringsplat::ringsplat ALIAS ringsplat_library)
 set_target_properties(ringsplat_library PROPERTIES EXPORT_NAME ringsplat)
@@ -14,8 +14,13 @@ set_target_properties(ringsplat_itk PROPERTIES EXPORT_NAME itk)
 install(TARGETS ringsplat_cli)
 install(TARGETS ringsplat_library ringsplat_flags ringsplat_itk ringsplat_openimageio ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
-install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} 
-  FILES_MATCHING PATTERN "*.hpp")
+set(left_out)
+if(NOT RINGSPLAT_WITH_MPI)
+  set(left_out PATTERN "ringsplat/mpi" EXCLUDE)
+endif()
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}
+  FILES_MATCHING PATTERN "*.hpp" ${left_out})
+install(FILES ${PROJECT_BINARY_DIR}/include/ringsplat/config.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ringsplat)
 
 # The package asks ITK for the modules that dependencies.cmake asked for.
 list(JOIN ITK_MODULES_REQUESTED " " RINGSPLAT_ITK_COMPONENTS)

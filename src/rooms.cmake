@@ -21,7 +21,8 @@ function(ringsplat_room name)
   add_library(ringsplat::${name} ALIAS ringsplat_${name})
   set_target_properties(ringsplat_${name} PROPERTIES EXPORT_NAME ${name})
   target_include_directories(ringsplat_${name}
-    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_compile_options(ringsplat_${name} PRIVATE ${RINGSPLAT_WARNINGS})
   list(TRANSFORM ROOM_USES PREPEND ringsplat_)

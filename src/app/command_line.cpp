@@ -10,6 +10,7 @@
 #include "app/option_values.hpp"
 #include "app/program_texts.hpp"
 #include "app/settled_options.hpp"
+#include "app/version_text.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -108,7 +109,7 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
 }
 
 void add_program_options(CLI::App& program, bool& verbose) {
-  program.set_version_flag("--version", "ringsplat " RINGSPLAT_VERSION);
+  program.set_version_flag("--version", version_text);
   program.set_help_flag("-h,--help", "Print this help");
   program.set_help_all_flag("--help-all", "Print the help of all options");
   program

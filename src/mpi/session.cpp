@@ -12,6 +12,7 @@
 #include "base/clock.hpp"
 #include "model/charge.hpp"
 #include "mpi/checked.hpp"
+#include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 
@@ -67,14 +68,14 @@ void MpiSession::abort(int exit_code) {
   std::abort();
 }
 
-bool MpiSession::launched() {
-  if (simulated()) return true;
-  // What Open MPI, MPICH's hydra, PMIx and Slurm tell the processes they start.
-  constexpr std::array variables{"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK",
-                                 "MPI_LOCALNRANKS"};
-  for (const char* variable : variables)
-    if (std::getenv(variable) != nullptr) return true;
-  return false;
+bool MpiSession::launched() { return simulated() || started_by_launcher(); }
+
+std::string MpiSession::library() {
+  std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
+  int length = 0;
+  checked(MPI_Get_library_version(text.data(), &length), "MPI_Get_library_version");
+  const std::string all(text.data(), std::size_t(length));
+  return all.substr(0, all.find_first_of(",\n"));
 }
 
 }  // namespace ringsplat

@@ -9,7 +9,8 @@
 namespace ringsplat {
 
 /// Owns MPI's lifetime and hides mpi.h from its users. The constructor initialises MPI (one thread calls it),
-/// the destructor finalises it.
+/// the destructor finalises it. In a build without MPI (room `alone`) the constructor throws InputError, and
+/// launched() is false for a launcher's only process.
 class MpiSession {
  public:
   MpiSession(int& argc, char**& argv);
@@ -31,6 +32,8 @@ class MpiSession {
 
   /// True when a launcher (mpirun, srun, smpirun …) started this process.
   static bool launched();
+  /// MPI's name and version, as "Open MPI v4.1.4"; empty in a build without it.
+  static std::string library();
 
  private:
   struct State;

@@ -7,9 +7,11 @@
 # add_mpi_test(TARGET NP count... [TIMEOUT seconds] [ARGS argument...])
 #   One CTest entry TARGET_np<count> for each count.
 
-add_library(mpi_test_main OBJECT support/mpi_main.cpp)
-target_link_libraries(mpi_test_main PUBLIC Catch2::Catch2 MPI::MPI_CXX ringsplat_flags)
-target_include_directories(mpi_test_main PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+if(RINGSPLAT_WITH_MPI)
+  add_library(mpi_test_main OBJECT support/mpi_main.cpp)
+  target_link_libraries(mpi_test_main PUBLIC Catch2::Catch2 MPI::MPI_CXX ringsplat_flags)
+  target_include_directories(mpi_test_main PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+endif()
 
 function(add_mpi_test_program target)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})

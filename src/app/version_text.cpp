@@ -1,0 +1,21 @@
+#include "app/version_text.hpp"
+
+#include <vector>
+
+#include "app/option_values.hpp"
+#include "mpi/session.hpp"
+
+namespace ringsplat::app {
+
+std::string version_text() {
+  std::vector<std::string> with, without;
+  const auto add = [&](bool there, const std::string& name) { (there ? with : without).push_back(name); };
+  const std::string mpi = MpiSession::library();
+  add(!mpi.empty(), mpi.empty() ? "MPI" : mpi);
+  std::string text = "ringsplat " RINGSPLAT_VERSION;
+  if (!with.empty()) text += "\nwith " + joined(with, ", ");
+  if (!without.empty()) text += "\nwithout " + joined(without, ", ");
+  return text;
+}
+
+}  // namespace ringsplat::app

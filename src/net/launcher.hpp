@@ -1,0 +1,12 @@
+#pragma once
+#include <optional>
+
+namespace ringsplat {
+
+/// True when a launcher (mpirun, srun …) started this process, by what launchers put into its environment.
+bool started_by_launcher();
+
+/// How many processes that launcher started; nothing when it does not say.
+std::optional<int> launched_processes();
+
+}  // namespace ringsplat
