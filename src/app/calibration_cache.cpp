@@ -10,6 +10,7 @@
 
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "frame/frame_spec_bytes.hpp"
 
 namespace ringsplat::app {
 

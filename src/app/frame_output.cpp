@@ -12,6 +12,7 @@
 #include "app/views.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
 
 namespace ringsplat::app {

@@ -8,7 +8,7 @@
 #include "app/options.hpp"
 #include "mpi/session.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/session/render.hpp"
+#include "session/render.hpp"
 
 namespace ringsplat::app {
 

@@ -15,8 +15,8 @@
 #include "net/loopback.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/session/render.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "session/render.hpp"
 
 /// Settings of the subcommands. option_tables.hpp has the options that set them.
 namespace ringsplat::app {

@@ -3,10 +3,10 @@
 
 #include "app/role_choice.hpp"
 #include "app/transfer_function_option.hpp"
+#include "model/machine.hpp"
+#include "net/collectives.hpp"
+#include "net/transport.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/model/machine.hpp"
-#include "ringsplat/net/collectives.hpp"
-#include "ringsplat/net/transport.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "scene/load.hpp"
 

@@ -16,6 +16,7 @@
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
 #include "volume/synth.hpp"
 

@@ -22,6 +22,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_needs.hpp"
 #include "images/image_io.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"

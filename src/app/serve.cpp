@@ -18,6 +18,7 @@
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
+#include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
 #include "serve/program.hpp"

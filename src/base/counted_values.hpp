@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <span>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/bytes.hpp"
 
 namespace ringsplat {

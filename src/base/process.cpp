@@ -79,4 +79,10 @@ void flush_denormals() { set_float_control(float_control() | flushing); }
 KeptDenormals::KeptDenormals() : before_(float_control()) { set_float_control(before_ & ~flushing); }
 KeptDenormals::~KeptDenormals() { set_float_control(before_); }
 
+PlainFloats::PlainFloats() {
+  std::feholdexcept(&before_);
+  std::fesetenv(FE_DFL_ENV);
+}
+PlainFloats::~PlainFloats() { std::fesetenv(&before_); }
+
 }  // namespace ringsplat

@@ -1,4 +1,5 @@
 #pragma once
+#include <cfenv>
 #include <cstdint>
 #include <string>
 
@@ -36,6 +37,19 @@ class KeptDenormals {
 
  private:
   std::uint64_t before_;  ///< the processor's control register
+};
+
+/// While it lives this thread computes as programs do by default: rounding to nearest, denormals, no traps.
+/// Then the caller's environment is restored, with its flags.
+class PlainFloats {
+ public:
+  PlainFloats();
+  ~PlainFloats();
+  PlainFloats(const PlainFloats&) = delete;
+  PlainFloats& operator=(const PlainFloats&) = delete;
+
+ private:
+  std::fenv_t before_;
 };
 
 }  // namespace ringsplat

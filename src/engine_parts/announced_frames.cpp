@@ -1,5 +1,7 @@
 #include "engine_parts/announced_frames.hpp"
 
+#include "frame/frame_spec_bytes.hpp"
+
 #include <fmt/format.h>
 
 namespace ringsplat {

@@ -3,8 +3,8 @@
 #include <cstring>
 #include <utility>
 
+#include "net/message.hpp"
 #include "raster/opaque_news.hpp"
-#include "ringsplat/net/message.hpp"
 
 namespace ringsplat {
 

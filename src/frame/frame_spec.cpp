@@ -6,6 +6,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "frame/frame_needs.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "screen/regions.hpp"
 

@@ -8,7 +8,9 @@
 #include <variant>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "base/counted_values.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -91,8 +93,8 @@ bool pass(Wire& wire, S& shown) {
   auto& [name, colours, opacities, nan_srgb] = transfer_function;
   auto& [factor, prefilter] = reduction;
   return pass_all(wire, azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, fit,
-                  width, height, name, colours, opacities, nan_srgb, shading, material, light, opacity_correction,
-                  opaque_threshold, factor, prefilter, clip);
+                  width, height, name, colours, opacities, nan_srgb, shading, material, light,
+                  opacity_correction, opaque_threshold, factor, prefilter, clip);
 }
 
 template <class Wire, class S>

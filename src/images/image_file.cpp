@@ -1,4 +1,4 @@
-#include "ringsplat/images/image_file.hpp"
+#include "images/image_file.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>

@@ -12,9 +12,9 @@
 #include <span>
 #include <utility>
 
+#include "images/image_file.hpp"
 #include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/images/image_file.hpp"
 
 namespace ringsplat {
 
@@ -184,6 +184,10 @@ void write_image(const Image& image, const fs::path& file, const std::optional<g
                  const std::string& settings, const Overlay& overlay) {
   check_image_name(file, "the picture", !background);
   write_image_file(file, FilePixels(image, *format_of(file), background, settings, overlay).data);
+}
+
+void write_image(const Image& image, const fs::path& file, const std::optional<glm::dvec3>& background) {
+  write_image(image, file, background, {});
 }
 
 Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,

@@ -9,6 +9,7 @@
 #include "images/drawing.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/image.hpp"
+#include "ringsplat/images/write_image.hpp"
 
 /// Pictures in files, by OpenImageIO: rendered images out, any picture in.
 namespace ringsplat {
@@ -17,11 +18,8 @@ namespace ringsplat {
 /// .tiff .tga .jpg .jpeg). `transparent`: the picture keeps its alpha, which JPEG cannot hold.
 void check_image_name(const std::filesystem::path& file, const std::string& option, bool transparent);
 
-/// .exr: premultiplied linear float32. All others: 8 bits, straight (not premultiplied) sRGB, rounded to
-/// nearest. A background (linear light) is blended behind the picture in linear light; the file then has no
-/// alpha channel. `settings`, a JSON text, becomes the metadata "ImageDescription" and, where the format has
-/// free names, "ringsplat:settings". The overlay lies above all. Nothing in the file depends on when or where
-/// it was made. Throws RunError as OutputFile does, which then leaves an existing file untouched.
+/// The same with `settings`, a JSON text, as the metadata "ImageDescription" and, where the format has free
+/// names, "ringsplat:settings". The overlay lies above all.
 void write_image(const Image& image, const std::filesystem::path& file,
                  const std::optional<glm::dvec3>& background, const std::string& settings,
                  const Overlay& overlay = {});

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/images/image_file.hpp"
+#include "images/image_file.hpp"
 
 namespace ringsplat {
 

@@ -16,9 +16,9 @@
 #include <vector>
 
 #include "base/output_file.hpp"
+#include "images/image_file.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/images/image_file.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,4 +1,4 @@
-#include "ringsplat/model/machine.hpp"
+#include "model/machine.hpp"
 
 #include <fmt/format.h>
 

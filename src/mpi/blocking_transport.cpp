@@ -10,9 +10,10 @@
 #include <new>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "mpi/checked.hpp"
+#include "mpi/connections.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
 namespace {

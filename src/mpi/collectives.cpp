@@ -7,7 +7,7 @@
 
 #include "base/clock.hpp"
 #include "mpi/checked.hpp"
-#include "ringsplat/mpi/communicator.hpp"
+#include "mpi/connections.hpp"
 
 namespace ringsplat {
 namespace {

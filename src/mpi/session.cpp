@@ -12,9 +12,9 @@
 #include "base/clock.hpp"
 #include "model/charge.hpp"
 #include "mpi/checked.hpp"
+#include "mpi/connections.hpp"
 #include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
 

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/net/collectives.hpp"
-#include "ringsplat/net/transport.hpp"
+#include "net/collectives.hpp"
+#include "net/transport.hpp"
 
 namespace ringsplat {
 

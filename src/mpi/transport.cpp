@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "mpi/checked.hpp"
+#include "mpi/connections.hpp"
 #include "mpi/pauses.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
 namespace {

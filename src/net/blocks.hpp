@@ -3,9 +3,10 @@
 
 #include <span>
 
+#include "base/byte_stream.hpp"
+#include "net/collectives.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/collectives.hpp"
 
 namespace ringsplat {
 

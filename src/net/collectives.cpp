@@ -1,4 +1,4 @@
-#include "ringsplat/net/collectives.hpp"
+#include "net/collectives.hpp"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "ringsplat/net/layout.hpp"
+#include "net/layout_nodes.hpp"
 
 #include <fmt/format.h>
 

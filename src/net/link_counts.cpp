@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

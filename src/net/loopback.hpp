@@ -2,8 +2,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "ringsplat/net/loopback_options.hpp"
-#include "ringsplat/net/transport.hpp"
+#include "net/loopback_options.hpp"
+#include "net/transport.hpp"
 
 namespace ringsplat {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/net/layout.hpp"
+#include "net/layout_nodes.hpp"
 
 /// The mesh of Neumann 1992, section 3.1, as pure functions of the layout, the same on every rank.
 ///

@@ -9,7 +9,7 @@
 
 #include "net/link_counts.hpp"
 #include "net/mesh.hpp"
-#include "ringsplat/net/transport.hpp"
+#include "net/transport.hpp"
 
 namespace ringsplat {
 

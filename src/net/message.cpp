@@ -1,4 +1,4 @@
-#include "ringsplat/net/message.hpp"
+#include "net/message.hpp"
 
 #include <fmt/format.h>
 

@@ -7,6 +7,7 @@
 #include <map>
 #include <utility>
 
+#include "base/byte_stream.hpp"
 #include "base/fingerprint.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"

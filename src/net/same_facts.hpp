@@ -3,8 +3,8 @@
 #include <span>
 #include <string>
 
+#include "net/collectives.hpp"
 #include "ringsplat/base/fact.hpp"
-#include "ringsplat/net/collectives.hpp"
 
 namespace ringsplat {
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "record/stats.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/base/bytes.hpp"

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/byte_stream.hpp"
 #include "base/clock.hpp"
 #include "ringsplat/base/error.hpp"
 

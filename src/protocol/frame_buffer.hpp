@@ -6,7 +6,7 @@
 
 #include "protocol/frame_source.hpp"
 #include "protocol/node.hpp"
-#include "ringsplat/protocol/protocol_options.hpp"
+#include "protocol/protocol_options.hpp"
 
 namespace ringsplat {
 

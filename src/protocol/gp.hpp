@@ -4,8 +4,8 @@
 
 #include "protocol/gp_frame.hpp"
 #include "protocol/node.hpp"
+#include "protocol/protocol_options.hpp"
 #include "record/node_book.hpp"
-#include "ringsplat/protocol/protocol_options.hpp"
 
 namespace ringsplat {
 

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "net/message.hpp"
 #include "protocol/engine.hpp"
-#include "ringsplat/net/message.hpp"
 
 namespace ringsplat {
 

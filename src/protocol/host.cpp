@@ -4,8 +4,10 @@
 
 #include <algorithm>
 
+#include "base/byte_stream.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
+#include "net/layout_nodes.hpp"
 #include "protocol/frame_buffer.hpp"
 #include "protocol/gp.hpp"
 #include "protocol/renderer.hpp"

@@ -9,10 +9,10 @@
 
 #include "net/mesh_lock_step.hpp"
 #include "net/mesh_router.hpp"
+#include "net/transport.hpp"
 #include "protocol/frame_source.hpp"
 #include "protocol/node.hpp"
-#include "ringsplat/net/transport.hpp"
-#include "ringsplat/protocol/protocol_options.hpp"
+#include "protocol/protocol_options.hpp"
 
 namespace ringsplat {
 

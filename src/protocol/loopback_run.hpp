@@ -5,8 +5,8 @@
 #include "net/loopback.hpp"
 #include "protocol/engine.hpp"
 #include "protocol/frame_source.hpp"
+#include "protocol/protocol_options.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/protocol/protocol_options.hpp"
 
 namespace ringsplat {
 

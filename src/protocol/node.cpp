@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "base/byte_stream.hpp"
 #include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "net/layout_nodes.hpp"
 #include "protocol/engine.hpp"
-#include "ringsplat/net/layout.hpp"
 
 namespace ringsplat {
 

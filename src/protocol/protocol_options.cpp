@@ -1,4 +1,4 @@
-#include "ringsplat/protocol/protocol_options.hpp"
+#include "protocol/protocol_options.hpp"
 
 #include <fmt/format.h>
 

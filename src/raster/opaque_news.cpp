@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

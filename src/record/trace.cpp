@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/byte_stream.hpp"
 #include "base/clock.hpp"
 #include "base/counted_values.hpp"
 #include "base/process.hpp"

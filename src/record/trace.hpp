@@ -3,8 +3,8 @@
 #include <map>
 #include <vector>
 
-#include "ringsplat/net/collectives.hpp"
-#include "ringsplat/net/message.hpp"
+#include "net/collectives.hpp"
+#include "net/message.hpp"
 
 namespace ringsplat {
 

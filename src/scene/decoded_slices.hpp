@@ -2,7 +2,7 @@
 #include <functional>
 #include <map>
 
-#include "ringsplat/net/collectives.hpp"
+#include "net/collectives.hpp"
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/net/collectives.hpp"
+#include "net/collectives.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/voxel_box.hpp"

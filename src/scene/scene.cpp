@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "ringsplat/volume/reduced.hpp"
+#include "scene/dealer.hpp"
 
 namespace ringsplat {
 namespace {
@@ -65,6 +66,41 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
                 gps_of_process, collectives);
       begun += share;
     }
+  return scene;
+}
+
+Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores, const LoadOptions& options,
+                       int gps, const std::vector<std::vector<int>>& gps_of_process,
+                       Collectives& collectives) {
+  if (options.clip) check(*options.clip, grid);
+  Scene scene;
+  scene.grid = grid;
+  const auto deal = [&](const Reduction& reduction) {
+    LoadOptions of_level = options;
+    if (options.clip) of_level.clip = reduced_box(*options.clip, grid, reduction);
+    const auto supply = stored_supply(grid, stores, gps, reduction, collectives);
+    const auto* known = reduction.factor == 1 ? &stores : nullptr;
+    auto dealt = deal_slices(reduced_grid(grid, reduction), *supply, {of_level, gps, gps_of_process, known},
+                             collectives);
+    share_ranges(dealt, options, gps, gps_of_process, collectives);
+    return dealt;
+  };
+  const auto asked = [&](int factor) {
+    return std::find(options.factors.begin(), options.factors.end(), factor) != options.factors.end();
+  };
+  const bool more_than_z = options.with_normals || options.kept_axes[0] || options.kept_axes[1];
+  if (asked(1) && more_than_z) {
+    scene.stores = deal({});
+  } else {
+    const std::array<bool, 3> kept{false, false, asked(1) && options.kept_axes[2]};
+    for (const auto& [gp, store] : stores)
+      scene.stores.emplace(gp, SliceStore(grid, gp, gps, kept, false, &store));
+    if (asked(1)) share_ranges(scene.stores, options, gps, gps_of_process, collectives);
+  }
+  for (const int factor : options.factors)
+    if (factor > 1)
+      for (auto& [gp, level] : deal({factor, options.prefilter}))
+        scene.stores.at(gp).add_level(factor, std::move(level));
   return scene;
 }
 

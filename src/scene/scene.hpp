@@ -18,4 +18,10 @@ struct Scene {
 Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
 
+/// The scene of a volume whose z slices are dealt already; their values are shared, not copied. The other
+/// axes' slices, normals and levels come by exchange. `values` are left to the caller.
+Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores, const LoadOptions& options,
+                       int gps, const std::vector<std::vector<int>>& gps_of_process,
+                       Collectives& collectives);
+
 }  // namespace ringsplat

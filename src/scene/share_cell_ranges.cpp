@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "net/blocks.hpp"
 #include "scene/load.hpp"
 #include "volume/cell_ranges.hpp"

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "classify/srgb.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/viewer_texts.hpp"

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/client_message.hpp"

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/audience.hpp"
 #include "serve/client_message.hpp"

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 
 namespace ringsplat {
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <string>
 
+#include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "sheet_engine/sheet_engine.hpp"

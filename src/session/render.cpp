@@ -1,4 +1,4 @@
-#include "ringsplat/session/render.hpp"
+#include "session/render.hpp"
 
 #include <fmt/format.h>
 
@@ -7,6 +7,7 @@
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
 #include "net/same_facts.hpp"
 #include "protocol/host.hpp"
@@ -22,15 +23,6 @@
 
 namespace ringsplat {
 namespace {
-
-std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
-  std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
-  for (int gp = 0; gp < layout.gps; ++gp) {
-    const int rank = wiring.transport != nullptr ? layout.rank_of({Role::gp, gp}) : 0;
-    gps[std::size_t(rank)].push_back(gp);
-  }
-  return gps;
-}
 
 std::string text_of(const VoxelBox& box) {
   return fmt::format("{}:{},{}:{},{}:{}", box.first.x, box.end.x, box.first.y, box.end.y, box.first.z,
@@ -61,6 +53,17 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
   return facts;
 }
 
+}  // namespace
+
+std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
+  std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
+  for (int gp = 0; gp < layout.gps; ++gp) {
+    const int rank = wiring.transport != nullptr ? layout.rank_of({Role::gp, gp}) : 0;
+    gps[std::size_t(rank)].push_back(gp);
+  }
+  return gps;
+}
+
 void check_wiring(const Layout& layout, const Wiring& wiring) {
   check(layout);
   if (wiring.transport == nullptr || wiring.transport->ranks() == layout.ranks()) return;
@@ -70,7 +73,11 @@ void check_wiring(const Layout& layout, const Wiring& wiring) {
       fmt::format("start it with mpirun -n {}, or change --gps and --renderers", layout.ranks()));
 }
 
-}  // namespace
+void require_same_scene(const Grid& grid, const LoadOptions& options, const Layout& layout,
+                        const Wiring& wiring) {
+  require_same(wiring.collectives, facts_of(grid, options, layout), "was given another scene to load",
+               "every process must pass the same grid, options and layout, and run the same build");
+}
 
 std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height,
                                 const std::optional<VoxelBox>& clip) {
@@ -91,8 +98,7 @@ LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
 
 Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout& layout,
                  const Wiring& wiring) {
-  require_same(wiring.collectives, facts_of(volume.grid, options, layout), "was given another scene to load",
-               "every process must pass the same grid, options and layout, and run the same build");
+  require_same_scene(volume.grid, options, layout, wiring);
   check_wiring(layout, wiring);
   return deal_scene(volume, options, layout.gps, gps_by_process(layout, wiring), wiring.collectives);
 }

@@ -2,9 +2,9 @@
 #include <array>
 #include <vector>
 
-#include "ringsplat/session/render.hpp"
 #include "scene/scene.hpp"
 #include "session/director.hpp"
+#include "session/render.hpp"
 
 namespace ringsplat {
 
@@ -17,6 +17,17 @@ LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 
 /// Throws the InputError with which ranks would refuse to draw a frame of this volume. Costs no voxel.
 void check_frame(const FrameSpec& spec, const Grid& grid);
+
+/// The GPs that each process hosts.
+std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring);
+
+/// Throws InputError when the layout is none, or is for another number of ranks.
+void check_wiring(const Layout& layout, const Wiring& wiring);
+
+/// Throws InputError on all processes, with the name of one that differs, unless all mean the same scene and
+/// run the same build. Collective.
+void require_same_scene(const Grid& grid, const LoadOptions& options, const Layout& layout,
+                        const Wiring& wiring);
 
 /// Deals an opened volume's slices and gathers its range and histogram. All processes call it, with the same
 /// grid, options and layout; otherwise all throw the same InputError that names a process that differs.

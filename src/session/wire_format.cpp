@@ -6,11 +6,12 @@
 #include <cstdint>
 #include <numeric>
 
+#include "frame/frame_spec_bytes.hpp"
 #include "net/link_counts.hpp"
+#include "net/message.hpp"
 #include "record/stats.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/net/message.hpp"
 #include "session/wire_hash.hpp"
 #include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"

@@ -4,9 +4,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "engine_parts/checks.hpp"
+#include "net/message.hpp"
 #include "raster/opaque_news.hpp"
-#include "ringsplat/net/message.hpp"
 #include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "volume/cell_ranges.hpp"

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "model/charge.hpp"
-#include "ringsplat/net/message.hpp"
+#include "net/message.hpp"
 #include "simulate/engine_decorator.hpp"
 
 namespace ringsplat {

@@ -1,8 +1,8 @@
 #pragma once
 #include <memory>
 
+#include "model/machine.hpp"
 #include "protocol/engine.hpp"
-#include "ringsplat/model/machine.hpp"
 
 namespace ringsplat {
 

@@ -1,7 +1,7 @@
 #pragma once
 #include "model/charge.hpp"
-#include "ringsplat/model/machine.hpp"
-#include "ringsplat/net/transport.hpp"
+#include "model/machine.hpp"
+#include "net/transport.hpp"
 
 namespace ringsplat {
 

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <map>
 
+#include "base/byte_stream.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 #include "simulate/engine_decorator.hpp"
 
 namespace ringsplat {

@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 
 #include "base/bit_runs.hpp"
+#include "base/byte_stream.hpp"
 #include "splat/voxel_run.hpp"
 #include "splat_engine/row_band.hpp"
 #include "splat_engine/voxel_form.hpp"

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/voxel_run.hpp"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/splat.hpp"

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {

@@ -40,10 +40,12 @@ void gather(const T* values, const Grid& grid, Axis axis, int gp, int gps, std::
 
 /// Large pages must be asked for before the memory is used.
 template <class T>
-void allocate(std::vector<T>& values, std::size_t count) {
-  values.reserve(count);
-  prefer_huge_pages(values.data(), count * sizeof(T));
-  values.resize(count);
+std::shared_ptr<std::vector<T>> allocated(std::size_t count) {
+  auto values = std::make_shared<std::vector<T>>();
+  values->reserve(count);
+  prefer_huge_pages(values->data(), count * sizeof(T));
+  values->resize(count);
+  return values;
 }
 
 void require_crossing(Axis axis) {
@@ -52,7 +54,8 @@ void require_crossing(Axis axis) {
 
 }  // namespace
 
-SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals)
+SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals,
+                       const SliceStore* known)
     : grid_(grid),
       gp_(gp),
       gps_(gps),
@@ -64,8 +67,9 @@ SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> ke
     if (!keeps(axis)) continue;
     const auto voxels = std::size_t(owned_count(grid.slices(axis), gp, gps)) * grid.slice_voxels(axis);
     auto& set = sets_[std::size_t(axis)];
-    allocate(set.values, voxels * size_of(grid.type));
-    if (with_normals) allocate(set.normals, voxels);
+    set.values = known != nullptr && known->keeps(axis) ? known->sets_[std::size_t(axis)].values
+                                                        : allocated<std::byte>(voxels * size_of(grid.type));
+    if (with_normals) set.normals = allocated<std::uint16_t>(voxels);
   }
 }
 
@@ -76,8 +80,8 @@ SliceView SliceStore::slice(Axis axis, int index) const {
           grid_.slice_width(axis),
           grid_.slice_height(axis),
           grid_.type,
-          set.values.data() + local(index) * grid_.slice_bytes(axis),
-          with_normals_ ? set.normals.data() + local(index) * grid_.slice_voxels(axis) : nullptr};
+          set.values->data() + local(index) * grid_.slice_bytes(axis),
+          with_normals_ ? set.normals->data() + local(index) * grid_.slice_voxels(axis) : nullptr};
 }
 
 SliceView SliceStore::slice(Axis axis, int index, const VoxelBox& box) const {
@@ -95,13 +99,13 @@ SliceView SliceStore::slice(Axis axis, int index, const VoxelBox& box) const {
 
 std::span<std::byte> SliceStore::values(Axis axis, int index) {
   const auto bytes = grid_.slice_bytes(axis);
-  return std::span(sets_[std::size_t(axis)].values).subspan(local(index) * bytes, bytes);
+  return std::span(*sets_[std::size_t(axis)].values).subspan(local(index) * bytes, bytes);
 }
 
 std::span<std::uint16_t> SliceStore::normals(Axis axis, int index) {
   if (!with_normals_) return {};
   const auto voxels = grid_.slice_voxels(axis);
-  return std::span(sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
+  return std::span(*sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
 }
 
 std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
@@ -116,8 +120,10 @@ std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, int gps, std::a
 
 std::uint64_t SliceStore::allocated_bytes() const {
   std::uint64_t bytes = 0;
-  for (const auto& set : sets_)
-    bytes += set.values.capacity() + set.normals.capacity() * sizeof(std::uint16_t);
+  for (const auto& [values, normals] : sets_) {
+    if (values) bytes += values->capacity();
+    if (normals) bytes += normals->capacity() * sizeof(std::uint16_t);
+  }
   for (const auto& [factor, level] : levels_) bytes += level.allocated_bytes();
   return bytes;
 }

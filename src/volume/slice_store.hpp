@@ -36,11 +36,14 @@ class SliceRanges;
 class CellRanges;
 
 /// GP `g` of `G` owns slices s ≡ g (mod G) of every kept axis (Neumann 1992, section 3: a static,
-/// interleaved slab distribution). Owns its memory; slices start out zero.
+/// interleaved slab distribution). Slices start out zero. Copies share their memory.
 class SliceStore {
  public:
   SliceStore() = default;
-  SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals);
+  /// Takes over the values, not the normals, of axes that `known`, the same GP's store of the same volume,
+  /// keeps.
+  SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals,
+             const SliceStore* known = nullptr);
 
   const Grid& grid() const { return grid_; }
   bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
@@ -89,8 +92,8 @@ class SliceStore {
 
  private:
   struct Set {
-    std::vector<std::byte> values;
-    std::vector<std::uint16_t> normals;
+    std::shared_ptr<std::vector<std::byte>> values;
+    std::shared_ptr<std::vector<std::uint16_t>> normals;
   };
   std::size_t local(int index) const { return std::size_t(index / gps_); }
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "ringsplat/images/image_file.hpp"
+#include "images/image_file.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "volume/channels.hpp"
 

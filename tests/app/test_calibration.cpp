@@ -7,7 +7,7 @@
 #include "app/calibration_cache.hpp"
 #include "app/program_runner.hpp"
 #include "frame/frame_geometry.hpp"
-#include "ringsplat/session/render.hpp"
+#include "session/render.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

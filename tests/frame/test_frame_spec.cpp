@@ -2,6 +2,7 @@
 #include <glm/common.hpp>
 
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "support/catch.hpp"

@@ -1,16 +1,18 @@
 // Messages between ranks while they render: headers, announcements, payloads, news and reports.
 #include <stdexcept>
 
+#include "base/byte_stream.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "fuzz/small_scene.hpp"
+#include "net/layout_nodes.hpp"
 #include "net/link_counts.hpp"
+#include "net/message.hpp"
 #include "record/trace.hpp"
 #include "record/trace_json.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/layout.hpp"
-#include "ringsplat/net/message.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {

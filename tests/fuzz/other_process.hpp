@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "fuzz/driver.hpp"
-#include "ringsplat/net/collectives.hpp"
+#include "net/collectives.hpp"
 
 namespace ringsplat::fuzz {
 

@@ -3,7 +3,8 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "ringsplat/net/message.hpp"
+#include "frame/frame_spec_bytes.hpp"
+#include "net/message.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {

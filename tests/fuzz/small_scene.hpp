@@ -4,6 +4,7 @@
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
 #include "frame/frame_geometry.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "volume/slice_store.hpp"
 

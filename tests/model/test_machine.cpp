@@ -1,8 +1,8 @@
 #include <filesystem>
 
 #include "model/charge.hpp"
+#include "model/machine.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/model/machine.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
-#include "ringsplat/mpi/communicator.hpp"
+#include "mpi/connections.hpp"
 #include "support/catch.hpp"
 #include "support/views.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <array>
 
+#include "mpi/connections.hpp"
 #include "net/mesh.hpp"
-#include "ringsplat/mpi/communicator.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "mpi/connections.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/mpi/communicator.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,8 +1,8 @@
 #include <functional>
 #include <set>
 
+#include "net/layout_nodes.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/layout.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

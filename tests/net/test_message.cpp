@@ -1,8 +1,8 @@
 #include <cstddef>
 
+#include "net/layout_nodes.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/layout.hpp"
-#include "ringsplat/net/message.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

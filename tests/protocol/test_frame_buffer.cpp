@@ -3,6 +3,7 @@
 #include <chrono>
 #include <thread>
 
+#include "base/byte_stream.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 

@@ -1,3 +1,4 @@
+#include "base/byte_stream.hpp"
 #include "net/mesh.hpp"
 #include "protocol/gp.hpp"
 #include "support/catch.hpp"

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <deque>
 
+#include "base/byte_stream.hpp"
 #include "net/loopback.hpp"
 #include "net/mesh.hpp"
 #include "support/catch.hpp"

@@ -1,3 +1,4 @@
+#include "base/byte_stream.hpp"
 #include "protocol/renderer.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"

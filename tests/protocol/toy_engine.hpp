@@ -7,11 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_stream.hpp"
+#include "net/message.hpp"
 #include "protocol/engine.hpp"
 #include "protocol/frame_source.hpp"
 #include "protocol/node.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 
 namespace ringsplat::test {
 

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "base/byte_stream.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "ringsplat/net/collectives.hpp"
-#include "ringsplat/session/render.hpp"
+#include "net/collectives.hpp"
+#include "session/render.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

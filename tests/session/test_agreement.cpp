@@ -1,5 +1,5 @@
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/session/render.hpp"
+#include "session/render.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "classify/empty_space.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 #include "splat_engine/row_bounds.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"

@@ -2,8 +2,8 @@
 #include <random>
 
 #include "base/thread_team.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"

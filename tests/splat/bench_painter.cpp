@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <vector>
 
+#include "base/byte_stream.hpp"
 #include "base/process.hpp"
 #include "raster/vector_targets.hpp"
 #include "ringsplat/base/bytes.hpp"

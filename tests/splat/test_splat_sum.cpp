@@ -3,6 +3,7 @@
 #include <limits>
 #include <random>
 
+#include "base/byte_stream.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "splat/reference_painter.hpp"
 #include "splat/scene.hpp"

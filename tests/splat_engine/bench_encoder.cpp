@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "classify/empty_space.hpp"
-#include "ringsplat/net/message.hpp"
+#include "net/message.hpp"
 #include "session/render_frames.hpp"
 #include "splat_engine/splat_engine.hpp"
 

@@ -1,6 +1,7 @@
 // Frames and payloads that no rank of this build sends. tests/fuzz makes many more.
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"

@@ -6,9 +6,9 @@
 
 #include "classify/empty_space.hpp"
 #include "frame/frame_geometry.hpp"
+#include "net/message.hpp"
 #include "raster/opaque_news.hpp"
 #include "ringsplat/base/error.hpp"
-#include "ringsplat/net/message.hpp"
 #include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"
 #include "splat_engine/splat_engine.hpp"

@@ -1,5 +1,5 @@
 #include "engine_parts/picture_canvas.hpp"
-#include "ringsplat/net/message.hpp"
+#include "net/message.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
 #include "support/views.hpp"
@@ -17,8 +17,8 @@ TEST_CASE("pixels for which no tile comes are empty, whatever their memory held"
   REQUIRE(tiles.size() > 2);
   for (int round = 0; round < 8; ++round) {
     Image picture;
-    const auto canvas =
-        make_picture_canvas(frame->number, frame->shown, {frame, &frame->geometry}, [&](std::int64_t, Image&& image) { picture = std::move(image); });
+    const auto canvas = make_picture_canvas(frame->number, frame->shown, {frame, &frame->geometry},
+                                            [&](std::int64_t, Image&& image) { picture = std::move(image); });
     // All tiles, whose values then remain in freed memory, and next a single tile.
     const std::size_t some = round % 2 == 0 ? tiles.size() : 1;
     float expected = 0;

@@ -7,7 +7,7 @@
 #include <thread>
 #include <vector>
 
-#include "ringsplat/net/collectives.hpp"
+#include "net/collectives.hpp"
 
 namespace ringsplat::test {
 

@@ -2,11 +2,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <variant>
 
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/classify/material.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
@@ -107,25 +105,11 @@ struct FrameSpec {
   }
 };
 
-/// What GPs must know of their slices to draw a frame: voxels' normals for lit splats; for sheets, ranges of
-/// what lies between voxels.
-bool needs_normals(const FrameSpec& spec);
-bool needs_cell_ranges(const FrameSpec& spec);
-
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
 /// zero, a threshold outside [0, 1), words with less than float precision, a projection that the method has
 /// not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);
-
-/// Exact bytes and back, for ranks of one build. decode_frame_spec() throws RunError when they are no
-/// FrameSpec; check() tells whether its values make sense.
-Bytes encode(const FrameSpec& spec);
-FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
-/// The name of an encoded frame's method.
-std::string method_of(std::span<const std::byte> bytes);
-/// As JSON text, for --stats and image metadata.
-std::string to_json_text(const FrameSpec& spec);
 
 }  // namespace ringsplat

@@ -1,24 +1,14 @@
 #pragma once
 #include <mpi.h>
 
-#include <memory>
-
-#include "ringsplat/net/collectives.hpp"
-#include "ringsplat/net/transport.hpp"
+#include "ringsplat/net/processes.hpp"
 
 namespace ringsplat {
 
-/// Largest number of bytes in one MPI message; longer ones go in parts, since counts are `int`.
-inline constexpr std::size_t largest_mpi_part = std::size_t{1} << 30;
-
-/// Both duplicate `comm` (a collective call) and return errors as exceptions (RunError). All ranks
-/// must give the same `largest_part` (at least a header's size); tests use small ones.
-std::unique_ptr<Transport> make_mpi_transport(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
-std::unique_ptr<Collectives> make_mpi_collectives(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
-
-/// A transport that waits in MPI itself, for simulated ranks. Throws RunError for a message of more than
-/// `largest_message` bytes; that much address space, but no memory, is reserved for each receive.
-std::unique_ptr<Transport> make_blocking_transport(MPI_Comm comm,
-                                                   std::size_t largest_message = std::size_t{64} << 20);
+/// Lets Session and Processes be made of an MPI_Comm. MPI must be initialised, with MPI_THREAD_FUNNELED or
+/// more where threads_per_rank is above 1, and finalised after the object is gone. What goes wrong in MPI is
+/// thrown as RunError; the communicator and its error handler stay as they are.
+template <>
+Processes connected<MPI_Comm>(MPI_Comm comm);
 
 }  // namespace ringsplat

@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "ringsplat/net/message.hpp"
-
 namespace ringsplat {
+
+struct NodeId;
 
 enum class Topology { ring, mesh };
 enum class Placement { dedicated, colocated };
@@ -41,10 +41,5 @@ Layout mesh_layout(int columns, int rows, int renderers, Routing routing = Routi
 /// Throws InputError naming the option: a count below 1; a mesh without a shape, with a shape that its GPs do
 /// not fill, with more Renderers than row ends, or with Renderers on the GPs' ranks.
 void check(const Layout& layout);
-/// Throws RunError, naming the sender, when a header names nodes that the layout does not have.
-void check(const Header& header, const Layout& layout);
-
-/// The ranks to which `rank` passes an announcement that starts at rank 0 (binomial tree).
-std::vector<int> announcement_children(int rank, int ranks);
 
 }  // namespace ringsplat

@@ -6,7 +6,7 @@
 #include <cstring>
 #include <utility>
 
-#include "ringsplat/net/message.hpp"
+#include "net/message.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {

@@ -3,7 +3,7 @@
 #include <functional>
 #include <optional>
 
-#include "ringsplat/net/message.hpp"
+#include "net/message.hpp"
 
 namespace ringsplat {
 

@@ -2,14 +2,14 @@
 #include <optional>
 #include <span>
 
+#include "model/machine.hpp"
+#include "net/collectives.hpp"
+#include "net/loopback_options.hpp"
+#include "net/transport.hpp"
+#include "protocol/protocol_options.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/model/machine.hpp"
-#include "ringsplat/net/collectives.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/net/loopback_options.hpp"
-#include "ringsplat/net/transport.hpp"
-#include "ringsplat/protocol/protocol_options.hpp"
 
 namespace ringsplat {
 

@@ -1,0 +1,91 @@
+#pragma once
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "ringsplat/base/image.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/net/layout.hpp"
+#include "ringsplat/net/processes.hpp"
+#include "ringsplat/volume/grid.hpp"
+#include "ringsplat/volume/statistics.hpp"
+#include "ringsplat/volume/strides.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
+
+namespace ringsplat {
+
+struct SessionOptions {
+  int threads_per_rank = 1;   ///< threads that share a rank's work; they never call MPI
+  double stall_timeout = 60;  ///< seconds without progress before a frame fails
+};
+
+/// Renders a volume that lies in blocks on the processes of a job, as often as wanted.
+///
+///     ringsplat::Session session(comm);
+///     session.set_grid(grid);
+///     session.add_block(extent, pointer, strides);
+///     session.commit();
+///     ringsplat::Image image = session.render(spec);
+///
+/// The picture has the same bits for any blocks, ranks and layout, and those of `ringsplat render` for the
+/// same volume in a file.
+///
+/// commit(), values() and render() are collective: all processes make the same calls in the same order. What
+/// one of them gets wrong is thrown as the same InputError on all; the session can be used on, with the
+/// volume that was committed last. After a RunError (a rank is lost, or stalls) it cannot.
+///
+/// Calls leave as they were: the communicator and its error handler, signal handlers, and the thread's
+/// floating point environment (rounding, traps, flags, denormals).
+class Session {
+ public:
+  /// `processes`: an MPI_Comm, or nothing for this process alone. Collective. Without a layout every rank
+  /// hosts a GP and a Renderer.
+  explicit Session(Processes processes = {}, const std::optional<Layout>& layout = std::nullopt,
+                   const SessionOptions& options = {});
+  ~Session();
+  Session(Session&&) noexcept;
+  Session& operator=(Session&&) noexcept;
+
+  int rank() const;
+  int ranks() const;
+
+  /// The whole volume's lattice and type, the same on all processes. Removes the blocks.
+  void set_grid(const Grid& grid);
+  /// Adds one of this process's blocks: the voxels `extent` of the grid, without ghosts. `first_voxel` is
+  /// that of extent.first, a scalar of the grid's type in native byte order; without strides x is the fastest
+  /// and there are no gaps. Nothing is read before commit(), which the memory must outlive. Returns the
+  /// block's number, from 0.
+  int add_block(const VoxelBox& extent, const void* first_voxel,
+                const std::optional<Strides>& strides = std::nullopt);
+  /// Where the block's voxels of the next time step lie. Without it commit() reads them again where they
+  /// were. Throws InputError when there is no such block.
+  void update_block(int block, const void* first_voxel);
+  /// Removes this process's blocks.
+  void clear_blocks();
+
+  /// Reads all blocks and hands their voxels to the GPs that own their slices. Blocks must cover the grid
+  /// exactly once; else the error names a hole, or the blocks that overlap and where. A process holds at most
+  /// its blocks, its slices and 8 MiB of messages in either direction.
+  void commit();
+
+  /// The smallest and the largest finite value of the committed volume, and how many there are.
+  ValueRange range();
+  /// A transfer function for the committed volume: a preset by name (preset_names()), or "auto".
+  TransferFunction transfer_function(const std::string& name);
+
+  /// Draws the committed volume; the frame is rank 0's, the others may pass anything. The image is returned
+  /// on rank 0; elsewhere it is empty. What a view needs and none before did (another axis' slices, normals)
+  /// is made by its first frame and kept until the next commit().
+  Image render(const FrameSpec& frame);
+  /// Draws one frame after another and hands rank 0 each image as soon as it is finished; faster than single
+  /// calls, as frames overlap.
+  void render(const std::vector<FrameSpec>& frames, const std::function<void(Image&&)>& take);
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace ringsplat

@@ -1,0 +1,19 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <glm/vec3.hpp>
+
+namespace ringsplat {
+
+/// Bytes from a voxel to its neighbour along each axis, in any order; negative ones go backwards.
+struct Strides {
+  std::int64_t x = 0, y = 0, z = 0;
+  bool operator==(const Strides&) const = default;
+};
+
+/// Of an array of `dims` voxels of `bytes` each without gaps: x the fastest (Fortran's order of an array (x,
+/// y, z), C's of [z][y][x]), or z the fastest (C's order of an array [x][y][z]).
+Strides x_fastest(const glm::ivec3& dims, std::size_t bytes);
+Strides z_fastest(const glm::ivec3& dims, std::size_t bytes);
+
+}  // namespace ringsplat

@@ -1,0 +1,20 @@
+#pragma once
+#include <cstddef>
+#include <span>
+#include <string>
+
+#include "ringsplat/base/bytes.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+
+namespace ringsplat {
+
+/// Exact bytes and back, for ranks of one build. decode_frame_spec() throws RunError when they are no
+/// FrameSpec; check() tells whether its values make sense.
+Bytes encode(const FrameSpec& spec);
+FrameSpec decode_frame_spec(std::span<const std::byte> bytes);
+/// The name of an encoded frame's method.
+std::string method_of(std::span<const std::byte> bytes);
+/// As JSON text, for --stats and image metadata.
+std::string to_json_text(const FrameSpec& spec);
+
+}  // namespace ringsplat

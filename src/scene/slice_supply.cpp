@@ -1,0 +1,224 @@
+#include "scene/slice_supply.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "base/byte_stream.hpp"
+#include "net/blocks.hpp"
+#include "ringsplat/base/error.hpp"
+#include "scene/decoded_slices.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr const char* builds_differ = "all ranks must run the same build";
+
+class ReadingSupply final : public SliceSupply {
+ public:
+  explicit ReadingSupply(VolumeSource& source) : source_(source) {}
+
+  int available_from(int) override { return source_.grid().dims.z; }
+  void hand_out(int first, int, const Needed&) override {
+    read_.erase(read_.begin(), read_.lower_bound(first));
+  }
+  const std::byte* slice(int z) override {
+    if (const auto found = read_.find(z); found != read_.end()) return found->second.data();
+    Block slice(source_.grid().slice_bytes(Axis::z));
+    source_.read_slices(z, 1, slice);
+    return read_.emplace(z, std::move(slice)).first->second.data();
+  }
+
+ private:
+  VolumeSource& source_;
+  std::map<int, Block> read_;
+};
+
+/// Whoever holds a slice sends it to those that need it.
+class SendingSupply : public SliceSupply {
+ public:
+  SendingSupply(const Grid& grid, Collectives& collectives)
+      : slice_bytes_(grid.slice_bytes(Axis::z)), slices_(grid.dims.z), collectives_(collectives) {}
+
+  void hand_out(int first, int end, const Needed& needed) final {
+    std::vector<Block> out(std::size_t(collectives_.processes()));
+    for (int z = first; z < end; ++z) {
+      const std::byte* slice = held(z);
+      for (int p = 0; slice != nullptr && p < collectives_.processes(); ++p) {
+        if (p == collectives_.process() || !needed(p, z)) continue;
+        Block& block = out[std::size_t(p)];
+        const auto number = std::as_bytes(std::span(&z, 1));
+        block.insert(block.end(), number.begin(), number.end());
+        block.insert(block.end(), slice, slice + slice_bytes_);
+      }
+    }
+    received_.clear();
+    for (const auto& in : collectives_.all_to_all(std::move(out))) receive(in);
+  }
+
+  const std::byte* slice(int z) final {
+    if (const std::byte* own = held(z)) return own;
+    const auto found = received_.find(z);
+    if (found == received_.end())
+      throw RunError(fmt::format("no rank handed out slice {}", z), builds_differ);
+    return found->second.data();
+  }
+
+ protected:
+  /// Null when this process has not got it.
+  virtual const std::byte* held(int z) = 0;
+  int slices() const { return slices_; }
+  Collectives& collectives() { return collectives_; }
+
+ private:
+  void receive(const Block& in) {
+    for (std::size_t at = 0; at < in.size(); at += slice_bytes_) {
+      int z = 0;
+      if (!take(in, at, z) || in.size() - at < slice_bytes_)
+        throw RunError("a volume exchange message is too short", builds_differ);
+      const auto begin = in.begin() + std::ptrdiff_t(at);
+      received_[z].assign(begin, begin + std::ptrdiff_t(slice_bytes_));
+    }
+  }
+
+  std::size_t slice_bytes_;
+  int slices_;
+  Collectives& collectives_;
+  std::map<int, Block> received_;  ///< for the batch
+};
+
+class DecodingSupply final : public SendingSupply {
+ public:
+  DecodingSupply(VolumeSource* source, const Grid& grid, int slab_depth, int readers,
+                 std::function<void(double)> told, Collectives& all)
+      : SendingSupply(grid, all),
+        decoded_(source, grid, slab_depth, all.process(), readers, batch_of(grid)),
+        told_(std::move(told)) {}
+
+  int available_from(int z) override {
+    // The last decoded slice lacks its neighbour.
+    const auto end = [&] { return decoded_.end() == slices() ? slices() : decoded_.end() - 1; };
+    while (end() <= z) {
+      std::string error;
+      try {
+        decoded_.decode_group(z - 1, told_);
+      } catch (const InputError& e) {
+        error = e.what();
+      }
+      agree(collectives(), error);
+    }
+    return end();
+  }
+
+ private:
+  const std::byte* held(int z) override { return decoded_.find(z); }
+
+  DecodedSlices decoded_;
+  std::function<void(double)> told_;
+};
+
+class StoredSupply final : public SendingSupply {
+ public:
+  StoredSupply(const Grid& grid, const std::map<int, SliceStore>& stores, int gps, Collectives& all)
+      : SendingSupply(grid, all), stores_(stores), gps_(gps) {}
+  int available_from(int) override { return slices(); }
+
+ private:
+  const std::byte* held(int z) override {
+    const auto store = stores_.find(SliceStore::owner_of(z, gps_));
+    return store == stores_.end() ? nullptr : store->second.slice(Axis::z, z).values;
+  }
+
+  const std::map<int, SliceStore>& stores_;
+  int gps_;
+};
+
+/// Reads a supply's batch.
+class SuppliedSource final : public VolumeSource {
+ public:
+  SuppliedSource(const Grid& grid, SliceSupply& supply) : grid_(grid), supply_(supply) {}
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return true; }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const std::size_t bytes = grid_.slice_bytes(Axis::z);
+    for (int k = 0; k < count; ++k)
+      std::memcpy(out.data() + std::size_t(k) * bytes, supply_.slice(first + k), bytes);
+  }
+
+ private:
+  Grid grid_;
+  SliceSupply& supply_;
+};
+
+/// Processes get the full slices of the reduced ones that they need, and reduce them.
+class ReducingSupply final : public SliceSupply {
+ public:
+  ReducingSupply(const Grid& grid, std::unique_ptr<SliceSupply> full, const Reduction& reduction)
+      : full_(std::move(full)),
+        source_(grid, *full_),
+        reduced_(reduced_source(source_, reduction)),
+        reads_(*reduced_),
+        reduction_(reduction),
+        full_slices_(grid.dims.z),
+        batch_(std::max(1, batch_of(grid) / reduction.factor)) {}
+
+  int available_from(int z) override { return std::min(reduced_->grid().dims.z, z + batch_); }
+
+  void hand_out(int first, int end, const Needed& needed) override {
+    reads_.hand_out(first, end, needed);
+    full_->hand_out(full_slices(first).first, full_slices(end - 1).second, [&](int process, int full) {
+      for (int z = first; z < end; ++z)
+        if (const auto [from, to] = full_slices(z); from <= full && full < to && needed(process, z))
+          return true;
+      return false;
+    });
+  }
+
+  const std::byte* slice(int z) override { return reads_.slice(z); }
+
+ private:
+  /// First and end of the full slices that slice z is made of.
+  std::pair<int, int> full_slices(int z) const {
+    int first = z, last = z;
+    if (!reduction_.prefilter) first = last = z * reduction_.factor;
+    for (int factor = reduction_.factor; reduction_.prefilter && factor > 1; factor /= 2) {
+      first = 2 * first - 1;
+      last = 2 * last + 2;
+    }
+    return {std::clamp(first, 0, full_slices_ - 1), std::clamp(last, 0, full_slices_ - 1) + 1};
+  }
+
+  std::unique_ptr<SliceSupply> full_;
+  SuppliedSource source_;
+  std::unique_ptr<VolumeSource> reduced_;
+  ReadingSupply reads_;
+  Reduction reduction_;
+  int full_slices_, batch_;
+};
+
+}  // namespace
+
+int batch_of(const Grid& grid) {
+  return std::max<int>(1, int(batch_bytes / std::max<std::size_t>(1, grid.slice_bytes(Axis::z))));
+}
+
+std::unique_ptr<SliceSupply> reading_supply(VolumeSource& source) {
+  return std::make_unique<ReadingSupply>(source);
+}
+
+std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int slab_depth,
+                                             int readers, std::function<void(double z)> told,
+                                             Collectives& collectives) {
+  return std::make_unique<DecodingSupply>(source, grid, slab_depth, readers, std::move(told), collectives);
+}
+
+std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores, int gps,
+                                           const Reduction& reduction, Collectives& collectives) {
+  auto full = std::make_unique<StoredSupply>(grid, stores, gps, collectives);
+  if (reduction.factor == 1) return full;
+  return std::make_unique<ReducingSupply>(grid, std::move(full), reduction);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,30 @@
+#pragma once
+#include <map>
+#include <vector>
+
+#include "net/collectives.hpp"
+#include "ringsplat/volume/strides.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
+#include "volume/slice_store.hpp"
+
+namespace ringsplat {
+
+/// A part of a volume in memory.
+struct VoxelBlock {
+  VoxelBox extent;
+  const std::byte* first_voxel = nullptr;  ///< that of extent.first
+  Strides strides;
+};
+
+/// Throws InputError on all processes when a process's blocks are wrong in themselves (not within the grid, a
+/// null pointer), or all blocks together do not cover the grid once. Collective.
+void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collectives& collectives);
+
+/// Copies the voxels of all processes' blocks into the z slices of the GPs that own them. Blocks cover the
+/// grid once. In rounds of one process to another, or to several: a process sends and receives at most
+/// `round_bytes`, or one row of voxels, at a time. Collective.
+void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
+                 int gps, const std::vector<std::vector<int>>& gps_of_process, std::size_t round_bytes,
+                 Collectives& collectives);
+
+}  // namespace ringsplat

@@ -1,0 +1,210 @@
+#include "ringsplat/session/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "base/byte_stream.hpp"
+#include "base/process.hpp"
+#include "classify/auto_preset.hpp"
+#include "frame/frame_spec_bytes.hpp"
+#include "net/blocks.hpp"
+#include "ringsplat/base/error.hpp"
+#include "session/render_frames.hpp"
+#include "session/shared_volume.hpp"
+
+namespace ringsplat {
+namespace {
+
+Layout every_rank_both(int ranks) {
+  return {.gps = ranks, .renderers = ranks, .placement = Placement::colocated};
+}
+
+std::string text_of(const Block& block) {
+  return {reinterpret_cast<const char*>(block.data()), block.size()};
+}
+Block block_of_text(const std::string& text) { return block_of(std::as_bytes(std::span(text))); }
+
+/// What `work` throws as InputError, or an empty text.
+template <class Work>
+std::string error_of(const Work& work) {
+  try {
+    work();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+Block to_block(const std::vector<FrameSpec>& frames) {
+  Bytes out;
+  for (const FrameSpec& frame : frames) {
+    const Bytes one = encode(frame);
+    append(out, std::uint64_t(one.size()));
+    out.insert(out.end(), one.begin(), one.end());
+  }
+  return {out.begin(), out.end()};
+}
+
+std::vector<FrameSpec> frames_of(const Block& block) {
+  std::vector<FrameSpec> frames;
+  for (std::size_t at = 0; at < block.size();) {
+    std::uint64_t size = 0;
+    if (!take(block, at, size) || block.size() - at < size)
+      throw RunError("rank 0 sent a part of a frame", "all ranks must run the same build");
+    frames.push_back(decode_frame_spec(std::span(block).subspan(at, size)));
+    at += size;
+  }
+  return frames;
+}
+
+/// What all the frames need. Throws InputError when they need different things of one slice.
+LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& grid) {
+  LoadOptions all = needed_to_render(frames.front(), grid);
+  for (const FrameSpec& frame : frames) {
+    const LoadOptions one = needed_to_render(frame, grid);
+    if (one.with_normals && all.with_normals && one.clip != all.clip)
+      throw InputError("lit splats cannot be drawn with several clip boxes in one call",
+                       "call render() for each clip box, or draw with sheets");
+    if (one.prefilter != all.prefilter)
+      throw InputError("frames with and without a prefilter cannot be drawn in one call",
+                       "call render() for either");
+    if (one.with_normals) all.clip = one.clip;
+    for (const Axis axis : all_axes) all.kept_axes[std::size_t(axis)] |= one.kept_axes[std::size_t(axis)];
+    all.with_normals |= one.with_normals;
+    all.with_cell_ranges |= one.with_cell_ranges;
+    if (std::find(all.factors.begin(), all.factors.end(), one.factors.front()) == all.factors.end())
+      all.factors.push_back(one.factors.front());
+  }
+  return all;
+}
+
+}  // namespace
+
+struct Session::State {
+  State(Processes given, const std::optional<Layout>& wanted, const SessionOptions& options)
+      : processes(std::move(given)),
+        layout(wanted.value_or(every_rank_both(processes.ranks()))),
+        wiring{processes.collectives(), processes.transport()},
+        volume(layout, wiring) {
+    engine.threads_per_rank = options.threads_per_rank;
+    protocol.stall_timeout = options.stall_timeout;
+  }
+
+  /// Begins a collective call: all must be in the same one, and all throw when one has an error.
+  void enter(const std::string& call, const std::string& error) {
+    const auto all = wiring.collectives.all_gather(block_of_text(call + '\n' + error));
+    const std::string first = text_of(all.front());
+    const std::string call_of_0 = first.substr(0, first.find('\n'));
+    for (std::size_t rank = 0; rank < all.size(); ++rank)
+      if (const std::string one = text_of(all[rank]); one.substr(0, one.find('\n')) != call_of_0)
+        throw InputError(fmt::format("rank {} called {}() while rank 0 called {}()", rank,
+                                     one.substr(0, one.find('\n')), call_of_0),
+                         "all ranks make the same calls of a session in the same order");
+    for (std::size_t rank = 0; rank < all.size(); ++rank)
+      if (const std::string one = text_of(all[rank]); one.back() != '\n')
+        throw InputError(one.substr(one.find('\n') + 1) +
+                         (all.size() > 1 ? fmt::format(" (on rank {})", rank) : std::string()));
+  }
+
+  const Grid& committed() const {
+    if (!volume.grid())
+      throw InputError("there is no volume yet", "call set_grid(), add_block() and commit() first");
+    return *volume.grid();
+  }
+
+  Processes processes;
+  Layout layout;
+  Wiring wiring;
+  EngineOptions engine;
+  ProtocolOptions protocol;
+  SharedVolume volume;
+  std::optional<Grid> grid;  ///< the next commit's
+  std::vector<VoxelBlock> blocks;
+};
+
+Session::Session(Processes processes, const std::optional<Layout>& layout, const SessionOptions& options)
+    : state_(std::make_unique<State>(std::move(processes), layout, options)) {}
+Session::~Session() = default;
+Session::Session(Session&&) noexcept = default;
+Session& Session::operator=(Session&&) noexcept = default;
+
+int Session::rank() const { return state_->processes.rank(); }
+int Session::ranks() const { return state_->processes.ranks(); }
+
+void Session::set_grid(const Grid& grid) {
+  state_->grid = grid;
+  state_->blocks.clear();
+}
+
+int Session::add_block(const VoxelBox& extent, const void* first_voxel,
+                       const std::optional<Strides>& strides) {
+  const std::size_t scalar = size_of(state_->grid ? state_->grid->type : ScalarType::uint8);
+  state_->blocks.push_back({extent, static_cast<const std::byte*>(first_voxel),
+                            strides.value_or(x_fastest(extent.dims(), scalar))});
+  return int(state_->blocks.size()) - 1;
+}
+
+void Session::update_block(int block, const void* first_voxel) {
+  if (block < 0 || block >= int(state_->blocks.size()))
+    throw InputError(fmt::format("there is no block {}; this rank has {}", block, state_->blocks.size()),
+                     "pass a number that add_block() returned after the last set_grid()");
+  state_->blocks[std::size_t(block)].first_voxel = static_cast<const std::byte*>(first_voxel);
+}
+
+void Session::clear_blocks() { state_->blocks.clear(); }
+
+void Session::commit() {
+  const PlainFloats floats;
+  State& s = *state_;
+  s.enter("commit",
+          s.grid ? "" : "the volume has no grid; hint: call set_grid() before add_block() and commit()");
+  s.volume.replace(*s.grid, s.blocks);
+}
+
+ValueRange Session::range() {
+  const PlainFloats floats;
+  State& s = *state_;
+  s.enter("range", error_of([&] { static_cast<void>(s.committed()); }));
+  return s.volume.values().range;
+}
+
+TransferFunction Session::transfer_function(const std::string& name) {
+  const PlainFloats floats;
+  State& s = *state_;
+  s.enter("transfer_function", error_of([&] { static_cast<void>(s.committed()); }));
+  const ValueStatistics& values = s.volume.values();
+  TransferFunction made;
+  agree(s.wiring.collectives, error_of([&] {
+          made = name == "auto" ? choose_function(values).function : preset(name, values.histogram);
+        }));
+  return made;
+}
+
+Image Session::render(const FrameSpec& frame) {
+  Image image;
+  render({frame}, [&image](Image&& made) { image = std::move(made); });
+  return image;
+}
+
+void Session::render(const std::vector<FrameSpec>& frames, const std::function<void(Image&&)>& take) {
+  const PlainFloats floats;
+  State& s = *state_;
+  s.enter("render", error_of([&] {
+            const Grid& grid = s.committed();
+            check(s.engine);
+            check(s.protocol);
+            if (s.processes.rank() != 0 || frames.empty()) return;
+            for (const FrameSpec& frame : frames) check_frame(frame, grid);
+            static_cast<void>(needed_together(frames, grid));
+          }));
+  const auto all = frames_of(s.wiring.collectives.broadcast(rank() == 0 ? to_block(frames) : Block{}, 0));
+  if (all.empty()) return;
+  Scene scene = s.volume.scene_for(needed_together(all, s.committed()));
+  render_frames(std::move(scene), s.layout, s.protocol,
+                director_of(all, [&take](FrameResult&& result) { take(std::move(result.image)); }), s.wiring,
+                s.engine);
+}
+
+}  // namespace ringsplat
