@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <mpi.h>
 
+#include <algorithm>
 #include <cfenv>
 #include <cmath>
 #include <csignal>
@@ -160,8 +161,10 @@ TEST_CASE("a session draws any views one after another: other axes, levels, clip
 
 TEST_CASE("several frames drawn in one call are those drawn one by one") {
   const Volume volume = jack({22, 25, 18});
-  const int renderers = world_ranks() / 2;
-  Session session(MPI_COMM_WORLD, Layout{world_ranks() - renderers, renderers, Placement::dedicated});
+  const int ranks = world_ranks(), renderers = std::max(1, ranks / 2);
+  const Layout both{.gps = 1, .renderers = 1, .placement = Placement::colocated};
+  const Layout apart{.gps = ranks - renderers, .renderers = renderers, .placement = Placement::dedicated};
+  Session session(MPI_COMM_WORLD, ranks == 1 ? both : apart);
   add_one_block_each(session, volume);
   session.commit();
   std::vector<FrameSpec> frames;
