@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs what is missing, then builds and tests Ringsplat in every way, one after another, each in its own folder below build:
 #
-#   scripts/check.sh                 release, asan, tsan and mpich; this may take hours
+#   scripts/check.sh                 release, asan, tsan, mpich and minimal; this may take hours
 #   scripts/check.sh asan mpich      only these
 #   scripts/check.sh smoke           minutes: the rooms base and net under asan, threads that share work under tsan
 #
@@ -51,11 +51,11 @@ tsan_launch() {
   fi
 }
 
-(($# > 0)) || set -- release asan tsan mpich
+(($# > 0)) || set -- release asan tsan mpich minimal
 for name; do
   case $name in
-    release | asan | tsan | mpich | smoke) ;;
-    *) die "there is no check '$name'; there are release, asan, tsan, mpich and smoke" ;;
+    release | asan | tsan | mpich | minimal | smoke) ;;
+    *) die "there is no check '$name'; there are release, asan, tsan, mpich, minimal and smoke" ;;
   esac
 done
 if [[ " $* " == *" mpich "* ]]; then

@@ -14,6 +14,7 @@ required=(
   libopenmpi-dev openmpi-bin                  # MPI
   libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev
   libopenimageio-dev fonts-dejavu-core        # pictures, and text in them
+  libpng-dev                                  # pictures in builds without OpenImageIO
   libboost-dev libturbojpeg0-dev              # the viewer's server and its JPEGs
   libinsighttoolkit5-dev libhdf5-dev          # volumes
   libexpat1-dev liblz4-dev liblzma-dev        # volumes of VTK

@@ -18,11 +18,17 @@ find_package(ZLIB REQUIRED)
 find_package(EXPAT REQUIRED)
 find_package(LibLZMA REQUIRED)
 find_package(TBB CONFIG REQUIRED)
-# Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
-set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
-find_package(ITK REQUIRED COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIFTI ITKNIFTI ITKIOGDCM
-             ITKIOTIFF ITKIOVTK)
-unset(CMAKE_MESSAGE_LOG_LEVEL)
+option(RINGSPLAT_WITH_ITK "Read NIfTI, DICOM, legacy VTK and every NRRD, by ITK; OFF: of these only the usual NRRD" ON)
+if(RINGSPLAT_WITH_ITK)
+  # Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
+  set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
+  find_package(ITK COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIFTI ITKNIFTI ITKIOGDCM ITKIOTIFF ITKIOVTK)
+  unset(CMAKE_MESSAGE_LOG_LEVEL)
+  if(NOT ITK_FOUND)
+    message(FATAL_ERROR "There is no ITK 5 (Debian: libinsighttoolkit5-dev). Install it, or do without its formats with "
+      "-DRINGSPLAT_WITH_ITK=OFF.")
+  endif()
+endif()
 
 # Of Boost only headers: Beast and Asio, for the viewer's server.
 find_package(Boost 1.74 REQUIRED)
@@ -30,7 +36,17 @@ find_package(Boost 1.74 REQUIRED)
 # Debian's OpenImageIO CMake package names an include folder of another package
 # (OpenEXR's Imath); pkg-config describes the same library without it.
 find_package(PkgConfig REQUIRED)
-pkg_check_modules(OpenImageIO REQUIRED IMPORTED_TARGET OpenImageIO)
+option(RINGSPLAT_WITH_OPENIMAGEIO "Read and write pictures, read TIFF and draw text by OpenImageIO; OFF: PNG alone, by libpng" ON)
+if(RINGSPLAT_WITH_OPENIMAGEIO)
+  pkg_check_modules(OpenImageIO IMPORTED_TARGET OpenImageIO)
+  if(NOT OpenImageIO_FOUND)
+    message(FATAL_ERROR "There is no OpenImageIO (Debian: libopenimageio-dev). Install it, or write PNGs alone with "
+      "-DRINGSPLAT_WITH_OPENIMAGEIO=OFF.")
+  endif()
+  find_package(PNG QUIET)  # a test compares both
+else()
+  find_package(PNG REQUIRED)
+endif()
 
 # Blocks of VTK's XML files.
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
@@ -65,7 +81,7 @@ elseif(NOT RINGSPLAT_SIMULATION STREQUAL "OFF")
 endif()
 
 # ITK 5.2 describes itself by variables; this target carries only what the readers need.
-if(NOT TARGET ringsplat_itk)
+if(RINGSPLAT_WITH_ITK AND NOT TARGET ringsplat_itk)
   add_library(ringsplat_itk INTERFACE)
   target_include_directories(ringsplat_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
   target_link_libraries(ringsplat_itk INTERFACE ${ITK_LIBRARIES})

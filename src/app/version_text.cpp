@@ -4,6 +4,7 @@
 
 #include "app/option_values.hpp"
 #include "mpi/session.hpp"
+#include "ringsplat/config.hpp"
 
 namespace ringsplat::app {
 
@@ -12,6 +13,8 @@ std::string version_text() {
   const auto add = [&](bool there, const std::string& name) { (there ? with : without).push_back(name); };
   const std::string mpi = MpiSession::library();
   add(!mpi.empty(), mpi.empty() ? "MPI" : mpi);
+  add(RINGSPLAT_WITH_ITK, "ITK");
+  add(RINGSPLAT_WITH_OPENIMAGEIO, "OpenImageIO");
   std::string text = "ringsplat " RINGSPLAT_VERSION;
   if (!with.empty()) text += "\nwith " + joined(with, ", ");
   if (!without.empty()) text += "\nwithout " + joined(without, ", ");

@@ -10,6 +10,7 @@
 
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/config.hpp"
 
 namespace ringsplat {
 namespace {
@@ -75,10 +76,15 @@ const ImageLibrary& image_library_of(const char* shared_library) {
   return *reinterpret_cast<decltype(&ringsplat_image_library)>(found)();
 }
 
+#if RINGSPLAT_WITH_OPENIMAGEIO
 const ImageLibrary& image_library() {
   static const ImageLibrary& loaded = image_library_of(RINGSPLAT_IMAGE_LIBRARY);
   return loaded;
 }
+#else
+// images/png/library.cpp, in this library
+const ImageLibrary& image_library() { return *ringsplat_image_library(); }
+#endif
 
 OpenedImageFile open_image_file(const std::filesystem::path& path) {
   return image_library().open(path.string());

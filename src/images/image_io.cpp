@@ -15,6 +15,7 @@
 #include "images/image_file.hpp"
 #include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/config.hpp"
 
 namespace ringsplat {
 
@@ -147,6 +148,10 @@ void check_image_name(const fs::path& file, const std::string& option, bool tran
   if (format == nullptr)
     throw InputError(fmt::format("{} {} has no ending of a known picture format", option, file.string()),
                      "use .png, .exr, .tif, .tga or .jpg");
+  if (!RINGSPLAT_WITH_OPENIMAGEIO && std::string(format->ending) != ".png")
+    throw InputError(fmt::format("{} {}: {} is written by OpenImageIO, which this build does without", option,
+                                 file.string(), format->ending),
+                     "use .png, or build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON");
   if (transparent && !format->alpha)
     throw InputError(fmt::format("{} {}: this format cannot hold transparency", option, file.string()),
                      "give a --background, or write a .png");

@@ -9,6 +9,8 @@
 #include "base/log.hpp"
 #include "base/natural_order.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/config.hpp"
+#include "volume/left_out.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
 #include "volume/text.hpp"
@@ -157,6 +159,7 @@ bool is_tiff(const std::filesystem::path& path) {
 }
 
 std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
+  if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO) refuse_left_out(path, "TIFF", "OpenImageIO");
   std::optional<TiffFile> first;
   Taken taken;
   std::vector<TiffSlice> slices;

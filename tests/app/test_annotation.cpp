@@ -147,7 +147,7 @@ TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny
     }
 }
 
-TEST_CASE("a larger picture has larger letters, and a perspective one no scale bar") {
+TEST_CASE("a larger picture has larger letters, and a perspective one no scale bar", "[mpi][openimageio]") {
   const auto tallest = [](const Overlay& overlay) {
     int most = 0;
     for (const Patch& p : overlay) most = std::max(most, p.height);
@@ -193,7 +193,7 @@ TEST_CASE("annotations are drawn into a transparent picture, an opaque one and a
   }
 }
 
-TEST_CASE("what is measured of a picture is measured without its annotations") {
+TEST_CASE("what is measured of a picture is measured without its annotations", "[mpi][openimageio]") {
   const Files files;
   const auto error_of = [&](std::vector<std::string> more) {
     more.insert(more.end(), {"--error", "method", "--stats", "-"});
@@ -206,7 +206,7 @@ TEST_CASE("what is measured of a picture is measured without its annotations") {
   CHECK(error_of({"--annotate"}) == error_of({}));
 }
 
-TEST_CASE("--annotate without a font says what to install, and writes nothing") {
+TEST_CASE("--annotate without a font says what to install, and writes nothing", "[mpi][openimageio]") {
   const Files files;
   const auto attempt = [&](const std::string& font) {
     return run_command(

@@ -29,7 +29,7 @@ std::vector<std::string> render(const std::string& volume, const std::string& pi
 
 }  // namespace
 
-TEST_CASE("chosen roles are said, and give the bits of any others") {
+TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   REQUIRE(run_program(render(volume, folder / "one.exr", {})).code == 0);
@@ -62,7 +62,7 @@ TEST_CASE("chosen roles are said, and give the bits of any others") {
   CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);  // no rank is idle
 }
 
-TEST_CASE("sheets get a colocated ring without a measurement") {
+TEST_CASE("sheets get a colocated ring without a measurement", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   const auto said = [&](const std::vector<std::string>& more) {
@@ -81,7 +81,7 @@ TEST_CASE("sheets get a colocated ring without a measurement") {
   CHECK_THAT(said({"--gps", "auto"}), Catch::Matchers::Contains("colocated rank"));
 }
 
-TEST_CASE("roles that cannot be chosen are refused") {
+TEST_CASE("roles that cannot be chosen are refused", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
   const auto refused = [&](const std::vector<std::string>& more, int ranks, const std::string& part) {

@@ -290,18 +290,18 @@ void check_case(const Case& c, const Inputs& inputs, int ranks) {
 
 }  // namespace
 
-TEST_CASE("bad input is refused in one line in one process") {
+TEST_CASE("bad input is refused in one line in one process", "[mpi][itk][openimageio]") {
   const Inputs inputs;
   for (const auto& c : all_cases()) check_case(c, inputs, 0);
 }
 
-TEST_CASE("bad input is refused in one line on all ranks") {
+TEST_CASE("bad input is refused in one line on all ranks", "[mpi][itk][openimageio]") {
   const Inputs inputs;
   for (const auto& c : all_cases())
     if (c.with_mpi) check_case(c, inputs, 3);
 }
 
-TEST_CASE("options that do not fit the launcher's ranks are refused") {
+TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi][openimageio]") {
   const Inputs inputs;
   const std::vector<Case> wrong{
       {{"+", "--gps", "4", "--renderers", "2"}, "need 6, but the job has 3"},

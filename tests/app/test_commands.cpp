@@ -44,7 +44,7 @@ double opaque_part(const Image& image) {
 
 }  // namespace
 
-TEST_CASE("help and version go to stdout") {
+TEST_CASE("help and version go to stdout", "[mpi][openimageio]") {
   const Workshop w;
   CHECK_THAT(w.must({"--version"}).out, Catch::Matchers::Contains("ringsplat "));
   const std::string help = w.must({"render", "--help"}).out;
@@ -56,7 +56,7 @@ TEST_CASE("help and version go to stdout") {
   CHECK_THAT(w.must({"synth", "--list"}).out, Catch::Matchers::Contains("shell"));
 }
 
-TEST_CASE("render writes a picture with something in it and says so") {
+TEST_CASE("render writes a picture with something in it and says so", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended = w.render("x.exr");
   CHECK(ended.err.empty());
@@ -72,7 +72,7 @@ TEST_CASE("render writes a picture with something in it and says so") {
   CHECK(settings.at("volume") == "shell.nrrd");
 }
 
-TEST_CASE("ranks, placement, transport and message order do not change a bit") {
+TEST_CASE("ranks, placement, transport and message order do not change a bit", "[mpi][openimageio]") {
   const Workshop w;
   w.render("one.exr", {"--azimuth", "30"});
   const std::string one = read_text(w / "one.exr");
@@ -93,7 +93,7 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit") {
   same({"--roles", "colocated", "--look-ahead", "3", "--send-ahead", "4"}, 7);
 }
 
-TEST_CASE("an orbit makes numbered frames and a summary") {
+TEST_CASE("an orbit makes numbered frames and a summary", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended =
       w.render("turn.png", {"--orbit", "3", "--quality", "paper", "--stats", w / "turn.json"}, 3);
@@ -124,7 +124,7 @@ TEST_CASE("an orbit makes numbered frames and a summary") {
   }
 }
 
-TEST_CASE("an orbit's files and lines are those of one process, in order") {
+TEST_CASE("an orbit's files and lines are those of one process, in order", "[mpi][openimageio]") {
   const Workshop w;
   for (const char* ending : {"png", "exr"}) {
     const std::string name = std::string("turn.") + ending;
@@ -164,7 +164,7 @@ TEST_CASE("only the slice sets that the views traverse are kept") {
   CHECK(kept({"--orbit", "4"}) == "xy");
 }
 
-TEST_CASE("a path renders its lines") {
+TEST_CASE("a path renders its lines", "[mpi][openimageio]") {
   const Workshop w;
   write_text(w / "path.csv", "0 0\n90 0\n");
   w.render("walk.exr", {"--path", w / "path.csv"});
@@ -172,14 +172,14 @@ TEST_CASE("a path renders its lines") {
   CHECK(read_image(w / "walk-0001.exr").image == read_image(w / "side.exr").image);
 }
 
-TEST_CASE("the transfer function used can be written and read back") {
+TEST_CASE("the transfer function used can be written and read back", "[mpi][openimageio]") {
   const Workshop w;
   w.render("a.exr", {"--tf-out", w / "tf.json"});
   w.render("b.exr", {"--tf", w / "tf.json"});
   CHECK(read_image(w / "a.exr").image == read_image(w / "b.exr").image);
 }
 
-TEST_CASE("a configuration file gives options and the command line overrides them") {
+TEST_CASE("a configuration file gives options and the command line overrides them", "[mpi][openimageio]") {
   const Workshop w;
   write_text(w / "run.toml",
              "gps = 2\nrenderers = 2\nzoom = 2.0\nlight = [0.0, 0.0, 1.0]\nno-opacity-correction = true\n");
@@ -191,7 +191,8 @@ TEST_CASE("a configuration file gives options and the command line overrides the
   CHECK(stats.at("settings").at("opacity_correction") == false);
 }
 
-TEST_CASE("a picture with nothing in it is the background, takes no payload and says why") {
+TEST_CASE("a picture with nothing in it is the background, takes no payload and says why",
+          "[mpi][openimageio]") {
   const Workshop w;
   const auto opaque_between = [&](int from, int to) {
     const std::string middle = std::to_string((from + to) / 2), low = std::to_string(from),
@@ -228,7 +229,7 @@ TEST_CASE("a picture with nothing in it is the background, takes no payload and 
   }
 }
 
-TEST_CASE("compare tells equal pictures from different ones") {
+TEST_CASE("compare tells equal pictures from different ones", "[mpi][openimageio]") {
   const Workshop w;
   w.render("a.png");
   w.render("b.png", {"--azimuth", "5"});
@@ -292,7 +293,7 @@ TEST_CASE("the presets come as JSON too") {
             .size() == 1);
 }
 
-TEST_CASE("info and render warn once of what is wrong with a volume") {
+TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi][itk][openimageio]") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "series");
   files::Dicom slice;
@@ -314,7 +315,7 @@ TEST_CASE("info and render warn once of what is wrong with a volume") {
   }
 }
 
-TEST_CASE("info lists a folder's DICOM series, and --series takes one") {
+TEST_CASE("info lists a folder's DICOM series, and --series takes one", "[mpi][itk][openimageio]") {
   const TemporaryFolder folder;
   files::Dicom other;
   other.series = "1.2.3.400.50.6";
@@ -332,7 +333,7 @@ TEST_CASE("info lists a folder's DICOM series, and --series takes one") {
   CHECK(nlohmann::json::parse(one.out).at("series").size() == 2);
 }
 
-TEST_CASE("zero is never printed with a minus sign") {
+TEST_CASE("zero is never printed with a minus sign", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "series");
   files::Dicom slice;
@@ -366,13 +367,13 @@ TEST_CASE("a file name that is not UTF-8 goes into statistics and pictures with 
   CHECK(run_program({"info", volume, "--json"}).code == 0);
 }
 
-TEST_CASE("no run leaves a file that was not asked for") {
+TEST_CASE("no run leaves a file that was not asked for", "[mpi][openimageio]") {
   const Workshop w;
   w.render("x.png", {"--stats", w / "s.json", "--tf-out", w / "t.json"}, 2);
   CHECK(files_in(w.path()) == 4);
 }
 
-TEST_CASE("a verbose run says what every rank is there for") {
+TEST_CASE("a verbose run says what every rank is there for", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended = w.render("x.png", {"--gps", "2", "--verbose"}, 3);
   for (const char* part :
@@ -380,7 +381,7 @@ TEST_CASE("a verbose run says what every rank is there for") {
     CHECK_THAT(ended.err, Catch::Matchers::Contains(part));
 }
 
-TEST_CASE("a frame that cannot be written ends the run on all ranks") {
+TEST_CASE("a frame that cannot be written ends the run on all ranks", "[mpi][openimageio]") {
   const Workshop w;
   fs::create_directories(w / "turn-0001.png/in_the_way");
   for (const int ranks : {0, 3}) {

@@ -228,7 +228,7 @@ TEST_CASE("a calibration is read back for its own key and settings only") {
   CHECK_FALSE(read_calibration(file, R"({"a": 1})", {settings[0]}).has_value());
 }
 
-TEST_CASE("a budget is kept, and a smaller one is never met by a larger error") {
+TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", "[mpi][openimageio]") {
   const Workshop w;
   for (const double budget : {5.0, 0.6, 0.3, 0.01}) {
     const Ended ended = w.render({"--max-error", std::to_string(budget)});
@@ -244,7 +244,7 @@ TEST_CASE("a budget is kept, and a smaller one is never met by a larger error") 
   CHECK(w.calibrations() == 1);
 }
 
-TEST_CASE("a budget against the field is another one than against the method") {
+TEST_CASE("a budget against the field is another one than against the method", "[mpi][openimageio]") {
   const Workshop w;
   const std::vector<std::string> splats{"--max-error",        "2", "--precision", "float",
                                         "--opaque-threshold", "0"};
@@ -266,7 +266,7 @@ TEST_CASE("a budget against the field is another one than against the method") {
                               Catch::Matchers::Contains("leave out the choice of an engine"));
 }
 
-TEST_CASE("a tight budget leaves the exact setting") {
+TEST_CASE("a tight budget leaves the exact setting", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended = w.render({"--max-error", "0.0001"});
   INFO(ended.err);
@@ -277,7 +277,8 @@ TEST_CASE("a tight budget leaves the exact setting") {
   CHECK_THAT(ended.out, Catch::Matchers::Contains("--precision float --radius 1.6"));
 }
 
-TEST_CASE("a budget that cannot be kept ends the run before a picture, with what could be") {
+TEST_CASE("a budget that cannot be kept ends the run before a picture, with what could be",
+          "[mpi][openimageio]") {
   const Workshop w;
   for (const int ranks : {0, 3}) {
     const Ended ended = w.render({"--max-error", "1e-9"}, ranks);
@@ -293,7 +294,8 @@ TEST_CASE("a budget that cannot be kept ends the run before a picture, with what
   CHECK_THAT(fixed.err, Catch::Matchers::Contains("leave out --precision"));
 }
 
-TEST_CASE("what the user gives is kept, and the error is against what the user asked for") {
+TEST_CASE("what the user gives is kept, and the error is against what the user asked for",
+          "[mpi][openimageio]") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "5", "--radius", "1.5", "--precision", "half", "--opaque-threshold", "0",
                     "--image-plane", "screen", "--undersample", "1"})
@@ -306,7 +308,7 @@ TEST_CASE("what the user gives is kept, and the error is against what the user a
   CHECK(w.frame().at("error").at("rmse").get<double>() < 0.01);
 }
 
-TEST_CASE("ranks agree on a budget's choice and keep it from run to run") {
+TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi][openimageio]") {
   const Workshop w("shell");
   const std::vector<std::string> budget{"--max-error", "1",       "--tf", "mr-surface", "--shading",
                                         "phong",       "--orbit", "3",    "-o",         w / "turn.exr"};
@@ -334,7 +336,7 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run") {
   CHECK(w.calibrations() == 2);
 }
 
-TEST_CASE("another transfer function, size or file is calibrated anew") {
+TEST_CASE("another transfer function, size or file is calibrated anew", "[mpi][openimageio]") {
   const Workshop w;
   REQUIRE(calibrated(w.render({"--max-error", "1"})));
   CHECK(calibrated(w.render({"--max-error", "1", "--tf", "mr-soft"})));
@@ -345,7 +347,7 @@ TEST_CASE("another transfer function, size or file is calibrated anew") {
   CHECK(calibrated(w.render({"--max-error", "1"})));
 }
 
-TEST_CASE("a calibration that is damaged is made again, with a warning") {
+TEST_CASE("a calibration that is damaged is made again, with a warning", "[mpi][openimageio]") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "1"}).code == 0);
   const fs::path file = w.calibration();
@@ -366,7 +368,7 @@ TEST_CASE("a calibration that is damaged is made again, with a warning") {
   }
 }
 
-TEST_CASE("a calibration measures a small volume's views whole, whatever the seed") {
+TEST_CASE("a calibration measures a small volume's views whole, whatever the seed", "[mpi][openimageio]") {
   const Workshop w("shell");
   std::vector<json> measured;
   for (const char* seed : {"1", "2"}) {
@@ -386,7 +388,7 @@ TEST_CASE("a calibration measures a small volume's views whole, whatever the see
   }
 }
 
-TEST_CASE("a picture over the budget is named with its error") {
+TEST_CASE("a picture over the budget is named with its error", "[mpi][openimageio]") {
   const Workshop w;
   REQUIRE(w.render({"--max-error", "1"}).code == 0);
   // A calibration with false figures for the coarsest setting.
@@ -406,7 +408,7 @@ TEST_CASE("a picture over the budget is named with its error") {
   CHECK(w.frame().at("settings").at("undersample") == 4);
 }
 
-TEST_CASE("a cache that cannot be written costs no more than the next calibration") {
+TEST_CASE("a cache that cannot be written costs no more than the next calibration", "[mpi][openimageio]") {
   const Workshop w;
   app_test::write_text(w.cache(), "in the way");
   const Ended ended = w.render({"--max-error", "1"});

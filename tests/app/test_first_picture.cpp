@@ -123,7 +123,7 @@ TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 
   }
 }
 
-TEST_CASE("what was chosen goes to stderr when a file goes to stdout") {
+TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi][itk][openimageio]") {
   const Files files;
   const Ended ended = files.render(files.usual, {"--tf-out", "-"});
   REQUIRE(ended.code == 0);
@@ -131,7 +131,7 @@ TEST_CASE("what was chosen goes to stderr when a file goes to stdout") {
   CHECK_THAT(ended.err, Catch::Matchers::Contains("--tf auto: "));
 }
 
-TEST_CASE("labels are found, drawn with splats and told; sheets are warned of") {
+TEST_CASE("labels are found, drawn with splats and told; sheets are warned of", "[mpi][openimageio]") {
   const Files files;
   const Ended found = files.render(files.labels);
   REQUIRE(found.code == 0);
@@ -148,7 +148,7 @@ TEST_CASE("labels are found, drawn with splats and told; sheets are warned of") 
   CHECK(files.render(files.usual, {"--labels"}).code == 2);
 }
 
-TEST_CASE("a nearly empty picture is warned of, a useful one is not") {
+TEST_CASE("a nearly empty picture is warned of, a useful one is not", "[mpi][openimageio]") {
   const Files files;
   const Ended thin = files.render(files.usual, {"--tf", "grey", "--opacity", "1e-5"});
   REQUIRE(thin.code == 0);
@@ -157,7 +157,7 @@ TEST_CASE("a nearly empty picture is warned of, a useful one is not") {
   CHECK_THAT(usual.err, !Catch::Matchers::Contains("nearly empty"));
 }
 
-TEST_CASE("options of colours change the transfer function as they say") {
+TEST_CASE("options of colours change the transfer function as they say", "[mpi][openimageio]") {
   const Files files;
   const std::string function = files.folder / "tf.json";
   const auto made = [&](std::vector<std::string> options) {
@@ -189,7 +189,7 @@ TEST_CASE("options of colours change the transfer function as they say") {
   CHECK_THAT(run_program({"info", "--presets"}).out, Catch::Matchers::Contains("viridis"));
 }
 
-TEST_CASE("options of colours that cannot be are refused") {
+TEST_CASE("options of colours that cannot be are refused", "[mpi][openimageio]") {
   const Files files;
   for (const auto& [options, words] : std::vector<std::pair<std::vector<std::string>, std::string>>{
            {{"--range", "5"}, "is no window"},
@@ -208,7 +208,7 @@ TEST_CASE("options of colours that cannot be are refused") {
   }
 }
 
-TEST_CASE("a map without opacities is shown as a ramp, and told") {
+TEST_CASE("a map without opacities is shown as a ramp, and told", "[mpi][openimageio]") {
   const Files files;
   const fs::path map = files.folder / "map.json";
   write_text(map, R"([{"Name":"plain","RGBPoints":[0,0,0,1, 200,1,0,0]}])");

@@ -56,7 +56,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("a newer view on stdin ends the refinement of the ones before it", "[threads]") {
+TEST_CASE("a newer view on stdin ends the refinement of the ones before it", "[threads][mpi][openimageio]") {
   for (const int ranks : {0, 4}) {
     INFO(ranks << " ranks");
     const Files files;
@@ -124,7 +124,7 @@ TEST_CASE("a run that only waits for views says so, and not that it renders") {
   CHECK(files.same_as_alone("x-0000.png", {"--azimuth", "10", "--elevation", "5", "--fit", "sphere"}));
 }
 
-TEST_CASE("views on stdin are each rendered, but not by every subcommand") {
+TEST_CASE("views on stdin are each rendered, but not by every subcommand", "[mpi][openimageio]") {
   const Files files;
   const Ended ended = run_program(files.render({"--path", "-"}), 2, "10 5\n100 5\n");
   INFO(ended.err);

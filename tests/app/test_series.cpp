@@ -131,7 +131,8 @@ TEST_CASE("the pictures of a series are those of its volumes by themselves, on a
   }
 }
 
-TEST_CASE("reduced and unshaded volumes of a series are those of the volumes by themselves") {
+TEST_CASE("reduced and unshaded volumes of a series are those of the volumes by themselves",
+          "[mpi][openimageio]") {
   const Series series;
   for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
            {"--undersample", "2", "--prefilter"}, {"--clip", "2:20,3:15,4:18"}, {"--shading", "none"}}) {
@@ -157,7 +158,7 @@ TEST_CASE("pictures have the numbers that --frames counts by") {
   CHECK(series.same_as_alone("x-0001.png", 1));
 }
 
-TEST_CASE("the transfer function that is chosen for the first volume is kept for all") {
+TEST_CASE("the transfer function that is chosen for the first volume is kept for all", "[mpi][openimageio]") {
   const Series series;
   auto words = series.render("0:2", {"--tf-out", series.folder / "auto.json"});
   *(std::find(words.begin(), words.end(), series.tf())) = "auto";
@@ -221,7 +222,7 @@ TEST_CASE("a volume of denormal numbers is the same wherever it comes in a serie
   CHECK_FALSE(same("lit-0000.png", "plain-0000.png"));
 }
 
-TEST_CASE("one file's own frames are a series, as its volumes by themselves") {
+TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[mpi][itk][openimageio]") {
   const TemporaryFolder folder;
   constexpr int frames = 3, side = 12;
   std::string voxels;
@@ -248,7 +249,7 @@ TEST_CASE("one file's own frames are a series, as its volumes by themselves") {
         1);
 }
 
-TEST_CASE("a camera may move on with each volume of a series") {
+TEST_CASE("a camera may move on with each volume of a series", "[mpi][openimageio]") {
   const Series series;
   const Ended ended = run_program(series.render("0:3", {"--orbit", "3"}), 2);
   INFO(ended.err);
@@ -259,7 +260,7 @@ TEST_CASE("a camera may move on with each volume of a series") {
   CHECK_THAT(other.err, Catch::Matchers::Contains("give --orbit 3"));
 }
 
-TEST_CASE("what cannot be a series is refused with a way out") {
+TEST_CASE("what cannot be a series is refused with a way out", "[mpi][itk][openimageio]") {
   const Series series;
   const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
     const Ended ended = run_program(words);

@@ -15,7 +15,8 @@ TEST_CASE("threads that have to share cores are pointed out, with what to do") {
                                                            Contains("slot:PE=3"));
 }
 
-TEST_CASE("a picture has the same bits with threads, in one process and on ranks", "[threads]") {
+TEST_CASE("a picture has the same bits with threads, in one process and on ranks",
+          "[threads][mpi][openimageio]") {
   using namespace ringsplat::app_test;
   const TemporaryFolder folder;
   const std::string volume = folder / "gaussians.nrrd", alone = folder / "alone.exr",

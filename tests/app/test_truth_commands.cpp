@@ -43,7 +43,8 @@ double rmse_of(const Workshop& w, const std::string& a, const std::string& b) {
 
 }  // namespace
 
-TEST_CASE("reference: the picture lies nearest to the method's truth, then the field's") {
+TEST_CASE("reference: the picture lies nearest to the method's truth, then the field's",
+          "[mpi][openimageio]") {
   const Workshop w;
   w.must(w.view("render", "picture.exr"));
   w.must(with(w.view("reference", "method.exr"), {"--truth", "method"}));
@@ -87,7 +88,7 @@ TEST_CASE("render --error says the same as compare with the whole truth, in one 
   CHECK(sampled[0].at("rmse_high") > sampled[0].at("rmse"));
 }
 
-TEST_CASE("an orbit's frames are each measured") {
+TEST_CASE("an orbit's frames are each measured", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended = w.must(
       with(w.view("render", "picture.exr"), {"--orbit", "3", "--error", "method", "--error-pixels", "200"}));

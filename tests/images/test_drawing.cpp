@@ -33,7 +33,7 @@ TEST_CASE("a line covers its length times its thickness, in any direction") {
   }
 }
 
-TEST_CASE("a text grows with its letters, and lies above its baseline") {
+TEST_CASE("a text grows with its letters, and lies above its baseline", "[openimageio]") {
   const Mask small = text_mask("50 mm", 12), large = text_mask("50 mm", 48);
   CHECK(large.width == Approx(4 * small.width).epsilon(0.15));
   CHECK(covered(large) == Approx(16 * covered(small)).epsilon(0.25));
@@ -43,7 +43,7 @@ TEST_CASE("a text grows with its letters, and lies above its baseline") {
   CHECK(text_mask("µ", 48).coverage != text_mask("u", 48).coverage);
 }
 
-TEST_CASE("a text without ink has no pixels that could be drawn") {
+TEST_CASE("a text without ink has no pixels that could be drawn", "[openimageio]") {
   CHECK(covered(text_mask("", 20)) == 0);
   CHECK(covered(text_mask("  ", 20)) == 0);
 }

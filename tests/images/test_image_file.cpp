@@ -1,5 +1,6 @@
 #include "images/image_file.hpp"
 
+#include <OpenImageIO/color.h>
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
@@ -203,4 +204,13 @@ TEST_CASE("display values and linear light are each other's inverse") {
     CHECK(srgb_of_linear(linear_of_srgb(value)) == Approx(value).margin(1e-6));
   }
   CHECK(linear_of_srgb(0.5F) == Approx(0.2140411).epsilon(1e-5));
+}
+
+TEST_CASE("display values and linear light are OpenImageIO's, to the bit") {
+  constexpr int steps = 100'000;
+  for (int k = 0; k <= steps; ++k) {
+    const float value = float(k) / steps;
+    REQUIRE(linear_of_srgb(value) == OIIO::sRGB_to_linear(value));
+    REQUIRE(srgb_of_linear(value) == OIIO::linear_to_sRGB(value));
+  }
 }

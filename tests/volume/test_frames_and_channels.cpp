@@ -42,7 +42,7 @@ bool same_place(const Grid& a, const Grid& b) {
 
 }  // namespace
 
-TEST_CASE("an NRRD's axes of time and lists are frames, wherever they stand", "[nrrd][frames]") {
+TEST_CASE("an NRRD's axes of time and lists are frames, wherever they stand", "[nrrd][frames][itk]") {
   const std::string behind = other + little + other, interlaced = interleaved(3, 1);
   const struct {
     const char* fields;
@@ -78,7 +78,7 @@ TEST_CASE("an NRRD's axes of time and lists are frames, wherever they stand", "[
     }
 }
 
-TEST_CASE("an NRRD's axis of vectors or colours is of channels", "[nrrd][channels]") {
+TEST_CASE("an NRRD's axis of vectors or colours is of channels", "[nrrd][channels][itk]") {
   const Folder folder;
   for (const bool packed : {false, true}) {
     const auto vectors =
@@ -108,7 +108,8 @@ TEST_CASE("an NRRD's axis of vectors or colours is of channels", "[nrrd][channel
   CHECK(voxels_of(rgb, {.channel = "b"}) == std::string("\0\7", 2));
 }
 
-TEST_CASE("one of an NRRD's frames or channels lies where a volume by itself would", "[nrrd][orientation]") {
+TEST_CASE("one of an NRRD's frames or channels lies where a volume by itself would",
+          "[nrrd][orientation][itk]") {
   const Folder folder;
   const struct {
     const char *space, *directions, *spacings;
@@ -148,7 +149,7 @@ TEST_CASE("one of an NRRD's frames or channels lies where a volume by itself wou
   }
 }
 
-TEST_CASE("NRRD axes that make no volume are refused", "[nrrd][bad]") {
+TEST_CASE("NRRD axes that make no volume are refused", "[nrrd][bad][itk]") {
   const auto with = [](const std::string& fields, std::size_t bytes = 720) {
     return nrrd(fields, std::string(bytes, 'v'), false);
   };
@@ -211,7 +212,7 @@ TEST_CASE("a MetaImage's fourth dimension is of frames, its channels are channel
   CHECK(voxels_of(text, {.channel = "1"}) == bytes_of(short(8)));
 }
 
-TEST_CASE("a legacy VTK file's vectors and colours are channels", "[vtk][channels]") {
+TEST_CASE("a legacy VTK file's vectors and colours are channels", "[vtk][channels][itk]") {
   const Folder folder;
   const auto header = [](const char* kind, const std::string& field) {
     return fmt::format(

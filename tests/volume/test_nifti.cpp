@@ -31,7 +31,7 @@ const std::string little = samples<short>(), other(120, 'x');
 
 }  // namespace
 
-TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orders", "[nifti]") {
+TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orders", "[nifti][itk]") {
   const Folder folder;
   Nifti2 pair;
   pair.magic = "ni2";
@@ -56,7 +56,7 @@ TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orde
   }
 }
 
-TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation]") {
+TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation][itk]") {
   std::vector<Nifti2> headers(7);
   headers[1].sform = 0, headers[1].qform = 1;
   headers[1].quaternion[2] = 0.6, headers[1].shift[0] = 5, headers[1].shift[1] = -6, headers[1].shift[2] = 7;
@@ -83,7 +83,7 @@ TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation]") {
     }
 }
 
-TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti]") {
+TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti][itk]") {
   Nifti2 scaled;
   scaled.slope = 0.5, scaled.intercept = -3;
   const Folder folder;
@@ -95,7 +95,7 @@ TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti]") {
     for (int x = 0; x < nx; ++x) CHECK(values[y * nx + x] == float(sample<short>(x, y, 1)) * 0.5F - 3);
 }
 
-TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti]") {
+TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti][itk]") {
   const Folder folder;
   Nifti2 four, five;
   four.dims[0] = 4, four.dims[4] = 3;
@@ -129,7 +129,7 @@ TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti
   }
 }
 
-TEST_CASE("a NIfTI of colours is shown by its luminance, with a warning", "[nifti]") {
+TEST_CASE("a NIfTI of colours is shown by its luminance, with a warning", "[nifti][itk]") {
   const Folder folder;
   for (const bool version_2 : {false, true}) {
     Nifti2 rgb;
@@ -153,7 +153,7 @@ TEST_CASE("a NIfTI of colours is shown by its luminance, with a warning", "[nift
   }
 }
 
-TEST_CASE("bad NIfTI-2 files are clear errors", "[nifti][bad]") {
+TEST_CASE("bad NIfTI-2 files are clear errors", "[nifti][bad][itk]") {
   const auto with = [](auto change) {
     Nifti2 header;
     change(header);

@@ -18,7 +18,7 @@ void check_near(const glm::dvec3& got, const glm::dvec3& wanted) {
 }
 }  // namespace
 
-TEST_CASE("NIfTI's right-anterior-superior becomes left-posterior-superior", "[orientation]") {
+TEST_CASE("NIfTI's right-anterior-superior becomes left-posterior-superior", "[orientation][itk]") {
   const Folder folder;
   Nifti file;
   const auto grid = open_volume(write(folder / "a.nii", file.header() + samples<short>()))->grid();
@@ -27,7 +27,7 @@ TEST_CASE("NIfTI's right-anterior-superior becomes left-posterior-superior", "[o
   check_near(world(grid, {4, 3, 2}), {10 - 4, 20 - 6, -30 + 6});
 }
 
-TEST_CASE("a turned NIfTI keeps its turn", "[orientation]") {
+TEST_CASE("a turned NIfTI keeps its turn", "[orientation][itk]") {
   const Folder folder;
   Nifti file;
   // Voxel x runs to superior, y to left (RAS -x), z to anterior.
@@ -83,7 +83,7 @@ TEST_CASE("MetaImage offset, matrix and spacing are kept", "[orientation]") {
   check_near(world(grid, {0, 0, 1}), {7, 8, 13});
 }
 
-TEST_CASE("DICOM pixel spacing is row before column, slices lie where they say", "[orientation]") {
+TEST_CASE("DICOM pixel spacing is row before column, slices lie where they say", "[orientation][itk]") {
   const Folder folder;
   write_dicom_series(folder.path());
   const auto grid = open_volume(folder.path())->grid();
@@ -92,7 +92,7 @@ TEST_CASE("DICOM pixel spacing is row before column, slices lie where they say",
   check_near(world(grid, {4, 3, 2}), {-6, -14, -24});
 }
 
-TEST_CASE("a tilted gantry shears the lattice", "[orientation]") {
+TEST_CASE("a tilted gantry shears the lattice", "[orientation][itk]") {
   const Folder folder;
   for (int z = 0; z < nz; ++z) {
     Dicom slice;
@@ -106,7 +106,7 @@ TEST_CASE("a tilted gantry shears the lattice", "[orientation]") {
   CHECK(grid.spacing.z == Approx(std::sqrt(17.0)));
 }
 
-TEST_CASE("--spacing replaces a file's own spacing", "[orientation]") {
+TEST_CASE("--spacing replaces a file's own spacing", "[orientation][itk]") {
   const Folder folder;
   RawDescription raw;
   raw.spacing = glm::dvec3(1, 1, 2.5);
@@ -116,7 +116,7 @@ TEST_CASE("--spacing replaces a file's own spacing", "[orientation]") {
   CHECK((read_all(*source) == samples<short>()));
 }
 
-TEST_CASE("a volume's notes tell whose axes the world has", "[orientation]") {
+TEST_CASE("a volume's notes tell whose axes the world has", "[orientation][itk]") {
   const Folder folder;
   const auto world_of = [](const std::filesystem::path& path) { return open_volume(path)->notes().world; };
   CHECK(world_of(write(folder / "a.nii", Nifti().header() + samples<short>())) == World::patient);

@@ -1,0 +1,306 @@
+// PNG files by libpng, for builds without OpenImageIO.
+#include <png.h>
+
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <list>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "images/image_library.hpp"
+
+namespace ringsplat {
+namespace {
+
+constexpr const char* rebuild = "build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON";
+
+/// What libpng said last. Its errors leave by longjmp, so this is all that an error may touch.
+struct PngError {
+  std::array<char, 200> text{};
+};
+
+[[noreturn]] void leave(png_structp png, png_const_charp text) {
+  auto* const error = static_cast<PngError*>(png_get_error_ptr(png));
+  std::snprintf(error->text.data(), error->text.size(), "%s", text);
+  png_longjmp(png, 1);
+}
+
+void ignore_warning(png_structp, png_const_charp) {}
+
+std::string unless_empty(const PngError& error, const char* otherwise) {
+  return error.text[0] != '\0' ? error.text.data() : otherwise;
+}
+
+/// A file whose pixels come as 8 or 16 bits a channel, whatever they are in it.
+class PngReader {
+ public:
+  PngReader() = default;
+  ~PngReader() {
+    png_destroy_read_struct(&png_, &info_, nullptr);
+    if (file_ != nullptr) std::fclose(file_);
+  }
+  PngReader(const PngReader&) = delete;
+  PngReader& operator=(const PngReader&) = delete;
+
+  /// Reads all before the pixels. Returns what went wrong, or an empty text.
+  std::string open(const std::string& path) {
+    file_ = std::fopen(path.c_str(), "rb");
+    if (file_ == nullptr) return std::strerror(errno);
+    std::array<png_byte, 8> signature{};
+    if (std::fread(signature.data(), 1, signature.size(), file_) != signature.size() ||
+        png_sig_cmp(signature.data(), 0, signature.size()) != 0)
+      return std::string("it is no PNG, and this build has no OpenImageIO for others: ") + rebuild;
+    png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &error_, leave, ignore_warning);
+    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
+    if (info_ == nullptr) return "there is not enough memory";
+    return read_header() ? std::string() : unless_empty(error_, "damaged header");
+  }
+
+  png_uint_32 width() const { return png_get_image_width(png_, info_); }
+  png_uint_32 height() const { return png_get_image_height(png_, info_); }
+  int channels() const { return png_get_channels(png_, info_); }
+  int bytes_a_sample() const { return png_get_bit_depth(png_, info_) / 8; }
+
+  std::map<std::string, std::string> texts() const {
+    std::map<std::string, std::string> texts;
+    png_textp entries = nullptr;
+    const int count = png_get_text(png_, info_, &entries, nullptr);
+    for (int k = 0; k < count; ++k) texts[entries[k].key] = entries[k].text;
+    return texts;
+  }
+
+  /// All samples, rows from the top. Once only.
+  std::string read(std::vector<png_byte>& samples) {
+    samples.resize(png_get_rowbytes(png_, info_) * height());
+    rows_.clear();
+    for (png_uint_32 y = 0; y < height(); ++y)
+      rows_.push_back(samples.data() + y * png_get_rowbytes(png_, info_));
+    return read_rows() ? std::string() : unless_empty(error_, "damaged pixels");
+  }
+
+ private:
+  bool read_header() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_init_io(png_, file_);
+    png_set_sig_bytes(png_, 8);
+    png_read_info(png_, info_);
+    png_set_expand(png_);  // palettes, 1 to 4 bits, a transparent colour
+    if (std::endian::native == std::endian::little) png_set_swap(png_);
+    png_set_interlace_handling(png_);
+    png_read_update_info(png_, info_);
+    return true;
+  }
+
+  bool read_rows() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_read_image(png_, rows_.data());
+    png_read_end(png_, nullptr);
+    return true;
+  }
+
+  PngError error_;
+  std::FILE* file_ = nullptr;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+  std::vector<png_bytep> rows_;
+};
+
+template <class Stored>
+float share_of(Stored value) {
+  return float(value) * (1.0F / float(std::numeric_limits<Stored>::max()));
+}
+
+/// Copies the first `channels` of each pixel, as the type that `write(place, value)` writes.
+template <class Stored, class Write>
+void take_samples(const std::vector<png_byte>& from, int stored_channels, int channels, Write&& write) {
+  const std::size_t pixel_bytes = sizeof(Stored) * std::size_t(stored_channels);
+  std::size_t place = 0;
+  for (std::size_t at = 0; at < from.size(); at += pixel_bytes)
+    for (int c = 0; c < channels; ++c) {
+      Stored value{};
+      std::memcpy(&value, from.data() + at + std::size_t(c) * sizeof(Stored), sizeof(Stored));
+      write(place++, value);
+    }
+}
+
+template <class Stored>
+bool convert(const std::vector<png_byte>& from, int stored_channels, int channels, SampleType type,
+             void* samples) {
+  const bool same = type == (sizeof(Stored) == 1 ? SampleType::uint8 : SampleType::uint16);
+  if (same)
+    take_samples<Stored>(from, stored_channels, channels, [&](std::size_t place, Stored value) {
+      static_cast<Stored*>(samples)[place] = value;
+    });
+  else if (type == SampleType::float32)
+    take_samples<Stored>(from, stored_channels, channels, [&](std::size_t place, Stored value) {
+      static_cast<float*>(samples)[place] = share_of(value);
+    });
+  else
+    return false;
+  return true;
+}
+
+class PngFile final : public ImageFile {
+ public:
+  PngFile(std::string path, const PngReader& opened)
+      : path_(std::move(path)),
+        shape_{int(opened.width()),
+               int(opened.height()),
+               1,
+               opened.channels(),
+               opened.channels() % 2 == 0 ? opened.channels() - 1 : -1,
+               opened.bytes_a_sample() == 1 ? SampleType::uint8 : SampleType::uint16,
+               opened.bytes_a_sample() == 1 ? "uint8" : "uint16",
+               std::uint64_t(opened.width()) * opened.height() *
+                   std::uint64_t(opened.channels() * opened.bytes_a_sample())},
+        texts_(opened.texts()) {}
+
+  bool seek(int image) override { return image == 0; }
+  ImageShape shape() const override { return shape_; }
+  std::string text(const std::string& name) const override {
+    const auto found = texts_.find(name == "ImageDescription" ? "Description" : name);
+    return found == texts_.end() ? std::string() : found->second;
+  }
+  int number(const std::string& name) const override {
+    return name == "oiio:UnassociatedAlpha" && shape_.alpha_channel >= 0 ? 1 : 0;
+  }
+
+  std::string read(int image, int channels, SampleType type, void* samples) override try {
+    if (image != 0) return "a PNG holds one image";
+    PngReader reader;
+    if (std::string problem = reader.open(path_); !problem.empty()) return problem;
+    if (int(reader.width()) != shape_.width || int(reader.height()) != shape_.height ||
+        reader.channels() != shape_.channels ||
+        reader.bytes_a_sample() != (shape_.type == SampleType::uint8 ? 1 : 2))
+      return "it has changed since it was opened";
+    std::vector<png_byte> stored;
+    if (std::string problem = reader.read(stored); !problem.empty()) return problem;
+    const bool done = shape_.type == SampleType::uint8
+                          ? convert<std::uint8_t>(stored, shape_.channels, channels, type, samples)
+                          : convert<std::uint16_t>(stored, shape_.channels, channels, type, samples);
+    return done ? std::string() : "its samples cannot be read as this type";
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+
+ private:
+  std::string path_;
+  ImageShape shape_;
+  std::map<std::string, std::string> texts_;
+};
+
+/// Writes into a sink; what is used behind setjmp lies in members.
+class PngWriter {
+ public:
+  PngWriter(const ImageData& image, ImageSink& sink) : image_(image), sink_(sink) {
+    const std::size_t row = std::size_t(image.width) * std::size_t(image.channels) * bytes_a_sample();
+    auto* const first = static_cast<png_byte*>(const_cast<void*>(image.samples));  // libpng only reads them
+    for (int y = 0; y < image.height; ++y) rows_.push_back(first + std::size_t(y) * row);
+    for (const auto& [name, value] : image.attributes)
+      if (const auto* const text = std::get_if<std::string>(&value); text != nullptr && is_text(name, *text))
+        add_text(name == "ImageDescription" ? "Description" : name, *text);
+  }
+  ~PngWriter() { png_destroy_write_struct(&png_, &info_); }
+  PngWriter(const PngWriter&) = delete;
+  PngWriter& operator=(const PngWriter&) = delete;
+
+  std::string write() {
+    png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &error_, leave, ignore_warning);
+    info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
+    if (info_ == nullptr) return "there is not enough memory";
+    return write_all() ? std::string() : unless_empty(error_, "libpng failed");
+  }
+
+ private:
+  std::size_t bytes_a_sample() const { return image_.type == SampleType::uint8 ? 1 : 2; }
+  /// Other attributes tell OpenImageIO how to write.
+  static bool is_text(const std::string& name, const std::string& text) {
+    return !text.empty() && name.size() < 80 && !name.starts_with("oiio:") && name != "compression";
+  }
+  void add_text(std::string name, const std::string& text) {
+    names_.push_back(std::move(name));
+    png_text entry{};
+    entry.compression = PNG_TEXT_COMPRESSION_NONE;
+    entry.key = const_cast<char*>(names_.back().c_str());
+    entry.text = const_cast<char*>(text.c_str());
+    entry.text_length = text.size();
+    texts_.push_back(entry);
+  }
+  int colour_type() const {
+    constexpr std::array types{PNG_COLOR_TYPE_GRAY, PNG_COLOR_TYPE_GRAY_ALPHA, PNG_COLOR_TYPE_RGB,
+                               PNG_COLOR_TYPE_RGB_ALPHA};
+    return types[std::size_t(image_.channels - 1)];
+  }
+
+  static void to_sink(png_structp png, png_bytep bytes, png_size_t count) {
+    auto* const self = static_cast<PngWriter*>(png_get_io_ptr(png));
+    if (!self->sink_.write_at(self->written_, bytes, count)) png_error(png, "it cannot be stored");
+    self->written_ += count;
+  }
+
+  bool write_all() {
+    if (setjmp(png_jmpbuf(png_)) != 0) return false;
+    png_set_write_fn(png_, this, to_sink, nullptr);
+    png_set_IHDR(png_, info_, png_uint_32(image_.width), png_uint_32(image_.height),
+                 int(8 * bytes_a_sample()), colour_type(), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                 PNG_FILTER_TYPE_DEFAULT);
+    png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_ABSOLUTE);
+    if (!texts_.empty()) png_set_text(png_, info_, texts_.data(), int(texts_.size()));
+    png_write_info(png_, info_);
+    if (bytes_a_sample() == 2 && std::endian::native == std::endian::little) png_set_swap(png_);
+    png_write_image(png_, rows_.data());
+    png_write_end(png_, info_);
+    return true;
+  }
+
+  const ImageData& image_;
+  ImageSink& sink_;
+  std::uint64_t written_ = 0;
+  std::vector<png_bytep> rows_;
+  std::list<std::string> names_;
+  std::vector<png_text> texts_;
+  PngError error_;
+  png_structp png_ = nullptr;
+  png_infop info_ = nullptr;
+};
+
+class PngLibrary final : public ImageLibrary {
+ public:
+  OpenedImageFile open(const std::string& path) const override try {
+    PngReader reader;
+    if (std::string problem = reader.open(path); !problem.empty()) return {nullptr, problem};
+    return {std::make_unique<PngFile>(path, reader), {}};
+  } catch (const std::exception& error) {
+    return {nullptr, error.what()};
+  }
+
+  std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const override try {
+    if (!path.ends_with(".png") && !path.ends_with(".PNG"))
+      return std::string("this build has no OpenImageIO and writes PNG only: ") + rebuild;
+    const bool known = image.type == SampleType::uint8 || image.type == SampleType::uint16;
+    if (!known || image.channels < 1 || image.channels > 4)
+      return "a PNG has 1 to 4 channels of 8 or 16 bits";
+    return PngWriter(image, sink).write();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+
+  std::string draw_text(const std::string&, int, const std::string&, TextCoverage&) const override {
+    return std::string("this build has no OpenImageIO: ") + rebuild;
+  }
+};
+
+}  // namespace
+}  // namespace ringsplat
+
+extern "C" __attribute__((visibility("default"))) const ringsplat::ImageLibrary* ringsplat_image_library() {
+  static const ringsplat::PngLibrary library;
+  return &library;
+}

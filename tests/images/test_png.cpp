@@ -1,0 +1,223 @@
+// PNG files by libpng, as builds without OpenImageIO read and write them; where there is OpenImageIO, with
+// it.
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <vector>
+
+#include "images/image_library.hpp"
+#include "images/image_file.hpp"
+#include "support/catch.hpp"
+#include "support/temporary_folder.hpp"
+
+using namespace ringsplat;
+using Catch::Matchers::Contains;
+using support::TemporaryFolder;
+
+namespace {
+
+const ImageLibrary& png() { return image_library_of(RINGSPLAT_PNG_LIBRARY); }
+
+/// Keeps a file's bytes, at most so many.
+class Sink final : public ImageSink {
+ public:
+  explicit Sink(std::size_t most = 1 << 20) : most_(most) {}
+  bool write_at(std::uint64_t offset, const void* from, std::size_t count) override {
+    if (offset + count > most_) return false;
+    bytes.resize(std::max(bytes.size(), std::size_t(offset) + count));
+    std::memcpy(bytes.data() + offset, from, count);
+    return true;
+  }
+  std::uint64_t size() const override { return bytes.size(); }
+  std::string name_to_write_by() override { return {}; }
+  std::string bytes;
+
+ private:
+  std::size_t most_;
+};
+
+template <class T>
+std::vector<T> ramp(int width, int height, int channels) {
+  std::vector<T> samples(std::size_t(width * height * channels));
+  for (std::size_t k = 0; k < samples.size(); ++k) samples[k] = T(k * 2654435761U >> 7);
+  return samples;
+}
+
+template <class T>
+ImageData data_of(const std::vector<T>& samples, int width, int height, int channels) {
+  return {width,
+          height,
+          channels,
+          sizeof(T) == 1 ? SampleType::uint8 : SampleType::uint16,
+          samples.data(),
+          {{"ImageDescription", "{\"size\": 3}"},
+           {"ringsplat:settings", "{\"size\": 4}"},
+           {"oiio:ColorSpace", "sRGB"},
+           {"oiio:UnassociatedAlpha", 1}}};
+}
+
+std::string stored(const TemporaryFolder& folder, const std::string& name, const std::string& bytes) {
+  std::ofstream(folder / name, std::ios::binary) << bytes;
+  return folder / name;
+}
+
+std::string big_endian(std::uint32_t value) {
+  std::string bytes;
+  for (int shift = 24; shift >= 0; shift -= 8) bytes += char(value >> shift & 255);
+  return bytes;
+}
+
+/// A chunk of a PNG (PNG specification, "Chunk layout").
+std::string chunk(const std::string& type, const std::string& data) {
+  const std::string summed = type + data;
+  const auto sum = crc32(0, reinterpret_cast<const Bytef*>(summed.data()), uInt(summed.size()));
+  return big_endian(std::uint32_t(data.size())) + summed + big_endian(std::uint32_t(sum));
+}
+
+/// `form`: bits a sample and colour type; `more`: chunks before the pixels; `rows`: each with its filter's
+/// byte.
+std::string png_file(int width, int height, const std::string& form, const std::string& more,
+                     const std::string& rows) {
+  std::string packed(compressBound(rows.size()), '\0');
+  uLongf size = packed.size();
+  compress(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+           rows.size());
+  packed.resize(size);
+  return "\x89PNG\r\n\x1a\n" +
+         chunk("IHDR", big_endian(std::uint32_t(width)) + big_endian(std::uint32_t(height)) + form +
+                           std::string(3, '\0')) +
+         more + chunk("IDAT", packed) + chunk("IEND", {});
+}
+
+/// What both libraries say of a file.
+struct Read {
+  int width, height, channels, alpha;
+  SampleType type;
+  std::string settings, description;
+  int straight;
+  std::vector<float> values;
+  bool operator==(const Read&) const = default;
+};
+
+Read read(const ImageLibrary& library, const std::string& path) {
+  const auto [file, problem] = library.open(path);
+  INFO(path << ": " << problem);
+  REQUIRE(file);
+  const ImageShape shape = file->shape();
+  Read all{shape.width,
+           shape.height,
+           shape.channels,
+           shape.alpha_channel,
+           shape.type,
+           file->text("ringsplat:settings"),
+           file->text("ImageDescription"),
+           shape.alpha_channel >= 0 ? file->number("oiio:UnassociatedAlpha") : 0,
+           std::vector<float>(std::size_t(shape.width * shape.height * shape.channels))};
+  REQUIRE(file->read(0, shape.channels, SampleType::float32, all.values.data()) == "");
+  CHECK(file->seek(0));
+  CHECK_FALSE(file->seek(1));
+  return all;
+}
+
+}  // namespace
+
+TEST_CASE("a PNG by libpng gives back what was written, of 8 and 16 bits and 1 to 4 channels") {
+  const TemporaryFolder folder;
+  const int channels = GENERATE(1, 2, 3, 4);
+  CAPTURE(channels);
+  const auto bytes = ramp<std::uint8_t>(7, 5, channels);
+  Sink sink;
+  REQUIRE(png().write("a.png", data_of(bytes, 7, 5, channels), sink) == "");
+  const std::string path = stored(folder, "a.png", sink.bytes);
+  const auto [file, problem] = png().open(path);
+  REQUIRE(file);
+  std::vector<std::uint8_t> again(bytes.size());
+  REQUIRE(file->read(0, channels, SampleType::uint8, again.data()) == "");
+  CHECK(again == bytes);
+  CHECK(file->text("ringsplat:settings") == "{\"size\": 4}");
+  CHECK(file->text("ImageDescription") == "{\"size\": 3}");
+  std::vector<float> first(7 * 5);
+  REQUIRE(file->read(0, 1, SampleType::float32, first.data()) == "");
+  for (std::size_t k = 0; k < first.size(); ++k)
+    CHECK(first[k] == Approx(double(bytes[k * std::size_t(channels)]) / 255));
+  CHECK(file->read(0, 1, SampleType::int32, first.data()) != "");
+  CHECK(file->read(1, 1, SampleType::float32, first.data()) != "");
+
+  const auto words = ramp<std::uint16_t>(7, 5, channels);
+  Sink wide;
+  REQUIRE(png().write("b.png", data_of(words, 7, 5, channels), wide) == "");
+  const auto [deep, why] = png().open(stored(folder, "b.png", wide.bytes));
+  REQUIRE(deep);
+  std::vector<std::uint16_t> words_again(words.size());
+  REQUIRE(deep->read(0, channels, SampleType::uint16, words_again.data()) == "");
+  CHECK(words_again == words);
+}
+
+TEST_CASE("OpenImageIO and libpng read the same from each other's PNGs", "[openimageio]") {
+  const TemporaryFolder folder;
+  const int channels = GENERATE(1, 2, 3, 4);
+  CAPTURE(channels);
+  const auto bytes = ramp<std::uint8_t>(33, 9, channels);
+  const auto words = ramp<std::uint16_t>(33, 9, channels);
+  for (const ImageLibrary* writer : {&png(), &image_library()})
+    for (const ImageData& image : {data_of(bytes, 33, 9, channels), data_of(words, 33, 9, channels)}) {
+      Sink sink;
+      REQUIRE(writer->write("a.png", image, sink) == "");
+      const std::string path = stored(folder, "a.png", sink.bytes);
+      const Read by_png = read(png(), path), usual = read(image_library(), path);
+      CHECK(by_png == usual);
+    }
+}
+
+TEST_CASE("palettes, few bits and transparent colours are read by libpng as OpenImageIO does",
+          "[openimageio]") {
+  const TemporaryFolder folder;
+  const std::string palette = chunk("PLTE", "\1\2\3\x40\x50\x60\x7f\x80\x90\xfd\xfe\xff"),
+                    clear_colours = chunk("tRNS", "\x10\x80");
+  const std::array files{
+      png_file(4, 3, "\x04\3", palette, std::string("\0\x01\x23\0\x32\x10\0\x11\x22", 9)),
+      png_file(4, 3, "\x04\3", palette + clear_colours, std::string("\0\x01\x23\0\x32\x10\0\x11\x22", 9)),
+      png_file(4, 2, std::string("\1\0", 2), {}, std::string("\0\x50\0\xa0", 4)),
+      png_file(4, 2, std::string("\2\0", 2), {}, std::string("\0\x1b\0\xe4", 4)),
+      png_file(1, 2, "\x08\2", chunk("tRNS", std::string("\0\1\0\2\0\3", 6)),
+               std::string("\0\1\2\3\0\1\2\4", 8))};
+  for (const std::string& bytes : files) {
+    const std::string path = stored(folder, "a.png", bytes);
+    const Read by_png = read(png(), path), usual = read(image_library(), path);
+    CHECK(by_png == usual);
+  }
+}
+
+TEST_CASE("a PNG by libpng that finds no room or is cut anywhere is an error") {
+  const TemporaryFolder folder;
+  const auto bytes = ramp<std::uint8_t>(16, 16, 4);
+  const ImageData image = data_of(bytes, 16, 16, 4);
+  Sink whole;
+  REQUIRE(png().write("a.png", image, whole) == "");
+  for (std::size_t most = 0; most < whole.bytes.size(); most += 7) {
+    Sink small(most);
+    CHECK(png().write("a.png", image, small) != "");
+    const auto [file, problem] = png().open(stored(folder, "cut.png", whole.bytes.substr(0, most)));
+    std::vector<float> values(bytes.size());
+    const std::string failure = file ? file->read(0, 4, SampleType::float32, values.data()) : problem;
+    CAPTURE(most);
+    CHECK(failure != "");
+  }
+}
+
+TEST_CASE("what libpng cannot do is said with the option that brings it") {
+  const auto bytes = ramp<std::uint8_t>(2, 2, 3);
+  Sink sink;
+  CHECK_THAT(png().write("a.tif", data_of(bytes, 2, 2, 3), sink),
+             Contains("-DRINGSPLAT_WITH_OPENIMAGEIO=ON"));
+  const TemporaryFolder folder;
+  CHECK_THAT(png().open(stored(folder, "a.png", "II*\0 a TIFF")).problem,
+             Contains("-DRINGSPLAT_WITH_OPENIMAGEIO=ON"));
+  CHECK_FALSE(png().open(folder / "missing.png").file);
+  TextCoverage drawn;
+  CHECK_THAT(png().draw_text("text", 12, "font.ttf", drawn), Contains("-DRINGSPLAT_WITH_OPENIMAGEIO=ON"));
+}
