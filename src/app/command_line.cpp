@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/completion.hpp"
 #include "app/contradictions.hpp"
 #include "app/help.hpp"
 #include "app/man_page.hpp"
@@ -32,6 +33,11 @@ constexpr ProgramTexts texts{
 
 /// Thrown by --man.
 struct CallForMan {};
+
+/// Thrown by --completion with the script.
+struct CallForCompletion {
+  std::string script;
+};
 
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
@@ -116,6 +122,13 @@ void add_program_options(CLI::App& program, bool& verbose) {
       .add_flag_callback(
           "--man", [] { throw CallForMan(); }, "Print the manual page, which man -l - shows")
       ->configurable(false);
+  program
+      .add_option_function<std::string>(
+          "--completion",
+          [&program](const std::string& shell) { throw CallForCompletion{completion(program, shell)}; },
+          "Print the script with which this shell completes command lines")
+      ->type_name(completion_shells)
+      ->configurable(false);
   program.add_flag("--verbose", verbose, "Say more, on every rank");
   program.set_config("--config", "", "A TOML file with options")->type_name("FILE");
   program.config_formatter(std::make_shared<SubcommandToml>(program));
@@ -163,6 +176,8 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     line.command = command_of(program, options);
   } catch (const CallForMan&) {
     line.command = Say{man_page(program, texts)};
+  } catch (const CallForCompletion& e) {
+    line.command = Say{e.script};
   } catch (const CLI::CallForHelp&) {
     const auto chosen = program.get_subcommands();
     line.command = Say{chosen.empty() ? program.help() : chosen.front()->help("ringsplat")};

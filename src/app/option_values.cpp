@@ -72,12 +72,6 @@ std::optional<std::uint32_t> hex(std::string_view text) {
   return rgb;
 }
 
-std::string names_of_colours() {
-  std::vector<std::string> names;
-  for (const auto& [name, rgb] : named_colours) names.emplace_back(name);
-  return joined(names, " ");
-}
-
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -136,6 +130,12 @@ glm::dvec3 parse_spacing(const std::string& text, const std::string& option) {
   return {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
 }
 
+std::vector<std::string> colour_names() {
+  std::vector<std::string> names;
+  for (const auto& [name, rgb] : named_colours) names.emplace_back(name);
+  return names;
+}
+
 std::optional<glm::dvec3> parse_colour(const std::string& text, const std::string& option) {
   if (text == "none" || text == "transparent") return std::nullopt;
   for (const auto& [name, rgb] : named_colours)
@@ -148,7 +148,7 @@ std::optional<glm::dvec3> parse_colour(const std::string& text, const std::strin
   throw InputError(
       fmt::format("{} '{}' is no colour", option, text),
       fmt::format("a name ({}), #rrggbb, three numbers from 0 to 1 such as 0.2,0.2,0.25, or none",
-                  names_of_colours()));
+                  joined(colour_names(), " ")));
 }
 
 std::optional<std::vector<double>> parse_numbers(std::string_view text) {

@@ -32,6 +32,9 @@ glm::dvec3 parse_spacing(const std::string& text, const std::string& option);
 /// nothing for "none" (transparent).
 std::optional<glm::dvec3> parse_colour(const std::string& text, const std::string& option);
 
+/// The names that parse_colour() knows, beside "none".
+std::vector<std::string> colour_names();
+
 /// The numbers of a list separated by blanks, commas, semicolons or tabs; nothing when a part is no number.
 std::optional<std::vector<double>> parse_numbers(std::string_view text);
 
