@@ -1,0 +1,17 @@
+# The API reference from the public headers' comments: target api_reference, where Doxygen is. A warning is an error.
+find_package(Doxygen QUIET)
+if(DOXYGEN_FOUND)
+  set(DOXYGEN_PROJECT_BRIEF "${PROJECT_DESCRIPTION}")
+  set(DOXYGEN_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/api)
+  set(DOXYGEN_STRIP_FROM_PATH ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include)
+  set(DOXYGEN_STRIP_FROM_INC_PATH ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include)
+  set(DOXYGEN_FILE_PATTERNS *.hpp)
+  set(DOXYGEN_JAVADOC_AUTOBRIEF YES)
+  set(DOXYGEN_EXTRACT_ALL YES)
+  set(DOXYGEN_BUILTIN_STL_SUPPORT YES)
+  set(DOXYGEN_HAVE_DOT NO)
+  set(DOXYGEN_QUIET YES)
+  set(DOXYGEN_WARN_AS_ERROR YES)
+  doxygen_add_docs(api_reference ${PROJECT_SOURCE_DIR}/include ${PROJECT_BINARY_DIR}/include
+    COMMENT "Writing the API reference into ${PROJECT_BINARY_DIR}/api/html")
+endif()
