@@ -4,6 +4,8 @@
 #   scripts/setup.sh            install
 #   scripts/setup.sh --check    only say what is missing; exit 1 when something is
 #   scripts/setup.sh --mpich    MPICH too, beside Open MPI, for scripts/check.sh
+#   scripts/setup.sh --release  what a release takes, too: scripts/package.sh and the API reference
+#   scripts/setup.sh --required only what the build and the tests need
 #
 # RINGSPLAT_SKIP_SETUP=1 makes it do nothing, for machines that have the libraries from elsewhere.
 set -euo pipefail
@@ -30,13 +32,16 @@ optional=(
 )
 
 mpich=(libmpich-dev mpich)
+release=(dpkg-dev file debootstrap doxygen)
 
 check=0
 for word; do
   case $word in
     --check) check=1 ;;
     --mpich) required+=("${mpich[@]}") ;;
-    *) die "setup.sh does not know $word; it knows --check and --mpich" ;;
+    --release) required+=("${release[@]}") ;;
+    --required) optional=() ;;
+    *) die "setup.sh does not know $word; it knows --check, --mpich, --release and --required" ;;
   esac
 done
 
@@ -51,7 +56,7 @@ need_debian() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
   say "This script knows Debian and its relatives only. Ringsplat needs, by their Debian 12 names:"
   printf '  %s\n' "${required[@]}" "${optional[@]}" >&2
-  say "(the last ${#optional[@]} are for simulations, plots, films and tests in a browser)"
+  ((${#optional[@]} == 0)) || say "(the last ${#optional[@]} are for simulations, plots, films and tests in a browser)"
   die "install them, then call this again with RINGSPLAT_SKIP_SETUP=1"
 }
 
