@@ -2,6 +2,7 @@
 
 #include <mpi.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cstdio>
@@ -74,7 +75,8 @@ std::string MpiSession::library() {
   std::array<char, MPI_MAX_LIBRARY_VERSION_STRING> text{};
   int length = 0;
   checked(MPI_Get_library_version(text.data(), &length), "MPI_Get_library_version");
-  const std::string all(text.data(), std::size_t(length));
+  std::string all(text.data(), std::size_t(length));
+  std::replace(all.begin(), all.end(), '\t', ' ');  // MPICH's
   return all.substr(0, all.find_first_of(",\n"));
 }
 
