@@ -124,7 +124,8 @@ TEST_CASE("the colour bar spans the values that can be seen, within the volume's
   CHECK(visible_span(band, range(-7, 9))->low == -7);
 }
 
-TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny one has nothing") {
+TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny one has nothing",
+          "[openimageio]") {
   for (const World world : {World::lattice, World::patient, World::microscope})
     for (const auto& [width, height] : {std::pair{8, 8},
                                         {64, 64},
@@ -162,7 +163,8 @@ TEST_CASE("a larger picture has larger letters, and a perspective one no scale b
   CHECK(drawn(invisible).size() < drawn(frame(512, 512)).size());
 }
 
-TEST_CASE("values far from zero or close together have ticks that can be told apart, and end") {
+TEST_CASE("values far from zero or close together have ticks that can be told apart, and end",
+          "[openimageio]") {
   for (const auto& [low, high] :
        {std::pair{1e9, 1e9 + 10}, {-1e-30, 1e-30}, {-1e300, 1e300}, {1.0, 1.0 + 1e-15}}) {
     FrameSpec spec = frame(512, 512);
@@ -172,7 +174,8 @@ TEST_CASE("values far from zero or close together have ticks that can be told ap
   }
 }
 
-TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else") {
+TEST_CASE("annotations are drawn into a transparent picture, an opaque one and an .exr, and nowhere else",
+          "[openimageio]") {
   const Files files;
   for (const auto& [file, more] :
        std::vector<std::pair<std::string, std::vector<std::string>>>{{"x.png", {}},

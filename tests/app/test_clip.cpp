@@ -101,7 +101,8 @@ TEST_CASE("--clip draws the same bits on ranks, in a ring and in a mesh, with bo
   }
 }
 
-TEST_CASE("a picture with --clip is its method's and near the field's truth of the same box") {
+TEST_CASE("a picture with --clip is its method's and near the field's truth of the same box",
+          "[openimageio]") {
   const Files files;
   for (const std::string engine : {"splats", "sheets"}) {
     const std::string truth = files.folder / "truth.exr";

@@ -82,7 +82,8 @@ ValueStatistics positive_values() {
 
 }  // namespace
 
-TEST_CASE("an outlier changes neither what is seen nor the histogram, and one line says what was chosen") {
+TEST_CASE("an outlier changes neither what is seen nor the histogram, and one line says what was chosen",
+          "[openimageio]") {
   const Files files;
   REQUIRE(files.render(files.usual).code == 0);
   const Seen usual = seen_in(files.drawn());
@@ -109,7 +110,8 @@ TEST_CASE("an outlier changes neither what is seen nor the histogram, and one li
   CHECK(lines_with(text, "above").size() == 1);
 }
 
-TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 and 5 ranks") {
+TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 and 5 ranks",
+          "[mpi][openimageio]") {
   const Files files;
   const std::string function = files.folder / "tf.json";
   std::string first;

@@ -33,7 +33,8 @@ struct Files {
 }  // namespace
 
 TEST_CASE(
-    "--progressive shows a view from coarse to fine, each with its time and its error against the full one") {
+    "--progressive shows a view from coarse to fine, each with its time and its error against the full one",
+    "[mpi][openimageio]") {
   for (const int ranks : {0, 3}) {
     INFO(ranks << " ranks");
     const Files files;
@@ -73,7 +74,8 @@ TEST_CASE("a newer view on stdin ends the refinement of the ones before it", "[t
   }
 }
 
-TEST_CASE("lines on stdin that give no view are skipped, the others are rendered, and the run ends with 2") {
+TEST_CASE("lines on stdin that give no view are skipped, the others are rendered, and the run ends with 2",
+          "[mpi][openimageio]") {
   for (const int ranks : {0, 2}) {
     INFO(ranks << " ranks");
     const Files files;

@@ -112,7 +112,8 @@ TEST_CASE("a range of frames goes from the first to before the last") {
   }
 }
 
-TEST_CASE("the pictures of a series are those of its volumes by themselves, on any number of ranks") {
+TEST_CASE("the pictures of a series are those of its volumes by themselves, on any number of ranks",
+          "[mpi][openimageio]") {
   const Series series;
   for (const int ranks : {0, 1, 4}) {
     INFO(ranks << " ranks");
@@ -173,8 +174,8 @@ TEST_CASE("the transfer function that is chosen for the first volume is kept for
             .code == 0);
 }
 
-TEST_CASE(
-    "a volume of a series that cannot be read ends the run with 2 and its name, after those before it") {
+TEST_CASE("a volume of a series that cannot be read ends the run with 2 and its name, after those before it",
+          "[mpi][openimageio]") {
   for (const int ranks : {0, 3}) {
     INFO(ranks << " ranks");
     for (const bool cut : {true, false}) {

@@ -41,7 +41,8 @@ int run_redirected(const std::vector<std::string>& arguments, const std::string&
 
 }  // namespace
 
-TEST_CASE("--stats - writes to stdout what it would write into a file, and nothing else goes there") {
+TEST_CASE("--stats - writes to stdout what it would write into a file, and nothing else goes there",
+          "[mpi]") {
   const Files files;
   const WorkingFolder inside(files.folder.path());
   for (const int ranks : {0, 2}) {

@@ -57,7 +57,8 @@ TEST_CASE("steep surfaces and bone are said to err with splats, soft presets are
   CHECK(steepness_of("mr-surface", 0, 4095) == Approx(steepness_of("mr-surface", 0, 1)));
 }
 
-TEST_CASE("a steep picture is warned of once, by rank 0, where splats draw it and nobody measures") {
+TEST_CASE("a steep picture is warned of once, by rank 0, where splats draw it and nobody measures",
+          "[mpi][openimageio]") {
   const TemporaryFolder folder;
   const std::string volume = folder / "volume.nrrd";
   REQUIRE(run_program({"synth", "gaussians", "--dims", "12x12x12", "-o", volume}).code == 0);

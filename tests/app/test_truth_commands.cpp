@@ -59,7 +59,8 @@ TEST_CASE("reference: the picture lies nearest to the method's truth, then the f
   CHECK(settings.at("tolerance") == 1e-6);
 }
 
-TEST_CASE("render --error says the same as compare with the whole truth, in one process and on ranks") {
+TEST_CASE("render --error says the same as compare with the whole truth, in one process and on ranks",
+          "[mpi][openimageio]") {
   const Workshop w;
   const std::vector<std::string> measuring{"--error", "field",   "--error-pixels",
                                            "10000",   "--stats", w / "stats.json"};
@@ -154,7 +155,8 @@ TEST_CASE("truths that cannot be are refused with the way out") {
   CHECK_FALSE(fs::exists(w / "x.exr"));
 }
 
-TEST_CASE("a small volume's error is measured where the volume is, not where nothing can be wrong") {
+TEST_CASE("a small volume's error is measured where the volume is, not where nothing can be wrong",
+          "[openimageio]") {
   const Workshop w;
   const std::vector<std::string> far{"--zoom", "0.2"};
   w.must(with(with(w.view("reference", "field.exr"), far), {"--truth", "field"}));
