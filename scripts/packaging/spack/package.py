@@ -37,7 +37,7 @@ class Ringsplat(CMakePackage):
     depends_on("nlohmann-json")
     depends_on("fmt")
     depends_on("spdlog")
-    depends_on("intel-oneapi-tbb")
+    depends_on("tbb")
     depends_on("zlib-api")
     depends_on("expat")
     depends_on("lz4")
