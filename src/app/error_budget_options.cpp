@@ -35,7 +35,10 @@ constexpr OptionRow<Budget> error_budget_rows[] = {
 constexpr OptionGroup<Budget> error_budget_options{"Error", error_budget_rows};
 
 void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& o) {
-  const auto given = [&](const char* name) { return app.get_option(name)->count() > 0; };
+  const auto given = [&](const char* name) {
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    return option != nullptr && option->count() > 0;
+  };
   if (!o.max_error) return;
   o.fixed_opaque_threshold = given("--opaque-threshold");
   o.fixed_precision = given("--precision");

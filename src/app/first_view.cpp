@@ -84,7 +84,7 @@ void settle_fit(const CLI::App& app, RenderOptions& o) {
     throw InputError("--fit has no effect in perspective with --eye, which is where it is",
                      "leave out --fit, and use --zoom or --fov");
   const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
-  const bool turns = o.orbit > 0 || !o.path.empty();
+  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
   camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
 }
 

@@ -31,7 +31,21 @@ json to_json(const MeasuredError& m) {
           {"mean", m.error.mean},           {"unit", "1/255"}};
 }
 
-/// The settings that decide the picture, and the volume; the same bytes for any number of ranks.
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+json to_json(const SliceMemory& memory) {
+  std::string axes;
+  for (const Axis axis : all_axes)
+    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
+  return {{"kept_axes", axes}, {"predicted_slice_bytes", memory.predicted}};
+}
+
+}  // namespace
+
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
                              const MeasuredError* error) {
   json j = json::parse(to_json_text(spec));
@@ -41,11 +55,7 @@ std::string picture_settings(const FrameSpec& spec, const std::string& volume, b
   return plain_json_text(std::move(j));
 }
 
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
+namespace {
 
 /// The mean opacity of the picture's pixels.
 double mean_opacity(const Image& image) {
@@ -58,14 +68,20 @@ double mean_opacity(const Image& image) {
 /// nearly nothing.
 constexpr double least_mean_opacity = 0.1 / 1000;
 
-json to_json(const SliceMemory& memory) {
-  std::string axes;
-  for (const Axis axis : all_axes)
-    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
-  return {{"kept_axes", axes}, {"predicted_slice_bytes", memory.predicted}};
+}  // namespace
+
+std::string why_empty(const FrameResult& result, const ValueRange& range) {
+  const NodeStats sum = result.stats.total();
+  if (sum.splats_drawn > 0) return {};
+  return why_nothing_is_visible(result.spec.shown.transfer_function, range,
+                                sum.visible_voxels + sum.voxels_outside);
 }
 
-}  // namespace
+std::string why_nearly_empty(const FrameResult& result) {
+  const double opacity = mean_opacity(result.image);
+  if (result.stats.total().splats_drawn == 0 || opacity >= least_mean_opacity) return {};
+  return why_hardly_anything_is_visible(opacity, result.spec);
+}
 
 FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range,
                          SliceMemory memory, Progress& progress)
@@ -125,6 +141,12 @@ void FrameOutput::measure_kept() {
   kept_.clear();
 }
 
+void FrameOutput::warn(const std::string& label, const std::string& why, int& frames) {
+  if (why.empty() || frames++ > 0) return;
+  progress_.clear();
+  log_warning("{}: {}", label, why);
+}
+
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
   const auto& [result, file, volume, range] = frame;
   const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
@@ -134,17 +156,8 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                 picture_settings(result.spec, volume, options_.annotate, error),
                 annotation_ ? annotation_->overlay(result.spec, range) : Overlay{});
   const NodeStats sum = result.stats.total();
-  if (drawn && sum.splats_drawn == 0 && empty_frames_++ == 0) {
-    progress_.clear();
-    log_warning("{}: {}", label,
-                why_nothing_is_visible(result.spec.shown.transfer_function, range,
-                                       sum.visible_voxels + sum.voxels_outside));
-  }
-  if (drawn && sum.splats_drawn > 0 && mean_opacity(result.image) < least_mean_opacity &&
-      nearly_empty_frames_++ == 0) {
-    progress_.clear();
-    log_warning("{}: {}", label, why_hardly_anything_is_visible(mean_opacity(result.image), result.spec));
-  }
+  warn(label, drawn ? why_empty(result, range) : std::string(), empty_frames_);
+  warn(label, drawn ? why_nearly_empty(result) : std::string(), nearly_empty_frames_);
   const std::string after =
       seconds_.empty() ? "" : fmt::format(", {:.4f} s after the one before", result.stats.period);
   const char* items = std::holds_alternative<Sheets>(result.spec.how) ? "blocks" : "splats";
@@ -210,8 +223,26 @@ fs::path output_file(const RenderOptions& options, std::size_t view) {
                                                                       : fs::path(options.output);
 }
 
+namespace {
+
+std::vector<Camera> cameras_of(const std::vector<ViewAngles>& views, const Camera& start) {
+  std::vector<Camera> cameras;
+  for (const ViewAngles& view : views) {
+    Camera camera = start;
+    camera.azimuth = view.azimuth.value_or(camera.azimuth);
+    camera.elevation = view.elevation.value_or(camera.elevation);
+    camera.roll = view.roll.value_or(camera.roll);
+    camera.zoom = view.zoom.value_or(camera.zoom);
+    cameras.push_back(camera);
+  }
+  return cameras;
+}
+
+}  // namespace
+
 std::vector<Camera> views_of(const RenderOptions& o) {
   if (o.orbit > 0) return orbit(o.frame.shown.camera, o.orbit);
+  if (!o.views.empty()) return cameras_of(o.views, o.frame.shown.camera);
   if (o.path == "-") return {};
   return o.path.empty() ? std::vector{o.frame.shown.camera} : read_path(o.path, o.frame.shown.camera);
 }

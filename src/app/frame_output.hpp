@@ -63,6 +63,8 @@ class FrameOutput {
     std::string volume;  ///< its path
   };
 
+  /// Warns of the first frame of a kind and counts them.
+  void warn(const std::string& label, const std::string& why, int& frames);
   void write(const FinishedFrame& frame, const MeasuredError* error);
   void measure_kept();
   std::string json_text(const FrameRecord& record) const;
@@ -85,6 +87,15 @@ class FrameOutput {
   int empty_frames_ = 0, nearly_empty_frames_ = 0;
   FrameWriter writer_;  ///< declared last: it uses all of the above
 };
+
+/// The settings that decide the picture, and the volume's name, as JSON; the same bytes for any number of
+/// ranks.
+std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
+                             const MeasuredError* error = nullptr);
+
+/// Why a drawn picture shows nothing, or hardly anything; else empty. `range`: the volume's.
+std::string why_empty(const FrameResult& result, const ValueRange& range);
+std::string why_nearly_empty(const FrameResult& result);
 
 /// The file of a view's picture: the output itself, or a numbered file when there may be several. `view`
 /// counts from 0.

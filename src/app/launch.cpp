@@ -68,6 +68,8 @@ Launch::Launch(int& argc, char**& argv, TransportChoice choice)
     collectives_ = std::make_unique<SoloCollectives>();
 }
 
+Launch::Launch() : in_one_process_(true), collectives_(std::make_unique<SoloCollectives>()) {}
+
 Transport* Launch::transport() {
   if (over_mpi() && !transport_) transport_ = session_->make_transport();
   return transport_.get();

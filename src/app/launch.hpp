@@ -27,6 +27,8 @@ class Launch {
  public:
   /// Initialises MPI when a launcher started this process or `choice` asks for it.
   Launch(int& argc, char**& argv, TransportChoice choice);
+  /// This process alone, whatever started it.
+  Launch();
 
   int rank() const { return session_ ? session_->rank() : 0; }
   int ranks() const { return session_ ? session_->ranks() : 1; }

@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
 #include <optional>
@@ -32,9 +33,12 @@ struct VolumeOptions {
   std::string path;
   RawDescription raw;
   VolumeChoice choice;
+  /// Opens it where it is no file; `path` is then its name for people.
+  std::function<std::unique_ptr<VolumeSource>()> opener = {};
 };
 
 inline std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume) {
+  if (volume.opener) return volume.opener();
   return ringsplat::open_volume(volume.path, volume.raw, volume.choice);
 }
 
@@ -53,6 +57,11 @@ struct RunOptions {
   std::string machine;  ///< a file; empty: none. Read into engine.simulation.
 };
 
+/// One of several views: what it says instead of the options' camera.
+struct ViewAngles {
+  std::optional<double> azimuth, elevation, roll, zoom;
+};
+
 struct RenderOptions {
   VolumeOptions volume;
   std::optional<FrameRange> frames;  ///< of a series of volumes
@@ -66,6 +75,7 @@ struct RenderOptions {
   ColourOptions colour;
   int orbit = 0;
   std::string path;
+  std::vector<ViewAngles> views;  ///< of a caller in this process, instead of an orbit or a path
   std::optional<Side> side;       ///< first_view.hpp makes angles of it
   bool direction_chosen = false;  ///< some option says from where the volume is seen
   std::optional<Fit> fit;         ///< empty: chosen by the other options
@@ -84,7 +94,7 @@ struct ServeOptions {
   double target_ms = 40;
   std::string address = "127.0.0.1";
   int port = 0;
-  std::vector<std::string> allowed_hosts, allowed_origins;
+  std::vector<std::string> allowed_hosts, allowed_origins, allowed_frames;
   bool open = false;
 };
 

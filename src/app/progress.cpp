@@ -33,6 +33,9 @@ Progress::Progress(bool silent, std::FILE* results)
   if (!silent_) thread_ = std::thread([this] { watch(); });
 }
 
+Progress::Progress(Listener listener)
+    : silent_(true), terminal_(false), listener_(std::move(listener)), results_(stdout) {}
+
 Progress::~Progress() {
   {
     const std::lock_guard lock(mutex_);
@@ -44,6 +47,7 @@ Progress::~Progress() {
 }
 
 void Progress::begin(const std::string& what, double total) {
+  if (listener_.at) listener_.at(what, 0, total);
   const std::lock_guard lock(mutex_);
   what_ = what;
   total_ = total;
@@ -73,8 +77,16 @@ void Progress::go_on() {
 }
 
 void Progress::at(double done) {
-  const std::lock_guard lock(mutex_);
-  done_ = done;
+  std::string what;
+  double total = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    done_ = done;
+    if (!listener_.at) return;
+    what = what_;
+    total = total_;
+  }
+  listener_.at(what, done, total);
 }
 
 void Progress::end() {
@@ -84,6 +96,7 @@ void Progress::end() {
 }
 
 void Progress::print(const std::string& line) {
+  if (listener_.print) return listener_.print(line);
   const std::lock_guard lock(mutex_);
   wipe();
   std::fprintf(results_, "%s\n", line.c_str());

@@ -1,6 +1,7 @@
 #pragma once
 #include <condition_variable>
 #include <cstdio>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <thread>
@@ -14,6 +15,13 @@ class Progress {
  public:
   /// When `silent`, shows no progress. `results` is where print() writes.
   explicit Progress(bool silent = false, std::FILE* results = stdout);
+  /// Where progress and results go instead of a terminal, on the thread that reports. May throw to end the
+  /// work.
+  struct Listener {
+    std::function<void(const std::string& what, double done, double total)> at;
+    std::function<void(const std::string& line)> print;
+  };
+  explicit Progress(Listener listener);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -38,6 +46,7 @@ class Progress {
   void wipe();
 
   const bool silent_, terminal_;
+  const Listener listener_;
   std::FILE* const results_;
   std::mutex mutex_;
   std::condition_variable changed_;

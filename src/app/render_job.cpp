@@ -119,6 +119,13 @@ void require_memory(Job& job, Launch& launch) {
 
 }  // namespace
 
+bool splats_can_draw(const RenderOptions& o, const std::vector<Camera>& cameras) {
+  const bool chosen = o.method.engine || o.method.quality || o.budget.max_error;
+  const bool perspective =
+      std::any_of(cameras.begin(), cameras.end(), [](const Camera& camera) { return camera.fov > 0; });
+  return !chosen && !perspective && !o.frames && o.path != "-";
+}
+
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes,
                    needs_normals(o.frame),
@@ -183,14 +190,6 @@ MadeFunction make_transfer_function(const RenderOptions& o, const Plan& plan, co
   return made;
 }
 
-/// Splats can draw the run instead of sheets that nobody has asked for.
-bool splats_can_draw(const RenderOptions& o, const Plan& plan) {
-  const bool chosen = o.method.engine || o.method.quality || o.budget.max_error;
-  const bool perspective = std::any_of(plan.cameras.begin(), plan.cameras.end(),
-                                       [](const Camera& camera) { return camera.fov > 0; });
-  return !chosen && !perspective && !o.frames && o.path != "-";
-}
-
 /// Says what has been chosen. Sheets interpolate values, so that labels between others appear.
 void tell(const MadeFunction& made, bool sheets, bool splats_instead, Progress& progress) {
   if (!made.said.empty() && !simulated())
@@ -244,7 +243,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   launch.check_on_rank_0([&] {
     MadeFunction made = make_transfer_function(o, job.plan, scene);
     labels = made.labels;
-    splats_instead = labels && sheets && splats_can_draw(o, job.plan);
+    splats_instead = labels && sheets && splats_can_draw(o, job.plan.cameras);
     tell(made, sheets, splats_instead, progress);
     function = std::move(made.function);
   });

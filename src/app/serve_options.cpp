@@ -27,6 +27,11 @@ constexpr OptionRow<Serve> server_rows[] = {
     {"--allow-origin", "URL", nullptr,
      "Another origin whose pages may connect, as https://hub.example.org; may be given several times",
      [](Serve& o) { return words(o.allowed_origins); }},
+    {"--allow-frame", "URL", nullptr,
+     "An origin whose pages may show the page in a frame, as http://localhost:* for notebooks; may be given "
+     "several "
+     "times",
+     [](Serve& o) { return words(o.allowed_frames); }},
     {"--background", "COLOUR", "black", "A name, #rrggbb or r,g,b from 0 to 1",
      [](Serve& o) { return parsed(o.picture.background, parse_colour); }},
 };

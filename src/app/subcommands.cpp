@@ -5,6 +5,7 @@
 #include "app/first_view.hpp"
 #include "app/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
+#include "serve/access.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -46,13 +47,7 @@ Command settle_render(const CLI::App& app, AllOptions& all) {
   if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
-  settle_fit(app, o);
-  o.frame.how = method_for(o.method);
-  note_fixed_shortcuts(app, o.budget);
-  if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
-  o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;
-  // A method's truth is its own, so that only the field's tells which engine is nearer.
-  if (o.budget.to_field && !engine_is_chosen(app)) o.budget.other_engine = method_for_other_engine(o.method);
+  settle_picture(app, o);
   return o;
 }
 
@@ -78,6 +73,7 @@ Command settle_serve(const CLI::App& app, AllOptions& all) {
   RunOptions& run = all.serve.picture.run;
   if (all.serve.picture.colour.colours == "list") return Say{list_of_colour_maps()};
   require_volume(app, all.serve.picture.volume);
+  static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
   note_direction(app, all.serve.picture);  // it fits the sphere: turning changes no sizes
   if (run.topology == Topology::mesh && app.get_option("--send-ahead")->empty()) run.protocol.send_ahead = 0;
   return all.serve;
@@ -210,6 +206,16 @@ constexpr Subcommand all_subcommands[] = {
 };
 
 }  // namespace
+
+void settle_picture(const CLI::App& app, RenderOptions& o) {
+  settle_fit(app, o);
+  o.frame.how = method_for(o.method);
+  note_fixed_shortcuts(app, o.budget);
+  if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
+  o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;
+  // A method's truth is its own, so that only the field's tells which engine is nearer.
+  if (o.budget.to_field && !engine_is_chosen(app)) o.budget.other_engine = method_for_other_engine(o.method);
+}
 
 std::span<const Subcommand> subcommands() { return all_subcommands; }
 

@@ -40,6 +40,10 @@ struct Subcommand {
   Command (*settle)(const CLI::App& app, AllOptions& options);
 };
 
+/// What all pictures have in common: completes render's options once `app` is parsed. Throws InputError when
+/// they do not fit together.
+void settle_picture(const CLI::App& app, RenderOptions& o);
+
 /// In the order of --help.
 std::span<const Subcommand> subcommands();
 

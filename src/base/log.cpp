@@ -5,6 +5,7 @@
 
 #include <mutex>
 #include <set>
+#include <utility>
 
 #include "base/printable.hpp"
 
@@ -19,6 +20,11 @@ spdlog::logger& logger() {
     return made;
   }();
   return *shared;
+}
+
+std::function<void(LogLevel, const std::string&)>& log_sink() {
+  static std::function<void(LogLevel, const std::string&)> sink;
+  return sink;
 }
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
@@ -43,7 +49,16 @@ void set_log_rank(int rank, bool verbose) {
   logger().set_level(verbose ? spdlog::level::debug : rank == 0 ? spdlog::level::info : spdlog::level::warn);
 }
 
-void log_line(LogLevel level, const std::string& text) { logger().log(to_spdlog(level), printable(text)); }
+void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink) {
+  log_sink() = std::move(sink);
+}
+
+void log_line(LogLevel level, const std::string& text) {
+  if (log_sink())
+    log_sink()(level, printable(text));
+  else
+    logger().log(to_spdlog(level), printable(text));
+}
 
 void log_line_once(LogLevel level, const std::string& text) {
   static std::mutex mutex;

@@ -1,6 +1,7 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <functional>
 #include <string>
 #include <utility>
 
@@ -11,6 +12,9 @@ enum class LogLevel { debug, info, warning, error };
 
 /// Names this process in every line; a rank other than 0 says only warnings and errors unless `verbose`.
 void set_log_rank(int rank, bool verbose);
+/// Passes all lines, of every level, to `sink` instead of stderr; an empty one ends that. Other threads may
+/// log, so it is called from them, too.
+void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink);
 void log_line(LogLevel level, const std::string& text);
 /// Logs a text once a process and drops it when it comes again. For what is found each time a file is opened.
 void log_line_once(LogLevel level, const std::string& text);

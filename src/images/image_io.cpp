@@ -196,10 +196,15 @@ void write_image(const Image& image, const fs::path& file, const std::optional<g
 }
 
 Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,
-                  const std::string& settings) {
+                  const std::string& settings, const Overlay& overlay) {
   const fs::path file = "picture" + ending;
   check_image_name(file, "the picture", !background);
-  return image_file_bytes(ending, FilePixels(image, *format_of(file), background, settings, {}).data);
+  return image_file_bytes(ending, FilePixels(image, *format_of(file), background, settings, overlay).data);
+}
+
+std::vector<std::uint8_t> display_bytes(const Image& image, const std::optional<glm::dvec3>& background,
+                                        const Overlay& overlay) {
+  return FilePixels(image, *format_of("picture.png"), background, {}, overlay).display;
 }
 
 std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background) {

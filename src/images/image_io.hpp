@@ -27,7 +27,12 @@ void write_image(const Image& image, const std::filesystem::path& file,
 /// What write_image() would write into a file with that ending, such as ".png". Throws RunError when there is
 /// no memory for it.
 Bytes image_bytes(const Image& image, const std::string& ending, const std::optional<glm::dvec3>& background,
-                  const std::string& settings);
+                  const std::string& settings, const Overlay& overlay = {});
+
+/// The display values that write_image() would write into a .png: four bytes a pixel, or over a background
+/// three.
+std::vector<std::uint8_t> display_bytes(const Image& image, const std::optional<glm::dvec3>& background,
+                                        const Overlay& overlay);
 
 /// The picture over a background (linear light), as write_image() makes it: sRGB, three bytes a pixel.
 std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background);

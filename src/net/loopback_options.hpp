@@ -18,6 +18,7 @@ struct LoopbackOptions {
   std::function<void(std::int64_t step, const Link& link, const Header& header)> on_link_use = {};
   int stopping_rank = -1;  ///< fault injection: this rank takes no more turns …
   int stops_at_turn = 0;   ///< … from this one on
+  std::function<void()> poll = {};  ///< called between turns; may throw to end the run
 };
 
 }  // namespace ringsplat

@@ -44,6 +44,7 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
   int quiet_turns = 0, pauses = 0;
   for (std::int64_t turn = 0;
        !std::all_of(hosts.begin(), hosts.end(), [](const auto& h) { return h->finished(); }); ++turn) {
+    if (loopback.poll) loopback.poll();
     if (loopback.reorder)
       for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[network.random_below(k)]);
     const int stopped_rank = turn >= loopback.stops_at_turn ? loopback.stopping_rank : -1;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <regex>
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
@@ -37,6 +38,18 @@ std::string make_token() {
   std::string token;
   for (const unsigned char byte : bits) token += fmt::format("{:02x}", byte);
   return token;
+}
+
+std::string frame_ancestors(const std::vector<std::string>& origins) {
+  static const std::regex origin("https?://([A-Za-z0-9.-]+|\\[[0-9A-Fa-f:.]+\\])(:([0-9]{1,5}|\\*))?");
+  std::string list;
+  for (const std::string& one : origins) {
+    if (!std::regex_match(one, origin))
+      throw InputError(fmt::format("--allow-frame {} is no origin of a page", one),
+                       "for instance http://localhost:8888, http://localhost:* or https://hub.example.org");
+    list += (list.empty() ? "" : " ") + one;
+  }
+  return list.empty() ? "'none'" : list;
 }
 
 Access::Access(std::string token, std::vector<std::string> hosts, std::vector<std::string> origins)

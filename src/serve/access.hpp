@@ -28,6 +28,11 @@ class Access {
   std::vector<std::string> hosts_, origins_;
 };
 
+/// The list of frame-ancestors in a Content-Security-Policy: origins such as "https://hub.example.org" or
+/// "http://localhost:*", or 'none'. Throws InputError that names --allow-frame for anything else, as a blank
+/// or a semicolon would change the rest of the policy.
+std::string frame_ancestors(const std::vector<std::string>& origins);
+
 /// The subprotocol that the server chooses.
 inline constexpr std::string_view subprotocol = "ringsplat.v1";
 

@@ -40,6 +40,7 @@ class WebServer::Impl {
     shared_.events = std::move(events);
     bind(options);
     shared_.access.emplace(token_, hosts(options), options.allowed_origins);
+    shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
     accept();
     if (options.take_signals) {
       signals_.emplace(shared_.io, SIGINT, SIGTERM);

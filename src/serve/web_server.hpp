@@ -16,6 +16,8 @@ struct ServerOptions {
   std::string address = "127.0.0.1";
   int port = 0;  ///< 0: any
   std::vector<std::string> allowed_hosts, allowed_origins;
+  /// Pages that may show the page in a frame, as origins; the port may be "*". None: no page may.
+  std::vector<std::string> allowed_frames = {};
   bool take_signals = false;  ///< SIGINT and SIGTERM become ServerEvents::signalled
 };
 

@@ -3,6 +3,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -33,6 +34,7 @@ struct Shared {
   ServerLimits limits;
   ServerEvents events;
   std::optional<Access> access;
+  std::string frame_ancestors;  ///< a list of the Content-Security-Policy
   std::map<ClientId, std::weak_ptr<Client>> clients;
   int connections = 0;
   ClientId last_client = 0;

@@ -92,7 +92,8 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     response->set(http::field::content_type, type);
     response->set("Content-Security-Policy",
                   "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-                  "connect-src 'self'; frame-ancestors 'none'; base-uri 'none'; form-action 'none'");
+                  "connect-src 'self'; frame-ancestors " +
+                      shared_.frame_ancestors + "; base-uri 'none'; form-action 'none'");
     response->set("X-Content-Type-Options", "nosniff");
     response->set("Referrer-Policy", "no-referrer");
     response->set("Cross-Origin-Resource-Policy", "same-origin");

@@ -110,9 +110,12 @@ std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, 
   if (scene.clip) check(*scene.clip, scene.grid);
   const FormulaIntegrator integrator(scene, field, scale, tolerance);
   std::vector<Rgba> colours(pixels.size());
-  parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {
-    for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
-  });
+  parallel_for(
+      pixels.size(), 16,
+      [&](std::size_t first, std::size_t end) {
+        for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
+      },
+      scene.poll);
   return colours;
 }
 

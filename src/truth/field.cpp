@@ -192,9 +192,12 @@ std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels,
   if (scene.clip) return field_truth(cropped(scene), pixels, tolerance);
   const FieldIntegrator integrator(scene, tolerance);
   std::vector<Rgba> colours(pixels.size());
-  parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {
-    for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
-  });
+  parallel_for(
+      pixels.size(), 16,
+      [&](std::size_t first, std::size_t end) {
+        for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
+      },
+      scene.poll);
   return colours;
 }
 

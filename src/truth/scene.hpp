@@ -1,5 +1,6 @@
 #pragma once
 #include <cstddef>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <optional>
@@ -48,6 +49,8 @@ struct Scene {
     glm::ivec3 first;
   };
   std::optional<CutFrom> cut_from = std::nullopt;
+  /// Called now and then by the thread that waits for a truth of pixels; may throw to end its evaluation.
+  std::function<void()> poll = {};
 };
 
 /// Throws InputError when the number of values is not the grid's, or the grid, the clip box or the transfer

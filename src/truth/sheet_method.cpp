@@ -170,9 +170,12 @@ std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> 
   if (scene.clip) return sheet_method_truth(cropped(scene), pixels);
   const SheetTracer tracer(scene);
   std::vector<Rgba> colours(pixels.size());
-  parallel_for(pixels.size(), 16, [&](std::size_t first, std::size_t end) {
-    for (std::size_t p = first; p < end; ++p) colours[p] = tracer.along(pixels[p]);
-  });
+  parallel_for(
+      pixels.size(), 16,
+      [&](std::size_t first, std::size_t end) {
+        for (std::size_t p = first; p < end; ++p) colours[p] = tracer.along(pixels[p]);
+      },
+      scene.poll);
   return colours;
 }
 

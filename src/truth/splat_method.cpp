@@ -97,9 +97,12 @@ class Method {
     for (int step = 0; step < slices; ++step) {
       const int slice = traversal_.ascending ? step : slices - 1 - step;
       if (!classify(slice)) continue;
-      parallel_for(pixels.size(), 256, [&](std::size_t first, std::size_t end) {
-        for (std::size_t p = first; p < end; ++p) composite(behind[p], sum_at(pixels[p], slice));
-      });
+      parallel_for(
+          pixels.size(), 256,
+          [&](std::size_t first, std::size_t end) {
+            for (std::size_t p = first; p < end; ++p) composite(behind[p], sum_at(pixels[p], slice));
+          },
+          scene_.poll);
     }
     for (auto& p : behind) p.w = 1 - p.w;
     return behind;

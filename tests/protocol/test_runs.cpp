@@ -130,6 +130,16 @@ TEST_CASE("an encoder that loses items is found out at the frame's end") {
                     Catch::Matchers::Contains("8 splats sent, but 4 drawn"));
 }
 
+TEST_CASE("what is called between turns may end the run") {
+  int calls = 0;
+  LoopbackOptions loopback;
+  loopback.poll = [&calls] {
+    if (++calls == 5) throw std::runtime_error("enough");
+  };
+  CHECK_THROWS_WITH(run_all({.gps = 2, .renderers = 2}, {}, {ToyFrame{}}, loopback), "enough");
+  CHECK(calls == 5);
+}
+
 TEST_CASE("a rank that stops ends the run with a report of who waits for whom") {
   const ToyFrame frame{.steps = 6, .gps = 2, .renderers = 1};
   CHECK_THROWS_WITH(run_all({2, 1}, {.slots = 1}, {frame}, {.stopping_rank = 1, .stops_at_turn = 3}),

@@ -48,3 +48,12 @@ TEST_CASE("A client must offer both the subprotocol and the token") {
                                 "ringsplat.v1, token.", ",,,", "ringsplat.v1, token." + std::string(32, '0')})
     CHECK(!rules.may_connect(other));
 }
+
+TEST_CASE("A page is framed by nobody but the origins that were allowed") {
+  CHECK(frame_ancestors({}) == "'none'");
+  CHECK(frame_ancestors({"http://localhost:*", "https://hub.example.org", "http://[::1]:8888"}) ==
+        "http://localhost:* https://hub.example.org http://[::1]:8888");
+  for (const char* other : {"", "*", "localhost", "http://*", "https://hub.example.org/", "http://a b",
+                            "http://a;script-src *", "http://a, http://b", "ftp://a", "'self'"})
+    CHECK_THROWS_WITH(frame_ancestors({other}), Catch::Matchers::Contains("--allow-frame"));
+}

@@ -39,3 +39,25 @@ TEST_CASE("what a piece throws comes to the caller, and the rest is left", "[thr
   CHECK_THROWS_WITH(work(), Catch::Matchers::Contains("piece 10"));
   CHECK(begun < pieces);
 }
+
+TEST_CASE("the calling thread polls between its pieces, and what that throws ends the work", "[threads]") {
+  constexpr int pieces = 20'000;
+  std::atomic<int> begun = 0;
+  const auto caller = std::this_thread::get_id();
+  int polls = 0;
+  const auto work = [&] {
+    truth::parallel_for(
+        pieces, 1,
+        [&](std::size_t, std::size_t) {
+          ++begun;
+          std::this_thread::sleep_for(std::chrono::microseconds(50));
+        },
+        [&] {
+          REQUIRE(std::this_thread::get_id() == caller);
+          if (++polls == 3) throw RunError("enough");
+        });
+  };
+  CHECK_THROWS_WITH(work(), Catch::Matchers::Contains("enough"));
+  CHECK(polls == 3);
+  CHECK(begun < pieces);
+}
