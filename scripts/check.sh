@@ -63,6 +63,7 @@ if [[ " $* " == *" mpich "* ]]; then
 else
   "$repo/scripts/setup.sh"
 fi
+python3 -B "$repo/tests/python/make.py" "$repo/build/python" || say "Python's module is left out"
 for name; do
   case $name in
     smoke)

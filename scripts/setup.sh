@@ -27,6 +27,7 @@ optional=(
   libsimgrid-dev                              # simulated machines
   python3 python3-numpy python3-matplotlib    # plots
   python3-venv                                # SSIM and FLIP, which scripts/accuracy.sh takes from PyPI
+  python3-dev                                 # Python's module; nanobind and its tests' packages come from PyPI
   chromium chromium-driver python3-selenium   # tests of the viewer's page
   ffmpeg                                      # the viewer's films as MP4
 )

@@ -5,6 +5,9 @@ set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
 "$repo/scripts/setup.sh"
+# What Python's module is built and tested with; without PyPI it is left out.
+python3 -B "$repo/tests/python/make.py" "$repo/build/python" || say "Python's module is left out"
+(cd "$repo" && cmake --preset release >&2)
 build_ringsplat all
 # Tests that start ranks say how many cores they take, so that CTest runs no more of them at once than fit.
 cd "$repo"

@@ -185,6 +185,9 @@ const Rules& house_rules() {
       {"app",
        {"base", "images", "volume", "classify", "view", "screen", "splat", "net", "record", "protocol",
         "frame", "scene", "session", "serve", "truth", "model", "mpi"}},
+      {"python",
+       {"base", "images", "volume", "classify", "view", "net", "record", "frame", "scene", "session", "truth",
+        "app", "mpi"}},
   };
   return rules;
 }

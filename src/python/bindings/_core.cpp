@@ -1,0 +1,229 @@
+// The Python module ringsplat._core: what ringsplat/*.py stands on. Long work runs without the interpreter's
+// lock.
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include "app/option_values.hpp"
+#include "app/process_end.hpp"
+#include "app/program.hpp"
+#include "base/clock.hpp"
+#include "base/log.hpp"
+#include "classify/auto_preset.hpp"
+#include "classify/colour_maps.hpp"
+#include "python/array_volume.hpp"
+#include "python/picture.hpp"
+#include "python/picture_options.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace nb = nanobind;
+using namespace ringsplat;
+using namespace ringsplat::python;
+
+namespace {
+
+using Words = std::vector<std::string>;
+using Three = std::array<double, 3>;
+using Angles = std::array<std::optional<double>, 4>;  ///< azimuth, elevation, roll, zoom
+
+constexpr double seconds_between_polls = 0.03;
+
+/// Throws what a signal's handler raised, KeyboardInterrupt after Ctrl-C.
+void throw_signals() {
+  const nb::gil_scoped_acquire lock;
+  if (PyErr_CheckSignals() != 0) throw nb::python_error();
+}
+
+std::function<void()> poll_now_and_then() {
+  return [last = 0.0]() mutable {
+    const double now = now_seconds();
+    if (now - last < seconds_between_polls) return;
+    last = now;
+    throw_signals();
+  };
+}
+
+/// `told`: a callable that outlives the hooks, or None.
+Hooks hooks_of(nb::handle told) {
+  Hooks hooks{poll_now_and_then(), {}};
+  if (told.is_none()) return hooks;
+  hooks.told = [told](const std::string& what, double done, double total) {
+    const nb::gil_scoped_acquire lock;
+    told(what, done, total);
+  };
+  return hooks;
+}
+
+std::vector<app::ViewAngles> views_of(const std::vector<Angles>& angles) {
+  std::vector<app::ViewAngles> views;
+  for (const auto& [azimuth, elevation, roll, zoom] : angles)
+    views.push_back({azimuth, elevation, roll, zoom});
+  return views;
+}
+
+nb::list to_list(std::vector<Picture>&& pictures) {
+  nb::list list;
+  for (Picture& picture : pictures) list.append(nb::cast(std::move(picture)));
+  return list;
+}
+
+glm::dvec3 to_vec(const Three& v) { return {v[0], v[1], v[2]}; }
+
+Grid grid_of(const std::array<int, 3>& dims, const std::string& type, const Three& spacing,
+             const Three& origin, const std::array<double, 9>& direction) {
+  Grid grid;
+  grid.dims = {dims[0], dims[1], dims[2]};
+  grid.spacing = to_vec(spacing);
+  grid.origin = to_vec(origin);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      grid.direction[column][row] = direction[std::size_t(3 * row + column)];
+  grid.type = scalar_type_from(type);
+  return grid;
+}
+
+VolumeNotes notes_of(const std::string& unit, const std::string& quantity) {
+  VolumeNotes notes;
+  notes.unit = unit;
+  notes.quantity = quantity;
+  return notes;
+}
+
+const std::byte* at_address(std::uintptr_t address) { return reinterpret_cast<const std::byte*>(address); }
+Strides strides_of(const std::array<std::int64_t, 3>& xyz) { return {xyz[0], xyz[1], xyz[2]}; }
+
+/// A picture's volume: an array or a file. The options say the rest.
+void set_volume(app::VolumeOptions& options, const std::optional<ArrayVolume>& array,
+                const std::string& name) {
+  options.path = name;
+  if (array) options.opener = [array = *array] { return array_source(array); };
+}
+
+nb::list render(const Words& words, const std::vector<Angles>& views, const std::optional<ArrayVolume>& array,
+                const std::string& name, nb::handle told) {
+  app::RenderOptions options = parse_picture(words, views_of(views), From::volume);
+  set_volume(options.volume, array, name);
+  const Hooks hooks = hooks_of(told);
+  std::vector<Picture> pictures;
+  {
+    const nb::gil_scoped_release without;
+    pictures = render_pictures(options, hooks);
+  }
+  return to_list(std::move(pictures));
+}
+
+app::MeasuredError measure_again(const Picture& picture, const Words& words,
+                                 const std::optional<ArrayVolume>& array, const std::string& name,
+                                 const std::string& truth, std::size_t pixels, std::uint64_t seed) {
+  app::RenderOptions options = parse_picture(words, {}, From::volume);
+  set_volume(options.volume, array, name);
+  const app::ErrorOptions error{app::truth_from(truth, "truth"), pixels, seed};
+  const Hooks hooks = hooks_of(nb::none());
+  const nb::gil_scoped_release without;
+  return measure(picture, options.volume, error, hooks);
+}
+
+/// Log lines go to a callable (level, text); levels are those of Python's logging.
+void set_log(nb::object take) {
+  if (take.is_none()) return set_log_sink({});
+  set_log_sink([take = take.release()](LogLevel level, const std::string& text) {
+    const nb::gil_scoped_acquire lock;
+    constexpr int levels[] = {10, 20, 30, 40};
+    take(levels[static_cast<int>(level)], text);
+  });
+}
+
+int run_main(Words words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  set_log_sink({});
+  app::prepare_for_signals();
+  const nb::gil_scoped_release without;
+  return app::run_program(int(words.size()), argv.data());
+}
+
+template <class Named>
+nb::list named(const std::vector<Named>& all) {
+  nb::list list;
+  for (const auto& one : all)
+    list.append(nb::make_tuple(std::string(one.name), std::string(one.description)));
+  return list;
+}
+
+void bind_pictures(nb::module_& m) {
+  using Pixels = nb::ndarray<nb::numpy, const float, nb::shape<-1, -1, 4>>;
+  nb::class_<app::MeasuredError>(m, "MeasuredError")
+      .def_prop_ro("truth", [](const app::MeasuredError& e) { return app::to_string(e.truth); })
+      .def_prop_ro("rms", [](const app::MeasuredError& e) { return e.error.rmse; })
+      .def_prop_ro(
+          "interval",
+          [](const app::MeasuredError& e) { return nb::make_tuple(e.error.rmse_low, e.error.rmse_high); })
+      .def_prop_ro("max", [](const app::MeasuredError& e) { return e.error.largest; })
+      .def_prop_ro("mean", [](const app::MeasuredError& e) { return e.error.mean; })
+      .def_prop_ro("pixels", [](const app::MeasuredError& e) { return e.error.pixels; })
+      .def_prop_ro("seed", [](const app::MeasuredError& e) { return e.seed; })
+      .def_prop_ro("seconds", [](const app::MeasuredError& e) { return e.seconds; })
+      .def("__str__", [](const app::MeasuredError& e) { return app::to_text(e); });
+  nb::class_<Picture>(m, "Picture")
+      .def_prop_ro("width", [](const Picture& p) { return p.image.width; })
+      .def_prop_ro("height", [](const Picture& p) { return p.image.height; })
+      .def_ro("seconds", &Picture::seconds)
+      .def_ro("settings", &Picture::settings)
+      .def_ro("error", &Picture::error)
+      .def(
+          "pixels",
+          [](nb::handle self) {
+            const auto& p = nb::cast<const Picture&>(self);
+            return Pixels(p.image.rgba.data(), {std::size_t(p.image.height), std::size_t(p.image.width), 4},
+                          self);
+          },
+          nb::rv_policy::reference)
+      .def("display",
+           [](const Picture& p) {
+             const auto bytes = display(p);
+             return nb::bytes(bytes.data(), bytes.size());
+           })
+      .def("png",
+           [](const Picture& p) {
+             const Bytes bytes = png(p);
+             return nb::bytes(bytes.data(), bytes.size());
+           })
+      .def("save", [](const Picture& p, const std::string& file) {
+        const nb::gil_scoped_release without;
+        save(p, file);
+      });
+}
+
+}  // namespace
+
+NB_MODULE(_core, m) {
+  m.doc() = "What the package ringsplat stands on. Not for users.";
+  m.attr("__version__") = RINGSPLAT_VERSION;
+  nb::exception<InputError>(m, "InputError", PyExc_ValueError).doc() =
+      "What was asked for cannot be drawn: a bad option, a volume that cannot be read.";
+  nb::exception<RunError>(m, "RunError", PyExc_RuntimeError).doc() =
+      "Something failed while running: a rank, the disk, memory.";
+  nb::class_<ArrayVolume>(m, "ArrayVolume")
+      .def("__init__", [](ArrayVolume* self, std::uintptr_t address, const std::array<int, 3>& dims,
+                          const std::array<std::int64_t, 3>& strides, const std::string& type,
+                          const Three& spacing, const Three& origin, const std::array<double, 9>& direction,
+                          const std::string& unit, const std::string& quantity) {
+        new (self) ArrayVolume{grid_of(dims, type, spacing, origin, direction), at_address(address),
+                               strides_of(strides), notes_of(unit, quantity)};
+      });
+  bind_pictures(m);
+  m.def("render", &render, nb::arg("words"), nb::arg("views"), nb::arg("array").none(), nb::arg("name"),
+        nb::arg("told").none());
+  m.def("measure", &measure_again, nb::arg("picture"), nb::arg("words"), nb::arg("array").none(),
+        nb::arg("name"), nb::arg("truth"), nb::arg("pixels"), nb::arg("seed"));
+  m.def("picture_options_json", &picture_options_json);
+  m.def("presets", [] { return named(preset_names()); });
+  m.def("colour_maps", [] { return named(colour_map_names()); });
+  m.def("closest", &app::closest, "The known word most like this one, or an empty text.");
+  m.def("set_log", &set_log, nb::arg("take").none());
+  m.def("main", &run_main);
+}

@@ -1,0 +1,46 @@
+#pragma once
+#include <filesystem>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <string>
+
+#include "app/annotation.hpp"
+#include "app/measured_error.hpp"
+#include "app/options.hpp"
+#include "python/hooks.hpp"
+#include "ringsplat/base/bytes.hpp"
+#include "session/director.hpp"
+
+namespace ringsplat::python {
+
+/// A picture, and what people want to know of it.
+struct Picture {
+  Image image;  ///< without background and annotations
+  FrameSpec spec;
+  Method asked;          ///< what an error budget may have made cheaper
+  double seconds = 0;    ///< from the frame's announcement to its picture
+  std::string settings;  ///< JSON
+  std::optional<glm::dvec3> background;
+  Overlay overlay;
+  std::optional<app::MeasuredError> error;
+};
+
+/// A picture of a frame that was rendered with `options`; `range`: the volume's. Warns, in the log, of one
+/// that shows nothing.
+Picture picture_of(FrameResult&& result, const app::RenderOptions& options, const ValueRange& range,
+                   const std::optional<app::Annotation>& annotation);
+
+/// Display values, straight alpha: three bytes a pixel over a background, else four.
+std::vector<std::uint8_t> display(const Picture& picture);
+Bytes png(const Picture& picture);
+/// Throws InputError for an ending that is no picture's, RunError when it cannot be written.
+void save(const Picture& picture, const std::filesystem::path& file);
+
+/// Renders one picture, or one of each view, in this process. Throws InputError and RunError.
+std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& hooks);
+
+/// Measures a picture of this volume. Throws InputError.
+app::MeasuredError measure(const Picture& picture, const app::VolumeOptions& volume,
+                           const app::ErrorOptions& error, const Hooks& hooks);
+
+}  // namespace ringsplat::python

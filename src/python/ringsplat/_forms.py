@@ -1,0 +1,108 @@
+"""The options' forms: what the command line shows for a value, as a Python type and as words of a command line."""
+from __future__ import annotations
+
+import os
+import re
+from typing import Any
+
+import numpy as np
+
+
+def _number(value: Any) -> str:
+    """Every digit of a number, so that it is the same when it is read again."""
+    if isinstance(value, str):
+        return value
+    if isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"needs a number, not {value}")
+    if isinstance(value, (int, np.integer)):
+        return str(int(value))
+    return repr(float(value))
+
+
+def _numbers(value: Any) -> list[str]:
+    return [_number(one) for one in np.asarray(value, dtype=object).ravel()]
+
+
+def _one(value: Any) -> list[str]:
+    return [_number(value)]
+
+
+def _text(value: Any) -> list[str]:
+    return [str(value)]
+
+
+def _joined(between: str, counts: tuple[int, ...]):
+    """Several numbers in one word, or a text that is such a word."""
+    def words(value: Any) -> list[str]:
+        if isinstance(value, str):
+            return [value]
+        numbers = _numbers(value)
+        if len(numbers) not in counts:
+            raise TypeError(f"needs {' or '.join(map(str, counts))} numbers, not {len(numbers)}")
+        return [between.join(numbers)]
+    return words
+
+
+def _clip_part(part: Any) -> str:
+    """Of one axis: None, a slice, a (first, end), or a text."""
+    if part is None or isinstance(part, str):
+        return part or ""
+    if isinstance(part, slice):
+        if part.step not in (None, 1):
+            raise TypeError("needs slices without a step")
+        part = (part.start, part.stop)
+    first, end = part
+    return f"{'' if first is None else _number(first)}:{'' if end is None else _number(end)}"
+
+
+def _clip(value: Any) -> list[str]:
+    if isinstance(value, str):
+        return [value]
+    if len(value) != 3:
+        raise TypeError("needs a part for x, y and z")
+    return [",".join(_clip_part(part) for part in value)]
+
+
+def _path(value: Any) -> list[str]:
+    return [os.fspath(value) if isinstance(value, os.PathLike) else str(value)]
+
+
+# What the command line calls a value: the Python types, and its words.
+FORMS = {
+    "FLOAT": ("float", _one), "INT": ("int", _one), "UINT": ("int", _one), "TEXT": ("str", _text),
+    "DEGREES": ("float", _one), "RADII": ("float", _one), "RMSE": ("float", _one), "F": ("float", _one),
+    "N": ("int", _one), "T": ("int", _one), "BYTES": ("int", _one), "N|NAME": ("int | str", _text),
+    "NAME": ("str", _text), "TYPE": ("str", _text), "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
+    "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),
+    "XxYxZ": ("float | Sequence[float] | str", _joined("x", (1, 3))),
+    "LO:HI": ("tuple[float, float] | str", _joined(":", (2,))),
+    "COLOUR": ("str | tuple[float, float, float]", _joined(",", (3,))),
+    "X0:X1,Y0:Y1,Z0:Z1": ("str | Sequence[slice | tuple[float | None, float | None] | None]", _clip),
+    "X Y Z": ("Sequence[float]", _numbers), "RIGHT DOWN": ("tuple[float, float]", _numbers),
+    "M11 ... M34": ("ArrayLike", _numbers),
+    "NAME|FILE": ("str | os.PathLike[str] | dict[str, Any] | Sequence[Sequence[float]]", _path),
+    "G|auto": ("int", _one), "R|auto": ("int", _one), "COLUMNSxROWS": ("tuple[int, int] | str", _joined("x", (1, 2))),
+}
+
+
+def annotation_of(form: str, values: int) -> str:
+    """The Python type of an option's value, as text. Throws KeyError for a form that nobody has described."""
+    if values == 0:
+        return "bool"
+    if form in FORMS:
+        return FORMS[form][0]
+    words = form.split("|")
+    if all(re.fullmatch(r"\d+", word) for word in words):
+        return f"Literal[{', '.join(words)}]"
+    if all(re.fullmatch(r"[\d.]+", word) for word in words):
+        return "float"
+    if len(words) > 1 and all(re.fullmatch(r"[a-z0-9]+", word) for word in words):
+        return f"Literal[{', '.join(map(repr, words))}]"
+    raise KeyError(f"no Python type for an option's value {form!r}")
+
+
+def words_of(form: str, value: Any) -> list[str]:
+    """A value as words of a command line. Throws TypeError."""
+    if form in FORMS:
+        return FORMS[form][1](value)
+    return _one(value) if isinstance(value, (float, np.floating)) else _text(value)

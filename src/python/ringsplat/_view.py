@@ -1,0 +1,137 @@
+"""The viewer's page, for notebooks and browsers."""
+from __future__ import annotations
+
+import html
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+import weakref
+from typing import Any, Sequence
+
+import numpy as np
+
+from . import _core
+from ._core import InputError, RunError
+from ._table import command_line
+from ._volume import Volume, volume_of
+
+# Pages of this machine, such as Jupyter's. The page's token keeps others out.
+_LOCAL_PAGES = ("http://localhost:*", "http://127.0.0.1:*", "https://localhost:*", "https://127.0.0.1:*")
+
+
+def _write_nrrd(volume: Volume, path: str) -> None:
+    """An array with its place in the world, so that the viewer's process reads the same volume."""
+    array = volume.array
+    assert array is not None
+    matrix = np.reshape(volume.direction, (3, 3)) * np.asarray(volume.spacing)
+    vectors = " ".join("(" + ",".join(repr(float(one)) for one in matrix[:, k]) + ")" for k in range(3))
+    types = {"float32": "float", "float64": "double"}
+    header = ["NRRD0004", f"type: {types.get(array.dtype.name, array.dtype.name)}", "dimension: 3", "space dimension: 3",
+              "sizes: " + " ".join(str(size) for size in array.shape[::-1]), f"space directions: {vectors}",
+              "space origin: (" + ",".join(repr(float(one)) for one in volume.origin) + ")",
+              f"endian: {sys.byteorder}", "encoding: raw"]
+    with open(path, "wb") as file:
+        file.write(("\n".join(header) + "\n\n").encode())
+        for plane in array:
+            file.write(np.ascontiguousarray(plane).data)
+
+
+def _end(process: subprocess.Popen, folder: str) -> None:
+    if process.poll() is None:
+        process.terminate()
+        try:
+            process.wait(5)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+    for stream in (process.stdout, process.stderr):
+        if stream is not None:
+            stream.close()
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+class View:
+    """A volume that is shown on a page. Its `url` is for a browser; a notebook shows the page in the output cell.
+
+    It is served from a process of its own, which ends with close(), with this object, or with Python.
+    """
+
+    def __init__(self, command: Sequence[str], folder: str, width: str, height: int) -> None:
+        self._size = (width, height)
+        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(
+            [os.path.dirname(os.path.dirname(os.path.abspath(_core.__file__))), os.environ.get("PYTHONPATH", "")])}
+        self._process = subprocess.Popen([sys.executable, "-m", "ringsplat", *command], stdout=subprocess.PIPE,
+                                         stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, env=environment,
+                                         start_new_session=True, text=True)
+        self._finalizer = weakref.finalize(self, _end, self._process, folder)
+        try:
+            self.url = self._read_url()
+        except BaseException:
+            self.close()
+            raise
+
+    def _read_url(self) -> str:
+        """The line with the address comes when the volume is loaded."""
+        said: list[str] = []
+        errors = threading.Thread(target=lambda: said.extend(self._process.stderr), daemon=True)
+        errors.start()
+        for line in self._process.stdout:
+            for word in line.split():
+                if word.startswith("http://"):
+                    threading.Thread(target=self._process.stdout.read, daemon=True).start()
+                    return word
+        code = self._process.wait()
+        errors.join(1)
+        text = "".join(said).strip().removeprefix("ringsplat: error: ")
+        raise (InputError if code == 2 else RunError)(text or f"the viewer ended with code {code}")
+
+    def close(self) -> None:
+        """Ends the viewer's process and removes its files."""
+        self._finalizer()
+
+    @property
+    def closed(self) -> bool:
+        """True when there is no viewer any more."""
+        return not self._finalizer.alive or self._process.poll() is not None
+
+    def __enter__(self) -> "View":
+        return self
+
+    def __exit__(self, *_: Any) -> None:
+        self.close()
+
+    def _repr_html_(self) -> str:
+        width, height = self._size
+        return (f'<iframe src="{html.escape(self.url)}" width="{html.escape(width)}" height="{height}" '
+                'style="border: 0" allow="fullscreen"></iframe>')
+
+    def __repr__(self) -> str:
+        return f"<ringsplat.View {'closed' if self.closed else self.url}>"
+
+
+def view(volume: Any, *, spacing: Any = None, origin: Any = None, direction: Any = None, unit: Any = None,
+         width: str = "100%", height: int = 640, port: int = 0, frame_origins: Sequence[str] = _LOCAL_PAGES,
+         **options: Any) -> View:
+    """Shows a volume on the viewer's page, to be turned and changed there; in a notebook in the output cell.
+
+    `volume` and its place are those of render(); an array is written into a temporary file. `width` and `height` are the
+    frame's, `port` the page's (0: any). Only pages of `frame_origins` may show it in a frame; without others these are
+    pages of this machine. The notebook's browser must reach 127.0.0.1 of Python's machine. `options` are those of
+    `ringsplat serve`: tf, azimuth, elevation, zoom, size, shading, range, opacity, colours, background, clip.
+    """
+    source = volume_of(volume, spacing, origin, direction, unit)
+    folder = tempfile.mkdtemp(prefix="ringsplat-view-")
+    try:
+        path = source.name
+        if source.array is not None:
+            path = os.path.join(folder, "array.nrrd")
+            _write_nrrd(source, path)
+        with command_line(options) as (words, _):
+            frames = [f"--allow-frame={one}" for one in frame_origins]
+            return View(["serve", path, f"--port={port}", *frames, *source.words, *words], folder, width, height)
+    except BaseException:
+        shutil.rmtree(folder, ignore_errors=True)
+        raise
