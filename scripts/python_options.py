@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Prints src/python/ringsplat/_options.py, the types of the picture's options for editors, from the program's table.
 
-    PYTHONPATH=build/release/python python3 scripts/python_options.py > src/python/ringsplat/_options.py
+PYTHONPATH=build/release/python python3 scripts/python_options.py > src/python/ringsplat/_options.py
 """
+
 from ringsplat._table import options_for
 
 HEAD = '''"""The types of a picture's options, for editors and type checkers. Written by scripts/python_options.py."""

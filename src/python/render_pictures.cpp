@@ -65,7 +65,7 @@ app::MeasuredError measured(const Picture& picture, truth::Scene& scene, const a
 }  // namespace
 
 std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& hooks) {
-  const KeptDenormals floats;
+  const PlainFloats floats;
   options.volume = polled(options.volume, hooks);
   options.run.loopback.poll = hooks.poll;
   app::Launch launch;
@@ -97,7 +97,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
 
 app::MeasuredError measure(const Picture& picture, const app::VolumeOptions& volume,
                            const app::ErrorOptions& error, const Hooks& hooks) {
-  const KeptDenormals floats;
+  const PlainFloats floats;
   truth::Scene scene = read_scene(polled(volume, hooks), hooks);
   return measured(picture, scene, error);
 }

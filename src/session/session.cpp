@@ -12,6 +12,7 @@
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
+#include "session/session_parts.hpp"
 #include "session/shared_volume.hpp"
 
 namespace ringsplat {
@@ -90,6 +91,15 @@ struct Session::State {
         volume(layout, wiring) {
     engine.threads_per_rank = options.threads_per_rank;
     protocol.stall_timeout = options.stall_timeout;
+    // Several processes would wait for one that ends a call by itself.
+    if (wiring.transport == nullptr) wiring.loopback.poll = options.poll;
+  }
+
+  /// What frames need, made while `poll` is called.
+  LoadOptions needed(const std::vector<FrameSpec>& frames) const {
+    LoadOptions options = needed_together(frames, committed());
+    if (wiring.loopback.poll) options.told = [poll = wiring.loopback.poll](double) { poll(); };
+    return options;
   }
 
   /// Begins a collective call: all must be in the same one, and all throw when one has an error.
@@ -146,11 +156,13 @@ int Session::add_block(const VoxelBox& extent, const void* first_voxel,
   return int(state_->blocks.size()) - 1;
 }
 
-void Session::update_block(int block, const void* first_voxel) {
+void Session::update_block(int block, const void* first_voxel, const std::optional<Strides>& strides) {
   if (block < 0 || block >= int(state_->blocks.size()))
     throw InputError(fmt::format("there is no block {}; this rank has {}", block, state_->blocks.size()),
                      "pass a number that add_block() returned after the last set_grid()");
-  state_->blocks[std::size_t(block)].first_voxel = static_cast<const std::byte*>(first_voxel);
+  VoxelBlock& changed = state_->blocks[std::size_t(block)];
+  changed.first_voxel = static_cast<const std::byte*>(first_voxel);
+  changed.strides = strides.value_or(changed.strides);
 }
 
 void Session::clear_blocks() { state_->blocks.clear(); }
@@ -163,11 +175,13 @@ void Session::commit() {
   s.volume.replace(*s.grid, s.blocks);
 }
 
-ValueRange Session::range() {
+ValueRange Session::range() { return SessionParts::values(*this, "range").range; }
+
+const ValueStatistics& SessionParts::values(Session& session, const char* call) {
   const PlainFloats floats;
-  State& s = *state_;
-  s.enter("range", error_of([&] { static_cast<void>(s.committed()); }));
-  return s.volume.values().range;
+  Session::State& s = *session.state_;
+  s.enter(call, error_of([&] { static_cast<void>(s.committed()); }));
+  return s.volume.values();
 }
 
 TransferFunction Session::transfer_function(const std::string& name) {
@@ -189,8 +203,13 @@ Image Session::render(const FrameSpec& frame) {
 }
 
 void Session::render(const std::vector<FrameSpec>& frames, const std::function<void(Image&&)>& take) {
+  SessionParts::render(*this, frames, [&take](FrameResult&& result) { take(std::move(result.image)); });
+}
+
+void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames,
+                          const std::function<void(FrameResult&&)>& take) {
   const PlainFloats floats;
-  State& s = *state_;
+  Session::State& s = *session.state_;
   s.enter("render", error_of([&] {
             const Grid& grid = s.committed();
             check(s.engine);
@@ -199,12 +218,11 @@ void Session::render(const std::vector<FrameSpec>& frames, const std::function<v
             for (const FrameSpec& frame : frames) check_frame(frame, grid);
             static_cast<void>(needed_together(frames, grid));
           }));
-  const auto all = frames_of(s.wiring.collectives.broadcast(rank() == 0 ? to_block(frames) : Block{}, 0));
+  const auto all =
+      frames_of(s.wiring.collectives.broadcast(session.rank() == 0 ? to_block(frames) : Block{}, 0));
   if (all.empty()) return;
-  Scene scene = s.volume.scene_for(needed_together(all, s.committed()));
-  render_frames(std::move(scene), s.layout, s.protocol,
-                director_of(all, [&take](FrameResult&& result) { take(std::move(result.image)); }), s.wiring,
-                s.engine);
+  Scene scene = s.volume.scene_for(s.needed(all));
+  render_frames(std::move(scene), s.layout, s.protocol, director_of(all, take), s.wiring, s.engine);
 }
 
 }  // namespace ringsplat

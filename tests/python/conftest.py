@@ -1,4 +1,5 @@
 """What the tests share: volumes, the program, and pictures that it has made."""
+
 import os
 import pathlib
 import subprocess
@@ -28,20 +29,24 @@ def program(*words, check=True):
 @pytest.fixture
 def exr_of(tmp_path):
     """The bytes of the .exr that the program writes of a volume's file."""
+
     def make(volume, *words):
         out = tmp_path / "program.exr"
         program("render", volume, "-o", out, *words)
         return out.read_bytes()
+
     return make
 
 
 @pytest.fixture
 def npy(tmp_path):
     """An array's file, which says nothing but its values."""
+
     def write(array):
         path = tmp_path / "array.npy"
         np.save(path, array)
         return path
+
     return write
 
 

@@ -4,6 +4,7 @@
 It is FOLDER/venv, with requirements.txt from PyPI; one that was made by the same requirements stays. Exits with 77, and
 says so, where PyPI cannot be reached.
 """
+
 import hashlib
 import pathlib
 import shutil
@@ -24,8 +25,10 @@ def main():
     print(f"installing {requirements} into {venv}", flush=True)
     shutil.rmtree(venv, ignore_errors=True)
     python = "/usr/bin/python3" if pathlib.Path("/usr/bin/python3").exists() else sys.executable
-    for command in ([python, "-m", "venv", venv],
-                    [venv / "bin/pip", "install", "-q", "--disable-pip-version-check", "-r", requirements]):
+    for command in (
+        [python, "-m", "venv", venv],
+        [venv / "bin/pip", "install", "-q", "--disable-pip-version-check", "-r", requirements],
+    ):
         if subprocess.run([str(word) for word in command]).returncode != 0:
             print("skipped: the packages that Python's module needs cannot be installed", flush=True)
             return SKIPPED

@@ -1,4 +1,5 @@
 """Pictures have the bits of the program's."""
+
 import numpy as np
 import pytest
 import ringsplat as rs
@@ -39,16 +40,47 @@ def test_labels_are_drawn_by_splats_as_by_the_program(exr_of, npy, tmp_path):
 
 def test_other_options_mean_the_same(exr_of, npy, tmp_path):
     file = npy(blob((16, 20, 24)))
-    image = rs.render(file, size=(80, 60), range=(0.1, 0.9), opacity=2, colours="viridis", clip=[slice(2, 20), None, (4, None)],
-                      background="white", shading="phong", light=(-0.4, 0.2, 1), undersample=2, prefilter=True,
-                      spacing=(1, 1.5, 2))
+    image = rs.render(
+        file,
+        size=(80, 60),
+        range=(0.1, 0.9),
+        opacity=2,
+        colours="viridis",
+        clip=[slice(2, 20), None, (4, None)],
+        background="white",
+        shading="phong",
+        light=(-0.4, 0.2, 1),
+        undersample=2,
+        prefilter=True,
+        spacing=(1, 1.5, 2),
+    )
     assert saved(image, tmp_path / "o.exr") == exr_of(
-        file, "--size", "80x60", "--range=0.1:0.9", "--opacity", 2, "--colours", "viridis", "--clip=2:20,:,4:",
-        "--background", "white", "--light", -0.4, 0.2, 1, "--undersample", 2, "--prefilter", "--spacing", "1x1.5x2")
+        file,
+        "--size",
+        "80x60",
+        "--range=0.1:0.9",
+        "--opacity",
+        2,
+        "--colours",
+        "viridis",
+        "--clip=2:20,:,4:",
+        "--background",
+        "white",
+        "--light",
+        -0.4,
+        0.2,
+        1,
+        "--undersample",
+        2,
+        "--prefilter",
+        "--spacing",
+        "1x1.5x2",
+    )
 
 
 def test_annotations_and_metadata_are_the_programs(npy, tmp_path):
     from conftest import program
+
     file = npy(blob((16, 16, 16)))
     program("render", file, "-o", tmp_path / "p.png", "--size", 256, "--annotate", "--background", "black")
     image = rs.render(file, size=256, annotate=True, background="black")
@@ -58,6 +90,7 @@ def test_annotations_and_metadata_are_the_programs(npy, tmp_path):
 
 def test_views_in_a_list_are_those_of_a_path(npy, tmp_path):
     from conftest import program
+
     file = npy(blob((16, 20, 24)))
     (tmp_path / "path.txt").write_text("0 10\n30 10\n75.5 10\n")
     program("render", file, "-o", tmp_path / "p.exr", "--size", 64, "--path", tmp_path / "path.txt")

@@ -1,4 +1,5 @@
 """What a picture can do."""
+
 import io
 import json
 

@@ -1,4 +1,5 @@
 """Long work lets other threads run, ends at Ctrl-C, shows progress and leaks nothing."""
+
 import os
 import signal
 import subprocess
@@ -28,6 +29,7 @@ def interrupt(work, wait):
         time.sleep(wait)
         sent.append(time.monotonic())
         os.kill(os.getpid(), signal.SIGINT)
+
     thread = threading.Thread(target=send)
     thread.start()
     try:
@@ -66,6 +68,7 @@ def test_ctrl_c_ends_the_measurement_of_an_error(large, truth, quality):
 def test_an_exception_of_a_signals_handler_comes_through(large):
     def stop(*_):
         raise TimeoutError("enough")
+
     before = signal.signal(signal.SIGALRM, stop)
     signal.setitimer(signal.ITIMER_REAL, 0.5)
     try:
@@ -83,10 +86,14 @@ def test_other_threads_run_meanwhile_and_may_render_too(large):
         while not done.is_set():
             turns.append(1)
             time.sleep(0.001)
+
     thread = threading.Thread(target=count)
     thread.start()
     images = []
-    others = [threading.Thread(target=lambda k=k: images.append((k, rs.render(SMALL, size=40, azimuth=10.0 * k)))) for k in range(4)]
+    others = [
+        threading.Thread(target=lambda k=k: images.append((k, rs.render(SMALL, size=40, azimuth=10.0 * k))))
+        for k in range(4)
+    ]
     for other in others:
         other.start()
     rs.render(large, size=128)
@@ -109,8 +116,10 @@ def test_progress_is_shown_by_tqdm(capsys):
 
 
 def test_without_tqdm_nothing_is_shown():
-    code = ("import sys; sys.modules['tqdm'] = None\nimport numpy, ringsplat\n"
-            "ringsplat.render(numpy.eye(8)[None].repeat(8, 0), size=16, progress=True)")
+    code = (
+        "import sys; sys.modules['tqdm'] = None\nimport numpy, ringsplat\n"
+        "ringsplat.render(numpy.eye(8)[None].repeat(8, 0), size=16, progress=True)"
+    )
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
     assert "%" not in done.stdout + done.stderr
 
@@ -130,6 +139,7 @@ def test_many_pictures_leak_nothing():
             image.srgb(), np.asarray(image), image.settings, image._repr_png_()
             with pytest.raises(rs.InputError):
                 rs.render(SMALL, tf="no-such")
+
     work(50)
     tracemalloc.start()
     work(20)

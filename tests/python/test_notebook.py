@@ -1,4 +1,5 @@
 """The example notebook runs, and its pictures are those of the package."""
+
 import base64
 import io
 import os
@@ -20,7 +21,9 @@ def shown(cell, kind):
 
 def test_the_notebook_runs_and_shows_its_pictures(tmp_path):
     notebook = nbformat.read(NOTEBOOK, as_version=4)
-    NotebookClient(notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
+    NotebookClient(
+        notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}
+    ).execute()
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
     pictures = [base64.b64decode(png) for cell in cells for png in shown(cell, "image/png")]
     if folder := os.environ.get("RINGSPLAT_KEEP_PICTURES"):

@@ -1,4 +1,5 @@
 """Options are the command line's."""
+
 import inspect
 import json
 import pathlib
@@ -15,22 +16,36 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SMALL = blob((6, 7, 8))
 
 
-@pytest.mark.parametrize("options, error, text", [
-    (dict(azimut=3), TypeError, "did you mean azimuth"), (dict(output="x.png"), TypeError, "output"),
-    (dict(azimuth="north"), rs.InputError, "azimuth"), (dict(tf="mr-skn"), rs.InputError, "mr-skin"),
-    (dict(quality="paper", engine="sheets"), rs.InputError, "contradict"), (dict(size=(1, 2, 3)), TypeError, "size"),
-    (dict(slabs=3, quality="paper"), rs.InputError, "splats"), (dict(range=(3, 1)), rs.InputError, "ascend"),
-    (dict(clip="0:5"), rs.InputError, "three"), (dict(azimuth=[]), TypeError, "empty"),
-    (dict(azimuth=[1, 2], zoom=[1, 2, 3]), TypeError, "one length"), (dict(azimuth=[1, 2], view="top"), rs.InputError, "view"),
-    (dict(tf=[[1, 2]]), TypeError, "rows"), (dict(azimuth=True), TypeError, "number"), (dict(clip=[slice(0, 9, 2), None, None]), TypeError, "step")])
+@pytest.mark.parametrize(
+    "options, error, text",
+    [
+        (dict(azimut=3), TypeError, "did you mean azimuth"),
+        (dict(output="x.png"), TypeError, "output"),
+        (dict(azimuth="north"), rs.InputError, "azimuth"),
+        (dict(tf="mr-skn"), rs.InputError, "mr-skin"),
+        (dict(quality="paper", engine="sheets"), rs.InputError, "contradict"),
+        (dict(size=(1, 2, 3)), TypeError, "size"),
+        (dict(slabs=3, quality="paper"), rs.InputError, "splats"),
+        (dict(range=(3, 1)), rs.InputError, "ascend"),
+        (dict(clip="0:5"), rs.InputError, "three"),
+        (dict(azimuth=[]), TypeError, "empty"),
+        (dict(azimuth=[1, 2], zoom=[1, 2, 3]), TypeError, "one length"),
+        (dict(azimuth=[1, 2], view="top"), rs.InputError, "view"),
+        (dict(tf=[[1, 2]]), TypeError, "rows"),
+        (dict(azimuth=True), TypeError, "number"),
+        (dict(clip=[slice(0, 9, 2), None, None]), TypeError, "step"),
+    ],
+)
 def test_errors_are_the_command_lines_or_name_the_argument(options, error, text):
     with pytest.raises(error, match=text):
         rs.render(SMALL, **options)
 
 
 def test_none_and_false_are_as_if_not_given():
-    assert np.array_equal(np.asarray(rs.render(SMALL, size=32, azimuth=None, annotate=False, tf=None)),
-                          np.asarray(rs.render(SMALL, size=32)))
+    assert np.array_equal(
+        np.asarray(rs.render(SMALL, size=32, azimuth=None, annotate=False, tf=None)),
+        np.asarray(rs.render(SMALL, size=32)),
+    )
 
 
 def test_numbers_keep_every_digit():
@@ -43,8 +58,12 @@ def test_numbers_keep_every_digit():
 def test_a_transfer_function_may_be_points_or_paraviews_json(tmp_path):
     rows = [(0.1, 0, 0, 1, 0), (0.5, 0, 1, 0, 0.2), (1, 1, 0, 0, 0.9)]
     one = rs.render(SMALL, size=32, tf=rows)
-    paraview = {"Name": "mine", "RGBPoints": [n for r in rows for n in r[:4]], "ColorSpace": "RGB",
-                "Points": [n for r in rows for n in (r[0], r[4], 0.5, 0)]}
+    paraview = {
+        "Name": "mine",
+        "RGBPoints": [n for r in rows for n in r[:4]],
+        "ColorSpace": "RGB",
+        "Points": [n for r in rows for n in (r[0], r[4], 0.5, 0)],
+    }
     (tmp_path / "tf.json").write_text(json.dumps([paraview]))
     for tf in (paraview, [paraview], tmp_path / "tf.json", str(tmp_path / "tf.json"), np.array(rows)):
         assert np.array_equal(np.asarray(rs.render(SMALL, size=32, tf=tf)), np.asarray(one))
@@ -52,7 +71,9 @@ def test_a_transfer_function_may_be_points_or_paraviews_json(tmp_path):
 
 
 def test_the_types_for_editors_are_those_of_the_table():
-    text = subprocess.run([sys.executable, ROOT / "scripts" / "python_options.py"], check=True, capture_output=True, text=True).stdout
+    text = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "python_options.py"], check=True, capture_output=True, text=True
+    ).stdout
     assert text == (ROOT / "src/python/ringsplat/_options.py").read_text()
 
 

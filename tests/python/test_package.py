@@ -1,4 +1,5 @@
 """The package as a whole: no MPI, types, the command line."""
+
 import pathlib
 import subprocess
 import sys
@@ -14,8 +15,10 @@ def python(*words, **options):
 
 
 def test_importing_loads_no_mpi():
-    code = ("import ringsplat, sys; maps = open('/proc/self/maps').read(); "
-            "print([l for l in maps.splitlines() if 'libmpi' in l or 'libopen-' in l or 'libpmix' in l], 'mpi4py' in sys.modules)")
+    code = (
+        "import ringsplat, sys; maps = open('/proc/self/maps').read(); "
+        "print([l for l in maps.splitlines() if 'libmpi' in l or 'libopen-' in l or 'libpmix' in l], 'mpi4py' in sys.modules)"
+    )
     assert python("-c", code, check=True).stdout.strip() == "[] False"
 
 
@@ -28,6 +31,7 @@ def test_the_module_needs_no_mpi_library():
 
 def test_it_is_typed():
     import ringsplat._core
+
     package = pathlib.Path(ringsplat._core.__file__).parent
     assert (package / "py.typed").exists() and (package / "_core.pyi").exists()
     stub = (package / "_core.pyi").read_text()

@@ -1,4 +1,5 @@
 """The viewer from Python."""
+
 import os
 import subprocess
 import sys
@@ -47,17 +48,32 @@ def test_frames_are_allowed_only_where_it_is_said(tmp_path):
         rs.view(HEAD, frame_origins=["*; script-src *"])
 
 
-@pytest.mark.parametrize("options, error, text", [(dict(tf="mr-skn"), rs.InputError, "mr-skin"), (dict(azimut=1), TypeError, "azimuth"),
-                                                  (dict(max_error=1), rs.InputError, "max-error"), (dict(port=99999), rs.InputError, "port")])
+@pytest.mark.parametrize(
+    "options, error, text",
+    [
+        (dict(tf="mr-skn"), rs.InputError, "mr-skin"),
+        (dict(azimut=1), TypeError, "azimuth"),
+        (dict(max_error=1), rs.InputError, "max-error"),
+        (dict(port=99999), rs.InputError, "port"),
+    ],
+)
 def test_errors_of_the_viewer_are_raised(options, error, text):
     with pytest.raises(error, match=text):
         rs.view(blob((4, 4, 4)), **options)
 
 
 def test_the_viewer_ends_with_python_and_leaves_no_file(tmp_path):
-    code = ("import numpy, ringsplat; view = ringsplat.view(numpy.arange(64.0).reshape(4, 4, 4)); "
-            "print(view._process.pid, flush=True)")
-    done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True, env={**os.environ, "TMPDIR": str(tmp_path)})
+    code = (
+        "import numpy, ringsplat; view = ringsplat.view(numpy.arange(64.0).reshape(4, 4, 4)); "
+        "print(view._process.pid, flush=True)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        check=True,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )
     pid = int(done.stdout)
     deadline = time.monotonic() + 10
     while alive(pid) and time.monotonic() < deadline:
@@ -68,7 +84,10 @@ def test_the_viewer_ends_with_python_and_leaves_no_file(tmp_path):
 def test_the_viewer_reads_the_array_as_it_lies_in_the_world(tmp_path):
     from ringsplat._view import _write_nrrd
     from ringsplat._volume import volume_of
+
     array = blob((8, 9, 10), "int16")[:, ::-1]
     place = dict(spacing=(1, 2, 3), origin=(4, 5, 6), direction=[[0, -1, 0], [1, 0, 0], [0, 0, 1]])
     _write_nrrd(volume_of(array, place["spacing"], place["origin"], place["direction"], None), tmp_path / "a.nrrd")
-    assert np.array_equal(np.asarray(rs.render(tmp_path / "a.nrrd", size=40)), np.asarray(rs.render(array, size=40, **place)))
+    assert np.array_equal(
+        np.asarray(rs.render(tmp_path / "a.nrrd", size=40)), np.asarray(rs.render(array, size=40, **place))
+    )

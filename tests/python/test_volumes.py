@@ -1,4 +1,5 @@
 """Arrays of every kind, xarray and paths."""
+
 import pathlib
 
 import numpy as np
@@ -18,10 +19,18 @@ def same(a, b, **options):
     return np.array_equal(pixels(a, **options), pixels(b, **options))
 
 
-@pytest.mark.parametrize("change", [
-    lambda a: np.asfortranarray(a), lambda a: a[::-1][::-1], lambda a: np.repeat(a, 2, axis=2)[:, :, ::2],
-    lambda a: a.astype(">f4"), lambda a: a.transpose(2, 1, 0).copy().transpose(2, 1, 0), lambda a: a.tolist(),
-    lambda a: memoryview(a)])
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda a: np.asfortranarray(a),
+        lambda a: a[::-1][::-1],
+        lambda a: np.repeat(a, 2, axis=2)[:, :, ::2],
+        lambda a: a.astype(">f4"),
+        lambda a: a.transpose(2, 1, 0).copy().transpose(2, 1, 0),
+        lambda a: a.tolist(),
+        lambda a: memoryview(a),
+    ],
+)
 def test_strides_byte_order_and_containers_change_nothing(change):
     array = blob((10, 12, 14))
     assert same(array, change(array), range=(0.1, 1))
@@ -42,12 +51,16 @@ def test_an_unaligned_and_read_only_array_is_read():
     assert same(view, view.copy())
 
 
-@pytest.mark.parametrize("dtype", ["bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64",
-                                   "float16", "float32", "float64"])
+@pytest.mark.parametrize(
+    "dtype",
+    ["bool", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float16", "float32", "float64"],
+)
 def test_all_types_of_numbers_are_drawn(dtype):
     array = blob((10, 12, 14), "int8" if dtype != "bool" else "float32")
     array = array > 0.4 if dtype == "bool" else array.astype(dtype)
-    expected = array.astype({"bool": "uint8", "int64": "int32", "uint64": "int32", "float16": "float32"}.get(dtype, dtype))
+    expected = array.astype(
+        {"bool": "uint8", "int64": "int32", "uint64": "int32", "float16": "float32"}.get(dtype, dtype)
+    )
     assert same(array, expected)
     assert pixels(array)[..., 3].max() > 0
 
@@ -59,12 +72,21 @@ def test_large_whole_numbers_are_doubles_where_that_loses_nothing():
         rs.render(array + 2**60 + 1)
 
 
-@pytest.mark.parametrize("volume, error, text", [
-    (np.zeros((3, 3, 3), complex), TypeError, "abs"), (np.zeros((2, 2, 2), "U1"), TypeError, "numbers"),
-    (np.zeros((2, 0, 2)), rs.InputError, "size from 1"), (np.zeros(5), rs.InputError, r"axes \[z, y, x\]"),
-    (np.zeros((2, 3, 4, 5)), rs.InputError, "component"), (np.full((3, 3, 3), np.nan), rs.InputError, "no finite value"),
-    (np.ma.masked_less(np.arange(8.0).reshape(2, 2, 2), 3), rs.InputError, "filled"), (None, TypeError, "numbers"),
-    ("no/such/file.nrrd", rs.InputError, "no/such/file.nrrd"), ("a\0b.nrrd", rs.InputError, "NUL")])
+@pytest.mark.parametrize(
+    "volume, error, text",
+    [
+        (np.zeros((3, 3, 3), complex), TypeError, "abs"),
+        (np.zeros((2, 2, 2), "U1"), TypeError, "numbers"),
+        (np.zeros((2, 0, 2)), rs.InputError, "size from 1"),
+        (np.zeros(5), rs.InputError, r"axes \[z, y, x\]"),
+        (np.zeros((2, 3, 4, 5)), rs.InputError, "component"),
+        (np.full((3, 3, 3), np.nan), rs.InputError, "no finite value"),
+        (np.ma.masked_less(np.arange(8.0).reshape(2, 2, 2), 3), rs.InputError, "filled"),
+        (None, TypeError, "numbers"),
+        ("no/such/file.nrrd", rs.InputError, "no/such/file.nrrd"),
+        ("a\0b.nrrd", rs.InputError, "NUL"),
+    ],
+)
 def test_what_is_no_volume_is_refused_with_what_to_do(volume, error, text):
     with pytest.raises(error, match=text):
         rs.render(volume, **SIZE)
@@ -78,14 +100,20 @@ def test_spacing_and_direction_place_an_array(tmp_path):
     turned = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
     assert not np.allclose(pixels(array, direction=turned), pixels(array), atol=1e-2)
     assert np.allclose(pixels(array, direction=turned, azimuth=90), pixels(array), atol=1e-2)
-    header = ("NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: 14 12 10\nspace origin: (5,6,7)\n"
-              "space directions: (0,1,0) (-2,0,0) (0,0,1)\nendian: little\nencoding: raw\n\n")
+    header = (
+        "NRRD0004\ntype: float\ndimension: 3\nspace dimension: 3\nsizes: 14 12 10\nspace origin: (5,6,7)\n"
+        "space directions: (0,1,0) (-2,0,0) (0,0,1)\nendian: little\nencoding: raw\n\n"
+    )
     (tmp_path / "a.nrrd").write_bytes(header.encode() + array.tobytes())
-    assert np.array_equal(pixels(array, direction=turned, spacing=(1, 2, 1), origin=(5, 6, 7)), pixels(tmp_path / "a.nrrd"))
+    assert np.array_equal(
+        pixels(array, direction=turned, spacing=(1, 2, 1), origin=(5, 6, 7)), pixels(tmp_path / "a.nrrd")
+    )
 
 
-@pytest.mark.parametrize("bad", [dict(spacing=0), dict(spacing=float("nan")), dict(origin=(0, 0, float("inf"))),
-                                 dict(direction=np.zeros((3, 3)))])
+@pytest.mark.parametrize(
+    "bad",
+    [dict(spacing=0), dict(spacing=float("nan")), dict(origin=(0, 0, float("inf"))), dict(direction=np.zeros((3, 3)))],
+)
 def test_a_bad_place_is_an_input_error(bad):
     with pytest.raises(rs.InputError):
         rs.render(blob((4, 5, 6)), **SIZE, **bad)
@@ -93,8 +121,13 @@ def test_a_bad_place_is_an_input_error(bad):
 
 def test_a_data_arrays_coordinates_place_it():
     array = blob((10, 12, 14))
-    data = xr.DataArray(array, dims=("z", "y", "x"), name="heat", attrs={"units": "K", "long_name": "temperature"},
-                        coords={"z": 3 + 2.0 * np.arange(10), "y": np.linspace(0, 5.5, 12), "x": np.arange(14)[::-1]})
+    data = xr.DataArray(
+        array,
+        dims=("z", "y", "x"),
+        name="heat",
+        attrs={"units": "K", "long_name": "temperature"},
+        coords={"z": 3 + 2.0 * np.arange(10), "y": np.linspace(0, 5.5, 12), "x": np.arange(14)[::-1]},
+    )
     expected = pixels(array[:, :, ::-1], spacing=(1, 0.5, 2), origin=(0, 0, 3))
     assert np.array_equal(pixels(data), expected)
     assert np.array_equal(pixels(data.transpose("y", "x", "z")), expected)

@@ -19,6 +19,8 @@ namespace ringsplat {
 struct SessionOptions {
   int threads_per_rank = 1;   ///< threads that share a rank's work; they never call MPI
   double stall_timeout = 60;  ///< seconds without progress before a frame fails
+  /// In one process: called now and then while a frame is made; may throw to end it.
+  std::function<void()> poll = {};
 };
 
 /// Renders a volume that lies in blocks on the processes of a job, as often as wanted.
@@ -59,9 +61,9 @@ class Session {
   /// block's number, from 0.
   int add_block(const VoxelBox& extent, const void* first_voxel,
                 const std::optional<Strides>& strides = std::nullopt);
-  /// Where the block's voxels of the next time step lie. Without it commit() reads them again where they
-  /// were. Throws InputError when there is no such block.
-  void update_block(int block, const void* first_voxel);
+  /// Where the block's voxels of the next time step lie; without strides as before. Without it commit() reads
+  /// them again where they were. Throws InputError when there is no such block.
+  void update_block(int block, const void* first_voxel, const std::optional<Strides>& strides = std::nullopt);
   /// Removes this process's blocks.
   void clear_blocks();
 
@@ -84,6 +86,7 @@ class Session {
   void render(const std::vector<FrameSpec>& frames, const std::function<void(Image&&)>& take);
 
  private:
+  friend struct SessionParts;  // what other rooms may know of a session
   struct State;
   std::unique_ptr<State> state_;
 };

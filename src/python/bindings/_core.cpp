@@ -15,6 +15,7 @@
 #include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
 #include "python/array_volume.hpp"
+#include "python/block_session.hpp"
 #include "python/picture.hpp"
 #include "python/picture_options.hpp"
 #include "ringsplat/base/error.hpp"
@@ -198,6 +199,63 @@ void bind_pictures(nb::module_& m) {
       });
 }
 
+/// Those that _mpi has connected, or this process alone for None.
+Processes processes_of(nb::handle capsule) {
+  if (capsule.is_none()) return {};
+  auto* processes = static_cast<Processes*>(PyCapsule_GetPointer(capsule.ptr(), "ringsplat.Processes"));
+  if (processes == nullptr) throw nb::python_error();
+  return std::move(*processes);
+}
+
+void bind_session(nb::module_& m) {
+  const auto without_lock = nb::call_guard<nb::gil_scoped_release>();
+  nb::class_<BlockSession>(m, "BlockSession")
+      .def(
+          "__init__",
+          [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout) {
+            const SessionOptions options{
+                .threads_per_rank = threads, .stall_timeout = stall_timeout, .poll = poll_now_and_then()};
+            new (self) BlockSession(processes_of(capsule), layout, options);
+          },
+          nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"))
+      .def_prop_ro("rank", &BlockSession::rank)
+      .def_prop_ro("ranks", &BlockSession::ranks)
+      .def("set_grid", [](BlockSession& s, const ArrayVolume& like) { s.set_grid(like.grid, like.notes); })
+      .def("add_block",
+           [](BlockSession& s, const std::array<int, 3>& first, const std::array<int, 3>& end,
+              std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
+             return s.add_block({{first[0], first[1], first[2]}, {end[0], end[1], end[2]}},
+                                at_address(address), strides_of(strides));
+           })
+      .def(
+          "update_block",
+          [](BlockSession& s, int block, std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
+            s.update_block(block, at_address(address), strides_of(strides));
+          })
+      .def("clear_blocks", &BlockSession::clear_blocks)
+      .def("commit", &BlockSession::commit, without_lock)
+      .def(
+          "range",
+          [](BlockSession& s) {
+            const ValueRange range = s.range();
+            return std::array{range.low, range.high};
+          },
+          without_lock)
+      .def(
+          "render",
+          [](BlockSession& s, const Words& words, const std::vector<Angles>& views, nb::handle told,
+             const std::string& problem) {
+            const Hooks hooks = hooks_of(told);
+            std::vector<Picture> pictures;
+            {
+              const nb::gil_scoped_release without;
+              pictures = s.render(words, views_of(views), problem, hooks);
+            }
+            return to_list(std::move(pictures));
+          },
+          nb::arg("words"), nb::arg("views"), nb::arg("told").none(), nb::arg("problem"));
+}
+
 }  // namespace
 
 NB_MODULE(_core, m) {
@@ -216,6 +274,7 @@ NB_MODULE(_core, m) {
                                strides_of(strides), notes_of(unit, quantity)};
       });
   bind_pictures(m);
+  bind_session(m);
   m.def("render", &render, nb::arg("words"), nb::arg("views"), nb::arg("array").none(), nb::arg("name"),
         nb::arg("told").none());
   m.def("measure", &measure_again, nb::arg("picture"), nb::arg("words"), nb::arg("array").none(),

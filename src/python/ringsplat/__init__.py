@@ -7,15 +7,28 @@
 render() makes one picture or several, Session draws a volume that lies in blocks, in one process or on the ranks of an
 MPI communicator, and view() shows a volume in a notebook or a browser. Pictures have the bits of the program's.
 """
+
 from . import _log  # first: what follows may log
 from ._core import InputError, RunError, __version__
 from ._image import Error, Image
 from ._presets import colour_maps, presets
 from ._render import render
+from ._session import Session
 from ._view import View, view
 
-__all__ = ["Error", "Image", "InputError", "RunError", "View", "__version__", "colour_maps", "presets",
-           "render", "view"]
+__all__ = [
+    "Error",
+    "Image",
+    "InputError",
+    "RunError",
+    "Session",
+    "View",
+    "__version__",
+    "colour_maps",
+    "presets",
+    "render",
+    "view",
+]
 
 for _error in (InputError, RunError):
     _error.__module__ = __name__

@@ -1,4 +1,5 @@
 """python -m ringsplat: the whole command line, in one process."""
+
 import sys
 
 from . import _core

@@ -1,4 +1,5 @@
 """The extension that the package stands on. Not for users."""
+
 from typing import Any, Callable, Optional, Sequence
 
 import numpy as np
@@ -13,11 +14,22 @@ class RunError(RuntimeError):
     """Something failed while running: a rank, the disk, memory."""
 
 class ArrayVolume:
-    def __init__(self, address: int, dims: Sequence[int], strides: Sequence[int], type: str, spacing: Sequence[float],
-                 origin: Sequence[float], direction: Sequence[float], unit: str, quantity: str) -> None: ...
+    def __init__(
+        self,
+        address: int,
+        dims: Sequence[int],
+        strides: Sequence[int],
+        type: str,
+        spacing: Sequence[float],
+        origin: Sequence[float],
+        direction: Sequence[float],
+        unit: str,
+        quantity: str,
+    ) -> None: ...
 
 class MeasuredError:
     """A picture's error, in 1/255 of full light."""
+
     @property
     def truth(self) -> str: ...
     @property
@@ -63,13 +75,24 @@ class BlockSession:
     def clear_blocks(self) -> None: ...
     def commit(self) -> None: ...
     def range(self) -> Sequence[float]: ...
-    def render(self, words: Sequence[str], views: Sequence[Sequence[Optional[float]]],
-               told: Optional[Callable[[str, float, float], None]], problem: str) -> list[Picture]: ...
+    def render(
+        self,
+        words: Sequence[str],
+        views: Sequence[Sequence[Optional[float]]],
+        told: Optional[Callable[[str, float, float], None]],
+        problem: str,
+    ) -> list[Picture]: ...
 
-def render(words: Sequence[str], views: Sequence[Sequence[Optional[float]]], array: Optional[ArrayVolume], name: str,
-           told: Optional[Callable[[str, float, float], None]]) -> list[Picture]: ...
-def measure(picture: Picture, words: Sequence[str], array: Optional[ArrayVolume], name: str, truth: str, pixels: int,
-            seed: int) -> MeasuredError: ...
+def render(
+    words: Sequence[str],
+    views: Sequence[Sequence[Optional[float]]],
+    array: Optional[ArrayVolume],
+    name: str,
+    told: Optional[Callable[[str, float, float], None]],
+) -> list[Picture]: ...
+def measure(
+    picture: Picture, words: Sequence[str], array: Optional[ArrayVolume], name: str, truth: str, pixels: int, seed: int
+) -> MeasuredError: ...
 def picture_options_json() -> str: ...
 def presets() -> list[tuple[str, str]]: ...
 def colour_maps() -> list[tuple[str, str]]: ...

@@ -1,4 +1,5 @@
 """The options' forms: what the command line shows for a value, as a Python type and as words of a command line."""
+
 from __future__ import annotations
 
 import os
@@ -33,6 +34,7 @@ def _text(value: Any) -> list[str]:
 
 def _joined(between: str, counts: tuple[int, ...]):
     """Several numbers in one word, or a text that is such a word."""
+
     def words(value: Any) -> list[str]:
         if isinstance(value, str):
             return [value]
@@ -40,6 +42,7 @@ def _joined(between: str, counts: tuple[int, ...]):
         if len(numbers) not in counts:
             raise TypeError(f"needs {' or '.join(map(str, counts))} numbers, not {len(numbers)}")
         return [between.join(numbers)]
+
     return words
 
 
@@ -69,19 +72,33 @@ def _path(value: Any) -> list[str]:
 
 # What the command line calls a value: the Python types, and its words.
 FORMS = {
-    "FLOAT": ("float", _one), "INT": ("int", _one), "UINT": ("int", _one), "TEXT": ("str", _text),
-    "DEGREES": ("float", _one), "RADII": ("float", _one), "RMSE": ("float", _one), "F": ("float", _one),
-    "N": ("int", _one), "T": ("int", _one), "BYTES": ("int", _one), "N|NAME": ("int | str", _text),
-    "NAME": ("str", _text), "TYPE": ("str", _text), "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
+    "FLOAT": ("float", _one),
+    "INT": ("int", _one),
+    "UINT": ("int", _one),
+    "TEXT": ("str", _text),
+    "DEGREES": ("float", _one),
+    "RADII": ("float", _one),
+    "RMSE": ("float", _one),
+    "F": ("float", _one),
+    "N": ("int", _one),
+    "T": ("int", _one),
+    "BYTES": ("int", _one),
+    "N|NAME": ("int | str", _text),
+    "NAME": ("str", _text),
+    "TYPE": ("str", _text),
+    "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),
     "XxYxZ": ("float | Sequence[float] | str", _joined("x", (1, 3))),
     "LO:HI": ("tuple[float, float] | str", _joined(":", (2,))),
     "COLOUR": ("str | tuple[float, float, float]", _joined(",", (3,))),
     "X0:X1,Y0:Y1,Z0:Z1": ("str | Sequence[slice | tuple[float | None, float | None] | None]", _clip),
-    "X Y Z": ("Sequence[float]", _numbers), "RIGHT DOWN": ("tuple[float, float]", _numbers),
+    "X Y Z": ("Sequence[float]", _numbers),
+    "RIGHT DOWN": ("tuple[float, float]", _numbers),
     "M11 ... M34": ("ArrayLike", _numbers),
     "NAME|FILE": ("str | os.PathLike[str] | dict[str, Any] | Sequence[Sequence[float]]", _path),
-    "G|auto": ("int", _one), "R|auto": ("int", _one), "COLUMNSxROWS": ("tuple[int, int] | str", _joined("x", (1, 2))),
+    "G|auto": ("int", _one),
+    "R|auto": ("int", _one),
+    "COLUMNSxROWS": ("tuple[int, int] | str", _joined("x", (1, 2))),
 }
 
 

@@ -1,4 +1,5 @@
 """Pictures."""
+
 from __future__ import annotations
 
 import json
@@ -85,8 +86,10 @@ class Image:
         if truth is None and self._picture.error is not None:
             return self._picture.error
         if self._measure is None:
-            raise _core.InputError("a session's picture has no volume here to be measured with; hint: render the whole "
-                                   "volume with ringsplat.render")
+            raise _core.InputError(
+                "a session's picture has no volume here to be measured with; hint: render the whole "
+                "volume with ringsplat.render"
+            )
         return self._measure(self._picture, truth or "method", pixels, seed)
 
     def _repr_png_(self) -> bytes:

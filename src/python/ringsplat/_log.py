@@ -1,4 +1,5 @@
 """The renderer's log lines, for Python's logging: the logger "ringsplat"."""
+
 import atexit
 import logging
 

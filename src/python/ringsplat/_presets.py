@@ -1,4 +1,5 @@
 """Names that options know."""
+
 from __future__ import annotations
 
 from . import _core

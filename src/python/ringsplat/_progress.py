@@ -1,4 +1,5 @@
 """Progress by tqdm, where it is installed."""
+
 from __future__ import annotations
 
 import contextlib

@@ -1,4 +1,5 @@
 """Pictures of whole volumes."""
+
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
@@ -14,8 +15,16 @@ if TYPE_CHECKING:
     from ._options import PictureOptions
 
 
-def render(volume: Any, *, spacing: Any = None, origin: Any = None, direction: Any = None, unit: Any = None,
-           progress: bool = False, **options: "Unpack[PictureOptions]") -> "Image | list[Image]":
+def render(
+    volume: Any,
+    *,
+    spacing: Any = None,
+    origin: Any = None,
+    direction: Any = None,
+    unit: Any = None,
+    progress: bool = False,
+    **options: "Unpack[PictureOptions]",
+) -> "Image | list[Image]":
     """Renders a volume in this process; the picture has the bits of the program's for the same volume in a file.
 
     volume : array, xarray.DataArray or path
@@ -50,6 +59,7 @@ def render(volume: Any, *, spacing: Any = None, origin: Any = None, direction: A
 def _measure_with(words: list[str], source: Volume) -> Any:
     def measure(picture: Any, truth: str, pixels: int, seed: int) -> Any:
         return _core.measure(picture, words, source.core(), source.name, truth, pixels, seed)
+
     return measure
 
 

@@ -1,4 +1,5 @@
 """The command line's options of a picture, as Python's: names, types, words."""
+
 from __future__ import annotations
 
 import contextlib
@@ -63,8 +64,10 @@ def signature_of(function: Any, session: bool) -> inspect.Signature:
     """The function's signature with all options in place of **options."""
     signature = inspect.signature(function)
     own = [p for p in signature.parameters.values() if p.kind is not inspect.Parameter.VAR_KEYWORD]
-    more = [inspect.Parameter(o.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=o.annotation)
-            for o in options_for(session)]
+    more = [
+        inspect.Parameter(o.name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=o.annotation)
+        for o in options_for(session)
+    ]
     return signature.replace(parameters=own + more)
 
 
@@ -74,7 +77,8 @@ def describe(session: bool) -> str:
     for option in options_for(session):
         default = f" [{option.default}]" if option.default else ""
         groups.setdefault(option.group, []).append(
-            f"    {option.name} : {option.annotation}{default}\n        {option.help}.")
+            f"    {option.name} : {option.annotation}{default}\n        {option.help}."
+        )
     return "\n\n".join(f"{group}\n" + "\n".join(lines) for group, lines in groups.items())
 
 
@@ -90,8 +94,11 @@ def _refuse_unknown(name: str, session: bool) -> None:
 
 def _views_of(options: dict[str, Any]) -> tuple[dict[str, Any], list[list[float | None]] | None]:
     """Takes lists of angles out of the options: one entry a view, or None where there is but one."""
-    lists = {name: np.asarray(options[name], dtype=float) for name in ANGLES
-             if name in options and np.ndim(options[name]) > 0}
+    lists = {
+        name: np.asarray(options[name], dtype=float)
+        for name in ANGLES
+        if name in options and np.ndim(options[name]) > 0
+    }
     if not lists:
         return options, None
     counts = {values.size for values in lists.values()}
@@ -113,8 +120,14 @@ def _paraview(points: Any) -> Any:
     rows = np.asarray(points, dtype=float)
     if rows.ndim != 2 or rows.shape[1] != 5:
         raise TypeError("tf needs a name, a file, ParaView's JSON, or rows of (value, red, green, blue, opacity)")
-    return [{"Name": "python", "ColorSpace": "RGB", "RGBPoints": rows[:, :4].ravel().tolist(),
-             "Points": [number for value, *_, opacity in rows.tolist() for number in (value, opacity, 0.5, 0.0)]}]
+    return [
+        {
+            "Name": "python",
+            "ColorSpace": "RGB",
+            "RGBPoints": rows[:, :4].ravel().tolist(),
+            "Points": [number for value, *_, opacity in rows.tolist() for number in (value, opacity, 0.5, 0.0)],
+        }
+    ]
 
 
 @contextlib.contextmanager

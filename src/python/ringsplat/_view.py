@@ -1,4 +1,5 @@
 """The viewer's page, for notebooks and browsers."""
+
 from __future__ import annotations
 
 import html
@@ -29,10 +30,17 @@ def _write_nrrd(volume: Volume, path: str) -> None:
     matrix = np.reshape(volume.direction, (3, 3)) * np.asarray(volume.spacing)
     vectors = " ".join("(" + ",".join(repr(float(one)) for one in matrix[:, k]) + ")" for k in range(3))
     types = {"float32": "float", "float64": "double"}
-    header = ["NRRD0004", f"type: {types.get(array.dtype.name, array.dtype.name)}", "dimension: 3", "space dimension: 3",
-              "sizes: " + " ".join(str(size) for size in array.shape[::-1]), f"space directions: {vectors}",
-              "space origin: (" + ",".join(repr(float(one)) for one in volume.origin) + ")",
-              f"endian: {sys.byteorder}", "encoding: raw"]
+    header = [
+        "NRRD0004",
+        f"type: {types.get(array.dtype.name, array.dtype.name)}",
+        "dimension: 3",
+        "space dimension: 3",
+        "sizes: " + " ".join(str(size) for size in array.shape[::-1]),
+        f"space directions: {vectors}",
+        "space origin: (" + ",".join(repr(float(one)) for one in volume.origin) + ")",
+        f"endian: {sys.byteorder}",
+        "encoding: raw",
+    ]
     with open(path, "wb") as file:
         file.write(("\n".join(header) + "\n\n").encode())
         for plane in array:
@@ -61,11 +69,21 @@ class View:
 
     def __init__(self, command: Sequence[str], folder: str, width: str, height: int) -> None:
         self._size = (width, height)
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(
-            [os.path.dirname(os.path.dirname(os.path.abspath(_core.__file__))), os.environ.get("PYTHONPATH", "")])}
-        self._process = subprocess.Popen([sys.executable, "-m", "ringsplat", *command], stdout=subprocess.PIPE,
-                                         stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, env=environment,
-                                         start_new_session=True, text=True)
+        environment = {
+            **os.environ,
+            "PYTHONPATH": os.pathsep.join(
+                [os.path.dirname(os.path.dirname(os.path.abspath(_core.__file__))), os.environ.get("PYTHONPATH", "")]
+            ),
+        }
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "ringsplat", *command],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            stdin=subprocess.DEVNULL,
+            env=environment,
+            start_new_session=True,
+            text=True,
+        )
         self._finalizer = weakref.finalize(self, _end, self._process, folder)
         try:
             self.url = self._read_url()
@@ -105,16 +123,28 @@ class View:
 
     def _repr_html_(self) -> str:
         width, height = self._size
-        return (f'<iframe src="{html.escape(self.url)}" width="{html.escape(width)}" height="{height}" '
-                'style="border: 0" allow="fullscreen"></iframe>')
+        return (
+            f'<iframe src="{html.escape(self.url)}" width="{html.escape(width)}" height="{height}" '
+            'style="border: 0" allow="fullscreen"></iframe>'
+        )
 
     def __repr__(self) -> str:
         return f"<ringsplat.View {'closed' if self.closed else self.url}>"
 
 
-def view(volume: Any, *, spacing: Any = None, origin: Any = None, direction: Any = None, unit: Any = None,
-         width: str = "100%", height: int = 640, port: int = 0, frame_origins: Sequence[str] = _LOCAL_PAGES,
-         **options: Any) -> View:
+def view(
+    volume: Any,
+    *,
+    spacing: Any = None,
+    origin: Any = None,
+    direction: Any = None,
+    unit: Any = None,
+    width: str = "100%",
+    height: int = 640,
+    port: int = 0,
+    frame_origins: Sequence[str] = _LOCAL_PAGES,
+    **options: Any,
+) -> View:
     """Shows a volume on the viewer's page, to be turned and changed there; in a notebook in the output cell.
 
     `volume` and its place are those of render(); an array is written into a temporary file. `width` and `height` are the

@@ -1,4 +1,5 @@
 """Volumes from Python: paths, and arrays with a place in the world."""
+
 from __future__ import annotations
 
 import os
@@ -19,6 +20,7 @@ _EXACT = 2**53  # whole numbers up to here are doubles
 @dataclass
 class Volume:
     """What a picture is drawn of. Keeps the array alive."""
+
     name: str
     array: np.ndarray | None = None  # [z, y, x], of one of TYPES in native byte order
     spacing: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -32,8 +34,17 @@ class Volume:
         if self.array is None:
             return None
         z, y, x = self.array.shape
-        return _core.ArrayVolume(address_of(self.array), [x, y, z], strides_of(self.array), self.array.dtype.name,
-                                 self.spacing, self.origin, self.direction, self.unit, self.quantity)
+        return _core.ArrayVolume(
+            address_of(self.array),
+            [x, y, z],
+            strides_of(self.array),
+            self.array.dtype.name,
+            self.spacing,
+            self.origin,
+            self.direction,
+            self.unit,
+            self.quantity,
+        )
 
 
 def address_of(array: np.ndarray) -> int:
@@ -55,8 +66,10 @@ def _whole_numbers(array: np.ndarray) -> np.ndarray:
             return array.astype(name)
     if -_EXACT <= low and high <= _EXACT:
         return array.astype("float64")
-    raise InputError(f"the array has whole numbers from {low} to {high}, more than a volume can hold exactly; hint: "
-                     "scale them, or convert them to float64 and lose their last digits")
+    raise InputError(
+        f"the array has whole numbers from {low} to {high}, more than a volume can hold exactly; hint: "
+        "scale them, or convert them to float64 and lose their last digits"
+    )
 
 
 def _renderable(array: np.ndarray) -> np.ndarray:
@@ -78,19 +91,25 @@ def _renderable(array: np.ndarray) -> np.ndarray:
 def as_array(volume: Any) -> np.ndarray:
     """Three axes, [z, y, x], of one of TYPES. Throws InputError or TypeError."""
     if isinstance(volume, np.ma.MaskedArray):
-        raise InputError("the array is masked, and a volume has a value at every voxel; hint: pass "
-                         "array.filled(value), or array.astype(float).filled(numpy.nan)")
+        raise InputError(
+            "the array is masked, and a volume has a value at every voxel; hint: pass "
+            "array.filled(value), or array.astype(float).filled(numpy.nan)"
+        )
     if not isinstance(volume, np.ndarray) and not hasattr(volume, "__array__") and hasattr(volume, "__dlpack__"):
         volume = np.from_dlpack(volume)
     array = np.asarray(volume)
     if array.dtype.kind not in "biuf":
-        raise TypeError(f"a volume has numbers, not {array.dtype}" +
-                        ("; hint: take its .real, .imag or abs()" if array.dtype.kind == "c" else ""))
+        raise TypeError(
+            f"a volume has numbers, not {array.dtype}"
+            + ("; hint: take its .real, .imag or abs()" if array.dtype.kind == "c" else "")
+        )
     if array.ndim == 2:
         array = array[np.newaxis]
     if array.ndim != 3:
-        raise InputError(f"the array has the shape {array.shape}; hint: a volume has the axes [z, y, x]: take one "
-                         "time point or component, as in array[0] or array[..., 0]")
+        raise InputError(
+            f"the array has the shape {array.shape}; hint: a volume has the axes [z, y, x]: take one "
+            "time point or component, as in array[0] or array[..., 0]"
+        )
     if array.size == 0 or max(array.shape) > _LARGEST:
         raise InputError(f"the array has the shape {array.shape}; hint: every axis must have a size from 1 to 2^31 - 1")
     return _renderable(array)
@@ -123,8 +142,17 @@ def _axis_letter(data: Any, dim: Any) -> str:
     """x, y or z, where its name or the CF convention's attribute says so; else empty."""
     attribute = str(data.coords[dim].attrs.get("axis", "")).lower() if dim in data.coords else ""
     name = str(dim).lower()
-    usual = {"lon": "x", "longitude": "x", "lat": "y", "latitude": "y", "lev": "z", "level": "z", "height": "z",
-             "depth": "z", "altitude": "z"}
+    usual = {
+        "lon": "x",
+        "longitude": "x",
+        "lat": "y",
+        "latitude": "y",
+        "lev": "z",
+        "level": "z",
+        "height": "z",
+        "depth": "z",
+        "altitude": "z",
+    }
     return attribute if attribute in ("x", "y", "z") else name if name in ("x", "y", "z") else usual.get(name, "")
 
 
@@ -134,23 +162,29 @@ def _step(data: Any, dim: Any) -> tuple[float, float]:
         return 1.0, 0.0
     coordinate = data.coords[dim]
     if coordinate.dtype.kind not in "iuf":
-        raise InputError(f"the coordinate {dim} has {coordinate.dtype} values, which are no places; hint: select one "
-                         f"with .isel({dim}=0), or give spacing=")
+        raise InputError(
+            f"the coordinate {dim} has {coordinate.dtype} values, which are no places; hint: select one "
+            f"with .isel({dim}=0), or give spacing="
+        )
     places = np.asarray(coordinate.values, dtype=float)
     if places.size < 2:
         return 1.0, float(places[0])
     step = (places[-1] - places[0]) / (places.size - 1)
     even = places[0] + step * np.arange(places.size)
     if not (np.isfinite(step) and step != 0 and np.max(np.abs(places - even)) <= _UNEVEN * abs(step)):
-        raise InputError(f"the coordinate {dim} is not evenly spaced; hint: interpolate onto even places with "
-                         f".interp({dim}=...), or give spacing= to take it as if it were")
+        raise InputError(
+            f"the coordinate {dim} is not evenly spaced; hint: interpolate onto even places with "
+            f".interp({dim}=...), or give spacing= to take it as if it were"
+        )
     return float(step), float(places[0])
 
 
 def _from_xarray(data: Any, spacing: Any) -> Volume:
     if len(data.dims) not in (2, 3):
-        raise InputError(f"the DataArray has the dimensions {tuple(data.dims)}; hint: a volume has three: select of the "
-                         "others with .isel(...)")
+        raise InputError(
+            f"the DataArray has the dimensions {tuple(data.dims)}; hint: a volume has three: select of the "
+            "others with .isel(...)"
+        )
     letters = {_axis_letter(data, dim): dim for dim in data.dims}
     if set(letters) == {"x", "y", "z"}:
         data = data.transpose(letters["z"], letters["y"], letters["x"])
@@ -160,12 +194,20 @@ def _from_xarray(data: Any, spacing: Any) -> Volume:
     array = array[tuple(slice(None, None, -1 if step < 0 else 1) for step, _ in steps)]
     lengths = array.shape
     origin = [first + min(step, 0.0) * (length - 1) for (step, first), length in zip(steps, lengths)]
-    units = {str(data.coords[dim].attrs["units"]) for dim in dims if dim in data.coords and "units" in data.coords[dim].attrs}
+    units = {
+        str(data.coords[dim].attrs["units"]) for dim in dims if dim in data.coords and "units" in data.coords[dim].attrs
+    }
     name = str(data.attrs.get("long_name", data.name or ""))
     of_values = str(data.attrs.get("units", ""))
     quantity = f"{name} ({of_values})" if name and of_values else name or of_values
-    return Volume(str(data.name or "array"), array, tuple(abs(step) for step, _ in reversed(steps)),
-                  tuple(reversed(origin)), unit=ascii_unit(units.pop()) if len(units) == 1 else "", quantity=quantity)
+    return Volume(
+        str(data.name or "array"),
+        array,
+        tuple(abs(step) for step, _ in reversed(steps)),
+        tuple(reversed(origin)),
+        unit=ascii_unit(units.pop()) if len(units) == 1 else "",
+        quantity=quantity,
+    )
 
 
 def _is_xarray(volume: Any) -> bool:

@@ -1,0 +1,67 @@
+"""Sessions on the ranks of an mpi4py communicator, which have the program's bits."""
+
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import ringsplat as rs
+from conftest import blob, program
+
+HERE = pathlib.Path(__file__).resolve().parent
+pytest.importorskip("ringsplat._mpi", reason="built without MPI")
+MPIEXEC = os.environ.get("RINGSPLAT_MPIEXEC") or shutil.which("mpirun")
+
+
+def same_library():
+    from ringsplat import _mpi
+
+    code = "from mpi4py import MPI; print(MPI.Get_library_version())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    return done.returncode == 0 and done.stdout.startswith(_mpi.library())
+
+
+@pytest.mark.skipif(not MPIEXEC or not same_library(), reason="mpi4py uses another MPI than ringsplat")
+@pytest.mark.parametrize("ranks", [2, 3, 4])
+def test_blocks_on_ranks_give_the_bits_of_one_process(ranks, tmp_path, exr_of, npy):
+    done = subprocess.run(
+        [MPIEXEC, "-n", str(ranks), sys.executable, "-B", HERE / "mpi_session.py", tmp_path],
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert sorted(done.stdout.split("\n"))[-ranks:] == [f"rank {rank} is done" for rank in range(ranks)]
+    for dtype in ("float32", "uint8"):
+        file = npy(blob((18, 21, 25), dtype))
+        for seed in range(2):
+            options = dict(size=56, spacing=(1, 1, 1.5), azimuth=20 * seed, quality="paper" if seed == 1 else "best")
+            assert np.array_equal(np.load(tmp_path / f"{dtype}-{seed}.npy"), np.asarray(rs.render(file, **options)))
+    # The settings in the files name another volume.
+    (tmp_path / "theirs.exr").write_bytes(
+        exr_of(file, "--size", 56, "--spacing", "1x1x1.5", "--azimuth", 20, "--quality", "paper")
+    )
+    program("compare", tmp_path / "theirs.exr", tmp_path / "uint8-1.exr", "--fail-above", 0)
+
+
+def test_a_process_alone_is_a_communicator_too():
+    code = (
+        "from mpi4py import MPI; import numpy, ringsplat as rs; s = rs.Session(comm=MPI.COMM_WORLD); s.set_grid((4, 4, 4)); "
+        "s.add_block((0, 0, 0), numpy.ones((4, 4, 4), 'f4').cumsum(0, dtype='f4')); s.commit(); print(s.render(size=8).shape)"
+    )
+    if not same_library():
+        pytest.skip("mpi4py uses another MPI than ringsplat")
+    assert (
+        subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout.strip()
+        == "(8, 8, 4)"
+    )
+
+
+def test_what_is_no_communicator_is_refused():
+    pytest.importorskip("mpi4py")
+    code = "import ringsplat as rs\ntry:\n  rs.Session(comm=3)\nexcept TypeError as e:\n  print(e)"
+    out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert "communicator" in out
