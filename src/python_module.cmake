@@ -6,7 +6,7 @@ if(SKBUILD)
 endif()
 option(RINGSPLAT_PYTHON_MPI "Build Python's module for the ranks of an MPI communicator, too" ${with_mpi})
 if(SKBUILD)
-  set(RINGSPLAT_WITH_MPI ${RINGSPLAT_PYTHON_MPI} CACHE BOOL "Build the program and the library for MPI; OFF: for one process")
+  set(RINGSPLAT_WITH_MPI ${RINGSPLAT_PYTHON_MPI} CACHE BOOL "Build the program and the library for MPI; OFF: for one process" FORCE)
 endif()
 
 set(RINGSPLAT_PYTHON_FOUND FALSE)
