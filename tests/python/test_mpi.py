@@ -65,3 +65,8 @@ def test_what_is_no_communicator_is_refused():
     code = "import ringsplat as rs\ntry:\n  rs.Session(comm=3)\nexcept TypeError as e:\n  print(e)"
     out = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
     assert "communicator" in out
+
+
+def test_the_module_for_mpi_leaves_the_exceptions_as_they_are(tmp_path):
+    with pytest.raises(rs.RunError, match="cannot be written"):
+        rs.render(blob((4, 5, 6)), size=16).save(tmp_path / "no" / "such" / "a.png")

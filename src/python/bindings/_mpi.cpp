@@ -10,24 +10,36 @@
 namespace nb = nanobind;
 using namespace ringsplat;
 
+namespace {
+
+/// An exception type of this module's own would come in place of _core's in the whole process.
+[[noreturn]] void raise_run_error(const RunError& error) {
+  PyErr_SetString(nb::module_::import_("ringsplat._core").attr("RunError").ptr(), error.what());
+  throw nb::python_error();
+}
+
+Processes connect(std::uintptr_t handle) {
+  try {
+    const nb::gil_scoped_release without;
+    return connected_at(reinterpret_cast<const void*>(handle));
+  } catch (const RunError& error) {
+    raise_run_error(error);
+  }
+}
+
+/// What _core's BlockSession takes over.
+nb::capsule to_capsule(Processes&& processes) {
+  const auto destroy = [](void* held) noexcept { delete static_cast<Processes*>(held); };
+  return nb::capsule(new Processes(std::move(processes)), "ringsplat.Processes", destroy);
+}
+
+}  // namespace
+
 NB_MODULE(_mpi, m) {
   m.doc() = "Sessions on the ranks of an MPI communicator. Not for users.";
-  nb::exception<RunError>(m, "RunError", PyExc_RuntimeError);
-  m.def(
-      "library", [] { return MpiSession::library(); }, "The MPI library that this module is linked with.");
+  m.def("library", &MpiSession::library, "The MPI library that this module is linked with.");
   m.def("handle_bytes", &communicator_handle_bytes, "Bytes of an MPI_Comm.");
   m.def(
-      "connect",
-      [](std::uintptr_t handle) {
-        std::unique_ptr<Processes> made;
-        {
-          const nb::gil_scoped_release without;
-          made = std::make_unique<Processes>(connected_at(reinterpret_cast<const void*>(handle)));
-        }
-        const auto destroy = [](void* processes) noexcept { delete static_cast<Processes*>(processes); };
-        return nb::capsule(made.release(), "ringsplat.Processes", destroy);
-      },
-      "Connects the processes of the communicator whose MPI_Comm is at this address; collective. A "
-      "BlockSession of this "
-      "build takes the capsule over.");
+      "connect", [](std::uintptr_t handle) { return to_capsule(connect(handle)); },
+      "Connects the processes of the communicator whose MPI_Comm is at this address; collective.");
 }
