@@ -166,3 +166,18 @@ def test_paths_take_the_options_of_files(tmp_path):
     assert isinstance(HEAD, pathlib.Path) and pixels(HEAD)[..., 3].max() > 0.5
     with pytest.raises(TypeError, match="origin"):
         rs.render(HEAD, origin=(0, 0, 0))
+
+
+def test_what_speaks_dlpack_only_is_read():
+    class Tensor:
+        def __init__(self, array):
+            self.array = array
+
+        def __dlpack__(self, **options):
+            return self.array.__dlpack__(**options)
+
+        def __dlpack_device__(self):
+            return self.array.__dlpack_device__()
+
+    array = blob((10, 12, 14))
+    assert same(array, Tensor(array))

@@ -36,7 +36,7 @@ def told(progress: bool) -> Iterator[Optional[Told]]:
         yield None
         return
     try:
-        from tqdm.auto import tqdm
+        from tqdm.auto import tqdm  # type: ignore[import-untyped]
     except ImportError:
         yield None
         return

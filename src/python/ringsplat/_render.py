@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core, _progress
 from ._image import Image
-from ._table import command_line, describe, signature_of
+from ._table import command_line, document
 from ._volume import Volume, volume_of
 
 if TYPE_CHECKING:
@@ -63,5 +63,4 @@ def _measure_with(words: list[str], source: Volume) -> Any:
     return measure
 
 
-render.__doc__ += "\n" + describe(session=False) + "\n"
-render.__signature__ = signature_of(render, session=False)
+document(render, session=False)

@@ -12,7 +12,7 @@ import numpy as np
 from . import _core, _progress
 from ._core import InputError
 from ._image import Image
-from ._table import command_line, describe, signature_of
+from ._table import command_line, document
 from ._volume import TYPES, address_of, ascii_unit, nine, strides_of, three
 
 if TYPE_CHECKING:
@@ -252,5 +252,4 @@ class Session:
         return block.view(np.uint8) if block.dtype == np.bool_ else block
 
 
-Session.render.__doc__ += "\n" + describe(session=True) + "\n"
-Session.render.__signature__ = signature_of(Session.render, session=True)
+document(Session.render, session=True)

@@ -9,7 +9,7 @@ import os
 import re
 import tempfile
 from dataclasses import dataclass
-from typing import Any, Iterator
+from typing import Any, Iterator, Mapping
 
 import numpy as np
 
@@ -82,6 +82,12 @@ def describe(session: bool) -> str:
     return "\n\n".join(f"{group}\n" + "\n".join(lines) for group, lines in groups.items())
 
 
+def document(function: Any, session: bool) -> None:
+    """Adds all options to a function's docstring, and to its signature in place of **options."""
+    function.__doc__ += "\n" + describe(session) + "\n"
+    function.__signature__ = signature_of(function, session)
+
+
 def _refuse_unknown(name: str, session: bool) -> None:
     known = [option.name for option in options_for(session)]
     if name in known:
@@ -131,7 +137,7 @@ def _paraview(points: Any) -> Any:
 
 
 @contextlib.contextmanager
-def _with_tf_file(options: dict[str, Any]) -> Iterator[dict[str, Any]]:
+def _with_tf_file(options: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
     """Puts a transfer function that is neither name nor path into a file for as long as it is read."""
     tf = options.get("tf")
     if tf is None or isinstance(tf, (str, os.PathLike)):
@@ -163,7 +169,7 @@ def _words(options: dict[str, Any]) -> list[str]:
 
 
 @contextlib.contextmanager
-def command_line(options: dict[str, Any], session: bool = False) -> Iterator[tuple[list[str], Any]]:
+def command_line(options: Mapping[str, Any], session: bool = False) -> Iterator[tuple[list[str], Any]]:
     """Words of a command line that say the same as the options, and the views (None: one). TypeError for an unknown
     option or a value of another type."""
     for name in options:

@@ -94,12 +94,14 @@ class View:
     def _read_url(self) -> str:
         """The line with the address comes when the volume is loaded."""
         said: list[str] = []
-        errors = threading.Thread(target=lambda: said.extend(self._process.stderr), daemon=True)
+        out, err = self._process.stdout, self._process.stderr
+        assert out is not None and err is not None
+        errors = threading.Thread(target=lambda: said.extend(err), daemon=True)
         errors.start()
-        for line in self._process.stdout:
+        for line in out:
             for word in line.split():
                 if word.startswith("http://"):
-                    threading.Thread(target=self._process.stdout.read, daemon=True).start()
+                    threading.Thread(target=out.read, daemon=True).start()
                     return word
         code = self._process.wait()
         errors.join(1)

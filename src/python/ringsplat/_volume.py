@@ -122,7 +122,8 @@ def three(values: Any, name: str) -> tuple[float, float, float]:
         numbers = np.repeat(numbers, 3)
     if numbers.size != 3:
         raise TypeError(f"{name} needs one number or (x, y, z), not {values!r}")
-    return tuple(numbers.tolist())
+    x, y, z = numbers.tolist()
+    return (x, y, z)
 
 
 def nine(values: Any) -> tuple[float, ...]:
@@ -203,8 +204,8 @@ def _from_xarray(data: Any, spacing: Any) -> Volume:
     return Volume(
         str(data.name or "array"),
         array,
-        tuple(abs(step) for step, _ in reversed(steps)),
-        tuple(reversed(origin)),
+        three([abs(step) for step, _ in reversed(steps)], "spacing"),
+        three(origin[::-1], "origin"),
         unit=ascii_unit(units.pop()) if len(units) == 1 else "",
         quantity=quantity,
     )
