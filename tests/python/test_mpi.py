@@ -70,3 +70,27 @@ def test_what_is_no_communicator_is_refused():
 def test_the_module_for_mpi_leaves_the_exceptions_as_they_are(tmp_path):
     with pytest.raises(rs.RunError, match="cannot be written"):
         rs.render(blob((4, 5, 6)), size=16).save(tmp_path / "no" / "such" / "a.png")
+
+
+def test_another_mpi_than_mpi4pys_is_refused():
+    code = (
+        "from mpi4py import MPI; import ringsplat as rs\n"
+        "MPI.Get_library_version = lambda: 'MPICH Version:\\t4.0.2\\nMPICH Release date: ...'\n"
+        "try:\n  rs.Session(comm=MPI.COMM_WORLD)\nexcept rs.InputError as e:\n  print(e)"
+    )
+    if not same_library():
+        pytest.skip("mpi4py uses another MPI than ringsplat")
+    said = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert "mpi4py uses MPICH Version" in said and "ringsplat was built for" in said and "hint" in said
+
+
+def test_without_the_module_for_mpi_it_says_how_to_build_it():
+    code = (
+        "import sys; sys.modules['ringsplat._mpi'] = None\n"
+        "from mpi4py import MPI; import ringsplat as rs\n"
+        "try:\n  rs.Session(comm=MPI.COMM_WORLD)\nexcept ImportError as e:\n  print(e)"
+    )
+    if not same_library():
+        pytest.skip("mpi4py cannot be loaded")
+    said = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True).stdout
+    assert "RINGSPLAT_PYTHON_MPI=ON" in said
