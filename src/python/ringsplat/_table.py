@@ -84,7 +84,7 @@ def describe(session: bool) -> str:
 
 def document(function: Any, session: bool) -> None:
     """Adds all options to a function's docstring, and to its signature in place of **options."""
-    function.__doc__ += "\n" + describe(session) + "\n"
+    function.__doc__ = inspect.cleandoc(function.__doc__) + "\n\n" + describe(session) + "\n"
     function.__signature__ = signature_of(function, session)
 
 
