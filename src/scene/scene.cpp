@@ -54,7 +54,13 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   double begun = share_of(options);
   scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), gps,
                              gps_of_process, collectives);
+  // Who is told may end the loading; the values and ranges of a large volume take their time, too.
+  const auto tell = [&] {
+    if (options.told) options.told(begun);
+  };
+  tell();
   scene.values = share_values(scene.stores, volume.grid, volume.notes, collectives);
+  tell();
   if (whole)
     share_ranges(scene.stores, options, gps, gps_of_process, collectives);
   else
