@@ -29,12 +29,12 @@ line() {
   sed 's/nothing/gap/; s/"Points": .*/"Points": [0, 0, 0.5, 0, 1, 1, 0.5, 0, 2, 0, 0.5, 0]}]/' "$work/nothing.json" >"$work/gap.json"
 }
 
-# render RANKS NAME OPTION...: appends one run's frames, drawn as in the paper, to NAME.jsonl; 0 ranks: in one process.
+# render RANKS NAME OPTION...: appends one run's frames, drawn as in the paper or as $quality says, to NAME.jsonl; 0 ranks: in one process.
 render() {
   local ranks=$1 name=$2 launch=()
   shift 2
   if ((ranks > 0)); then launch=(run_ranks "$ranks"); fi
-  ("${launch[@]}" "$build/ringsplat" render --quality paper "$@" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
+  ("${launch[@]}" "$build/ringsplat" render --quality "${quality:-paper}" "$@" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
     { cat "$work/log" >&2; die "a run of $name failed"; }
   cat "$work/one.jsonl" >>"$work/$name.jsonl"
 }

@@ -16,6 +16,45 @@ def typical(values):
     return max(0.0, statistics.median(values))
 
 
+def solved(rows):
+    """x, y, z with a x + b y + c z = d for each (a, b, c, d), by Cramer's rule."""
+    def determinant(m):
+        (a, b, c), (d, e, f), (g, h, i) = m
+        return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
+
+    whole = determinant([row[:3] for row in rows])
+    return [determinant([row[:k] + row[3:] + row[k + 1:3] for row in rows]) / whole for k in range(3)]
+
+
+def sheet_costs(folder):
+    """Each cost of sheets by its field's name."""
+    large, small, many, few, wide, tiny = (frames(folder, "sheets" + name) for name in ("", "_small", "_many", "_few", "_wide", "_tiny"))
+
+    def total(some, count):
+        return typical(f["total"][count] for f in some)
+
+    def seconds(some, part):
+        return typical(f["total"]["seconds"][part] for f in some)
+
+    def looked(some, role):
+        return typical(sum(node["blocks"] for node in f["nodes"] if node["node"].startswith(role)) for f in some)
+
+    costs = {"table": seconds(tiny, "drawing")}
+    costs["sample"] = (seconds(large, "drawing") - seconds(small, "drawing")) / (total(large, "samples") - total(small, "samples"))
+
+    def row(some):
+        """Payloads, blocks looked at and blocks placed, and the seconds that they took together."""
+        drawing = sum(node["payloads_drawn"] > 0 for node in some[0]["nodes"] if node["node"].startswith("Renderer"))
+        return [total(some, "payloads_drawn"), looked(some, "Renderer"), total(some, "splats_drawn"),
+                seconds(some, "drawing") - drawing * costs["table"] - costs["sample"] * total(some, "samples")]
+
+    # Between few and many Renderers the same is painted, whatever a sample of that volume costs.
+    rows = [row(small), [a - b for a, b in zip(row(many), row(small))], [a - b for a, b in zip(row(wide), row(few))]]
+    costs["slice"], costs["look"], costs["place"] = (max(0.0, cost) for cost in solved(rows))
+    costs["copy"] = max(0.0, (seconds(wide, "computing") - costs["look"] * looked(wide, "GP")) / total(wide, "splats_sent"))
+    return costs
+
+
 def main():
     folder, cores = sys.argv[1:3]
     head, empty, tiny, line, hop = (frames(folder, name) for name in ("head", "empty", "tiny", "line", "hop"))
@@ -35,6 +74,8 @@ def main():
     # The same from rank to rank: both sides' software and the way between them, in equal parts.
     message = typical(f["seconds"] / 4096 - slice_cost - token for f in hop) / 3
 
+    sheets = sheet_costs(folder)
+
     print(f'''# Measured by scripts/calibrate.sh on this machine: one GP and one Renderer, the head at 512x512 pixels.
 name = "Two cores"
 # The program's bounded pieces of work.
@@ -51,6 +92,14 @@ token = {token:.4g}
 splat = {splat:.4g}
 slice = {composite:.4g}
 pixel = {pixel:.4g}
+
+[sheets]
+look = {sheets["look"]:.4g}
+copy = {sheets["copy"]:.4g}
+place = {sheets["place"]:.4g}
+slice = {sheets["slice"]:.4g}
+sample = {sheets["sample"]:.4g}
+table = {sheets["table"]:.4g}
 
 [message]
 # From what a token takes between two ranks on cores of their own.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Compares real runs on this machine with simulated ones:  compare_simulated.py MACHINE.toml [REPETITIONS] [--csv FILE]
+"""Compares real runs on this machine with simulated ones:  compare_simulated.py MACHINE.toml [REPETITIONS] [--quality best] [--csv FILE]
 
 MACHINE is what scripts/calibrate.sh wrote here; nothing else should run. Prints a Markdown table: median seconds of a frame of the
 head at 512x512 pixels over an orbit of eight views without the first, which still allocates, one frame in flight, for layouts of 2 to 24 ranks.
@@ -22,6 +22,10 @@ LAYOUTS = (
     + [{"topology": "mesh", "mesh": f"{n}x{n}", "renderers": r} for n, r in ((2, 2), (3, 3), (4, 8))]
 )
 
+# Where nearly all work is the Renderers'.
+SHEET_LAYOUTS = ([{"gps": n, "renderers": n, "roles": "colocated"} for n in (2, 3, 4, 6)]
+                 + [{"gps": g, "renderers": r} for g, r in ((1, 1), (1, 2), (2, 2), (1, 3), (2, 4))])
+
 
 def ranks_of(layout):
     gps = layout.get("gps") or int(layout["mesh"][0]) ** 2
@@ -33,12 +37,12 @@ def name_of(layout):
     return f"{gps} + {layout['renderers']}" + (" colocated" if "roles" in layout else "")
 
 
-def run_really(layout, folder):
+def run_really(layout, quality, folder):
     """Seconds of each frame on this machine's own MPI."""
     stats = os.path.join(folder, "real.json")
     options = [word for key, value in layout.items() for word in (f"--{key}", str(value))]
     command = ["bash", "-c", f'source "{REPO}/scripts/lib.sh"; run_ranks "$@"', "bash", str(ranks_of(layout)), os.path.join(BUILD, "ringsplat"),
-               "render", HEAD, *VIEW, "--quality", "paper", "--frames-in-flight", "1", *options, "--stats", stats]
+               "render", HEAD, *VIEW, "--quality", quality, "--frames-in-flight", "1", *options, "--stats", stats]
     ended = subprocess.run(command, capture_output=True, text=True)
     if ended.returncode != 0:
         sys.exit(f"{name_of(layout)} failed:\n{ended.stderr}")
@@ -51,16 +55,18 @@ def main():
     parser.add_argument("machine")
     parser.add_argument("repetitions", nargs="?", type=int, default=5)
     parser.add_argument("--csv")
+    parser.add_argument("--quality", default="paper", help="draft, normal and best draw sheets")
     arguments = parser.parse_args()
     build()
-    real = [[] for _ in LAYOUTS]
+    layouts = LAYOUTS if arguments.quality == "paper" else SHEET_LAYOUTS
+    real = [[] for _ in layouts]
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(arguments.repetitions):
-            for seconds, layout in zip(real, LAYOUTS):
-                seconds += run_really(layout, folder)
+            for seconds, layout in zip(real, layouts):
+                seconds += run_really(layout, arguments.quality, folder)
     rows = []
-    for seconds, layout in zip(real, LAYOUTS):
-        settings = {"machine": os.path.abspath(arguments.machine), "frames-in-flight": 1, **layout}
+    for seconds, layout in zip(real, layouts):
+        settings = {"quality": arguments.quality, "machine": os.path.abspath(arguments.machine), "frames-in-flight": 1, **layout}
         simulated = [frame["seconds"] for frame in simulate(settings, HEAD, "--count-only", *VIEW)][1:]
         rows.append((name_of(layout), ranks_of(layout), statistics.median(seconds), statistics.median(simulated)))
     print("| GPs + Renderers | ranks | real ms | simulated ms | simulated / real |\n|---|---|---|---|---|")

@@ -36,7 +36,6 @@ def simulate(settings, *arguments, monitors=None):
     with tempfile.TemporaryDirectory() as work:
         config, stats = os.path.join(work, "config.toml"), os.path.join(work, "stats.json")
         with open(config, "w", encoding="utf-8") as file:
-            # Machines are described by what splats cost.
             for key, value in {"quality": "paper", **settings}.items():
                 file.write(f"{key} = {json.dumps(value)}\n")
         environment = dict(os.environ, **{f"RINGSPLAT_{name.upper()}": value for name, value in (monitors or {}).items()})

@@ -18,10 +18,11 @@ struct EngineSetup {
   int gps = 1, renderers = 1;
   /// This rank's GP's slices, shared by its engines; an empty store without a GP.
   std::shared_ptr<const SliceStore> slices;
-  int threads = 1;         ///< threads that share a node's work
-  bool skip_empty = true;  ///< leave out slices that the transfer function makes transparent
-  bool timed = false;      ///< measure seconds by stage
-  TakePicture take = {};   ///< called on the frame buffer's rank
+  int threads = 1;          ///< threads that share a node's work
+  bool skip_empty = true;   ///< leave out slices that the transfer function makes transparent
+  bool count_work = false;  ///< tell what parts will take a Painter (SheetWork), for runs that only count
+  bool timed = false;       ///< measure seconds by stage
+  TakePicture take = {};    ///< called on the frame buffer's rank
 };
 
 }  // namespace ringsplat

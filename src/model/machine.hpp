@@ -32,6 +32,15 @@ struct Machine {
     double pixel = 0;  ///< of a delivered tile
     double frame = 0;
   } renderer;
+  /// What sheets cost; a block has 8 x 8 voxels.
+  struct {
+    double look = 0;    ///< on either side, for each block of a slice, whatever is in it
+    double copy = 0;    ///< a GP, to copy a block into a payload
+    double place = 0;   ///< a Renderer, to put it into a plane
+    double slice = 0;   ///< a Renderer, for a payload
+    double sample = 0;  ///< to paint a pixel of what lies between two slices
+    double table = 0;   ///< a Renderer's tables, once a frame
+  } sheets;
   struct {
     double send = 0, receive = 0;    ///< software on either side, for each message
     double packet = 0;               ///< software of the sender, for each packet begun
@@ -61,6 +70,10 @@ Machine read_machine(const std::string& path);
 double encoding_seconds(const Machine& machine, double voxels, double visible);
 /// Seconds a Renderer draws and composites a payload.
 double drawing_seconds(const Machine& machine, double splats, double passes);
+/// Seconds a GP spends on a slice of `blocks` blocks, of which it sends `sent`; one sent twice counts twice.
+double selecting_seconds(const Machine& machine, double blocks, double sent);
+/// Seconds a Renderer spends on a payload of such a slice, before it paints.
+double placing_seconds(const Machine& machine, double blocks, double placed);
 /// Seconds of software a sender spends on a message of so many bytes, header included.
 double sending_seconds(const Machine& machine, double bytes);
 

@@ -120,7 +120,7 @@ Fields fields_of(const Header& header) {
 /// The place that a token, a payload or an accept is about; nothing for other kinds.
 std::optional<TokenPlace> token_place(const Header& header);
 
-inline constexpr std::size_t counted_bytes = 64;  ///< of the message, header included
+inline constexpr std::size_t counted_bytes = 96;  ///< of the message, header included
 
 /// A header and its body. `wire` holds room for the header and then the body, so that a
 /// message leaves as one block without a copy; it is empty when there is no body.

@@ -36,6 +36,13 @@ struct FramePlan {
   std::vector<bool> drawing(int renderers) const;
 };
 
+/// Work that is not counted by items: that of engines that interpolate before they classify. Others have
+/// none.
+struct SheetWork {
+  std::uint64_t blocks = 0;   ///< of slices, looked through for what can be seen
+  std::uint64_t samples = 0;  ///< pixels of what lies between two slices
+};
+
 /// One step's part for one Renderer.
 struct EncodedPart {
   Bytes payload;             ///< made in Message::body_buffer(); empty: nothing to draw
@@ -43,12 +50,14 @@ struct EncodedPart {
   std::uint32_t passes = 0;  ///< non-empty (tile, pass) pairs (Neumann 1992, Fig. 3)
   std::vector<int> tiles;    ///< tiles with items, ascending
   bool counted = false;      ///< only the message's first counted_bytes have content (simulations)
+  SheetWork work;            ///< what it takes a Painter besides its items, where EngineSetup asks for it
 };
 
 struct EncodeCounts {
   std::uint64_t voxels = 0;   ///< of the slice, transparent ones included
   std::uint64_t visible = 0;  ///< of these, visible ones
   std::uint64_t outside = 0;  ///< skipped, because they lie outside the image
+  std::uint64_t blocks = 0;   ///< as SheetWork's
 };
 
 struct EncodedStep {
@@ -81,6 +90,7 @@ class Encoder {
 
 struct ItemCounts {
   std::uint64_t drawn = 0, clipped = 0, hidden = 0;
+  SheetWork work = {};
 };
 
 /// A payload for a Renderer to draw; `body` stays valid until then.

@@ -194,6 +194,7 @@ void Gp::prepare_slice(Frame& frame, EncodedStep&& encoded) {
   frame.encoding = false;
   ++frame.stats.slices;
   for (const auto& part : encoded.parts) frame.stats.passes += part.passes;
+  frame.stats.blocks += encoded.counts.blocks;
   frame.stats.visible_voxels += encoded.counts.visible;
   frame.stats.voxels_outside += encoded.counts.outside;
   const int step = frame.steps[frame.next_step++];

@@ -37,6 +37,8 @@ constexpr Count counts[] = {{"splats_sent", &NodeStats::splats_sent},
                             {"tile_bytes", &NodeStats::tile_bytes},
                             {"slices", &NodeStats::slices},
                             {"passes", &NodeStats::passes},
+                            {"blocks", &NodeStats::blocks},
+                            {"samples", &NodeStats::samples},
                             {"visible_voxels", &NodeStats::visible_voxels},
                             {"voxels_outside", &NodeStats::voxels_outside},
                             {"slice_memory", &NodeStats::slice_memory}};

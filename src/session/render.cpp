@@ -128,6 +128,7 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, Slic
                               .slices = std::make_shared<const SliceStore>(std::move(slices)),
                               .threads = options.threads_per_rank,
                               .skip_empty = skip_empty,
+                              .count_work = count_only,
                               .timed = timed,
                               .take = std::move(take)});
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);

@@ -113,7 +113,8 @@ void add_reports(WireHash& hash) {
               &S::idle, &S::splats_sent, &S::splats_drawn, &S::splats_clipped, &S::splats_hidden,
               &S::payloads_sent, &S::payloads_drawn, &S::payload_bytes_sent, &S::payload_bytes_received,
               &S::tokens_issued, &S::tokens_retired, &S::tokens_passed, &S::tiles, &S::tile_bytes, &S::slices,
-              &S::passes, &S::visible_voxels, &S::voxels_outside, &S::peak_memory, &S::slice_memory);
+              &S::passes, &S::blocks, &S::samples, &S::visible_voxels, &S::voxels_outside, &S::peak_memory,
+              &S::slice_memory);
   hash.layout(&LinkCounts::link, &LinkCounts::messages, &LinkCounts::bytes, &LinkCounts::payloads,
               &LinkCounts::payload_bytes, &LinkCounts::shared, &LinkCounts::waited,
               &LinkCounts::wait_seconds);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
+#include <utility>
 
 #include "volume/cell_ranges.hpp"
 
@@ -38,7 +39,25 @@ class Homogeneous {
   glm::dvec3 eye_{0.0};
 };
 
+/// `before` and `after` are in the order of the traversal.
+BlockWindows windows_of_slab(const FrameGeometry& g, double before, double after) {
+  if (!g.traversal.ascending) std::swap(before, after);
+  return {g, 1.0, before, after};
+}
+
 }  // namespace
+
+SlabWindows::SlabWindows(const FrameGeometry& g)
+    : slices(g.slices),
+      between_slices(windows_of_slab(g, 0, 1)),
+      before_first(windows_of_slab(g, 0.5, 0)),
+      after_last(windows_of_slab(g, 0, 0.5)) {}
+
+std::uint64_t blocks_of_slice(const FrameGeometry& g) {
+  const auto [u, v] = in_plane(g.traversal.axis);
+  return std::uint64_t(CellRanges::blocks_along(g.grid.dims[u])) *
+         std::uint64_t(CellRanges::blocks_along(g.grid.dims[v]));
+}
 
 BlockWindows::BlockWindows(const FrameGeometry& g, double around, double slices_before, double slices_after)
     : from_eye_(g.view.eye.has_value()) {

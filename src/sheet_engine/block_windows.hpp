@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -25,5 +26,18 @@ class BlockWindows {
   glm::dvec2 half_;      ///< a block's reach in an orthographic view
   glm::dvec3 reach_[3];  ///< a block's reach along u, v and k from an eye
 };
+
+/// The pixels in which what lies between slices is seen, by the blocks of a slice's cells.
+struct SlabWindows {
+  explicit SlabWindows(const FrameGeometry& geometry);
+  /// Of the slab behind the slice of `step`, as rays go through it.
+  const BlockWindows& behind(int step) const { return step == slices - 1 ? after_last : between_slices; }
+
+  int slices;
+  BlockWindows between_slices, before_first, after_last;
+};
+
+/// How many blocks a slice has.
+std::uint64_t blocks_of_slice(const FrameGeometry& geometry);
 
 }  // namespace ringsplat

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "net/message.hpp"
 #include "raster/opaque_news.hpp"
 #include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/sample_counter.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
@@ -25,7 +27,7 @@ constexpr int side = CellRanges::side;
 class SheetEncoder final : public Encoder {
  public:
   SheetEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
-               SliceBlocks& blocks, bool skip_empty)
+               SliceBlocks& blocks, bool skip_empty, bool count_work)
       : frame_(std::move(frame)),
         whole_store_(store),
         store_(store.level(frame_->shown.reduction.factor)),
@@ -40,6 +42,7 @@ class SheetEncoder final : public Encoder {
       opaque_.emplace_back(rect.width(), rect.height());
     }
     tile_marked_.resize(std::size_t(regions.count()));
+    if (count_work) samples_.emplace(*frame_);
     find_volume_range();
   }
 
@@ -64,7 +67,9 @@ class SheetEncoder final : public Encoder {
     columns_ = CellRanges::blocks_along(slice_.width);
     states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(),
                          frame_->shown.transfer_function);
-    counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height)};
+    counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
+               .blocks = states_.size()};
+    if (samples_) samples_->begin(step, int(parts_.size()));
     next_row_ = 0;
     for (Part& part : parts_) part.begin(states_.size());
     std::fill(tile_marked_.begin(), tile_marked_.end(), false);
@@ -84,7 +89,10 @@ class SheetEncoder final : public Encoder {
     step.counts = counts_;
     const std::uint8_t elsewhere = byte_elsewhere();
     for (std::size_t r = 0; r < parts_.size(); ++r)
-      if (parts_[r].present > 0) write(parts_[r], elsewhere, step.parts[r]);
+      if (parts_[r].present > 0) {
+        write(parts_[r], elsewhere, step.parts[r]);
+        if (samples_) step.parts[r].work = {states_.size(), samples_->samples()[r]};
+      }
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
         step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(static_cast<int>(region));
@@ -116,12 +124,18 @@ class SheetEncoder final : public Encoder {
   int block_width(int column) const { return std::min(side, slice_.width - column * side); }
   int block_height(int row) const { return std::min(side, slice_.height - row * side); }
 
+  /// Whether the cells behind a block can be visible.
+  bool sees(const BlockState& state) const {
+    return geometry().traversal.ascending ? state.visible_above : state.visible_below;
+  }
+
   /// Finds the Renderers of a block that is needed.
   void deal(int column, int row) {
     const std::size_t block = std::size_t(row) * std::size_t(columns_) + std::size_t(column);
     if (!states_[block].needed) return;
     const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
     const PixelWindow window = windows_.of(column, row, slice_.index);
+    if (samples_ && sees(states_[block])) samples_->add(column, row);
     const Regions& regions = geometry().regions;
     const PixelRect touched = regions.touched(window.x0, window.y0, window.x1, window.y1);
     (touched.empty() ? counts_.outside : counts_.visible) += voxels;
@@ -149,8 +163,7 @@ class SheetEncoder final : public Encoder {
   std::uint8_t byte_of(const Part& part, std::size_t block, std::uint8_t elsewhere) const {
     const BlockState& state = states_[block];
     if (part.here[block]) {
-      const bool visible = geometry().traversal.ascending ? state.visible_above : state.visible_below;
-      return std::uint8_t(block_present | (visible ? cells_visible : 0));
+      return std::uint8_t(block_present | (sees(state) ? cells_visible : 0));
     }
     return state.needed ? elsewhere : state.transparent;
   }
@@ -240,6 +253,7 @@ class SheetEncoder final : public Encoder {
   int columns_ = 1;  ///< of blocks
   std::span<const BlockState> states_;
   int next_row_ = 0;
+  std::optional<SampleCounter> samples_;  ///< where Painters' work is to be told
   EncodeCounts counts_;
   std::vector<Part> parts_;        ///< by Renderer
   std::vector<bool> tile_marked_;  ///< by region: has a block of the slice
@@ -248,8 +262,9 @@ class SheetEncoder final : public Encoder {
 }  // namespace
 
 std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
-                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty) {
-  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty);
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty,
+                                            bool count_work) {
+  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty, count_work);
 }
 
 }  // namespace ringsplat

@@ -17,7 +17,8 @@ class SheetParts {
     return make_sheet_frame(spec, setup_.grid, setup_.gps, setup_.renderers);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
-    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty);
+    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty,
+                              setup_.count_work);
   }
   std::unique_ptr<FramePainter<SheetFrame>> painter(int renderer) {
     return make_sheet_painter(renderer, setup_.renderers, threads_);

@@ -45,13 +45,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     images_.begin_frame(geometry(), frame_->shown.opaque_threshold);
     tiles_.lay_out(geometry(), images_);
     rays_ = make_sheet_rays(*frame_);
-    const bool ascending = geometry().traversal.ascending;
-    const auto windows = [&](double before, double after) {
-      return BlockWindows(geometry(), 1.0, ascending ? before : after, ascending ? after : before);
-    };
-    between_slices_.emplace(windows(0, 1));
-    before_first_.emplace(windows(0.5, 0));
-    after_last_.emplace(windows(0, 0.5));
+    windows_.emplace(geometry());
     transparent_ = TransparentValues(frame_->shown.transfer_function);
     slabs_.clear();
     painting_ = 0;
@@ -85,6 +79,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     step_ = step;
     take_range(payload_->header);
     counts_.drawn += payload_->header.present;
+    counts_.work.blocks += blocks_of_slice(geometry());
   }
 
   bool work() override {
@@ -256,8 +251,8 @@ class SlabPainter final : public FramePainter<SheetFrame> {
   }
 
   void add_slabs() {
-    if (step_ == 0) add_slab(-1, *before_first_);
-    add_slab(step_, step_ == geometry().slices - 1 ? *after_last_ : *between_slices_);
+    if (step_ == 0) add_slab(-1, windows_->before_first);
+    add_slab(step_, windows_->behind(step_));
   }
 
   void add_slab(int step, const BlockWindows& windows) {
@@ -269,10 +264,12 @@ class SlabPainter final : public FramePainter<SheetFrame> {
         if ((payload.bytes[row][column - payload.rows[row].first] & cells_visible) != 0)
           any |=
               tiles_.mark(windows.of(column, payload.header.first_row + int(row), frame_->slice_at(step_)));
-    if (any)
-      slabs_.push_back(make_slab(*frame_, rays_, step));
-    else
+    if (!any) {
       tiles_.drop_slab();
+      return;
+    }
+    counts_.work.samples += tiles_.marked() * tile_side * tile_side;
+    slabs_.push_back(make_slab(*frame_, rays_, step));
   }
 
   /// Gives the first `count` slabs their planes.
@@ -351,7 +348,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
   OwnedImages images_;
   VisibleTiles tiles_;
   SheetRays rays_;
-  std::optional<BlockWindows> between_slices_, before_first_, after_last_;
+  std::optional<SlabWindows> windows_;
   TransparentValues transparent_;
   double low_ = 0, high_ = 0;  ///< of the volume's values; kept for the next frame
   PlaneCode code_;

@@ -1,6 +1,7 @@
 #include "sheet_engine/visible_tiles.hpp"
 
 #include <algorithm>
+#include <bit>
 
 namespace ringsplat {
 namespace {
@@ -38,6 +39,13 @@ bool VisibleTiles::mark(const PixelWindow& pixels) {
       if (const int region = y * all_.columns() + x; images_->owns(region))
         any |= mark_region(regions_[images_->slot_of(region)], pixels, masks);
   return any;
+}
+
+std::size_t VisibleTiles::marked() const {
+  std::size_t tiles = 0;
+  for (std::size_t k = masks_.size() - groups_.size(); k < masks_.size(); ++k)
+    tiles += std::size_t(std::popcount(masks_[k]));
+  return tiles;
 }
 
 bool VisibleTiles::mark_region(const Region& region, const PixelWindow& pixels, TileMask* masks) {

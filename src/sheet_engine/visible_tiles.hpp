@@ -31,6 +31,8 @@ class VisibleTiles {
   }
   /// Marks the tiles of the last slab that pixels of the image plane touch; false when there are none.
   bool mark(const PixelWindow& pixels);
+  /// How many tiles of the last slab are marked.
+  std::size_t marked() const;
 
   const std::vector<Group>& groups() const { return groups_; }
   /// By slab, from the first pending one: masks_of(g)[slab * stride()].

@@ -26,8 +26,7 @@ class ChargedEncoder final : public EncoderDecorator {
     if (!encoded_) {
       if (!inner_->work()) return false;
       encoded_ = inner_->finish();
-      debt_.owe(
-          encoding_seconds(machine_, double(encoded_->counts.voxels), double(encoded_->counts.visible)));
+      debt_.owe(seconds_of(*encoded_));
     }
     return !debt_.pay();
   }
@@ -38,33 +37,43 @@ class ChargedEncoder final : public EncoderDecorator {
   }
 
  private:
+  double seconds_of(const EncodedStep& step) const {
+    if (step.counts.blocks == 0)
+      return encoding_seconds(machine_, double(step.counts.voxels), double(step.counts.visible));
+    double sent = 0;
+    for (const EncodedPart& part : step.parts) sent += double(part.items);
+    return selecting_seconds(machine_, double(step.counts.blocks), sent);
+  }
+
   const Machine& machine_;
   Debt& debt_;
   std::optional<EncodedStep> encoded_;  ///< encoded, but its simulated time is still passing
 };
 
+/// Pays for a payload of splats before the next one is begun. Sheets are painted while no payload is there,
+/// as long as the Renderer can keep more slices, and at the end.
 class ChargedPainter final : public Painter {
  public:
   ChargedPainter(Painter& inner, const Machine& machine) : inner_(inner), machine_(machine) {
     debt_.owe(machine.renderer.frame);
   }
 
-  bool prepare() override { return debt_.pay() || inner_.prepare(); }
+  bool prepare() override { return debt_.pay() || inner_.prepare() || pay_for_samples(); }
   void begin(const PayloadToDraw& payload) override {
+    before_ = inner_.counts();
     inner_.begin(payload);
     passes_ = payload.passes;
-    drawn_before_ = drawn();
     painted_ = false;
   }
   bool work() override {
     if (!painted_) {
       if (debt_.pay() || !inner_.work()) return false;
       painted_ = true;
-      debt_.owe(drawing_seconds(machine_, double(drawn() - drawn_before_), double(passes_)));
+      owe_for_payload(inner_.counts());
     }
-    return !debt_.pay();
+    return !debt_.pay() && !(slices_kept_ > most_kept && pay_for_samples());
   }
-  bool conclude() override { return inner_.conclude(); }
+  bool conclude() override { return inner_.conclude() || pay_for_samples(); }
   void news(int gp, Bytes& news) override { inner_.news(gp, news); }
   ItemCounts counts() const override { return inner_.counts(); }
   double composite_seconds() const override { return inner_.composite_seconds(); }
@@ -77,16 +86,35 @@ class ChargedPainter final : public Painter {
   }
 
  private:
-  std::uint64_t drawn() const {
-    const ItemCounts counts = inner_.counts();
-    return counts.drawn + counts.clipped;
+  /// A Renderer of sheets keeps as many slices (sheet_engine/sheet_painter.cpp).
+  static constexpr int most_kept = 36;
+
+  void owe_for_payload(const ItemCounts& now) {
+    const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
+                 blocks = double(now.work.blocks - before_.work.blocks);
+    if (blocks == 0) {
+      debt_.owe(drawing_seconds(machine_, items, double(passes_)));
+      return;
+    }
+    if (before_.work.blocks == 0) debt_.owe(machine_.sheets.table);
+    debt_.owe(placing_seconds(machine_, blocks, items));
+    samples_debt_.owe(double(now.work.samples - before_.work.samples) * machine_.sheets.sample);
+    ++slices_kept_;
+  }
+
+  /// Once all is painted that could be, the slices are no longer needed.
+  bool pay_for_samples() {
+    if (samples_debt_.pay()) return true;
+    slices_kept_ = 0;
+    return false;
   }
 
   Painter& inner_;
   const Machine& machine_;
-  Debt debt_{machine_.poll_interval};
+  Debt debt_{machine_.poll_interval}, samples_debt_{machine_.poll_interval};
+  int slices_kept_ = 0;  ///< placed since all was painted
   std::uint32_t passes_ = 0;
-  std::uint64_t drawn_before_ = 0;
+  ItemCounts before_;     ///< the payload
   bool painted_ = false;  ///< the payload is drawn, but its simulated time is still passing
 };
 

@@ -18,6 +18,7 @@ namespace {
 struct Said {
   std::uint64_t items = 0;
   std::uint64_t tiles = 0;  ///< bit mask of its Renderer's tiles with items
+  SheetWork work = {};
 };
 static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
 
@@ -41,11 +42,12 @@ class CountingEncoder final : public EncoderDecorator {
 
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible),
-                   weighted(step.counts.outside)};
+    step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible), weighted(step.counts.outside),
+                   weighted(step.counts.blocks)};
     for (EncodedPart& part : step.parts) {
       if (part.payload.empty()) continue;
-      Said said{weighted(part.items), 0};
+      // Voxels stand for others, pixels only for themselves.
+      Said said{weighted(part.items), 0, {weighted(part.work.blocks), part.work.samples}};
       for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
       part.payload =
           counted(std::max(sizeof said, std::size_t(weighted(Message::body_size(part.payload)))), said);
@@ -88,6 +90,8 @@ class CountingPainter final : public Painter {
   }
   bool work() override {
     counts_.drawn += here_.items;
+    counts_.work.blocks += here_.work.blocks;
+    counts_.work.samples += here_.work.samples;
     return true;
   }
   void news(int, Bytes&) override {}

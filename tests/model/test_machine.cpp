@@ -43,6 +43,16 @@ TEST_CASE("a machine is read from TOML; what it does not say costs nothing") {
   CHECK(m.message.packet_bytes == 1024);
 }
 
+TEST_CASE("what a machine does not say of sheets stands in a ratio to what it says of splats") {
+  const Machine said = parse_machine(least + "[sheets]\nsample = 4e-6\nlook = 0\n", "here");
+  CHECK(said.sheets.sample == 4e-6);
+  CHECK(said.sheets.look == 0);
+  const Machine silent = parse_machine(least, "here");
+  CHECK(silent.sheets.sample == Approx(0.1 * silent.renderer.splat));
+  CHECK(silent.sheets.copy > 0);
+  CHECK(silent.sheets.table == said.sheets.table);
+}
+
 TEST_CASE("every machine of mpi_configs can be read") {
   int machines = 0;
   for (const auto& file :
@@ -87,6 +97,12 @@ TEST_CASE("costs add up as the fields say") {
   CHECK(encoding_seconds(m, 16, 4) == 1052);
   CHECK(drawing_seconds(m, 100, 16) == 627);
   CHECK(sending_seconds(m, 5000) == 7);
+  m.sheets.look = 2;
+  m.sheets.copy = 30;
+  m.sheets.place = 50;
+  m.sheets.slice = 11;
+  CHECK(selecting_seconds(m, 16, 4) == 1152);
+  CHECK(placing_seconds(m, 16, 4) == 243);
   m.message.packet_bytes = 2048;
   CHECK(sending_seconds(m, 4096) == 9);
   CHECK(sending_seconds(m, 4097) == 11);

@@ -168,6 +168,37 @@ def count_only(run):
     same("splats with a weight of 8", weighted["total"]["splats_sent"], 8 * drawn["total"]["splats_sent"])
 
 
+
+def sheets(run):
+    """Sheets take what the description says, and a run that only counts takes the same time as one that draws."""
+    run.program("synth", "ball", "-o", run.path("ball.nrrd"), "--dims", "40x40x24")
+    free = FREE_NETWORK.format(visible=0, transparent=0, slice=0.5, splat=0, a_pass=0, composite=0)
+    costs = {"look": 1e-3, "copy": 2e-3, "place": 0, "slice": 0, "sample": 0, "table": 0}
+
+    def machine(name, **sheet_costs):
+        lines = "".join(f"{key} = {value}\n" for key, value in {**costs, **sheet_costs}.items())
+        return run.write(name, free + "[sheets]\n" + lines)
+
+    view = ["--quality", "best", "--size", "128x128", "--elevation", "90", "--frames-in-flight", "1"]
+    frame, = run.simulate("gps = 1\nrenderers = 1", run.path("ball.nrrd"), "--count-only", *view, machine=machine("gp.toml"))
+    close("GP-bound frame of sheets", frame["nodes"][0]["seconds"]["computing"],
+          24 * (0.5 + 25e-3) + frame["total"]["splats_sent"] * 2e-3, 1e-6)
+    renderer_bound = machine("renderer.toml", look=0, copy=0, place=1e-2, slice=3, sample=1e-3, table=5)
+    frame, = run.simulate("gps = 1\nrenderers = 1", run.path("ball.nrrd"), "--count-only", *view, machine=renderer_bound)
+    total = frame["total"]
+    close("a Renderer of sheets", frame["nodes"][1]["seconds"]["drawing"],
+          5 + total["payloads_sent"] * 3 + total["splats_sent"] * 1e-2 + total["samples"] * 1e-3, 1e-6)
+
+    layout = 'gps = 3\nrenderers = 3\nroles = "colocated"'
+    view = ["--quality", "best", "--opaque-threshold", "0", *VIEW]
+    drawn, = run.simulate(layout, HEAD, "-o", run.path("sheets.exr"), *view)
+    counted, = run.simulate(layout, HEAD, "--count-only", *view)
+    for key in ("samples", "splats_sent", "payload_bytes_received"):
+        same(key, counted["total"][key], drawn["total"][key])
+    same("it paints something", drawn["total"]["samples"] > 0, True)
+    close("seconds", counted["seconds"], drawn["seconds"], 0.02)
+
+
 def bad_input(run):
     """What is wrong is said, by file and field, and ends the simulation with 2."""
     bad = run.write("bad.toml", open(PP5, encoding="utf-8").read().replace("splat = ", "splats = "))
@@ -192,7 +223,7 @@ def bad_input(run):
 
 
 def main():
-    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, bad_input)}
+    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, bad_input)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("case", choices=cases)
     parser.add_argument("--build", required=True)
