@@ -1,5 +1,7 @@
 #include "engine_parts/frame_plan.hpp"
 
+#include <algorithm>
+
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -20,6 +22,19 @@ FramePlan plan_of(const FrameGeometry& g, int gps, int renderers) {
         owners.of(region), std::size_t(rect.width()) * std::size_t(rect.height()) * 4 * sizeof(float)};
   }
   return plan;
+}
+
+void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
+  if (!setup_.sketch || setup_.renderers < 2) return;
+  const bool sheets = std::holds_alternative<Sheets>(spec.how);
+  const WorkCosts& costs = sheets ? setup_.sheet_costs : setup_.splat_costs;
+  const WorkEstimate work(g, *setup_.sketch, shown_.of(*setup_.sketch, spec.shown.transfer_function), costs,
+                          spec.shown.reduction.factor);
+  const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, setup_.renderers) : setup_.renderers;
+  std::vector<double> busy;
+  if (setup_.colocated) busy = busy_gps(work, setup_.gps, setup_.renderers, dealt_to);
+  deal_by_work(g, work, costs, spec.division, sheets ? RegionForm::flat : RegionForm::square,
+               setup_.renderers, busy);
 }
 
 }  // namespace ringsplat

@@ -1,5 +1,6 @@
 #include "engine_parts/owned_images.hpp"
 
+#include <algorithm>
 #include <cstring>
 #include <utility>
 
@@ -9,17 +10,29 @@
 namespace ringsplat {
 
 bool OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
-  const bool changed = !(regions_ == g.regions && reached_ == g.reached && dealt_to_ == g.dealt_to);
+  const bool changed =
+      !(regions_ == g.regions && reached_ == g.reached && dealt_to_ == g.dealt_to && dealt_ == g.dealt);
   if (changed) {
     regions_ = g.regions;
     reached_ = g.reached;
     dealt_to_ = g.dealt_to;
-    images_.clear();
+    dealt_ = g.dealt;
+    std::vector<RegionImage> before = std::exchange(images_, {});
     slot_of_region_.assign(std::size_t(regions_.count()), not_owned);
     owned_ = regions_.owned(renderer_, g.owners(renderers_));
     for (const int region : owned_) {
       slot_of_region_[std::size_t(region)] = images_.size();
-      images_.emplace_back(regions_.rect(region));
+      const PixelRect rect = regions_.rect(region);
+      const auto like_it = std::find_if(before.begin(), before.end(), [&](const RegionImage& image) {
+        return image.rect().width() == rect.width() && image.rect().height() == rect.height();
+      });
+      if (like_it == before.end()) {
+        images_.emplace_back(rect);
+        continue;
+      }
+      images_.push_back(std::move(*like_it));
+      images_.back().move_to(rect);
+      before.erase(like_it);
     }
   }
   for (RegionImage& image : images_) image.begin_frame(static_cast<float>(opaque_threshold));

@@ -39,6 +39,7 @@ class OwnedImages {
   Regions regions_;
   PixelRect reached_;
   int dealt_to_ = 0;
+  std::vector<int> dealt_;
   std::vector<int> owned_;                   ///< owned regions, ascending
   std::vector<RegionImage> images_;          ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into images_

@@ -3,9 +3,11 @@
 #include <functional>
 #include <memory>
 
+#include "frame/work_dealing.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "volume/slice_store.hpp"
+#include "volume/volume_sketch.hpp"
 
 namespace ringsplat {
 
@@ -16,6 +18,10 @@ using TakePicture = std::function<void(std::int64_t frame, Image&& picture)>;
 struct EngineSetup {
   Grid grid;
   int gps = 1, renderers = 1;
+  bool colocated = false;  ///< Renderer r is on GP r's rank
+  /// What dealing foresees the work from; null: regions are dealt in turn. The same on every rank.
+  std::shared_ptr<const VolumeSketch> sketch = {};
+  WorkCosts splat_costs = usual_splat_costs, sheet_costs = usual_sheet_costs;
   /// This rank's GP's slices, shared by its engines; an empty store without a GP.
   std::shared_ptr<const SliceStore> slices;
   int threads = 1;          ///< threads that share a node's work

@@ -1,6 +1,7 @@
 #pragma once
 #include <algorithm>
 #include <optional>
+#include <vector>
 
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/view/view.hpp"
@@ -23,11 +24,13 @@ struct FrameGeometry {
   Regions regions;                ///< of the image plane
   PixelRect reached;              ///< block of regions that voxels can reach, in region columns and rows
   int dealt_to = 0;               ///< how many Renderers get regions; 0: all
+  std::vector<int> dealt;         ///< by region, its Renderer; empty: dealt in turn
   int slices = 0;                 ///< in the traversed set
   std::optional<PlaneWarp> warp;  ///< from the screen to the image plane, when they differ
 
   /// Owners of the reached regions among `renderers` Renderers.
   RegionOwners owners(int renderers) const {
+    if (!dealt.empty()) return RegionOwners(dealt);
     return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
   }
 };

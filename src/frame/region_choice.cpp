@@ -138,6 +138,10 @@ Regions low_strips(int renderers, const PixelWindow& reached, int width, int hei
 
 }  // namespace
 
+PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
+  return touched(regions, reached_pixels(g));
+}
+
 void lay_regions(FrameGeometry& g, const Division& division, RegionForm form) {
   const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);

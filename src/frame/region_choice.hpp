@@ -10,4 +10,7 @@ enum class RegionForm { square, flat };
 /// picture's bits do not depend on it.
 void lay_regions(FrameGeometry& geometry, const Division& division, RegionForm form);
 
+/// The regions that the volume's voxels can reach, in columns and rows of regions.
+PixelRect reached_regions(const FrameGeometry& geometry, const Regions& regions);
+
 }  // namespace ringsplat

@@ -13,6 +13,7 @@
 #include "ringsplat/volume/voxel_box.hpp"
 #include "volume/slice_store.hpp"
 #include "volume/value_statistics.hpp"
+#include "volume/volume_sketch.hpp"
 
 namespace ringsplat {
 
@@ -60,6 +61,11 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
 
 /// Tells every store the value range of every slice of the kept axes.
 void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives);
+
+/// Gives every process the same sketch of the volume, taken from the slices of an axis, which all stores
+/// keep.
+std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>& stores, const Grid& grid,
+                                                 Axis axis, Collectives& collectives);
 
 /// Tells every store the ranges of the cells of its slices of the kept axes and of their neighbours, two to
 /// either side.

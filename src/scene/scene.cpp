@@ -54,6 +54,10 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   double begun = share_of(options);
   scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), gps,
                              gps_of_process, collectives);
+  const auto& kept = whole ? options.kept_axes : values_only.kept_axes;
+  const auto axis = std::find(kept.begin(), kept.end(), true) - kept.begin();
+  if (axis < 3)
+    scene.sketch = share_sketch(scene.stores, volume.grid, all_axes[std::size_t(axis)], collectives);
   // Who is told may end the loading; the values and ranges of a large volume take their time, too.
   const auto tell = [&] {
     if (options.told) options.told(begun);

@@ -11,6 +11,7 @@ struct Scene {
   Grid grid;
   std::map<int, SliceStore> stores;  ///< by GP, those of this process
   ValueStatistics values;
+  std::shared_ptr<const VolumeSketch> sketch;  ///< of the whole volume
 };
 
 /// Deals all requested levels of an opened volume to `gps` GPs and gathers its values' statistics.

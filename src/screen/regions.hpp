@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace ringsplat {
@@ -13,7 +14,8 @@ struct PixelRect {
   bool operator==(const PixelRect&) const = default;
 };
 
-/// Which Renderer owns a region: the one map from regions to Renderers, used by all.
+/// Which Renderer owns a region: the one map from regions to Renderers, used by all. Either what each costs
+/// is known, and a list says who gets which (frame/work_dealing.hpp), or they are dealt in turn:
 ///
 /// Only a rectangle of regions is dealt, those that a frame's volume reaches; nobody owns the others. The
 /// region in the rectangle's column x and row y belongs to Renderer x + skew · y, modulo their number, so
@@ -28,7 +30,10 @@ class RegionOwners {
   /// `columns`: of all regions. `block`: the regions to deal, in columns and rows of regions. `dealt_to`: how
   /// many of the Renderers get any, spread evenly among them.
   RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to);
+  /// Dealt otherwise: by region, its Renderer or nobody.
+  explicit RegionOwners(std::vector<int> dealt) : dealt_(std::move(dealt)) {}
   int of(int region) const {
+    if (!dealt_.empty()) return dealt_[std::size_t(region)];
     const int column = static_cast<int>(region % columns_), row = static_cast<int>(region / columns_);
     if (column < block_.x0 || column >= block_.x1 || row < block_.y0 || row >= block_.y1) return nobody;
     return static_cast<int>((column - block_.x0 + (row - block_.y0) * skew_) % dealt_to_ * renderers_ /
@@ -36,8 +41,9 @@ class RegionOwners {
   }
 
  private:
-  std::int64_t columns_, renderers_, dealt_to_, skew_;
+  std::int64_t columns_ = 1, renderers_ = 1, dealt_to_ = 1, skew_ = 0;
   PixelRect block_;
+  std::vector<int> dealt_;
 };
 
 /// The image plane cut into regions of one size, numbered row by row. Those at the right and lower edge may

@@ -6,6 +6,7 @@
 #include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
+#include "net/message.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "splat_engine/splat_engine.hpp"
 
@@ -50,5 +51,19 @@ class Engines final : public Engine {
 }  // namespace
 
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup) { return std::make_unique<Engines>(setup); }
+
+WorkCosts splat_costs(const Machine& m, double voxel_weight) {
+  return {voxel_weight * m.renderer.splat, 0,
+          m.renderer.slice + sending_seconds(m, sizeof(Header)) + m.message.receive,
+          voxel_weight * m.gp.visible_voxel, voxel_weight * m.gp.transparent_voxel};
+}
+
+WorkCosts sheet_costs(const Machine& m, double voxel_weight) {
+  constexpr double block = 64;
+  const double voxel = voxel_weight / block;
+  return {voxel * m.sheets.place, m.sheets.sample,
+          m.sheets.slice + sending_seconds(m, sizeof(Header)) + m.message.receive, voxel * m.sheets.copy,
+          voxel * m.sheets.look};
+}
 
 }  // namespace ringsplat

@@ -3,10 +3,15 @@
 
 #include "frame/engine_setup.hpp"
 #include "protocol/engine.hpp"
+#include "model/machine.hpp"
 
 namespace ringsplat {
 
 /// The engines of one rank. A frame's engine is found by the name of its method and made on first use.
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup);
+
+/// What work costs on a described machine, when each voxel stands for `voxel_weight` of its slice.
+WorkCosts splat_costs(const Machine& machine, double voxel_weight);
+WorkCosts sheet_costs(const Machine& machine, double voxel_weight);
 
 }  // namespace ringsplat

@@ -116,21 +116,27 @@ void check(const EngineOptions& options) {
 namespace {
 
 /// Makes the engine of the rank that holds these slices.
-std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout, SliceStore slices, bool timed,
+std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
+                                    std::shared_ptr<const VolumeSketch> sketch, SliceStore slices, bool timed,
                                     const EngineOptions& options, TakePicture take) {
   const auto& [machine, count_only, voxel_weight, step_seconds] = options.simulation;
   // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order (net/mesh.hpp). A
   // described machine's costs are those of looking at every voxel.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
-  auto engine = make_engines({.grid = grid,
-                              .gps = layout.gps,
-                              .renderers = layout.renderers,
-                              .slices = std::make_shared<const SliceStore>(std::move(slices)),
-                              .threads = options.threads_per_rank,
-                              .skip_empty = skip_empty,
-                              .count_work = count_only,
-                              .timed = timed,
-                              .take = std::move(take)});
+  auto engine =
+      make_engines({.grid = grid,
+                    .gps = layout.gps,
+                    .renderers = layout.renderers,
+                    .colocated = layout.placement == Placement::colocated,
+                    .sketch = std::move(sketch),
+                    .splat_costs = machine ? splat_costs(*machine, voxel_weight) : usual_splat_costs,
+                    .sheet_costs = machine ? sheet_costs(*machine, voxel_weight) : usual_sheet_costs,
+                    .slices = std::make_shared<const SliceStore>(std::move(slices)),
+                    .threads = options.threads_per_rank,
+                    .skip_empty = skip_empty,
+                    .count_work = count_only,
+                    .timed = timed,
+                    .take = std::move(take)});
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
   if (machine) engine = make_charged_engine(std::move(engine), *machine);
   return engine;
@@ -158,10 +164,11 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   DirectedFrames frames(std::move(director), scene.grid, layout.renderers);
   const auto engine_of = [&](int rank) {
     const auto store = scene.stores.find(rank);
-    return make_engine(
-        scene.grid, layout, store == scene.stores.end() ? SliceStore() : std::move(store->second),
-        protocol.trace != nullptr, options,
-        [&frames](std::int64_t frame, Image&& picture) { frames.take_picture(frame, std::move(picture)); });
+    return make_engine(scene.grid, layout, scene.sketch,
+                       store == scene.stores.end() ? SliceStore() : std::move(store->second),
+                       protocol.trace != nullptr, options, [&frames](std::int64_t frame, Image&& picture) {
+                         frames.take_picture(frame, std::move(picture));
+                       });
   };
   if (wiring.transport == nullptr)
     run_loopback(layout, protocol, engine_of, frames, wiring.loopback);

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "engine_parts/frame_plan.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 
 namespace ringsplat {
@@ -11,10 +12,10 @@ class SheetParts {
  public:
   using Frame = SheetFrame;
   using Kept = SliceBlocks;
-  explicit SheetParts(const EngineSetup& setup) : setup_(setup), threads_(setup.threads) {}
+  explicit SheetParts(const EngineSetup& setup) : setup_(setup), dealer_(setup), threads_(setup.threads) {}
 
-  std::shared_ptr<const SheetFrame> frame(const FrameSpec& spec) const {
-    return make_sheet_frame(spec, setup_.grid, setup_.gps, setup_.renderers);
+  std::shared_ptr<const SheetFrame> frame(const FrameSpec& spec) {
+    return make_sheet_frame(spec, setup_.grid, setup_.gps, setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
     return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty,
@@ -26,6 +27,7 @@ class SheetParts {
 
  private:
   EngineSetup setup_;
+  RegionDealer dealer_;
   ThreadTeam threads_;
 };
 

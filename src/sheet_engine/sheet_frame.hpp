@@ -26,8 +26,11 @@ struct SheetFrame {
   int slice_at(int step) const { return geometry.traversal.slice_at(step, geometry.slices); }
 };
 
-/// `spec` must be of this method. Throws InputError when its view cannot be drawn.
+class RegionDealer;
+
+/// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
+/// view cannot be drawn.
 std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers);
+                                                   int renderers, RegionDealer* dealer = nullptr);
 
 }  // namespace ringsplat

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "classify/empty_space.hpp"
+#include "engine_parts/frame_plan.hpp"
 
 namespace ringsplat {
 namespace {
@@ -12,10 +13,10 @@ class SplatParts {
   using Frame = SplatFrame;
   using Kept = EmptySpace;
   explicit SplatParts(const EngineSetup& setup)
-      : setup_(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
+      : setup_(setup), dealer_(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
 
-  std::shared_ptr<const SplatFrame> frame(const FrameSpec& spec) const {
-    return make_splat_frame(spec, setup_.grid, setup_.gps, setup_.renderers);
+  std::shared_ptr<const SplatFrame> frame(const FrameSpec& spec) {
+    return make_splat_frame(spec, setup_.grid, setup_.gps, setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) {
     return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,
@@ -27,6 +28,7 @@ class SplatParts {
 
  private:
   EngineSetup setup_;
+  RegionDealer dealer_;
   ThreadTeam encoder_threads_, painter_threads_;
 };
 

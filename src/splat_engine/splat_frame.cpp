@@ -5,12 +5,13 @@
 namespace ringsplat {
 
 std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers) {
+                                                   int renderers, RegionDealer* dealer) {
   auto frame = std::make_shared<SplatFrame>();
   frame->number = spec.frame;
   frame->shown = spec.shown;
   frame->splats = spec.as<Splats>();
   frame->geometry = make_geometry(spec, grid);
+  if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->footprint = make_footprint(frame->splats, frame->geometry);
   frame->plan = plan_of(frame->geometry, gps, renderers);
   return frame;

@@ -17,8 +17,11 @@ struct SplatFrame {
   FramePlan plan;
 };
 
-/// `spec` must be of this method. Throws InputError when its view cannot be drawn.
+class RegionDealer;
+
+/// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
+/// view cannot be drawn.
 std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers);
+                                                   int renderers, RegionDealer* dealer = nullptr);
 
 }  // namespace ringsplat

@@ -1,0 +1,130 @@
+#include "frame/work_dealing.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <queue>
+
+namespace ringsplat {
+namespace {
+
+/// One way to cut the image plane, and who gets what.
+struct Deal {
+  Regions regions;
+  PixelRect reached;
+  std::vector<int> owner;  ///< by region, an index among those that get some
+  double longest = 0;
+};
+
+struct Costly {
+  int region;
+  PartWork work;
+  double seconds;  ///< payloads included
+};
+
+double seconds_of(std::uint64_t layers, double payload) { return payload * std::popcount(layers); }
+
+/// Regions that voxels can reach, costliest first. `payload`: seconds for the payloads of a layer.
+std::vector<Costly> by_cost(const Deal& deal, const WorkEstimate& work, double payload) {
+  std::vector<Costly> all;
+  for (int y = deal.reached.y0; y < deal.reached.y1; ++y)
+    for (int x = deal.reached.x0; x < deal.reached.x1; ++x) {
+      const int region = y * deal.regions.columns() + x;
+      const PartWork part = work.of(deal.regions.rect(region));
+      all.push_back({region, part, part.seconds + seconds_of(part.layers, payload)});
+    }
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Costly& a, const Costly& b) { return a.seconds > b.seconds; });
+  return all;
+}
+
+/// A Renderer with regions in the same slices gets one payload of each for all of them.
+void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate& work, double payload,
+              const std::vector<double>& busy) {
+  using Load = std::pair<double, int>;
+  std::priority_queue<Load, std::vector<Load>, std::greater<>> least;
+  for (std::size_t k = 0; k < busy.size(); ++k) least.emplace(busy[k], int(k));
+  std::vector<std::uint64_t> layers(busy.size(), 0);
+  std::vector<int> used;
+  deal.owner.assign(std::size_t(deal.regions.count()), RegionOwners::nobody);
+  deal.longest = 0;
+  std::size_t empty = 0;
+  for (const Costly& one : costly) {
+    int& owner = deal.owner[std::size_t(one.region)];
+    // Where nothing is expected something may be, but nobody need draw for that alone.
+    if (one.work.layers == 0 && !used.empty()) {
+      owner = used[empty++ % used.size()];
+      continue;
+    }
+    const auto [before, k] = least.top();
+    least.pop();
+    std::uint64_t& seen = layers[std::size_t(k)];
+    if (seen == 0) used.push_back(k);
+    const double begun = seen == 0 ? std::max(before, work.ready_seconds(one.work.layers)) : before,
+                 load = begun + one.work.seconds + seconds_of(one.work.layers & ~seen, payload);
+    seen |= one.work.layers;
+    deal.longest = std::max(deal.longest, load);
+    least.emplace(load, k);
+    owner = k;
+  }
+}
+
+/// The ways to cut the plane that are worth trying, from the coarsest; the first is what it is cut into now.
+std::vector<Regions> ways_to_cut(const FrameGeometry& g, const Division& division, RegionForm form,
+                                 std::size_t dealt_to) {
+  std::vector<Regions> ways{g.regions};
+  if (division.region_size > 0 || g.warp) return ways;
+  constexpr int enough_each = 24;
+  const auto worth_trying = [&] { return std::size_t(ways.back().count()) < enough_each * dealt_to; };
+  if (form == RegionForm::square) {
+    ways.clear();
+    for (const int side : {128, 64, 48, 32, 24, 16})
+      if (ways.empty() || worth_trying()) ways.emplace_back(g.width, g.height, side);
+  } else {
+    const PixelRect first = g.regions.rect(0);
+    for (const int width : {64, 32, 16})
+      if (worth_trying() && width < first.width())
+        ways.emplace_back(g.width, g.height, width, first.height());
+  }
+  return ways;
+}
+
+}  // namespace
+
+double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,
+                    const Division& division, RegionForm form, int renderers,
+                    const std::vector<double>& busy) {
+  const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, renderers) : renderers;
+  if (dealt_to < 2 || !work.telling()) return 0;
+  const std::vector<double> idle(std::size_t(dealt_to), 0.0);
+  const std::vector<double>& loads = busy.empty() ? idle : busy;
+  const double payload = costs.payload * work.slices_of_layer();
+  constexpr double worth_smaller = 0.95;
+  std::optional<Deal> best;
+  for (const Regions& regions : ways_to_cut(g, division, form, std::size_t(dealt_to))) {
+    Deal deal{regions, reached_regions(g, regions), {}};
+    const auto costly = by_cost(deal, work, payload);
+    if (costly.empty()) return 0;
+    if (best && costly.front().seconds >= worth_smaller * best->longest) continue;
+    deal_out(deal, costly, work, payload, loads);
+    if (!best || deal.longest < worth_smaller * best->longest) best = std::move(deal);
+  }
+  for (int& owner : best->owner)
+    if (owner != RegionOwners::nobody) owner = int(std::int64_t{owner} * renderers / dealt_to);
+  g.regions = best->regions;
+  g.reached = best->reached;
+  g.dealt = std::move(best->owner);
+  return best->longest;
+}
+
+std::vector<double> busy_gps(const WorkEstimate& work, int gps, int renderers, int dealt_to) {
+  std::vector<double> of_gp(std::size_t(gps), 0.0), busy;
+  work.add_gp_seconds(of_gp);
+  for (int k = 0; k < dealt_to; ++k) {
+    const auto rank = std::size_t(std::int64_t{k} * renderers / dealt_to);
+    busy.push_back(rank < of_gp.size() ? of_gp[rank] : 0);
+  }
+  return busy;
+}
+
+}  // namespace ringsplat

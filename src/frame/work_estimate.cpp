@@ -1,0 +1,161 @@
+#include "frame/work_estimate.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/common.hpp>
+
+#include "volume/slice_store.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Pixels that a voxel of a slice covers; in perspective about its middle.
+double pixels_of_voxel(const FrameGeometry& g) {
+  const auto [u, v] = in_plane(g.traversal.axis);
+  const glm::dvec2 a(g.view.linear[u]), b(g.view.linear[v]);
+  const double magnified = g.view.magnification(0.5 * glm::dvec3(g.grid.dims));
+  const double scale = std::isfinite(magnified) ? magnified : 1;
+  return std::abs(a.x * b.y - a.y * b.x) * scale * scale;
+}
+
+}  // namespace
+
+std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const TransferFunction& function) {
+  if (function_ && *function_ == function) return shown_;
+  function_ = function;
+  shown_.clear();
+  for (std::size_t k = 0; k < sketch.values.size(); ++k) {
+    const double value = double(sketch.values[k]);
+    if (!std::isnan(value) && function.visible_within(value, value)) shown_.push_back(std::uint32_t(k));
+  }
+  return shown_;
+}
+
+WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
+                           std::span<const std::uint32_t> shown, const WorkCosts& costs, int factor,
+                           int only_layer)
+    : traversal_(g.traversal), slices_(g.slices) {
+  const int axis = static_cast<int>(g.traversal.axis);
+  layers_ = sketch.points[axis];
+  const glm::dvec3 level = glm::dvec3(sketch.dims) / double(factor),
+                   spacing = level / glm::dvec3(sketch.points);
+  voxels_of_point_ = spacing.x * spacing.y * spacing.z;
+
+  constexpr double most_cells = 96, least_cell = 4;
+  for (int along = 0; along < 2; ++along) {
+    double size = 0;  // of what a point stands for
+    for (int k = 0; k < 3 && !g.view.eye; ++k) size += std::abs(g.view.linear[k][along]) * spacing[k];
+    cell_[along] = std::max({size, least_cell, double(along == 0 ? g.width : g.height) / most_cells});
+  }
+  columns_ = int(std::ceil(g.width / cell_.x)) + 1;
+  rows_ = int(std::ceil(g.height / cell_.y)) + 1;
+  work_.assign(std::size_t(columns_) * std::size_t(rows_), 0);
+  seen_.assign(work_.size(), 0);
+  around_ = costs.pixel > 0 ? glm::dvec2(0.0) : g.reach;
+  for (int along = 0; along < 2; ++along)
+    if (!std::isfinite(around_[along])) around_[along] = 0;
+
+  const double work = voxels_of_point_ * (costs.voxel + costs.pixel * pixels_of_voxel(g));
+  std::vector<int> shown_in(std::size_t(layers_), 0);
+  for (const std::uint32_t index : shown) {
+    const glm::ivec3 point(int(index) % sketch.points.x, int(index) / sketch.points.x % sketch.points.y,
+                           int(index) / sketch.points.x / sketch.points.y);
+    if (only_layer >= 0 && point[axis] != only_layer) continue;
+    const glm::dvec3 voxel = (glm::dvec3(point) + 0.5) * spacing - 0.5 - glm::dvec3(g.box.first);
+    bool inside = true;
+    for (int k = 0; k < 3; ++k) inside = inside && voxel[k] >= -0.5 && voxel[k] < g.grid.dims[k] - 0.5;
+    if (!inside || !std::isfinite(g.view.magnification(voxel))) continue;
+    ++points_;
+    ++shown_in[std::size_t(point[axis])];
+    deposit(g.view.seen_at(voxel), work, point[axis]);
+  }
+  sum_up();
+
+  const auto [u, v] = in_plane(g.traversal.axis);
+  const double slice = double(g.grid.slice_voxels(g.traversal.axis)), of_point = spacing[u] * spacing[v];
+  for (const int count : shown_in) {
+    const double visible = std::min(slice, count * of_point);
+    slice_seconds_.push_back(visible * costs.visible + (slice - visible) * costs.hollow);
+  }
+  first_slice_ = g.box.first[axis];
+  layer_of_slice_ = 1 / spacing[axis];
+}
+
+/// Spreads a point's work over the four cells round it: lattices of points as far apart as cells become even.
+void WorkEstimate::deposit(const glm::dvec2& place, double work, int layer) {
+  const glm::dvec2 at = place / cell_ - 0.5, first = glm::floor(at), part = at - first;
+  if (!(first.x >= -1 && first.y >= -1 && first.x < columns_ && first.y < rows_)) return;
+  const std::uint64_t bit = std::uint64_t{1} << layer;
+  for (int dy = 0; dy < 2; ++dy)
+    for (int dx = 0; dx < 2; ++dx) {
+      const int x = int(first.x) + dx, y = int(first.y) + dy;
+      if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
+      const double share = (dx == 0 ? 1 - part.x : part.x) * (dy == 0 ? 1 - part.y : part.y);
+      const std::size_t cell = std::size_t(y) * std::size_t(columns_) + std::size_t(x);
+      work_[cell] += work * share;
+      if (share >= 0.25) seen_[cell] |= bit;
+    }
+}
+
+void WorkEstimate::sum_up() {
+  for (int y = 0; y < rows_; ++y) {
+    double row = 0;
+    for (int x = 0; x < columns_; ++x) {
+      double& here = work_[std::size_t(y) * std::size_t(columns_) + std::size_t(x)];
+      row += here;
+      here = row + (y > 0 ? work_[std::size_t(y - 1) * std::size_t(columns_) + std::size_t(x)] : 0);
+    }
+  }
+}
+
+double WorkEstimate::within(double x0, double y0, double x1, double y1) const {
+  // The sum over all work above and to the left of a place, bilinear between the cells' corners.
+  const auto corner = [this](int x, int y) {
+    x = std::min(x, columns_);
+    y = std::min(y, rows_);
+    return x <= 0 || y <= 0 ? 0 : work_[std::size_t(y - 1) * std::size_t(columns_) + std::size_t(x - 1)];
+  };
+  const auto sum = [&](double x, double y) {
+    const double u = std::clamp(x / cell_.x, 0.0, double(columns_)),
+                 v = std::clamp(y / cell_.y, 0.0, double(rows_));
+    const int i = int(u), j = int(v);
+    const double fu = u - i, fv = v - j;
+    return (1 - fv) * ((1 - fu) * corner(i, j) + fu * corner(i + 1, j)) +
+           fv * ((1 - fu) * corner(i, j + 1) + fu * corner(i + 1, j + 1));
+  };
+  return std::max(0.0, sum(x1, y1) - sum(x0, y1) - sum(x1, y0) + sum(x0, y0));
+}
+
+PartWork WorkEstimate::of(const PixelRect& rect) const {
+  PartWork part;
+  part.seconds = within(rect.x0 - around_.x, rect.y0 - around_.y, rect.x1 + around_.x, rect.y1 + around_.y);
+  const int left = std::max(0, int((rect.x0 - around_.x) / cell_.x)),
+            right = std::min(columns_ - 1, int((rect.x1 - 1 + around_.x) / cell_.x)),
+            top = std::max(0, int((rect.y0 - around_.y) / cell_.y)),
+            bottom = std::min(rows_ - 1, int((rect.y1 - 1 + around_.y) / cell_.y));
+  for (int y = top; y <= bottom; ++y)
+    for (int x = left; x <= right; ++x)
+      part.layers |= seen_[std::size_t(y) * std::size_t(columns_) + std::size_t(x)];
+  return part;
+}
+
+int WorkEstimate::layer_of(int step) const {
+  return std::clamp(int((slice_of(step) + 0.5) * layer_of_slice_), 0, layers_ - 1);
+}
+
+double WorkEstimate::slice_seconds(int step) const { return slice_seconds_[std::size_t(layer_of(step))]; }
+
+double WorkEstimate::ready_seconds(std::uint64_t layers) const {
+  if (layers == 0) return 0;
+  const int first = traversal_.ascending ? std::countr_zero(layers) : int(std::bit_width(layers)) - 1;
+  return slice_seconds_[std::size_t(first)];
+}
+
+void WorkEstimate::add_gp_seconds(std::vector<double>& seconds) const {
+  for (int step = 0; step < slices_; ++step) {
+    seconds[std::size_t(SliceStore::owner_of(slice_of(step), int(seconds.size())))] += slice_seconds(step);
+  }
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,87 @@
+#pragma once
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "frame/frame_geometry.hpp"
+#include "volume/volume_sketch.hpp"
+
+namespace ringsplat {
+
+/// What work costs, in seconds of one core; only the ratios decide who gets what.
+struct WorkCosts {
+  double voxel = 0;    ///< a Renderer, for a visible voxel that it gets
+  double pixel = 0;    ///< a Renderer, for a pixel of a visible voxel of a slice
+  double payload = 0;  ///< a Renderer, for a payload
+  double visible = 0;  ///< a GP, for a visible voxel
+  double hollow = 0;   ///< a GP, for any other voxel
+};
+/// On one core of docs/performance.md.
+inline constexpr WorkCosts usual_splat_costs{54e-9, 0, 54e-6, 12e-9, 0.2e-9},
+    usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9};
+
+/// The points of a sketch that a transfer function shows; found again when the function changes.
+class ShownPoints {
+ public:
+  /// By VolumeSketch::index(), ascending. Valid until the next call.
+  std::span<const std::uint32_t> of(const VolumeSketch& sketch, const TransferFunction& transfer_function);
+
+ private:
+  std::optional<TransferFunction> function_;
+  std::vector<std::uint32_t> shown_;
+};
+
+/// What one part of the image plane takes to draw.
+struct PartWork {
+  double seconds = 0;        ///< payloads left out
+  std::uint64_t layers = 0;  ///< a bit for each layer of the sketch that shows something there
+};
+
+/// Where in the image plane a frame's work lies, foreseen from a sketch of the volume. Any rank finds the
+/// same: sums are made in one order, of exactly rounded operations.
+class WorkEstimate {
+ public:
+  /// `factor`: of the frame's reduction. Of all layers of the sketch along the traversal's axis, or of one.
+  WorkEstimate(const FrameGeometry& geometry, const VolumeSketch& sketch,
+               std::span<const std::uint32_t> shown, const WorkCosts& costs, int factor, int layer = -1);
+
+  /// False when so few points are shown that they say little.
+  bool telling() const { return points_ >= 200; }
+  /// Of a rectangle of pixels; what lies up to the frame's reach beside it counts, too, where that is drawn
+  /// for both sides.
+  PartWork of(const PixelRect& rect) const;
+
+  int layers() const { return layers_; }
+  /// Slices that a layer stands for.
+  double slices_of_layer() const { return 1 / layer_of_slice_; }
+  /// Adds what each GP spends on its slices to its seconds.
+  void add_gp_seconds(std::vector<double>& seconds) const;
+  /// Seconds until the first slice of these layers is encoded: every GP begins with its own first slice.
+  double ready_seconds(std::uint64_t layers) const;
+  /// The volume's slice of a step, and its layer.
+  int slice_of(int step) const { return first_slice_ + traversal_.slice_at(step, slices_); }
+  int layer_of(int step) const;
+  /// Seconds of a GP for the slice of a step.
+  double slice_seconds(int step) const;
+
+ private:
+  void deposit(const glm::dvec2& place, double work, int layer);
+  void sum_up();
+  double within(double x0, double y0, double x1, double y1) const;
+
+  Traversal traversal_;
+  int slices_ = 0, first_slice_ = 0, layers_ = 1;
+  double layer_of_slice_ = 1;
+  int points_ = 0;
+  double voxels_of_point_ = 1;
+  glm::dvec2 cell_{1.0};  ///< pixels
+  glm::dvec2 around_{0.0};
+  int columns_ = 1, rows_ = 1;
+  std::vector<double> work_;           ///< by cell; then sums over all cells above and to the left
+  std::vector<std::uint64_t> seen_;    ///< by cell: layers
+  std::vector<double> slice_seconds_;  ///< by layer: of a GP, for each slice
+};
+
+}  // namespace ringsplat

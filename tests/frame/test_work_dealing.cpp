@@ -1,0 +1,149 @@
+#include <algorithm>
+#include <numeric>
+
+#include "frame/work_dealing.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat;
+
+namespace {
+
+const TransferFunction above_half{
+    "step", {{0, {1, 1, 1}}, {1, {1, 1, 1}}}, {{0, 0}, {0.5, 0}, {0.51, 1}, {1, 1}}, {1, 0, 0}};
+
+/// A ball in a corner of the volume's box, or everywhere.
+VolumeSketch sketch_of(const glm::ivec3& dims, const glm::dvec3& middle, double radius) {
+  VolumeSketch sketch(dims);
+  for (int z = 0; z < sketch.points.z; ++z)
+    for (int y = 0; y < sketch.points.y; ++y)
+      for (int x = 0; x < sketch.points.x; ++x) {
+        const glm::dvec3 at(sketch.voxel(0, x), sketch.voxel(1, y), sketch.voxel(2, z));
+        sketch.values[sketch.index({x, y, z})] = glm::length(at - middle) < radius ? 1.0F : 0.0F;
+      }
+  return sketch;
+}
+
+FrameSpec seen(Method how, double azimuth = 0, double elevation = 90) {
+  FrameSpec spec;
+  spec.how = how;
+  spec.shown.camera.azimuth = azimuth;
+  spec.shown.camera.elevation = elevation;
+  spec.shown.transfer_function = above_half;
+  return spec;
+}
+
+Grid grid_of(const glm::ivec3& dims) {
+  Grid grid;
+  grid.dims = dims;
+  return grid;
+}
+
+/// The busiest Renderer's work against the mean, as geometry's owners share it.
+double unevenness(const FrameGeometry& g, const WorkEstimate& work, int renderers) {
+  std::vector<double> seconds(std::size_t(renderers), 0.0);
+  const RegionOwners owners = g.owners(renderers);
+  for (int region = 0; region < g.regions.count(); ++region)
+    if (const int owner = owners.of(region); owner != RegionOwners::nobody)
+      seconds[std::size_t(owner)] += work.of(g.regions.rect(region)).seconds;
+  const double sum = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+  return *std::max_element(seconds.begin(), seconds.end()) * renderers / sum;
+}
+
+constexpr WorkCosts only_voxels{1e-8, 0, 0, 0, 0};
+
+}  // namespace
+
+TEST_CASE("an estimate's parts add up to all visible voxels, wherever the plane is cut") {
+  const Grid grid = grid_of({100, 90, 80});
+  const VolumeSketch sketch = sketch_of(grid.dims, {50, 45, 40}, 30);
+  ShownPoints points;
+  for (const double elevation : {90.0, 20.0}) {
+    const FrameSpec spec = seen(Sheets{}, 30, elevation);
+    const FrameGeometry g = make_geometry(spec, grid);
+    // Sheets cut nothing twice.
+    const WorkCosts costs{0, 1e-9, 0, 0, 0};
+    const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
+    const double whole = work.of({0, 0, g.width, g.height}).seconds;
+    CHECK(whole > 0);
+    double sum = 0;
+    const Regions regions(g.width, g.height, 48);
+    for (int region = 0; region < regions.count(); ++region) sum += work.of(regions.rect(region)).seconds;
+    CHECK(sum == Approx(whole));
+  }
+}
+
+TEST_CASE("an estimate tells what a ball's voxels cost within a few percent") {
+  const Grid grid = grid_of({128, 128, 128});
+  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 40);
+  const FrameSpec spec = seen(Splats{});
+  FrameGeometry g = make_geometry(spec, grid);
+  g.reach = {0, 0};
+  ShownPoints points;
+  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
+  const double voxels = 4.0 / 3 * 3.14159265 * 40 * 40 * 40;
+  CHECK(work.of({0, 0, g.width, g.height}).seconds == Approx(1e-8 * voxels).epsilon(0.03));
+}
+
+TEST_CASE("regions dealt by work are shared more evenly than regions dealt in turn, on every rank alike") {
+  const Grid grid = grid_of({128, 128, 128});
+  const VolumeSketch sketch = sketch_of(grid.dims, {30, 40, 64}, 28);
+  ShownPoints points;
+  for (const Method& how : {Method(Splats{}), Method(Sheets{})}) {
+    const FrameSpec spec = seen(how);
+    const bool sheets = std::holds_alternative<Sheets>(how);
+    const RegionForm form = sheets ? RegionForm::flat : RegionForm::square;
+    const WorkCosts costs = sheets ? WorkCosts{0, 1e-9, 0, 0, 0} : only_voxels;
+    for (const int renderers : {3, 8, 40}) {
+      FrameSpec of_many = spec;
+      of_many.division.dealt_to = renderers;
+      FrameGeometry in_turn = make_geometry(of_many, grid), g = in_turn, again = in_turn;
+      const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
+      REQUIRE(work.telling());
+      CHECK(deal_by_work(g, work, costs, of_many.division, form, renderers, {}) > 0);
+      deal_by_work(again, work, costs, of_many.division, form, renderers, {});
+      CHECK(g.dealt == again.dealt);
+      CHECK(g.regions == again.regions);
+      CAPTURE(renderers, sheets);
+      CHECK(unevenness(g, work, renderers) < 1.25);
+      const double before = unevenness(in_turn, work, renderers);
+      CHECK(unevenness(g, work, renderers) <= before);
+      if (renderers == 40) CHECK(before > 1.5);
+      // All that voxels can reach is somebody's, and nothing else.
+      const PixelRect reached = reached_regions(g, g.regions);
+      for (int region = 0; region < g.regions.count(); ++region) {
+        const int x = region % g.regions.columns(), y = region / g.regions.columns();
+        const bool inside = x >= reached.x0 && x < reached.x1 && y >= reached.y0 && y < reached.y1;
+        CHECK((g.dealt[std::size_t(region)] != RegionOwners::nobody) == inside);
+      }
+    }
+  }
+}
+
+TEST_CASE("a size of regions that is asked for is kept, and a Renderer whose rank is busy gets less") {
+  const Grid grid = grid_of({128, 128, 128});
+  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 60);
+  FrameSpec spec = seen(Splats{});
+  spec.division = {32, 4};
+  FrameGeometry g = make_geometry(spec, grid);
+  ShownPoints points;
+  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
+  const double all = work.of({0, 0, g.width, g.height}).seconds;
+  deal_by_work(g, work, only_voxels, spec.division, RegionForm::square, 4, {all / 4, 0, 0, 0});
+  CHECK(g.regions == Regions(512, 512, 32));
+  std::vector<double> seconds(4, 0.0);
+  for (int region = 0; region < g.regions.count(); ++region)
+    if (const int owner = g.dealt[std::size_t(region)]; owner >= 0)
+      seconds[std::size_t(owner)] += work.of(g.regions.rect(region)).seconds;
+  CHECK(seconds[0] < 0.5 * seconds[1]);
+}
+
+TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {
+  const Grid grid = grid_of({128, 128, 128});
+  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 3);
+  const FrameSpec spec = seen(Splats{});
+  FrameGeometry g = make_geometry(spec, grid);
+  ShownPoints points;
+  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
+  CHECK(deal_by_work(g, work, only_voxels, spec.division, RegionForm::square, 4, {}) == 0);
+  CHECK(g.dealt.empty());
+}
