@@ -27,19 +27,20 @@ FIELDS = ["study", "setting", "machine", "topology", "layout", "ranks", "gps", "
           "payloads", "payload_gigabytes", "visible_voxels", "splats"]
 
 
-def ring(gps, renderers):
-    return {"topology": "ring", "gps": gps, "renderers": renderers}
+def ring(ranks):
+    """A ring whose roles the program chooses."""
+    return {"topology": "ring", "gps": "auto", "ranks": ranks}
 
 
 def mesh(columns, rows, renderers):
     return {"topology": "mesh", "mesh": f"{columns}x{rows}", "renderers": renderers, "routing": "direct"}
 
 
-LARGEST = [ring(769, 255), mesh(32, 30, 60)]
-STRONG = [ring(9, 7), ring(33, 31), ring(129, 127), mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
-WEAK = [(256, ring(9, 7)), (512, ring(65, 63)), (1024, ring(769, 255)),
+LARGEST = [ring(1024), mesh(32, 30, 60)]
+STRONG = [ring(16), ring(64), ring(256), mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
+WEAK = [(256, ring(16)), (512, ring(128)), (1024, ring(1024)),
         (256, mesh(4, 3, 5)), (512, mesh(11, 10, 18)), (1024, mesh(32, 30, 60))]
-SMALL = [ring(33, 31), mesh(8, 8, 15)]
+SMALL = [{"topology": "ring", "gps": 33, "renderers": 31}, mesh(8, 8, 15)]
 MACHINE = {"ring": "infiniband-fat-tree.toml", "mesh": "mesh.toml"}
 # Where a token's hop takes longer than a Renderer spends on a payload.
 SLOW_NETWORK = "ethernet-cluster.toml"
@@ -56,11 +57,13 @@ FROM_ABOVE = ["--azimuth", 0, "--elevation", 90, "--fit", "sphere", "--zoom", 1.
 
 
 def ranks_of(layout):
+    if "ranks" in layout:
+        return layout["ranks"]
     gps = layout.get("gps")
     if gps is None:
         columns, rows = layout["mesh"].split("x")
         gps = int(columns) * int(rows)
-    return gps, layout["renderers"]
+    return gps + layout["renderers"]
 
 
 def mean(values):
@@ -90,7 +93,7 @@ class Study:
         if not visible:
             curve = step_function(self.path("nothing.json"), 0, opacity=0)
         return [path, "--spacing", spacing, "--tf", curve, "--voxel-weight", f"{(width / base) ** 2:g}", "--size", f"{n}x{n}",
-                "--region", 64 if n <= 1024 else 128, "--radius", 0.5, "--shading", "none", "--count-only"]
+                "--radius", 0.5, "--shading", "none", "--count-only"]
 
     def coarser(self, machine):
         """The machine with nodes that look for messages every millisecond of work, of which such a frame has two million."""
@@ -101,8 +104,8 @@ class Study:
         return self.path(machine)
 
     def row(self, study, layout, n, width=None, setting="", visible=True, more=None, frames=1):
-        gps, renderers = ranks_of(layout)
-        if gps + renderers > self.most_ranks:
+        ranks = ranks_of(layout)
+        if ranks > self.most_ranks:
             return
         width = width or n
         # The last of the weak study is the last of the strong one.
@@ -110,18 +113,20 @@ class Study:
         if job in self.done:
             self.note(self.done[job] | {"study": study, "setting": setting})
             return
-        settings = {"machine": os.path.join(MACHINES, MACHINE[layout["topology"]]), "frames-in-flight": 1, **layout, **(more or {})}
+        settings = {"machine": os.path.join(MACHINES, MACHINE[layout["topology"]]), "frames-in-flight": 1,
+                    **{key: value for key, value in layout.items() if key != "ranks"}, **(more or {})}
         view = FROM_ABOVE
         if frames > 1:
             with open(self.path("views.txt"), "w", encoding="utf-8") as file:
                 file.write("0 90 0 1.7\n" * frames)
             view = ["--path", self.path("views.txt")]
-        all_frames = simulate(settings, *self.volume(n, width, visible), *view)
+        all_frames = simulate(settings, *self.volume(n, width, visible), *view, monitors={"ranks": str(ranks), "map_by": "node"})
+        chosen = all_frames[0]["layout"]
         # The first frames find empty hands, the last ones are alone.
         period = statistics.median(frame["period"] for frame in all_frames[frames // 3:frames - frames // 3])
         self.done[job] = self.described(all_frames[frames // 2]) | {
-            "study": study, "setting": setting, "machine": os.path.basename(settings["machine"]), "topology": layout["topology"], "layout": layout.get("mesh", gps), "ranks": gps + renderers,
-            "gps": gps, "renderers": renderers, "voxels": n * width**2 if visible else 0, "voxels_a_slice": width**2 if visible else 0,
+            "study": study, "setting": setting, "machine": os.path.basename(settings["machine"]), "topology": layout["topology"], "layout": layout.get("mesh", chosen["gps"]), "ranks": ranks,
+            "gps": chosen["gps"], "renderers": chosen["renderers"], "voxels": n * width**2 if visible else 0, "voxels_a_slice": width**2 if visible else 0,
             "period": period}
         self.note(self.done[job])
 

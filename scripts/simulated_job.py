@@ -42,10 +42,12 @@ def found(path, config):
 
 def layout_of(settings, config):
     """Numbers of GPs and Renderers and the mesh, as choose_layout() of the program takes them."""
-    if "auto" in (settings.get("gps"), settings.get("renderers")):
-        fail("gps and renderers cannot be auto here: that measures frames by this machine's clock, not the simulated one",
-             "give both numbers; ringsplat info VOLUME --ranks N --machine FILE predicts the best ones")
     try:
+        if "auto" in (settings.get("gps"), settings.get("renderers")):
+            ranks = os.environ.get("RINGSPLAT_RANKS", "")
+            if not ranks.isdigit() or int(ranks) < 2:
+                fail("with gps auto the program chooses the roles of so many ranks, but nothing says how many", "set RINGSPLAT_RANKS to two or more")
+            return int(ranks), 0, ""
         if settings.get("topology", "ring") == "mesh":
             columns, rows = (int(n) for n in str(settings["mesh"]).split("x"))
             return columns * rows, int(settings.get("renderers", rows)), f"{columns}x{rows}"
@@ -72,19 +74,24 @@ def main():
         fail(f"{config} names no machine", 'for instance machine = "mpi_configs/machines/pixel-planes-5.toml"')
     machine = found(settings["machine"], config)
     gps, renderers, mesh = layout_of(settings, config)
-    ranks = max(gps, renderers) if settings.get("roles") == "colocated" else gps + renderers
+    ranks = gps if not renderers else max(gps, renderers) if settings.get("roles") == "colocated" else gps + renderers
     if ranks < 1:
         fail(f"{config} asks for {ranks} ranks", "use at least one GP and one Renderer")
     platform = read_toml(machine).get("platform", {})
+    if not renderers and platform.get("kind") == "mesh":
+        fail("the ranks of a mesh have fixed roles, so gps cannot be auto", "give topology, mesh and renderers")
     places = int(platform.get("hosts", 0)) or -(-ranks // int(platform.get("cores", 1)))
     with open(hosts, "w", encoding="utf-8") as file:
         for rank in range(ranks):
+            if os.environ.get("RINGSPLAT_MAP_BY") == "node":
+                file.write(f"n{rank % places}\n")
+                continue
             file.write(f"n{rank * places // ranks if platform.get('hosts') else rank // int(platform.get('cores', 1))}\n")
     # A volume in the configuration is meant from the repository too.
     arguments = ["--config", config, "--machine", machine, *options]
     if "volume" in settings and not (options and not options[0].startswith("-")):
         arguments.insert(0, found(settings["volume"], config))
-    values = {"MACHINE": machine, "RANKS": ranks, "GPS": gps, "RENDERERS": renderers, "MESH": mesh}
+    values = {"MACHINE": machine, "RANKS": ranks, "GPS": gps, "RENDERERS": renderers or 1, "MESH": mesh}
     with open(job, "w", encoding="utf-8") as file:
         for key, value in values.items():
             file.write(f"export RINGSPLAT_{key}={shlex.quote(str(value))}\n")

@@ -32,7 +32,7 @@ def program(*arguments):
 
 def simulate(settings, *arguments, monitors=None):
     """Simulates a run; returns the frames of its --stats. `settings` is what a configuration says, as a dictionary, `monitors` what
-    scripts/simulate.sh takes from the environment: links, transfers, uncontended."""
+    scripts/simulate.sh takes from the environment: links, transfers, uncontended, ranks, map_by."""
     with tempfile.TemporaryDirectory() as work:
         config, stats = os.path.join(work, "config.toml"), os.path.join(work, "stats.json")
         with open(config, "w", encoding="utf-8") as file:

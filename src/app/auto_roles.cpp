@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "app/machine_forecast.hpp"
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "base/log.hpp"
@@ -27,23 +28,47 @@ std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid
   return fitting.empty() ? layouts : fitting;
 }
 
-void say(const FrameCosts& costs, const RankCosts& ranks, const std::vector<Prediction>& predictions) {
+void say_choice(const std::vector<Prediction>& predictions) {
   const Prediction& best = predictions.front();
   std::string others;
   if (predictions.size() > 1)
     others = fmt::format("; next {} with {:.2f} ms, last {} with {:.2f} ms", describe(predictions[1].layout),
                          1e3 * predictions[1].seconds, describe(predictions.back().layout),
                          1e3 * predictions.back().seconds);
-  log_info("measured {}; a message takes {:.1f} us, the ranks share {} core{}", describe(costs),
-           1e6 * ranks.hop, ranks.cores, ranks.cores == 1 ? "" : "s");
   log_info("chose {}: {:.2f} ms a frame predicted, limited by {}{}", describe(best.layout),
            1e3 * best.seconds, name(best.limit), others);
+}
+
+void say(const FrameCosts& costs, const RankCosts& ranks, const std::vector<Prediction>& predictions) {
+  log_info("measured {}; a message takes {:.1f} us, the ranks share {} core{}", describe(costs),
+           1e6 * ranks.hop, ranks.cores, ranks.cores == 1 ? "" : "s");
+  say_choice(predictions);
+}
+
+/// By the described machine's costs, which rank 0 works out.
+Layout choose_on_machine(const RenderOptions& o, const std::vector<Camera>& cameras, const Machine& machine,
+                         Launch& launch) {
+  const auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks());
+  Layout chosen;
+  launch.check_on_rank_0([&] {
+    const auto source = open_volume(o.volume);
+    const MachineForecast forecast(*source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour),
+                                   probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras),
+                                   machine, o.run.engine.simulation.voxel_weight, launch.ranks(),
+                                   o.run.protocol);
+    const auto predictions = forecast.predict_all(layouts);
+    chosen = predictions.front().layout;
+    say_choice(predictions);
+  });
+  return value_of<Layout>(launch.collectives().broadcast(block_of_value(chosen), 0), "a layout");
 }
 
 }  // namespace
 
 Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, Launch& launch) {
+  if (const auto& machine = o.run.engine.simulation.machine)
+    return choose_on_machine(o, cameras, *machine, launch);
   const Places places = count_places(launch.collectives());
   // On several machines none may be idle: the last ranks could be all of one machine's.
   const int cores = places.machines == 1 ? places.cores : 0;

@@ -10,6 +10,7 @@
 #include "app/first_view.hpp"
 #include "app/frame_output.hpp"
 #include "app/json_text.hpp"
+#include "app/machine_forecast.hpp"
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "app/role_choice.hpp"
@@ -275,9 +276,6 @@ struct Forecast {
 Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {
   if (o.picture.path == "-")
     throw InputError("info takes no views from stdin", "write them into a file for --path");
-  if (!o.machine.empty() && std::holds_alternative<Sheets>(o.picture.frame.how))
-    throw InputError("a described machine has costs of splats only, so --machine cannot predict sheets",
-                     "add --quality paper, or leave out --machine");
   RenderOptions picture = o.picture;
   if (const auto note = complete_view(picture, source.grid(), source.notes()); !note.empty()) {
     progress.clear();
@@ -291,13 +289,28 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
   Forecast f;
   if (!o.machine.empty()) f.machine = read_machine(o.machine);
-  progress.begin("measuring a frame", 0);
-  f.costs = measure_frame_costs(
-      source, frame, TransferFunctionChoice(o.picture.transfer_function, o.picture.colour),
-      probe_views(cameras), load_options(picture, axes), f.machine ? &*f.machine : nullptr);
-  progress.end();
+  const TransferFunctionChoice choice(o.picture.transfer_function, o.picture.colour);
+  const auto views = probe_views(cameras);
   f.ranks = f.machine ? described_rank_costs(*f.machine, o.ranks) : usual_rank_costs(o.ranks, cores);
-  f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true, f.machine ? 0 : cores));
+  progress.begin("measuring a frame", 0);
+  // Sheets on a described machine are foreseen from a sketch alone; all else is counted or timed.
+  const bool sketched = f.machine && std::holds_alternative<Sheets>(frame.how);
+  if (!sketched)
+    f.costs = measure_frame_costs(source, frame, choice, views, load_options(picture, axes),
+                                  f.machine ? &*f.machine : nullptr);
+  if (f.machine) {
+    const MachineForecast forecast(source, frame, choice, views, *f.machine, 1, o.ranks,
+                                   picture.run.protocol);
+    if (sketched) f.costs = forecast.costs();
+    f.predictions = forecast.predict_all(rings_on_machine(o.ranks));
+    for (const Layout& layout : possible_layouts(o.ranks, true))
+      if (layout.topology == Topology::mesh) f.predictions.push_back(forecast.predict(layout));
+    std::stable_sort(f.predictions.begin(), f.predictions.end(),
+                     [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; });
+  } else {
+    f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true, cores));
+  }
+  progress.end();
   return f;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "app/build_id.hpp"
+#include "app/machine_forecast.hpp"
 #include "app/option_values.hpp"
 #include "app/role_choice.hpp"
 #include "model/charge.hpp"
@@ -189,14 +190,16 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   if (!over_mpi)
     throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
                      "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
-  if (simulated())
+  if (simulated() && !o.engine.simulation.machine)
     throw InputError(
         "--gps auto and --renderers auto measure frames by this machine's clock, not the simulated one",
-        "give both numbers; ringsplat info VOLUME --ranks N --machine FILE predicts the best ones");
+        "name the machine that is simulated with --machine, whose costs then decide, or give both numbers");
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
-  auto layouts = possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
+  auto layouts = o.engine.simulation.machine
+                     ? rings_on_machine(ranks)
+                     : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
   std::erase_if(layouts, [&](const Layout& l) {
     return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
            l.placement != o.placement.value_or(l.placement);

@@ -213,6 +213,10 @@ FrameSpec cut_finely(FrameSpec frame, const Grid& grid) {
 
 }  // namespace
 
+TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice) {
+  return make_for(read_slabs(source), source.grid().dims, source.notes(), choice);
+}
+
 std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
   if (cameras.size() < 12) return {cameras.front()};
   return {cameras.front(), cameras[cameras.size() / 3], cameras[2 * cameras.size() / 3]};

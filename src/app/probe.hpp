@@ -13,6 +13,9 @@
 /// Measurements from which layouts are chosen.
 namespace ringsplat::app {
 
+/// The transfer function that a choice makes for the volume, of which it reads a part.
+TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice);
+
 /// The views of a run to measure: the first, or three evenly spread ones of a long run.
 std::vector<Camera> probe_views(const std::vector<Camera>& cameras);
 

@@ -35,21 +35,6 @@ int hops(const Layout& mesh, NodeId from, NodeId to) {
   return count;
 }
 
-/// Mean hops for a token to pass one slice: payload, accept, token.
-double hops_a_slice(const Layout& layout) {
-  if (!layout.routed()) return 3;
-  double payload = 0, token = 0;
-  for (int g = 0; g < layout.gps; ++g) {
-    const NodeId gp{Role::gp, g};
-    token += hops(layout, gp, {Role::gp, (g + 1) % layout.gps});
-    for (int r = 0; r < layout.renderers; ++r) {
-      const NodeId renderer{Role::renderer, r};
-      payload += hops(layout, gp, renderer) + hops(layout, renderer, gp);
-    }
-  }
-  return token / layout.gps + payload / layout.gps / layout.renderers;
-}
-
 /// The hop was measured with all ranks working; when some are idle, the others have cores of their own.
 double hop_seconds(const RankCosts& ranks, const Layout& layout) {
   return layout.idle > 0 ? std::min(ranks.hop, RankCosts{}.hop) : ranks.hop;
@@ -64,6 +49,22 @@ std::vector<Layout> rings(int ranks) {
 }
 
 }  // namespace
+
+MeanHops mean_hops(const Layout& layout) {
+  if (!layout.routed()) return {};
+  MeanHops mean{0, 0, 0};
+  for (int g = 0; g < layout.gps; ++g) {
+    const NodeId gp{Role::gp, g};
+    mean.token += hops(layout, gp, {Role::gp, (g + 1) % layout.gps}) / double(layout.gps);
+    for (int r = 0; r < layout.renderers; ++r) {
+      const NodeId renderer{Role::renderer, r};
+      const double pairs = double(layout.gps) * layout.renderers;
+      mean.payload += hops(layout, gp, renderer) / pairs;
+      mean.accept += hops(layout, renderer, gp) / pairs;
+    }
+  }
+  return mean;
+}
 
 double FrameCosts::renderer() const { return std::accumulate(region.begin(), region.end(), 0.0); }
 
@@ -103,7 +104,9 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
   p.limit = p.shared > longest * (1 + 1e-9) ? Limit::cores
             : p.gp >= p.renderer            ? Limit::gps
                                             : Limit::renderers;
-  const double hops = costs.slices * hops_a_slice(layout);
+  // A token passes a slice by payload, accept and token.
+  const MeanHops mean = mean_hops(layout);
+  const double hops = costs.slices * (mean.token + mean.payload + mean.accept);
   p.tokens =
       layout.working_ranks() == 1
           ? 0
@@ -160,7 +163,8 @@ std::string describe(const Layout& layout) {
                        some(layout.renderers, "Renderer"));
   const std::string working =
       layout.placement == Placement::colocated
-          ? some(layout.working_ranks(), "colocated rank")
+          ? some(layout.working_ranks(), "colocated rank") +
+                (layout.renderers < layout.gps ? fmt::format(", {} of them drawing", layout.renderers) : "")
           : fmt::format("{} + {}", some(layout.gps, "GP"), some(layout.renderers, "Renderer"));
   return layout.idle > 0 ? fmt::format("{}, {} idle", working, layout.idle) : working;
 }

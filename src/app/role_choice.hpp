@@ -48,6 +48,13 @@ struct Prediction {
 /// hides some of it, is ignored: it helps all layouts alike.
 Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout& layout);
 
+/// Mean hops of messages between neighbours in the order of slices, and between a GP and a Renderer, there
+/// and back.
+struct MeanHops {
+  double token = 1, payload = 1, accept = 1;
+};
+MeanHops mean_hops(const Layout& layout);
+
 /// All ways to give `ranks` ranks their roles: rings with every dedicated split or with all ranks colocated;
 /// with `meshes` also every mesh of at least 2x2 GPs that uses all ranks, with a Renderer at the left end or
 /// at both ends of each row. When `cores` is not 0 and there are more ranks, also rings of `cores` ranks with

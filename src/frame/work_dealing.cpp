@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <numeric>
 #include <queue>
+
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {
@@ -90,6 +93,21 @@ std::vector<Regions> ways_to_cut(const FrameGeometry& g, const Division& divisio
 }
 
 }  // namespace
+
+WorkCosts costs_in(const FrameGeometry& g, WorkCosts costs) {
+  if (costs.look == 0) return costs;
+  constexpr double side = CellRanges::side;
+  const auto [u, v] = in_plane(g.traversal.axis);
+  costs.payload += costs.look * (g.grid.dims[u] / side) * (g.grid.dims[v] / side);
+  const PixelRect region = g.regions.rect(0);
+  for (int along = 0; along < 2; ++along) {
+    const double block = side * (std::abs(g.view.linear[u][along]) + std::abs(g.view.linear[v][along])),
+                 sent_to = 1 + block / (along == 0 ? region.width() : region.height());
+    costs.voxel *= sent_to;
+    costs.visible *= sent_to;
+  }
+  return costs;
+}
 
 double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,
                     const Division& division, RegionForm form, int renderers,

@@ -4,6 +4,10 @@
 
 namespace ringsplat {
 
+/// What work costs in a frame with such slices and regions: a payload's blocks are looked through, and a
+/// block goes to all Renderers that see some of it.
+WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
+
 /// Deals a frame's regions such that the busiest Renderer has the least work: the costliest first, each to
 /// the Renderer with the least so far (Graham 1969, longest processing time first). Where no size of regions
 /// is asked for, it tries several: smaller ones are dealt more evenly, larger ones cut less. Does nothing

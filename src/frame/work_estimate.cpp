@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "volume/cell_ranges.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
@@ -19,15 +20,59 @@ double pixels_of_voxel(const FrameGeometry& g) {
   return std::abs(a.x * b.y - a.y * b.x) * scale * scale;
 }
 
+struct ValueHull {
+  float low = INFINITY, high = -INFINITY;
+  void add(float value) {
+    if (std::isnan(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+};
+
+/// By point, the values of all points of its block of a slice and of the block behind that.
+std::vector<ValueHull> hulls_of_blocks(const VolumeSketch& sketch, Axis axis) {
+  const auto [u, v] = in_plane(axis);
+  const int k = static_cast<int>(axis);
+  std::vector<ValueHull> hulls(sketch.values.size());
+  const auto first_of_block = [&](int along, int point) {
+    const int block = sketch.voxel(along, point) / CellRanges::side;
+    while (point > 0 && sketch.voxel(along, point - 1) / CellRanges::side == block) --point;
+    return point;
+  };
+  glm::ivec3 at;
+  const auto for_each_point = [&](auto&& visit) {
+    for (at[k] = 0; at[k] < sketch.points[k]; ++at[k])
+      for (at[v] = 0; at[v] < sketch.points[v]; ++at[v])
+        for (at[u] = 0; at[u] < sketch.points[u]; ++at[u]) {
+          glm::ivec3 first = at;
+          first[u] = first_of_block(u, at[u]);
+          first[v] = first_of_block(v, at[v]);
+          visit(first);
+        }
+  };
+  // Collected at a block's first point, then handed to all.
+  for_each_point([&](glm::ivec3 first) {
+    hulls[sketch.index(first)].add(sketch.values[sketch.index(at)]);
+    if (--first[k] >= 0) hulls[sketch.index(first)].add(sketch.values[sketch.index(at)]);
+  });
+  for_each_point([&](const glm::ivec3& first) { hulls[sketch.index(at)] = hulls[sketch.index(first)]; });
+  return hulls;
+}
+
 }  // namespace
 
-std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const TransferFunction& function) {
-  if (function_ && *function_ == function) return shown_;
+std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const TransferFunction& function,
+                                               std::optional<Axis> blocks_across) {
+  if (function_ && *function_ == function && blocks_across_ == blocks_across) return shown_;
   function_ = function;
+  blocks_across_ = blocks_across;
   shown_.clear();
+  std::vector<ValueHull> hulls(sketch.values.size());
+  if (blocks_across) hulls = hulls_of_blocks(sketch, *blocks_across);
   for (std::size_t k = 0; k < sketch.values.size(); ++k) {
-    const double value = double(sketch.values[k]);
-    if (!std::isnan(value) && function.visible_within(value, value)) shown_.push_back(std::uint32_t(k));
+    if (!blocks_across) hulls[k].add(sketch.values[k]);
+    const auto [low, high] = hulls[k];
+    if (low <= high && function.visible_within(double(low), double(high))) shown_.push_back(std::uint32_t(k));
   }
   return shown_;
 }

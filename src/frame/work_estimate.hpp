@@ -17,19 +17,23 @@ struct WorkCosts {
   double payload = 0;  ///< a Renderer, for a payload
   double visible = 0;  ///< a GP, for a visible voxel
   double hollow = 0;   ///< a GP, for any other voxel
+  double look = 0;     ///< a Renderer, for each block of a payload's slice; 0: voxels do not travel in blocks
 };
 /// On one core of docs/performance.md.
 inline constexpr WorkCosts usual_splat_costs{54e-9, 0, 54e-6, 12e-9, 0.2e-9},
-    usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9};
+    usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9, 3e-9};
 
 /// The points of a sketch that a transfer function shows; found again when the function changes.
 class ShownPoints {
  public:
-  /// By VolumeSketch::index(), ascending. Valid until the next call.
-  std::span<const std::uint32_t> of(const VolumeSketch& sketch, const TransferFunction& transfer_function);
+  /// By VolumeSketch::index(), ascending. `blocks_across`: where voxels travel in blocks of the slices of an
+  /// axis, all points of a block that may show something. Valid until the next call.
+  std::span<const std::uint32_t> of(const VolumeSketch& sketch, const TransferFunction& transfer_function,
+                                    std::optional<Axis> blocks_across = std::nullopt);
 
  private:
   std::optional<TransferFunction> function_;
+  std::optional<Axis> blocks_across_;
   std::vector<std::uint32_t> shown_;
 };
 
@@ -53,6 +57,7 @@ class WorkEstimate {
   /// for both sides.
   PartWork of(const PixelRect& rect) const;
 
+  double visible_voxels() const { return points_ * voxels_of_point_; }
   int layers() const { return layers_; }
   /// Slices that a layer stands for.
   double slices_of_layer() const { return 1 / layer_of_slice_; }

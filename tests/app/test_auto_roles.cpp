@@ -175,10 +175,14 @@ latency = 0
   CHECK(payloads == Approx(std::round(payloads)));
   CHECK(payloads > slices / 2);
   CHECK(payloads <= slices);
-  const Ended sheets = run_program(
-      {"info", volume, "--ranks", "2", "--size", "96", "--quality", "best", "--machine", machine});
-  CHECK(sheets.code == 2);
-  CHECK_THAT(sheets.err, Catch::Matchers::Contains("--machine cannot predict sheets"));
+  const Ended sheets = run_program({"info", volume, "--ranks", "4", "--size", "96", "--quality", "best",
+                                    "--tf", "grey", "--json", "--machine", machine});
+  INFO(sheets.err);
+  REQUIRE(sheets.code == 0);
+  const json of_sheets = json::parse(sheets.out).at("prediction");
+  CHECK(of_sheets.at("layouts").size() ==
+        6);  // 3 + 1 … 1 + 3, and four colocated ranks of which four, two or one draw
+  CHECK(of_sheets.at("visible_voxels").get<double>() >= visible);  // whole blocks
   const Ended refused =
       run_program({"info", volume, "--ranks", "2", "--quality", "paper", "--machine", folder / "none.toml"});
   CHECK(refused.code == 2);

@@ -199,6 +199,20 @@ def sheets(run):
     close("seconds", counted["seconds"], drawn["seconds"], 0.02)
 
 
+def roles(run):
+    """The program chooses roles by the described machine's costs, hardly worse than the best of all."""
+    machine = os.path.join(REPO, "mpi_configs/machines/infiniband-fat-tree.toml")
+    view = [*VIEW, "--count-only", "--frames-in-flight", "1", "--shading", "none"]
+    for quality in ("paper", "best"):
+        chosen, = run.simulate('gps = "auto"', HEAD, *view, "--quality", quality, machine=machine, ranks="8")
+        layout = chosen["layout"]
+        same("ranks", layout["ranks"], 8)
+        others = [f"gps = {8 - r}\nrenderers = {r}" for r in range(1, 8)] + ['gps = 8\nrenderers = 8\nroles = "colocated"']
+        best = min(run.simulate(other, HEAD, *view, "--quality", quality, machine=machine)[0]["seconds"] for other in others)
+        print(f"{quality}: {layout['gps']} + {layout['renderers']} {layout['roles']}")
+        same(f"{chosen['seconds']} s are at most 1.15 times the best, {best} s", chosen["seconds"] <= 1.15 * best, True)
+
+
 def bad_input(run):
     """What is wrong is said, by file and field, and ends the simulation with 2."""
     bad = run.write("bad.toml", open(PP5, encoding="utf-8").read().replace("splat = ", "splats = "))
@@ -210,20 +224,20 @@ def bad_input(run):
         same(f"exit code when {words} is wrong", ended.returncode, 2)
         same("it is named", words in ended.stderr, True)
     ended = run.attempt("gps = 2\nrenderers = 1", HEAD, "--count-only", "--gps", "auto")
-    same("exit code when roles are to be measured", ended.returncode, 2)
-    same("it is named", "cannot be auto" in ended.stderr and "info VOLUME --ranks N --machine FILE" in ended.stderr, True)
-    # The program refuses it too, whoever starts it.
+    same("exit code when nobody says how many ranks choose their roles", ended.returncode, 2)
+    same("it is named", "RINGSPLAT_RANKS" in ended.stderr, True)
+    # Without a machine's costs the program refuses to choose.
     environment = dict(os.environ, RINGSPLAT_MACHINE=PP5, RINGSPLAT_RANKS="3", RINGSPLAT_GPS="2", RINGSPLAT_RENDERERS="1")
     ended = subprocess.run(
         ["smpirun", "-quiet", "-np", "3", "-platform", os.path.join(run.build, "ringsplat_platform.so"), "-hostfile",
          run.write("hosts", "n0\nn1\nn2\n"), "--log=root.thresh:critical", os.path.join(run.build, "ringsplat_smpi.so"), "render", HEAD,
-         "--count-only", "--machine", PP5, "--gps", "auto"], env=environment, capture_output=True, text=True)
+         "--count-only", "--gps", "auto"], env=environment, capture_output=True, text=True)
     same("exit code of the program", ended.returncode, 2)
     same("it says why", "by this machine's clock" in ended.stderr, True)
 
 
 def main():
-    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, bad_input)}
+    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, roles, bad_input)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("case", choices=cases)
     parser.add_argument("--build", required=True)

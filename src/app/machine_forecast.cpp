@@ -1,0 +1,308 @@
+#include "app/machine_forecast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "app/probe.hpp"
+#include "frame/work_dealing.hpp"
+#include "session/engines.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+VolumeSketch sketch_of(VolumeSource& source) {
+  const Grid& grid = source.grid();
+  VolumeSketch sketch(grid.dims);
+  std::vector<std::byte> slice(grid.slice_bytes(Axis::z));
+  for (int z = 0; z < sketch.points.z; ++z) {
+    source.read_slices(sketch.voxel(2, z), 1, slice);
+    visit_type(grid.type, [&](auto zero) {
+      using T = decltype(zero);
+      for (int y = 0; y < sketch.points.y; ++y)
+        for (int x = 0; x < sketch.points.x; ++x) {
+          T value;
+          const auto voxel =
+              std::size_t(sketch.voxel(1, y)) * std::size_t(grid.dims.x) + std::size_t(sketch.voxel(0, x));
+          std::memcpy(&value, slice.data() + voxel * sizeof(T), sizeof(T));
+          sketch.values[sketch.index({x, y, z})] = static_cast<float>(value);
+        }
+    });
+  }
+  return sketch;
+}
+
+/// Seconds of messages, software on both sides included.
+struct Messages {
+  double small = 0;     ///< from sending one without a payload to having it
+  double software = 0;  ///< a GP's for a token, its payload and accept
+  double bandwidth = 1;
+  explicit Messages(const Machine& m) {
+    constexpr double bytes = 64;
+    const double send = sending_seconds(m, bytes);
+    small = send + m.platform.latency + bytes / m.platform.bandwidth + m.message.receive;
+    software = 2 * (send + m.message.receive) + m.gp.token;
+    bandwidth = m.platform.bandwidth;
+  }
+};
+
+/// What each Renderer draws.
+struct Shares {
+  std::vector<std::vector<double>>
+      of_layer;  ///< by layer and Renderer: seconds for a slice, payloads left out
+  std::vector<bool> has_tile;
+  std::vector<double> pixels;  ///< that it delivers
+};
+
+/// How one Renderer goes through the frame.
+struct Drawer {
+  double token = 0;          ///< when its token has come from the slice before
+  double drawn = 0;          ///< when all payloads that came are drawn
+  std::vector<double> ends;  ///< of the last payloads, as many as there are slots
+  std::size_t payloads = 0;
+  double busy = 0;
+};
+
+/// The tokens of one frame on their way through the slices, step by step.
+class Tokens {
+ public:
+  struct Costs {
+    double payload, table, hop, software, poll;
+    MeanHops hops = {};  ///< of one hop each where messages are not handed on
+  };
+  Tokens(const Machine& machine, const Layout& layout, int slots, const Shares& shares, const Costs& costs)
+      : shares_(shares), costs_(costs), colocated_(layout.placement == Placement::colocated) {
+    const double start = costs.hop * std::ceil(std::log2(std::max(2, layout.ranks())));
+    drawers_.assign(std::size_t(layout.renderers), {.token = start,
+                                                    .drawn = start + machine.renderer.frame,
+                                                    .ends = std::vector<double>(std::size_t(slots), 0.0)});
+    gp_free_.assign(std::size_t(layout.gps), start + machine.gp.frame);
+    gp_busy_.assign(gp_free_.size(), machine.gp.frame);
+  }
+
+  /// All tokens pass a slice, whose GP needs so many seconds to encode it.
+  void pass(std::size_t gp, std::size_t layer, double encoding) {
+    const double ready = encode(gp, encoding);
+    const Drawer* const beside = colocated_ && gp < drawers_.size() ? &drawers_[gp] : nullptr;
+    const double piece = costs_.payload + (beside != nullptr ? shares_.of_layer[layer][gp] : 0);
+    double passed = ready, software = ready;
+    for (std::size_t r = 0; r < drawers_.size(); ++r) {
+      if (!shares_.has_tile[r]) continue;
+      double here = std::max({drawers_[r].token, ready, software});
+      // The token comes, and later its payload's accept.
+      if (beside != nullptr) here += 2 * delay(*beside, here, piece);
+      software += costs_.software;
+      passed = std::max(passed, pass_on(drawers_[r], here, shares_.of_layer[layer][r]));
+    }
+    gp_busy_[gp] += software - ready;
+    gp_free_[gp] = std::max(passed, software);
+  }
+
+  const std::vector<Drawer>& drawers() const { return drawers_; }
+  double busiest_gp() const { return *std::max_element(gp_busy_.begin(), gp_busy_.end()); }
+
+ private:
+  /// When the slice is ready. A Renderer on the same rank draws what it has begun, and later starts the next.
+  double encode(std::size_t gp, double seconds) {
+    double begun = gp_free_[gp];
+    gp_busy_[gp] += seconds;
+    if (colocated_ && gp < drawers_.size()) {
+      Drawer& beside = drawers_[gp];
+      begun = std::max(begun, std::min(beside.drawn, begun + seconds));
+      beside.drawn = std::max(beside.drawn, begun) + seconds;
+    }
+    return begun + seconds;
+  }
+
+  /// When the token that is with a prepared slice leaves it.
+  double pass_on(Drawer& d, double here, double work) const {
+    double leaves = here;
+    if (work > 0) {
+      const double seconds = work + costs_.payload + (d.payloads == 0 ? costs_.table : 0);
+      const double arrives = here + costs_.hops.payload * costs_.hop;
+      // The payload is accepted once one of as many before it as there are slots is drawn.
+      double& slot = d.ends[d.payloads++ % d.ends.size()];
+      leaves = std::max(arrives + delay(d, arrives, seconds), slot) + costs_.hops.accept * costs_.hop;
+      d.drawn = slot = std::max(arrives, d.drawn) + seconds;
+      d.busy += seconds;
+    }
+    d.token = leaves + costs_.hops.token * costs_.hop;
+    return leaves;
+  }
+
+  /// A node that computes takes messages at the end of a piece.
+  double delay(const Drawer& d, double arrives, double piece) const {
+    return d.drawn > arrives ? 0.5 * std::min(piece, costs_.poll) : 0;
+  }
+
+  const Shares& shares_;
+  Costs costs_;
+  bool colocated_;
+  std::vector<Drawer> drawers_;
+  std::vector<double> gp_free_, gp_busy_;
+};
+
+}  // namespace
+
+struct MachineForecast::View {
+  WorkCosts costs;
+  FrameGeometry geometry;
+  WorkEstimate whole;
+  std::vector<WorkEstimate> layers;
+
+  /// Of a geometry whose regions are dealt.
+  Shares shares(const FrameGeometry& g, int renderers) const {
+    Shares s{std::vector(layers.size(), std::vector<double>(std::size_t(renderers), 0.0)),
+             std::vector<bool>(std::size_t(renderers), false),
+             std::vector<double>(std::size_t(renderers), 0.0)};
+    const RegionOwners owners = g.owners(renderers);
+    for (int region = 0; region < g.regions.count(); ++region) {
+      const int owner = owners.of(region);
+      if (owner == RegionOwners::nobody) continue;
+      const auto k = std::size_t(owner);
+      const PixelRect rect = g.regions.rect(region);
+      const PartWork all = whole.of(rect);
+      s.has_tile[k] = true;
+      if (all.layers != 0) s.pixels[k] += double(rect.width()) * rect.height();
+      for (std::size_t layer = 0; layer < layers.size(); ++layer)
+        if ((all.layers >> layer & 1) != 0)
+          s.of_layer[layer][k] += layers[layer].of(rect).seconds / whole.slices_of_layer();
+    }
+    return s;
+  }
+};
+
+MachineForecast::~MachineForecast() = default;
+
+MachineForecast::MachineForecast(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
+                                 const std::vector<Camera>& views, const Machine& machine,
+                                 double voxel_weight, int ranks, const ProtocolOptions& protocol)
+    : machine_(machine), protocol_(protocol), frame_(std::move(frame)) {
+  const Grid grid = source.grid();
+  frame_.shown.transfer_function = function_for(source, choice);
+  check(frame_);
+  const bool sheets = std::holds_alternative<Sheets>(frame_.how);
+  const WorkCosts usual = sheets ? sheet_costs(machine, voxel_weight) : splat_costs(machine, voxel_weight);
+  const VolumeSketch sketch = sketch_of(source);
+  ShownPoints points;
+  for (const Camera& camera : views) {
+    frame_.shown.camera = camera;
+    frame_.division.dealt_to = ranks;
+    FrameGeometry g = make_geometry(frame_, grid);
+    const WorkCosts costs = costs_in(g, usual);
+    const auto shown = points.of(sketch, frame_.shown.transfer_function,
+                                 sheets ? std::optional(g.traversal.axis) : std::nullopt);
+    const int factor = frame_.shown.reduction.factor;
+    WorkEstimate whole(g, sketch, shown, costs, factor);
+    std::vector<WorkEstimate> layers;
+    for (int layer = 0; layer < whole.layers(); ++layer)
+      layers.emplace_back(g, sketch, shown, costs, factor, layer);
+    views_.push_back(std::make_unique<View>(View{costs, std::move(g), std::move(whole), std::move(layers)}));
+  }
+}
+
+FrameCosts MachineForecast::costs() const {
+  FrameCosts costs;
+  costs.frame = machine_.gp.frame;
+  costs.slices = 0;
+  const double share = 1.0 / double(views_.size());
+  for (const auto& view : views_) {
+    const FrameGeometry& g = view->geometry;
+    costs.slices += share * g.slices;
+    costs.visible_voxels += share * view->whole.visible_voxels();
+    for (int step = 0; step < g.slices; ++step)
+      costs.gp += share * (machine_.gp.slice + view->whole.slice_seconds(step));
+    costs.columns = g.regions.columns();
+    costs.region.resize(std::max(costs.region.size(), std::size_t(g.regions.count())));
+    for (int region = 0; region < g.regions.count(); ++region)
+      costs.region[std::size_t(region)] += share * view->whole.of(g.regions.rect(region)).seconds;
+  }
+  return costs;
+}
+
+Prediction MachineForecast::predict(const Layout& layout) const {
+  Prediction p;
+  p.layout = layout;
+  for (const auto& view : views_) {
+    const Prediction one = predict(*view, layout);
+    const double share = 1.0 / double(views_.size());
+    p.seconds += share * one.seconds;
+    p.gp += share * one.gp;
+    p.renderer += share * one.renderer;
+    p.tokens += share * one.tokens;
+  }
+  p.limit = p.gp >= p.renderer ? Limit::gps : Limit::renderers;
+  return p;
+}
+
+/// As the program deals them (engine_parts/frame_plan.cpp).
+void MachineForecast::deal(const View& view, const Layout& layout, FrameGeometry& g) const {
+  const RegionForm form = std::holds_alternative<Sheets>(frame_.how) ? RegionForm::flat : RegionForm::square;
+  const Division division{frame_.division.region_size, layout.renderers};
+  lay_regions(g, division, form);
+  std::vector<double> busy;
+  if (layout.placement == Placement::colocated)
+    busy = busy_gps(view.whole, layout.gps, layout.renderers, layout.renderers);
+  deal_by_work(g, view.whole, view.costs, division, form, layout.renderers, busy);
+}
+
+Prediction MachineForecast::predict(const View& view, const Layout& layout) const {
+  FrameGeometry g = view.geometry;
+  deal(view, layout, g);
+  const Shares shares = view.shares(g, layout.renderers);
+  const Messages messages(machine_);
+  const double hop = messages.small,
+               table = std::holds_alternative<Sheets>(frame_.how) ? machine_.sheets.table : 0;
+  Tokens tokens(
+      machine_, layout, protocol_.slots, shares,
+      {view.costs.payload, table, hop, messages.software, machine_.poll_interval, mean_hops(layout)});
+  for (int step = 0; step < g.slices; ++step)
+    tokens.pass(std::size_t(SliceStore::owner_of(view.whole.slice_of(step), layout.gps)),
+                std::size_t(view.whole.layer_of(step)), machine_.gp.slice + view.whole.slice_seconds(step));
+  Prediction p;
+  for (std::size_t r = 0; r < tokens.drawers().size(); ++r) {
+    const Drawer& d = tokens.drawers()[r];
+    const double delivering = shares.pixels[r] * (machine_.renderer.pixel + 16 / messages.bandwidth);
+    p.seconds = std::max({p.seconds, d.drawn + delivering + hop, d.token});
+    p.renderer = std::max(p.renderer, d.busy + delivering);
+  }
+  p.gp = tokens.busiest_gp();
+  p.tokens = 3 * hop * g.slices;
+  return p;
+}
+
+std::vector<Prediction> MachineForecast::predict_all(const std::vector<Layout>& layouts) const {
+  constexpr std::size_t looked_at_first = 24;
+  const std::size_t stride = std::max<std::size_t>(1, layouts.size() / looked_at_first);
+  std::vector<Prediction> all;
+  std::vector<bool> done(layouts.size(), false);
+  std::size_t best = 0;
+  double least = INFINITY;
+  const auto try_it = [&](std::size_t k) {
+    if (done[k]) return;
+    done[k] = true;
+    all.push_back(predict(layouts[k]));
+    if (all.back().seconds < least) least = all.back().seconds, best = k;
+  };
+  for (std::size_t k = 0; k < layouts.size(); ++k)
+    if (k % stride == 0 || layouts[k].placement == Placement::colocated) try_it(k);
+  for (std::size_t step = stride / 2; step > 0; step /= 2)
+    for (const std::size_t k : {best - std::min(best, step), std::min(best + step, layouts.size() - 1)})
+      try_it(k);
+  std::stable_sort(all.begin(), all.end(),
+                   [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; });
+  return all;
+}
+
+std::vector<Layout> rings_on_machine(int ranks) {
+  std::vector<Layout> layouts;
+  for (int renderers = 1; renderers < ranks; ++renderers)
+    layouts.push_back({.gps = ranks - renderers, .renderers = renderers});
+  for (int renderers = ranks; renderers > ranks / 16 && renderers > 0; renderers /= 2)
+    layouts.push_back({.gps = ranks, .renderers = renderers, .placement = Placement::colocated});
+  return layouts;
+}
+
+}  // namespace ringsplat::app
