@@ -17,11 +17,11 @@ namespace ringsplat::app {
 /// drawing cost, by layers of the sketch. Links' bandwidth and contention are left out.
 class MachineForecast {
  public:
-  /// `views`: the run's, or some of them. `voxel_weight`: as SimulationOptions'. `ranks`: about as many Renderers get regions. Throws InputError when
-  /// voxels cannot be read or no view can be drawn.
+  /// `views`: the run's, or some of them. `voxel_weight`: as SimulationOptions'. `ranks`: about as many
+  /// Renderers get regions. Throws InputError when voxels cannot be read or no view can be drawn.
   MachineForecast(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
-                  const std::vector<Camera>& views, const Machine& machine, double voxel_weight,
-                  int ranks, const ProtocolOptions& protocol);
+                  const std::vector<Camera>& views, const Machine& machine, double voxel_weight, int ranks,
+                  const ProtocolOptions& protocol);
   ~MachineForecast();
 
   /// What a frame costs, whatever the layout; splats are not counted.

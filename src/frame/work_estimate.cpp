@@ -1,6 +1,7 @@
 #include "frame/work_estimate.hpp"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
@@ -103,17 +104,34 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
 
   const double work = voxels_of_point_ * (costs.voxel + costs.pixel * pixels_of_voxel(g));
   std::vector<int> shown_in(std::size_t(layers_), 0);
+  // Which points of each axis lie in the box.
+  std::array<std::array<bool, VolumeSketch::most>, 3> inside{};
+  for (int k = 0; k < 3; ++k)
+    for (int point = 0; point < sketch.points[k]; ++point) {
+      const double voxel = (point + 0.5) * spacing[k] - 0.5 - g.box.first[k];
+      inside[std::size_t(k)][std::size_t(point)] = voxel >= -0.5 && voxel < g.grid.dims[k] - 0.5;
+    }
+  const glm::dvec3 first = 0.5 * spacing - 0.5 - glm::dvec3(g.box.first);
+  const glm::dvec2 origin(g.view.project(first)), along_x(g.view.linear[0] * spacing.x),
+      along_y(g.view.linear[1] * spacing.y), along_z(g.view.linear[2] * spacing.z);
+  const auto wide = std::uint32_t(sketch.points.x), high = std::uint32_t(sketch.points.y);
   for (const std::uint32_t index : shown) {
-    const glm::ivec3 point(int(index) % sketch.points.x, int(index) / sketch.points.x % sketch.points.y,
-                           int(index) / sketch.points.x / sketch.points.y);
+    const std::uint32_t row = index / wide;
+    const glm::ivec3 point(int(index - row * wide), int(row % high), int(row / high));
     if (only_layer >= 0 && point[axis] != only_layer) continue;
-    const glm::dvec3 voxel = (glm::dvec3(point) + 0.5) * spacing - 0.5 - glm::dvec3(g.box.first);
-    bool inside = true;
-    for (int k = 0; k < 3; ++k) inside = inside && voxel[k] >= -0.5 && voxel[k] < g.grid.dims[k] - 0.5;
-    if (!inside || !std::isfinite(g.view.magnification(voxel))) continue;
+    if (!inside[0][std::size_t(point.x)] || !inside[1][std::size_t(point.y)] ||
+        !inside[2][std::size_t(point.z)])
+      continue;
+    glm::dvec2 place =
+        origin + double(point.x) * along_x + double(point.y) * along_y + double(point.z) * along_z;
+    if (g.view.eye) {
+      const glm::dvec3 voxel = first + glm::dvec3(point) * spacing;
+      if (!std::isfinite(g.view.magnification(voxel))) continue;
+      place = g.view.seen_at(voxel);
+    }
     ++points_;
     ++shown_in[std::size_t(point[axis])];
-    deposit(g.view.seen_at(voxel), work, point[axis]);
+    deposit(place, work, point[axis]);
   }
   sum_up();
 
@@ -129,18 +147,22 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
 
 /// Spreads a point's work over the four cells round it: lattices of points as far apart as cells become even.
 void WorkEstimate::deposit(const glm::dvec2& place, double work, int layer) {
-  const glm::dvec2 at = place / cell_ - 0.5, first = glm::floor(at), part = at - first;
-  if (!(first.x >= -1 && first.y >= -1 && first.x < columns_ && first.y < rows_)) return;
+  const glm::dvec2 at = place * (1.0 / cell_) - 0.5;
+  // Off the image plane, or on its left and upper edge, where cells are cut off.
+  if (!(at.x >= -1 && at.y >= -1 && at.x < columns_ && at.y < rows_)) return;
+  const int x = int(at.x + 1) - 1, y = int(at.y + 1) - 1;
+  const double u = at.x - x, v = at.y - y;
   const std::uint64_t bit = std::uint64_t{1} << layer;
-  for (int dy = 0; dy < 2; ++dy)
-    for (int dx = 0; dx < 2; ++dx) {
-      const int x = int(first.x) + dx, y = int(first.y) + dy;
-      if (x < 0 || y < 0 || x >= columns_ || y >= rows_) continue;
-      const double share = (dx == 0 ? 1 - part.x : part.x) * (dy == 0 ? 1 - part.y : part.y);
-      const std::size_t cell = std::size_t(y) * std::size_t(columns_) + std::size_t(x);
-      work_[cell] += work * share;
-      if (share >= 0.25) seen_[cell] |= bit;
-    }
+  const auto add = [&](int column, int row, double share) {
+    if (column < 0 || row < 0 || column >= columns_ || row >= rows_) return;
+    const std::size_t cell = std::size_t(row) * std::size_t(columns_) + std::size_t(column);
+    work_[cell] += work * share;
+    if (share >= 0.25) seen_[cell] |= bit;
+  };
+  add(x, y, (1 - u) * (1 - v));
+  add(x + 1, y, u * (1 - v));
+  add(x, y + 1, (1 - u) * v);
+  add(x + 1, y + 1, u * v);
 }
 
 void WorkEstimate::sum_up() {
