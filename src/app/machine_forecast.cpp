@@ -242,6 +242,7 @@ void MachineForecast::deal(const View& view, const Layout& layout, FrameGeometry
   const RegionForm form = std::holds_alternative<Sheets>(frame_.how) ? RegionForm::flat : RegionForm::square;
   const Division division{frame_.division.region_size, layout.renderers};
   lay_regions(g, division, form);
+  if (even_enough(g, layout.renderers)) return;
   std::vector<double> busy;
   if (layout.placement == Placement::colocated)
     busy = busy_gps(view.whole, layout.gps, layout.renderers, layout.renderers);

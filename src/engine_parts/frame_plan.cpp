@@ -26,13 +26,14 @@ FramePlan plan_of(const FrameGeometry& g, int gps, int renderers) {
 
 void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   if (!setup_.sketch || setup_.renderers < 2) return;
+  const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, setup_.renderers) : setup_.renderers;
+  if (even_enough(g, dealt_to)) return;
   const bool sheets = std::holds_alternative<Sheets>(spec.how);
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
   const WorkEstimate work(g, *setup_.sketch,
                           shown_.of(*setup_.sketch, spec.shown.transfer_function,
                                     sheets ? std::optional(g.traversal.axis) : std::nullopt),
                           costs, spec.shown.reduction.factor);
-  const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, setup_.renderers) : setup_.renderers;
   std::vector<double> busy;
   if (setup_.colocated) busy = busy_gps(work, setup_.gps, setup_.renderers, dealt_to);
   deal_by_work(g, work, costs, spec.division, sheets ? RegionForm::flat : RegionForm::square,
