@@ -30,6 +30,7 @@ optional=(
   python3-dev                                 # Python's module; nanobind and its tests' packages come from PyPI
   chromium chromium-driver python3-selenium   # tests of the viewer's page
   ffmpeg                                      # the viewer's films as MP4
+  iproute2                                    # tests on several machines
 )
 
 mpich=(libmpich-dev mpich)

@@ -6,8 +6,8 @@
 #include "app/transfer_function_option.hpp"
 #include "frame/work_estimate.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "ringsplat/model/machine.hpp"
-#include "ringsplat/protocol/protocol_options.hpp"
+#include "model/machine.hpp"
+#include "protocol/protocol_options.hpp"
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat::app {
