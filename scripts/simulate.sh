@@ -13,6 +13,7 @@
 #   RINGSPLAT_RANKS=N      how many ranks, with gps = "auto"
 #   RINGSPLAT_MAP_BY=node  puts ranks on the hosts in turn, as mpirun --map-by node does; otherwise they fill one after another
 #   RINGSPLAT_BUILD=FOLDER     uses that build and does not build
+#   RINGSPLAT_OTHER=FILE.so    runs another program on the configuration's ranks, with the options and --machine FILE
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -40,8 +41,10 @@ exact=(
   --cfg=contexts/stack-size:1024 --log=root.thresh:critical
 )
 status=0
+program=("$build/ringsplat_smpi.so" render "${arguments[@]}")
+if [[ -n ${RINGSPLAT_OTHER:-} ]]; then program=("$RINGSPLAT_OTHER" "${@:2}" --machine "$RINGSPLAT_MACHINE"); fi
 smpirun -quiet -platform "$build/ringsplat_platform.so" -hostfile "$work/hosts" -np "$RINGSPLAT_RANKS" "${exact[@]}" \
-  "$build/ringsplat_smpi.so" render "${arguments[@]}" >"$work/out" || status=$?
+  "${program[@]}" >"$work/out" || status=$?
 # What smpirun says itself when a rank fails.
 grep -v -e '^Execution failed' -e '--cfg=' "$work/out" || true
 exit "$status"

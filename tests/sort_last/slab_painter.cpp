@@ -1,0 +1,150 @@
+#include "sort_last/slab_painter.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "classify/normals.hpp"
+#include "model/charge.hpp"
+#include "ringsplat/base/error.hpp"
+#include "net/message.hpp"
+#include "volume/clipped.hpp"
+
+namespace ringsplat::sort_last {
+namespace {
+
+VoxelBox box_of(const Grid& grid, const Slab& slab) {
+  VoxelBox box = whole_box(grid);
+  box.first.z = slab.first;
+  box.end.z = slab.end;
+  return box;
+}
+
+SliceStore read_slab(VolumeSource& source, const Slab& slab, bool with_normals) {
+  const Grid& whole = source.grid();
+  const Grid grid = clipped_grid(whole, box_of(whole, slab));
+  SliceStore store(grid, 0, 1, {false, false, true}, with_normals);
+  store.know_normals_within(whole_box(grid));
+  const std::size_t bytes = whole.slice_bytes(Axis::z);
+  std::vector<std::byte> below(bytes), here(bytes), above(bytes);
+  const auto read = [&](int z, std::vector<std::byte>& slice) {
+    if (z >= 0 && z < whole.dims.z) source.read_slices(z, 1, slice);
+  };
+  if (with_normals) read(slab.first - 1, below);
+  read(slab.first, here);
+  for (int z = slab.first; z < slab.end; ++z) {
+    if (with_normals || z + 1 < slab.end) read(z + 1, above);
+    const int local = z - slab.first;
+    std::memcpy(store.values(Axis::z, local).data(), here.data(), bytes);
+    // As in the whole volume: the slab's faces are none of its own.
+    if (with_normals)
+      slice_normals(whole, z > 0 ? below.data() : nullptr, here.data(),
+                    z + 1 < whole.dims.z ? above.data() : nullptr, store.normals(Axis::z, local));
+    std::swap(below, here);
+    std::swap(here, above);
+  }
+  return store;
+}
+
+}  // namespace
+
+Slab slab_of(int rank, int ranks, int slices) {
+  const auto begin = [&](int k) { return int(std::int64_t(slices) * k / ranks); };
+  return {begin(rank), begin(rank + 1)};
+}
+
+Slab slab_of(int rank, int ranks, const std::vector<double>& costs) {
+  std::vector<double> before{0};
+  for (const double cost : costs) before.push_back(before.back() + cost);
+  const auto begin = [&](int k) {
+    if (k == ranks) return int(costs.size());
+    const double share = before.back() * k / ranks;
+    const auto at = std::lower_bound(before.begin(), before.end(), share) - before.begin();
+    // The nearer of the two borders.
+    return int(at > 0 && share - before[std::size_t(at - 1)] < before[std::size_t(at)] - share ? at - 1 : at);
+  };
+  return {begin(rank), begin(rank + 1)};
+}
+
+SlabPainter::SlabPainter(VolumeSource& source, const Slab& slab, bool with_normals,
+                         std::optional<Machine> machine, double voxel_weight, double pixel_weight)
+    : whole_(source.grid()),
+      slab_(slab),
+      machine_(std::move(machine)),
+      voxel_weight_(voxel_weight),
+      pixel_weight_(pixel_weight),
+      painter_(make_splat_painter(0, 1, threads_)) {
+  if (slab.slices() > 0) store_ = read_slab(source, slab, with_normals);
+}
+
+std::shared_ptr<const SplatFrame> SlabPainter::frame_of(const FrameSpec& spec) const {
+  FrameSpec part = spec;
+  part.shown.clip = box_of(whole_, slab_);
+  auto frame = std::make_shared<SplatFrame>(*make_splat_frame(part, whole_, 1, 1));
+  if (frame->geometry.traversal.axis != Axis::z)
+    throw InputError("the view does not traverse the z slices, of which the slabs are",
+                     "look from above: --elevation 60 to 90");
+  // The store has the slab only, as a volume of its own.
+  frame->geometry.box = whole_box(frame->geometry.grid);
+  return frame;
+}
+
+double SlabPainter::cost_of(const EncodedStep& step) const {
+  // Without a machine: as many as a visible voxel takes nanoseconds on one core, more or less.
+  constexpr double visible_voxel = 80, transparent_voxel = 3;
+  if (!machine_)
+    return visible_voxel * double(step.counts.visible) + transparent_voxel * double(step.counts.voxels);
+  double seconds = encoding_seconds(*machine_, voxel_weight_ * double(step.counts.voxels),
+                                    voxel_weight_ * double(step.counts.visible));
+  for (const EncodedPart& part : step.parts)
+    if (!part.payload.empty()) seconds += drawing_seconds(*machine_, voxel_weight_ * part.items, part.passes);
+  return seconds;
+}
+
+Drawn SlabPainter::draw(const FrameSpec& spec, Image& picture) {
+  Drawn drawn;
+  drawn.costs.resize(std::size_t(whole_.dims.z));
+  if (slab_.slices() < 1) return drawn;
+  if (machine_) charge(machine_->gp.frame + machine_->renderer.frame);
+  const auto frame = frame_of(spec);
+  // A described machine's costs are those of looking at every voxel.
+  const auto encoder = make_splat_encoder(frame, 1, store_, space_, threads_, !machine_);
+  painter_->begin_frame(frame);
+  for (const int step : encoder->shown()) {
+    encoder->begin(step);
+    while (!encoder->work()) continue;
+    const EncodedStep encoded = encoder->finish();
+    const double cost = cost_of(encoded);
+    if (machine_) charge(cost);
+    const int slice = slab_.first + frame->geometry.traversal.slice_at(step, slab_.slices());
+    drawn.costs[std::size_t(slice)] = cost;
+    for (const EncodedPart& part : encoded.parts) {
+      if (part.payload.empty()) continue;
+      drawn.splats += part.items;
+      painter_->begin({step, part.passes, std::span<const std::byte>(part.payload).subspan(sizeof(Header))});
+      while (!painter_->work()) continue;
+    }
+    Bytes news;
+    painter_->news(0, news);
+    if (!news.empty()) encoder->take_news(std::span<const std::byte>(news).subspan(sizeof(Header)));
+  }
+  bool first = true;
+  painter_->finish([&](int tile, const Bytes& bytes) {
+    const PixelRect rect = frame->geometry.regions.rect(tile);
+    const std::size_t row = std::size_t(rect.width()) * 4 * sizeof(float);
+    for (int y = 0; y < rect.height(); ++y)
+      std::memcpy(picture.pixel(rect.x0, rect.y0 + y), bytes.data() + sizeof(Header) + std::size_t(y) * row,
+                  row);
+    PixelRect& reached = drawn.reached;
+    reached = first ? rect
+                    : PixelRect{std::min(reached.x0, rect.x0), std::min(reached.y0, rect.y0),
+                                std::max(reached.x1, rect.x1), std::max(reached.y1, rect.y1)};
+    first = false;
+    if (machine_)
+      charge(machine_->renderer.pixel * pixel_weight_ * double(rect.width()) * double(rect.height()));
+  });
+  return drawn;
+}
+
+}  // namespace ringsplat::sort_last
