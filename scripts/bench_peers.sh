@@ -7,7 +7,8 @@
 # plane of the slices, and there with kernels of radius 1.1 and with one GP and one Renderer as well, and sheets of all three qualities. The programs take turns; figures are medians over all frames of all rounds. Errors are against the field's truth, at three views, one for each slice set.
 # Prints a Markdown table and draws it (--plot, else build/peers/speed-error.png; the numbers are beside it: scripts/peers/plot.py
 # draws them again). VTK comes from PyPI into build/peers (about 400 MB), VolPack from libvolpack1-dev. VTK's GPU ray caster
-# is measured where Mesa's software rasteriser is: libegl1 and libgl1-mesa-dri, or libosmesa6.
+# is measured where Mesa's software rasteriser is: libegl1 and libgl1-mesa-dri, or libosmesa6; ParaView's pvbatch on two ranks where it
+# is installed.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
@@ -21,6 +22,9 @@ rounds=${1:-3}
 options=("${@:2}")
 [[ $rounds =~ ^[1-9][0-9]*$ ]] || die "the number of rounds is no number: $rounds"
 truth_views=(0 2 8)
+peers_python=$peers/venv/bin/python
+# shellcheck source-path=SCRIPTDIR source=peers/scene_lib.sh
+source "$repo/scripts/peers/scene_lib.sh"
 
 prepare_peers() {
   mkdir -p "$peers/truth"
@@ -31,37 +35,6 @@ prepare_peers() {
   fi
   cc -std=gnu11 -O3 -march=native -Wall -Wextra "$repo/scripts/peers/volpack_frames.c" -o "$peers/volpack_frames" -lvolpack -lm ||
     die "VolPack is missing: apt-get install libvolpack1-dev"
-}
-
-prepare_scene() {
-  local name
-  for name in soft surface; do
-    "$build/ringsplat" render "$head" --tf "mr-$name" --tf-out "$work/mr-$name.json" --quality paper --size 16 -o "$work/x.exr" >/dev/null
-  done
-  "$peers/venv/bin/python" "$repo/scripts/peers/scene.py" "$head" "$work" "$work/mr-soft.json" "$work/mr-surface.json"
-  read -r -a dims <<<"$(scene_field dims)"
-  read -r -a spacing <<<"$(scene_field spacing)"
-  volume=("$work/head.raw" --dims "${dims[0]}x${dims[1]}x${dims[2]}" --type uint8 --spacing "${spacing[0]}x${spacing[1]}x${spacing[2]}")
-  for name in "${truth_views[@]}"; do sed -n "$((name + 1))p" "$work/views.txt"; done >"$work/truth_views.txt"
-}
-
-scene_field() { "$peers/venv/bin/python" -c 'import json, sys; print(*json.load(open(sys.argv[1]))[sys.argv[2]])' "$work/scene.json" "$1"; }
-
-# The truths take minutes, so they are kept as long as what they are made from is the same.
-make_truths() {
-  local key
-  key=$(cat "$work/head.raw" "$work"/{soft,surface}.json "$work/truth_views.txt" | sha256sum | cut -c1-16)
-  truths=$peers/truth/$key
-  [[ -e $truths/done ]] && return
-  mkdir -p "$truths"
-  for function in soft surface; do
-    for shading in phong none; do
-      say "the field's truth: $function, $shading"
-      "$build/ringsplat" reference "${volume[@]}" --truth field --tolerance 1e-4 --path "$work/truth_views.txt" --tf "$work/$function.json" \
-        --shading "$shading" -o "$truths/$function-$shading.exr" >/dev/null
-    done
-  done
-  touch "$truths/done"
 }
 
 # frames PROGRAM CASE COMMAND...: appends the seconds that it prints, but for the first frame's.
@@ -106,6 +79,13 @@ if vtk_frames vtk-gpu soft none >/dev/null 2>"$work/log"; then
 else
   say "VTK's GPU ray caster is left out: it does not run on Mesa's software rasteriser (apt-get install libegl1 libgl1-mesa-dri)"
 fi
+paraview=()
+if find_paraview; then
+  start_display
+  paraview=(paraview)
+else
+  say "ParaView is left out: $paraview_hint"
+fi
 make_truths
 pictures=(pictures)
 for ((k = 1; k <= rounds; ++k)); do
@@ -118,6 +98,9 @@ for ((k = 1; k <= rounds; ++k)); do
       done
       for name in "${vtk_mappers[@]}"; do
         frames "$name" "$function-$shading" vtk_frames "$name" "$function" "$shading" "${pictures[@]}"
+      done
+      for name in "${paraview[@]}"; do
+        frames "$name" "$function-$shading" paraview_frames 2 "$function" "$shading" smart "${pictures[@]/#pictures/$work/paraview-$function-$shading}"
       done
       frames volpack "$function-$shading" "$peers/volpack_frames" "$work" "$function" "$shading" "${dims[@]}" "${spacing[@]}" 512 "${pictures[@]}"
     done

@@ -21,6 +21,7 @@ FAMILIES = {  # colour, marker, and the names of its programs in the order of th
     "splats": ("#009E73", "s", {"screen": "splats (paper)", "slices": "in slices' plane", "sharp": "radius 1.1"}),
     "vtk": ("#D55E00", "^", {"vtk": "VTK fixed-point"}),
     "vtk-gpu": ("#B8860B", "D", {"vtk-gpu": "VTK GPU on llvmpipe"}),
+    "paraview": ("#56B4E9", "P", {"paraview": "ParaView, 2 ranks"}),
     "volpack": ("#A5407D", "v", {"volpack": "VolPack"}),
 }
 TITLES = {"soft": "Soft", "surface": "Surface"}

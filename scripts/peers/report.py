@@ -23,9 +23,10 @@ NAMES = {
     "sharp-apart": "ringsplat, in the slices' plane, one GP and one Renderer, radius 1.1",
     "vtk": "VTK fixed-point, all cores",
     "vtk-gpu": "VTK GPU on Mesa's llvmpipe, all cores",
+    "paraview": "ParaView, pvbatch on two ranks, llvmpipe",
     "volpack": "VolPack, one core",
 }
-PEERS = ("vtk", "vtk-gpu", "volpack")
+PEERS = ("vtk", "vtk-gpu", "paraview", "volpack")
 COLUMNS = ("function", "visible", "shading", "program", "seconds", "rmse")
 
 

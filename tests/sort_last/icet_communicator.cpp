@@ -8,9 +8,6 @@
 namespace ringsplat::sort_last {
 namespace {
 
-/// IceT's messages are whole words.
-constexpr int word = 4;
-
 /// What IceT passes as `out` of a gathering when the part is in its place already (its
 /// IceTDevCommunication.h, which is not installed).
 bool is_in_place(const void* out) { return reinterpret_cast<std::intptr_t>(out) == -1; }
@@ -18,7 +15,6 @@ bool is_in_place(const void* out) { return reinterpret_cast<std::intptr_t>(out) 
 struct Data {
   MPI_Comm comm;
   Traffic* traffic;
-  MPI_Datatype unit;  ///< a word, sent as often as a byte weighs, and received into one place
 };
 
 Data& data_of(IceTCommunicator self) { return *static_cast<Data*>(self->data); }
@@ -53,17 +49,7 @@ int size_of(IceTEnum type) {
   }
 }
 
-/// A part of memory as MPI takes it.
-struct Units {
-  int count;
-  MPI_Datatype type;
-};
-
-Units units(const Data& data, int count, IceTEnum type) {
-  const int bytes = count * size_of(type);
-  if (data.traffic->weight == 1) return {bytes, MPI_BYTE};
-  return {(bytes + word - 1) / word, data.unit};
-}
+int bytes_of(int count, IceTEnum type) { return count * size_of(type); }
 
 void note_sent(Data& data, int count, IceTEnum type) {
   data.traffic->messages += 1;
@@ -77,10 +63,9 @@ void charge_received(const Data& data, double bytes) {
 }
 
 void charge_received(const Data& data, MPI_Status& status) {
-  int count = 0;
-  const bool whole = data.traffic->weight == 1;
-  MPI_Get_count(&status, whole ? MPI_BYTE : data.unit, &count);
-  charge_received(data, double(count) * (whole ? 1 : word));
+  int bytes = 0;
+  MPI_Get_count(&status, MPI_BYTE, &bytes);
+  charge_received(data, bytes);
 }
 
 IceTCommunicator with_data(const Data& data);
@@ -113,16 +98,16 @@ void send(IceTCommunicator self, const void* buffer, int count, IceTEnum type, i
   const KeptContext kept;
   Data& data = data_of(self);
   note_sent(data, count, type);
-  const Units u = units(data, count, type);
-  MPI_Send(buffer, u.count, u.type, to, tag, data.comm);
+  const int bytes = bytes_of(count, type);
+  MPI_Send(buffer, bytes, MPI_BYTE, to, tag, data.comm);
 }
 
 void receive(IceTCommunicator self, void* buffer, int count, IceTEnum type, int from, int tag) {
   const KeptContext kept;
   Data& data = data_of(self);
-  const Units u = units(data, count, type);
+  const int bytes = bytes_of(count, type);
   MPI_Status status;
-  MPI_Recv(buffer, u.count, u.type, from, tag, data.comm, &status);
+  MPI_Recv(buffer, bytes, MPI_BYTE, from, tag, data.comm, &status);
   charge_received(data, status);
 }
 
@@ -131,9 +116,9 @@ void send_receive(IceTCommunicator self, const void* out, int out_count, IceTEnu
   const KeptContext kept;
   Data& data = data_of(self);
   note_sent(data, out_count, out_type);
-  const Units o = units(data, out_count, out_type), i = units(data, in_count, in_type);
   MPI_Status status;
-  MPI_Sendrecv(out, o.count, o.type, to, out_tag, in, i.count, i.type, from, in_tag, data.comm, &status);
+  MPI_Sendrecv(out, bytes_of(out_count, out_type), MPI_BYTE, to, out_tag, in, bytes_of(in_count, in_type),
+               MPI_BYTE, from, in_tag, data.comm, &status);
   charge_received(data, status);
 }
 
@@ -141,8 +126,8 @@ void gather(IceTCommunicator self, const void* out, int count, IceTEnum type, vo
   const KeptContext kept;
   Data& data = data_of(self);
   note_sent(data, count, type);
-  const Units u = units(data, count, type);
-  MPI_Gather(is_in_place(out) ? MPI_IN_PLACE : out, u.count, u.type, in, u.count, u.type, root, data.comm);
+  const int bytes = bytes_of(count, type);
+  MPI_Gather(is_in_place(out) ? MPI_IN_PLACE : out, bytes, MPI_BYTE, in, bytes, MPI_BYTE, root, data.comm);
 }
 
 void gather_parts(IceTCommunicator self, const void* out, int count, IceTEnum type, void* in,
@@ -153,34 +138,33 @@ void gather_parts(IceTCommunicator self, const void* out, int count, IceTEnum ty
   MPI_Comm_rank(data.comm, &rank);
   MPI_Comm_size(data.comm, &ranks);
   if (rank != root) note_sent(data, count, type);
-  const Units u = units(data, count, type);
-  std::vector<int> unit_counts, unit_offsets;
-  double bytes = 0;
-  const int unit_bytes = data.traffic->weight == 1 ? 1 : word;
+  const int bytes = bytes_of(count, type);
+  std::vector<int> byte_counts, byte_offsets;
+  double others = 0;
   for (int k = 0; rank == root && k < ranks; ++k) {
-    unit_counts.push_back(units(data, counts[k], type).count);
-    unit_offsets.push_back(offsets[k] * size_of(type) / unit_bytes);
-    if (k != root) bytes += double(counts[k]) * size_of(type);
+    byte_counts.push_back(bytes_of(counts[k], type));
+    byte_offsets.push_back(bytes_of(offsets[k], type));
+    if (k != root) others += byte_counts.back();
   }
-  MPI_Gatherv(is_in_place(out) ? MPI_IN_PLACE : out, u.count, u.type, in, unit_counts.data(),
-              unit_offsets.data(), u.type, root, data.comm);
-  if (rank == root) charge_received(data, bytes);
+  MPI_Gatherv(is_in_place(out) ? MPI_IN_PLACE : out, bytes, MPI_BYTE, in, byte_counts.data(),
+              byte_offsets.data(), MPI_BYTE, root, data.comm);
+  if (rank == root) charge_received(data, others);
 }
 
 void gather_for_all(IceTCommunicator self, const void* out, int count, IceTEnum type, void* in) {
   const KeptContext kept;
   Data& data = data_of(self);
   note_sent(data, count, type);
-  const Units u = units(data, count, type);
-  MPI_Allgather(is_in_place(out) ? MPI_IN_PLACE : out, u.count, u.type, in, u.count, u.type, data.comm);
+  const int bytes = bytes_of(count, type);
+  MPI_Allgather(is_in_place(out) ? MPI_IN_PLACE : out, bytes, MPI_BYTE, in, bytes, MPI_BYTE, data.comm);
 }
 
 void all_to_all(IceTCommunicator self, const void* out, int count, IceTEnum type, void* in) {
   const KeptContext kept;
   Data& data = data_of(self);
   note_sent(data, count, type);
-  const Units u = units(data, count, type);
-  MPI_Alltoall(out, u.count, u.type, in, u.count, u.type, data.comm);
+  const int bytes = bytes_of(count, type);
+  MPI_Alltoall(out, bytes, MPI_BYTE, in, bytes, MPI_BYTE, data.comm);
 }
 
 struct Request {
@@ -203,9 +187,9 @@ IceTCommRequest begin_send(IceTCommunicator self, const void* buffer, int count,
   const KeptContext kept;
   Data& data = data_of(self);
   note_sent(data, count, type);
-  const Units u = units(data, count, type);
+  const int bytes = bytes_of(count, type);
   Request request;
-  MPI_Isend(buffer, u.count, u.type, to, tag, data.comm, &request.request);
+  MPI_Isend(buffer, bytes, MPI_BYTE, to, tag, data.comm, &request.request);
   return with_request(request);
 }
 
@@ -213,9 +197,9 @@ IceTCommRequest begin_receive(IceTCommunicator self, void* buffer, int count, Ic
                               int tag) {
   const KeptContext kept;
   Data& data = data_of(self);
-  const Units u = units(data, count, type);
+  const int bytes = bytes_of(count, type);
   Request request{.receives = true};
-  MPI_Irecv(buffer, u.count, u.type, from, tag, data.comm, &request.request);
+  MPI_Irecv(buffer, bytes, MPI_BYTE, from, tag, data.comm, &request.request);
   return with_request(request);
 }
 
@@ -284,12 +268,7 @@ IceTCommunicator with_data(const Data& data) {
 }  // namespace
 
 IceTCommunicator make_icet_communicator(MPI_Comm comm, Traffic& traffic) {
-  MPI_Datatype unit = MPI_BYTE;
-  if (traffic.weight > 1) {
-    MPI_Type_create_hvector(traffic.weight, word, 0, MPI_BYTE, &unit);
-    MPI_Type_commit(&unit);
-  }
-  return with_data({comm, &traffic, unit});
+  return with_data({comm, &traffic});
 }
 
 void destroy_icet_communicator(IceTCommunicator communicator) {

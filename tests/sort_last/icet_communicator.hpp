@@ -8,7 +8,7 @@ namespace ringsplat::sort_last {
 
 /// What went through a communicator, and what it costs on a simulated machine.
 struct Traffic {
-  int weight = 1;                ///< each byte of a message stands for so many
+  int weight = 1;  ///< each byte stands for so many, on links that are as much slower than they should be
   double seconds_per_byte = 0;   ///< charged to the receiver for each byte that it has to composite or copy
   double send = 0, receive = 0;  ///< seconds of software charged on either side of a message
   std::uint64_t messages = 0, bytes = 0;  ///< sent so far, bytes with their weight

@@ -66,6 +66,8 @@ Options options_of(int argc, char** argv) {
   shown.width = shown.height = o.size;
   shown.shading = shading == "phong" ? Shading::phong : Shading::none;
   shown.transfer_function = read_transfer_function(o.transfer_function);
+  // Runs that only count leave out nothing behind opaque pixels, and this one is compared with them.
+  if (!o.machine.empty()) shown.opaque_threshold = 0;
   o.spec.how = splats;
   o.spec.division.region_size = o.region;
   check(o.spec);
