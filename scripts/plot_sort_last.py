@@ -2,7 +2,7 @@
 """Draws scripts/sort_last_study.py's table:  plot_sort_last.py SORT_LAST.csv -o PNG
 
 Seconds a frame of the fastest ring and the fastest sort-last: against ranks, picture and voxels of a slice. Prints a Markdown table of
-what is drawn, with how many times as fast the ring is.
+what is drawn, with the share of the ring's time that sort-last takes.
 """
 import argparse
 import csv
@@ -45,7 +45,7 @@ def draw(best):
                       label=f"{program}, {NAMES[machine]}")
         axis.set(xscale="log", yscale="log", xlabel=name)
         axis.grid(color="0.9", which="both")
-        axis.legend(fontsize=8)
+        axis.legend(fontsize=8, handlelength=3.5)
     axes[0][0].set_ylabel("milliseconds a frame")
     return figure
 
@@ -58,6 +58,8 @@ def print_table(best):
             ring, slabs = best[study][machine, "ring"], best[study][machine, "sort-last"]
             for x in sorted(set(ring) & set(slabs)):
                 r, s = ring[x], slabs[x]
+                if r["study"] != study:
+                    continue  # in another panel's rows already
                 print(f"| {study} | {NAMES[machine]} | {r['ranks']} | {r['picture']}² | {r['voxels_a_slice']} | {1e3 * r['seconds']:.1f} | {r['setting']} "
                       f"| {1e3 * s['seconds']:.1f} | {s['setting']} | {s['seconds'] / r['seconds']:.2f} |")
 
