@@ -204,8 +204,8 @@ constexpr OptionRow<Render> picture_rows[] = {
                                                             {"exact", Normalisation::exact}});
      }},
     {"--region", "N", nullptr,
-     "Pixels of the side of a Renderer's region; without it 128, or 64 or 32 where the volume covers too few "
-     "of those, and strips in the slices' plane",
+     "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "
+     "the work more evenly; strips in the slices' plane",
      [](Render& o) { return value(o.frame.division.region_size, CLI::Range(1, 1 << 20)); }},
 };
 

@@ -85,6 +85,7 @@ Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores
   if (options.clip) check(*options.clip, grid);
   Scene scene;
   scene.grid = grid;
+  scene.sketch = share_sketch(stores, grid, Axis::z, collectives);
   const auto deal = [&](const Reduction& reduction) {
     LoadOptions of_level = options;
     if (options.clip) of_level.clip = reduced_box(*options.clip, grid, reduction);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <utility>
 
 #include "base/byte_stream.hpp"
@@ -221,8 +222,19 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
   const auto all =
       frames_of(s.wiring.collectives.broadcast(session.rank() == 0 ? to_block(frames) : Block{}, 0));
   if (all.empty()) return;
+  // What is thrown between messages would leave the other ranks waiting.
+  std::exception_ptr thrown;
+  const auto take_one = [&](FrameResult&& result) {
+    if (thrown) return;
+    try {
+      take(std::move(result));
+    } catch (...) {
+      thrown = std::current_exception();
+    }
+  };
   Scene scene = s.volume.scene_for(s.needed(all));
-  render_frames(std::move(scene), s.layout, s.protocol, director_of(all, take), s.wiring, s.engine);
+  render_frames(std::move(scene), s.layout, s.protocol, director_of(all, take_one), s.wiring, s.engine);
+  if (thrown) std::rethrow_exception(thrown);
 }
 
 }  // namespace ringsplat

@@ -79,8 +79,8 @@ const char* name(const Method& method);
 
 /// How Renderers share the image plane; never changes a bit of the picture.
 struct Division {
-  /// A region's side, in pixels of the image plane. 0 chooses: on the screen 128, or 64 or 32 where the
-  /// volume covers too few such regions for the Renderers; in the slices' plane strips.
+  /// A region's side, in pixels of the image plane. 0 chooses: on the screen 128, or less, down to 16, where
+  /// that shares the work more evenly; in the slices' plane strips.
   int region_size = 0;
   int dealt_to = 0;  ///< how many Renderers get regions; 0: rank 0 fills in their number
   bool operator==(const Division&) const = default;

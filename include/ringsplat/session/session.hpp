@@ -82,7 +82,7 @@ class Session {
   /// is made by its first frame and kept until the next commit().
   Image render(const FrameSpec& frame);
   /// Draws one frame after another and hands rank 0 each image as soon as it is finished; faster than single
-  /// calls, as frames overlap.
+  /// calls, as frames overlap. What `take` throws leaves the call when the other frames are drawn, too.
   void render(const std::vector<FrameSpec>& frames, const std::function<void(Image&&)>& take);
 
  private:
