@@ -147,6 +147,8 @@ class OpenImageIo final : public ImageLibrary {
                         TextCoverage& drawn) const override try {
     const OIIO::ROI size = OIIO::ImageBufAlgo::text_size(text, pixels, font);
     if (!size.defined()) return OIIO::has_error() ? OIIO::geterror() : "the font cannot be read";
+    // The ends of a text without ink are no numbers to reckon with.
+    if (size.xend <= size.xbegin || size.yend <= size.ybegin) return {};
     drawn = {size.xbegin, size.ybegin, size.width(), size.height(), {}};
     drawn.coverage.assign(std::size_t(size.width()) * std::size_t(size.height()), 0.0F);
     OIIO::ImageBuf canvas(OIIO::ImageSpec(drawn.width, drawn.height, 1, TypeDesc::FLOAT),
