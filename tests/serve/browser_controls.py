@@ -18,14 +18,16 @@ class Controls(WithPage):
         return self.page.facts("state.transfer_function")
 
     def put_tf(self, opacities, colours=((0, 1, 1, 1), (255, 1, 1, 1))):
-        """By the page's own reading of a ParaView map."""
-        text = json.dumps([{"ColorSpace": "RGB", "Name": "test", "RGBPoints": [v for p in colours for v in p],
+        """By the page's own reading of a ParaView map. Each has a name of its own, by which it is seen to be there."""
+        self.maps = getattr(self, "maps", 0) + 1
+        name = f"test {self.maps}"
+        text = json.dumps([{"ColorSpace": "RGB", "Name": name, "RGBPoints": [v for p in colours for v in p],
                             "Points": [v for value, opacity in opacities for v in (value, opacity, 0.5, 0)]}])
         path = os.path.join(self.folder, "map.json")
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
         self.open_file("import-tf", path)
-        self.page.wait("ringsplat.state.transfer_function.name === 'test'")
+        self.page.wait("ringsplat.state.transfer_function.name === '" + name + "'")
         self.page.settle()
 
     def open_file(self, button, path):
