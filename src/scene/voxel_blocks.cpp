@@ -94,23 +94,23 @@ class BlockDealer {
       process_of_slice_[std::size_t(z)] = process_of_gp[std::size_t(SliceStore::owner_of(z, gps))];
   }
 
-  /// In a round process p sends to p + d, p + d + 1 … and gets from p − d, p − d − 1 …: as many of them as
-  /// fit into a round, or a part of what one of them gets.
+  /// Its own voxels first, without a message. Then in a round process p sends to p + d, p + d + 1 … and gets
+  /// from p − d, p − d − 1 …: as many of them as fit into a round, or a part of what one of them gets.
   void run() {
     const int processes = collectives_.processes();
     const std::uint64_t most = agree_on_most();
     const int at_once = int(std::clamp<std::uint64_t>(round_bytes_ / std::max<std::uint64_t>(1, most), 1,
                                                       std::uint64_t(processes)));
-    for (int first = 0; first < processes; first += at_once) {
+    place_own();
+    for (int first = 1; first < processes; first += at_once) {
       const int end = std::min(processes, first + at_once);
       std::vector<std::vector<Rows>> left(std::size_t(end - first));
       for (int d = first; d < end; ++d) left[std::size_t(d - first)] = rows_for(destination(d));
-      bool more = true;
-      while (more) {
+      const auto rounds = at_once > 1 ? 1 : largest(rounds_of(left.front()), "the rounds it sends in");
+      for (std::uint64_t round = 0; round < rounds; ++round) {
         std::vector<Block> out(static_cast<std::size_t>(processes));
         for (int d = first; d < end; ++d)
           out[std::size_t(destination(d))] = packed(left[std::size_t(d - first)]);
-        more = at_once == 1 && any(!left.front().empty());
         for (const Block& in : collectives_.all_to_all(std::move(out))) place(in);
       }
     }
@@ -126,13 +126,14 @@ class BlockDealer {
     return sizeof(RowsHeader) + std::size_t(rows.y_end - rows.y) * std::size_t(width) * scalar_;
   }
 
-  /// What this process has for another, in the last first order, cut so that none is larger than a round.
+  /// What this process has for another, in the last first order, cut into quarters of a round, which fill it
+  /// well.
   std::vector<Rows> rows_for(int process) const {
     std::vector<Rows> all;
     for (int b = int(blocks_.size()) - 1; b >= 0; --b) {
       const VoxelBox& box = blocks_[std::size_t(b)].extent;
       const auto row = std::size_t(box.dims().x) * scalar_;
-      const auto fitting = (round_bytes_ - std::min(round_bytes_, sizeof(RowsHeader))) / row;
+      const auto fitting = (round_bytes_ / 4 - std::min(round_bytes_ / 4, sizeof(RowsHeader))) / row;
       const int rows = int(std::clamp<std::size_t>(fitting, 1, std::size_t(box.dims().y)));
       for (int z = box.end.z - 1; z >= box.first.z; --z)
         for (int y = box.first.y; process_of_slice_[std::size_t(z)] == process && y < box.end.y; y += rows)
@@ -150,30 +151,39 @@ class BlockDealer {
       for (int z = block.extent.first.z; z < block.extent.end.z; ++z)
         mine[std::size_t(process_of_slice_[std::size_t(z)])] += slice;
     }
+    return largest(*std::max_element(mine.begin(), mine.end()), "the bytes of its blocks");
+  }
+
+  std::uint64_t largest(std::uint64_t mine, const char* what) {
     std::uint64_t most = 0;
-    for (const Block& one :
-         collectives_.all_gather(block_of_value(*std::max_element(mine.begin(), mine.end()))))
-      most = std::max(most, value_of<std::uint64_t>(one, "the bytes of its blocks"));
+    for (const Block& one : collectives_.all_gather(block_of_value(mine)))
+      most = std::max(most, value_of<std::uint64_t>(one, what));
     return most;
   }
 
-  bool any(bool mine) {
-    bool any = false;
-    for (const Block& one : collectives_.all_gather(Block{std::byte(mine)})) any |= one.at(0) != std::byte(0);
-    return any;
+  /// What a round takes from the end of `left`.
+  struct Round {
+    std::size_t bytes = 0, count = 0;
+  };
+  Round next_round(std::span<const Rows> left) const {
+    Round round;
+    for (; round.count < left.size(); ++round.count) {
+      const std::size_t bytes = bytes_of(left[left.size() - 1 - round.count]);
+      if (round.count > 0 && round.bytes + bytes > round_bytes_) break;
+      round.bytes += bytes;
+    }
+    return round;
   }
 
-  /// Takes rows from the end of `left` until a round is full.
+  std::uint64_t rounds_of(std::span<const Rows> left) const {
+    std::uint64_t rounds = 0;
+    for (; !left.empty(); ++rounds) left = left.first(left.size() - next_round(left).count);
+    return rounds;
+  }
+
   Block packed(std::vector<Rows>& left) const {
-    Block out;
-    std::size_t size = 0, count = 0;
-    while (count < left.size()) {
-      const std::size_t bytes = bytes_of(left[left.size() - 1 - count]);
-      if (count > 0 && size + bytes > round_bytes_) break;
-      size += bytes;
-      ++count;
-    }
-    out.resize(size);
+    auto [bytes, count] = next_round(left);
+    Block out(bytes);
     std::byte* to = out.data();
     for (; count > 0; --count) {
       to = pack(left.back(), to);
@@ -182,16 +192,33 @@ class BlockDealer {
     return out;
   }
 
-  std::byte* pack(const Rows& rows, std::byte* to) const {
+  /// Copies rows of voxels to where each lies `row` bytes behind the one before.
+  void copy(const Rows& rows, std::byte* to, std::size_t row) const {
     const auto& [extent, first, strides] = blocks_[std::size_t(rows.block)];
+    for (int y = rows.y; y < rows.y_end; ++y, to += row)
+      copy_row(scalar_, first + (rows.z - extent.first.z) * strides.z + (y - extent.first.y) * strides.y,
+               strides.x, extent.dims().x, to);
+  }
+
+  std::byte* pack(const Rows& rows, std::byte* to) const {
+    const VoxelBox& extent = blocks_[std::size_t(rows.block)].extent;
     const RowsHeader header{rows.z, rows.y, rows.y_end, extent.first.x, extent.end.x};
     std::memcpy(to, &header, sizeof header);
-    to += sizeof header;
-    const int width = extent.dims().x;
-    for (int y = rows.y; y < rows.y_end; ++y, to += std::size_t(width) * scalar_)
-      copy_row(scalar_, first + (rows.z - extent.first.z) * strides.z + (y - extent.first.y) * strides.y,
-               strides.x, width, to);
-    return to;
+    copy(rows, to + sizeof header, std::size_t(extent.dims().x) * scalar_);
+    return to + bytes_of(rows);
+  }
+
+  void place_own() {
+    for (const Rows& rows : rows_for(collectives_.process()))
+      copy(rows, voxel(rows.z, rows.y, blocks_[std::size_t(rows.block)].extent.first.x), slice_row());
+  }
+
+  std::size_t slice_row() const { return std::size_t(grid_.dims.x) * scalar_; }
+
+  /// Where a voxel of one of this process's slices lies.
+  std::byte* voxel(int z, int y, int x) {
+    std::byte* slice = stores_.at(SliceStore::owner_of(z, gps_)).values(Axis::z, z).data();
+    return slice + std::size_t(y) * slice_row() + std::size_t(x) * scalar_;
   }
 
   void place(std::span<const std::byte> in) {
@@ -201,14 +228,13 @@ class BlockDealer {
       const bool fits = whole && 0 <= rows.z && rows.z < grid_.dims.z && 0 <= rows.y && rows.y < rows.y_end &&
                         rows.y_end <= grid_.dims.y && 0 <= rows.x && rows.x < rows.x_end &&
                         rows.x_end <= grid_.dims.x;
-      const auto store = fits ? stores_.find(SliceStore::owner_of(rows.z, gps_)) : stores_.end();
       const auto row = std::size_t(rows.x_end - rows.x) * scalar_;
-      if (store == stores_.end() || in.size() - at < row * std::size_t(rows.y_end - rows.y))
+      if (!fits || !stores_.contains(SliceStore::owner_of(rows.z, gps_)) ||
+          in.size() - at < row * std::size_t(rows.y_end - rows.y))
         throw RunError("a rank sent rows of voxels that do not fit this rank's slices", builds_differ);
-      std::byte* slice = store->second.values(Axis::z, rows.z).data();
-      for (int y = rows.y; y < rows.y_end; ++y, at += row)
-        std::memcpy(slice + (std::size_t(y) * std::size_t(grid_.dims.x) + std::size_t(rows.x)) * scalar_,
-                    in.data() + at, row);
+      std::byte* to = voxel(rows.z, rows.y, rows.x);
+      for (int y = rows.y; y < rows.y_end; ++y, at += row, to += slice_row())
+        std::memcpy(to, in.data() + at, row);
     }
   }
 

@@ -9,7 +9,9 @@
 namespace ringsplat {
 namespace {
 
-constexpr std::size_t round_bytes = std::size_t{8} << 20;
+// Rows of this size stay in a core's cache while they are packed, sent and placed; larger ones take up to
+// twice as long (tests/session/bench_commit.cpp).
+constexpr std::size_t round_bytes = std::size_t{1} << 16;
 
 std::string why_wrong(const Grid& grid, const Layout& layout, const Wiring& wiring) {
   try {

@@ -83,10 +83,13 @@ int main(int argc, char** argv) {
     during = memory("VmHWM");
     commits = timed(rounds, [&] { session.commit(); });
   }
-  const int each = int(values.size() / std::size_t(ranks));
+  const std::size_t all = std::size_t(voxels) * std::size_t(voxels) * std::size_t(voxels);
+  const std::size_t each = all / std::size_t(ranks) / std::size_t(ranks);
+  values.resize(each * std::size_t(ranks), 7);
   std::vector<unsigned short> received(values.size());
   const auto exchange = timed(rounds, [&] {
-    MPI_Alltoall(values.data(), each, MPI_UINT16_T, received.data(), each, MPI_UINT16_T, MPI_COMM_WORLD);
+    MPI_Alltoall(values.data(), int(each), MPI_UINT16_T, received.data(), int(each), MPI_UINT16_T,
+                 MPI_COMM_WORLD);
   });
   double extra = during - before, most = 0;
   MPI_Reduce(&extra, &most, 1, MPI_DOUBLE, MPI_MAX, 0, MPI_COMM_WORLD);

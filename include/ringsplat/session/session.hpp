@@ -69,7 +69,7 @@ class Session {
 
   /// Reads all blocks and hands their voxels to the GPs that own their slices. Blocks must cover the grid
   /// exactly once; else the error names a hole, or the blocks that overlap and where. A process holds at most
-  /// its blocks, its slices and 8 MiB of messages in either direction.
+  /// its blocks, its slices and messages of 64 KiB in either direction.
   void commit();
 
   /// The smallest and the largest finite value of the committed volume, and how many there are.
