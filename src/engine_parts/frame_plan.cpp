@@ -1,6 +1,10 @@
 #include "engine_parts/frame_plan.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "volume/slice_store.hpp"
 
@@ -24,16 +28,31 @@ FramePlan plan_of(const FrameGeometry& g, int gps, int renderers) {
   return plan;
 }
 
+namespace {
+
+/// As many of the shown points as are needed to compare the parts of so many Renderers, and how many each
+/// stands for. All ranks look at them before each frame, also those that share a core.
+std::pair<std::vector<std::uint32_t>, int> enough(std::span<const std::uint32_t> shown, int renderers) {
+  constexpr std::size_t for_each = 2000;
+  // Odd, so that it goes across rows of an even number of points.
+  const std::size_t step = shown.size() / (for_each * std::size_t(renderers)) | 1;
+  std::vector<std::uint32_t> some;
+  for (std::size_t k = 0; k < shown.size(); k += step) some.push_back(shown[k]);
+  return {std::move(some), int(step)};
+}
+
+}  // namespace
+
 void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   if (!setup_.sketch || setup_.renderers < 2) return;
   const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, setup_.renderers) : setup_.renderers;
   if (even_enough(g, dealt_to)) return;
   const bool sheets = std::holds_alternative<Sheets>(spec.how);
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
-  const WorkEstimate work(g, *setup_.sketch,
-                          shown_.of(*setup_.sketch, spec.shown.transfer_function,
-                                    sheets ? std::optional(g.traversal.axis) : std::nullopt),
-                          costs, spec.shown.reduction.factor);
+  const auto [points, stands_for] = enough(shown_.of(*setup_.sketch, spec.shown.transfer_function,
+                                                     sheets ? std::optional(g.traversal.axis) : std::nullopt),
+                                           dealt_to);
+  const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
   std::vector<double> busy;
   if (setup_.colocated) busy = busy_gps(work, setup_.gps, setup_.renderers, dealt_to);
   deal_by_work(g, work, costs, spec.division, sheets ? RegionForm::flat : RegionForm::square,

@@ -80,13 +80,13 @@ std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const
 
 WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
                            std::span<const std::uint32_t> shown, const WorkCosts& costs, int factor,
-                           int only_layer)
+                           int only_layer, int stands_for)
     : traversal_(g.traversal), slices_(g.slices) {
   const int axis = static_cast<int>(g.traversal.axis);
   layers_ = sketch.points[axis];
   const glm::dvec3 level = glm::dvec3(sketch.dims) / double(factor),
                    spacing = level / glm::dvec3(sketch.points);
-  voxels_of_point_ = spacing.x * spacing.y * spacing.z;
+  voxels_of_point_ = spacing.x * spacing.y * spacing.z * stands_for;
 
   constexpr double most_cells = 96, least_cell = 4;
   for (int along = 0; along < 2; ++along) {
@@ -130,7 +130,7 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
       place = g.view.seen_at(voxel);
     }
     ++points_;
-    ++shown_in[std::size_t(point[axis])];
+    shown_in[std::size_t(point[axis])] += stands_for;
     deposit(place, work, point[axis]);
   }
   sum_up();

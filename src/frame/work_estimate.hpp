@@ -48,8 +48,10 @@ struct PartWork {
 class WorkEstimate {
  public:
   /// `factor`: of the frame's reduction. Of all layers of the sketch along the traversal's axis, or of one.
+  /// Where points were left out, each stands for `stands_for` of the shown.
   WorkEstimate(const FrameGeometry& geometry, const VolumeSketch& sketch,
-               std::span<const std::uint32_t> shown, const WorkCosts& costs, int factor, int layer = -1);
+               std::span<const std::uint32_t> shown, const WorkCosts& costs, int factor, int layer = -1,
+               int stands_for = 1);
 
   /// False when so few points are shown that they say little.
   bool telling() const { return points_ >= 200; }
