@@ -2,12 +2,15 @@
 
 import os
 import pathlib
+import shutil
 import subprocess
+import sys
 
 import numpy as np
 import pytest
 
 PROGRAM = os.environ["RINGSPLAT_PROGRAM"]
+MPIEXEC = os.environ.get("RINGSPLAT_MPIEXEC") or shutil.which("mpirun")
 HEAD = pathlib.Path(__file__).resolve().parents[1] / "data" / "head.nrrd"
 
 
@@ -19,6 +22,17 @@ def blob(shape, dtype=np.float32, seed=0):
     if np.dtype(dtype).kind in "iu":
         values = values * 100
     return values.astype(dtype)
+
+
+def same_library():
+    """Whether mpi4py and the package use one MPI."""
+    try:
+        from ringsplat import _mpi
+    except ImportError:
+        return False
+    code = "from mpi4py import MPI; print(MPI.Get_library_version())"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    return done.returncode == 0 and done.stdout.startswith(_mpi.library())
 
 
 def program(*words, check=True):

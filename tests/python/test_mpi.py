@@ -1,27 +1,16 @@
 """Sessions on the ranks of an mpi4py communicator, which have the program's bits."""
 
-import os
 import pathlib
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 import ringsplat as rs
-from conftest import blob, program
+from conftest import MPIEXEC, blob, program, same_library
 
 HERE = pathlib.Path(__file__).resolve().parent
 pytest.importorskip("ringsplat._mpi", reason="built without MPI")
-MPIEXEC = os.environ.get("RINGSPLAT_MPIEXEC") or shutil.which("mpirun")
-
-
-def same_library():
-    from ringsplat import _mpi
-
-    code = "from mpi4py import MPI; print(MPI.Get_library_version())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    return done.returncode == 0 and done.stdout.startswith(_mpi.library())
 
 
 @pytest.mark.skipif(not MPIEXEC or not same_library(), reason="mpi4py uses another MPI than ringsplat")

@@ -1,19 +1,16 @@
 """The example that draws openPMD series: blocks as they lie in the file, read by the ranks of a job."""
 
-import os
 import pathlib
-import shutil
 import subprocess
 import sys
 
 import numpy as np
 import pytest
 import ringsplat as rs
-from conftest import blob, program
+from conftest import MPIEXEC, blob, program, same_library
 
 io = pytest.importorskip("openpmd_api")
 EXAMPLE = pathlib.Path(__file__).resolve().parents[2] / "examples/python/openpmd_series.py"
-MPIEXEC = os.environ.get("RINGSPLAT_MPIEXEC") or shutil.which("mpirun")
 SHAPE = (18, 21, 25)  # z, y, x
 
 
@@ -52,20 +49,10 @@ def expected(number, folder, **options):
     return path
 
 
-def can_run_ranks():
-    try:
-        from ringsplat import _mpi
-    except ImportError:
-        return False
-    code = "from mpi4py import MPI; print(MPI.Get_library_version())"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    return bool(MPIEXEC) and done.returncode == 0 and done.stdout.startswith(_mpi.library())
-
-
 @pytest.mark.parametrize("ranks", [1, 2, 5])
 @pytest.mark.parametrize("kind, labels", [("bp", "zyx"), ("h5", "xyz")])
 def test_each_iteration_is_drawn_as_its_array(kind, labels, ranks, tmp_path):
-    if ranks > 1 and not can_run_ranks():
+    if ranks > 1 and not (MPIEXEC and same_library()):
         pytest.skip("mpi4py uses another MPI than ringsplat")
     if kind not in io.file_extensions:
         pytest.skip(f"openpmd-api was built without .{kind}")
