@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
+#include <numeric>
 
 #include "base/huge_pages.hpp"
 #include "volume/cell_ranges.hpp"
@@ -94,7 +96,8 @@ void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode
     prefer_huge_pages(memory_.data(), bytes);
   }
   memory_.assign(bytes, std::byte{0});
-  holds_.assign(std::size_t(columns_) * std::size_t(rows_) * std::size_t(slots), unknown);
+  slots_hold_.assign(std::size_t(slots), {});
+  for (Slot& slot : slots_hold_) slot.holds.assign(blocks(), unknown);
 }
 
 template <class Number>
@@ -108,73 +111,110 @@ const void* ScalarPlanes::plane(int step) const {
                       : static_cast<const void*>(self->origin<std::int16_t>(step));
 }
 
+/// Differences at a border read one number beyond it, and that of the next block if the last has one voxel.
+void ScalarPlanes::note_change(int column, int row) {
+  if (column == 0 || column >= columns_ - 2) changed_rows_.add(row * side, row * side + high(row));
+  if (row == 0 || row >= rows_ - 2) changed_columns_.add(column * side, column * side + wide(column));
+}
+
 template <class Number>
-void ScalarPlanes::fill(Number* voxel, int column, int row, std::uint8_t with, std::uint8_t& holds) {
-  if (holds == with) return;
-  holds = with;
+void ScalarPlanes::fill(Number* plane, Slot& slot, std::uint32_t block, std::uint8_t with) {
+  if (slot.holds[block] == with) return;
+  slot.holds[block] = with;
   const Number number =
       with == BlockState::not_a_number && !code_.floats ? Number{} : coded<Number>(code_, fillers_[with]);
-  const int wide = std::min(side, width_ - column * side), high = std::min(side, height_ - row * side);
-  for (int y = 0; y < high; ++y) std::fill_n(voxel + y * pitch_, wide, number);
+  const int column = int(block) % columns_, row = int(block) / columns_;
+  Number* voxel = plane + place_of(block);
+  for (int y = 0; y < high(row); ++y) std::fill_n(voxel + y * pitch_, wide(column), number);
+  note_change(column, row);
 }
 
 template <class Number>
-void ScalarPlanes::place_blocks(int step, const SheetPayload& payload, ScalarType type) {
-  const SheetHeader& header = payload.header;
-  std::uint8_t* holds = holds_.data() + slot_of(step) * std::size_t(columns_) * std::size_t(rows_);
-  const std::byte* from = payload.voxels.data();
-  visit_type(type, [&](auto zero) {
-    using T = decltype(zero);
-    for (int row = 0; row < rows_; ++row) {
-      const int said = row - header.first_row;
-      const bool any = said >= 0 && said < int(payload.rows.size());
-      const BlockRow span = any ? payload.rows[std::size_t(said)] : BlockRow{};
-      const int high = std::min(side, height_ - row * side);
-      for (int column = 0; column < columns_; ++column, ++holds) {
-        Number* voxel = origin<Number>(step) + row * side * pitch_ + column * side;
-        const std::uint8_t byte = column >= span.first && column < span.end
-                                      ? payload.bytes[std::size_t(said)][column - span.first]
-                                      : header.elsewhere;
-        if (byte < block_present) {
-          fill(voxel, column, row, byte, *holds);
-          continue;
-        }
-        *holds = unknown;
-        const int wide = std::min(side, width_ - column * side);
-        for (int y = 0; y < high; ++y, from += std::size_t(wide) * sizeof(T))
-          convert<Number, T>(from, wide, code_, voxel + y * pitch_);
-      }
-    }
-  });
+void ScalarPlanes::fill_all(Number* plane, Slot& slot, std::uint8_t with) {
+  const auto fill_one = [&](std::uint32_t block) { fill(plane, slot, block, with); };
+  if (slot.elsewhere == with)
+    std::for_each(slot.others.begin(), slot.others.end(), fill_one);
+  else
+    for (std::uint32_t block = 0; block < blocks(); ++block) fill_one(block);
+  slot.elsewhere = with;
+  slot.others.clear();
 }
 
-template <class Number>
-void ScalarPlanes::extrapolate_border(int step) {
-  Number* p = origin<Number>(step);
-  const auto beyond = [](Number edge, Number inner) {
-    const auto value = static_cast<Number>(2 * edge - inner);
-    // What lies beyond the outer voxels has no weight, but not-a-number times zero would be one.
-    if constexpr (std::is_floating_point_v<Number>)
-      if (!std::isfinite(value)) return edge;
-    return value;
+template <class Number, class T>
+void ScalarPlanes::place_blocks(Number* plane, Slot& slot, const SheetPayload& payload) {
+  const std::uint8_t elsewhere = payload.header.elsewhere;
+  if (slot.elsewhere != elsewhere) fill_all(plane, slot, elsewhere);
+  auto before = slot.others.begin();
+  const auto forget_up_to = [&](std::uint32_t block) {
+    for (; before != slot.others.end() && *before < block; ++before) fill(plane, slot, *before, elsewhere);
+    if (before != slot.others.end() && *before == block) ++before;
   };
+  const std::byte* from = payload.voxels.data();
+  others_.clear();
+  for (std::size_t said = 0; said < payload.rows.size(); ++said) {
+    const BlockRow& span = payload.rows[said];
+    const int row = payload.header.first_row + int(said);
+    for (int column = span.first; column < span.end; ++column) {
+      const std::uint8_t byte = payload.bytes[said][column - span.first];
+      if (byte == elsewhere) continue;
+      const auto block = std::uint32_t(row * columns_ + column);
+      forget_up_to(block);
+      others_.push_back(block);
+      if (byte < block_present) {
+        fill(plane, slot, block, byte);
+        continue;
+      }
+      slot.holds[block] = unknown;
+      note_change(column, row);
+      Number* voxel = plane + place_of(block);
+      for (int y = 0; y < high(row); ++y, from += std::size_t(wide(column)) * sizeof(T))
+        convert<Number, T>(from, wide(column), code_, voxel + y * pitch_);
+    }
+  }
+  forget_up_to(blocks());
+  slot.others.swap(others_);
+}
+
+namespace {
+
+template <class Number>
+Number beyond(Number edge, Number inner) {
+  const auto value = static_cast<Number>(2 * edge - inner);
+  // What lies beyond the outer voxels has no weight, but not-a-number times zero would be one.
+  if constexpr (std::is_floating_point_v<Number>)
+    if (!std::isfinite(value)) return edge;
+  return value;
+}
+
+}  // namespace
+
+template <class Number>
+void ScalarPlanes::extrapolate_border(Number* p) {
   const int next = width_ > 1 ? 1 : 0;
-  for (int y = 0; y < height_; ++y) {
+  for (int y = changed_rows_.first; y < changed_rows_.end; ++y) {
     Number* row = p + y * pitch_;
     row[-1] = beyond(row[0], row[next]);
     row[width_] = beyond(row[width_ - 1], row[width_ - 1 - next]);
   }
   const std::ptrdiff_t down = height_ > 1 ? pitch_ : 0, last = (height_ - 1) * pitch_;
-  for (int x = -1; x <= width_; ++x) {
-    p[x - pitch_] = beyond(p[x], p[x + down]);
-    p[x + last + pitch_] = beyond(p[x + last], p[x + last - down]);
+  const Span& x = changed_columns_;
+  if (x.first == x.end) return;
+  // The corners follow the borders beside them.
+  const int from = x.first == 0 ? -1 : x.first, to = x.end >= width_ - 1 ? width_ : x.end - 1;
+  for (int at = from; at <= to; ++at) {
+    p[at - pitch_] = beyond(p[at], p[at + down]);
+    p[at + last + pitch_] = beyond(p[at + last], p[at + last - down]);
   }
 }
 
 template <class Number>
 void ScalarPlanes::place_as(int step, const SheetPayload& payload, ScalarType type) {
-  place_blocks<Number>(step, payload, type);
-  extrapolate_border<Number>(step);
+  changed_columns_ = changed_rows_ = {};
+  Number* plane = origin<Number>(step);
+  visit_type(type, [&](auto zero) {
+    place_blocks<Number, decltype(zero)>(plane, slots_hold_[slot_of(step)], payload);
+  });
+  extrapolate_border(plane);
 }
 
 void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
@@ -184,21 +224,61 @@ void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type)
     place_as<std::int16_t>(step, payload, type);
 }
 
-void ScalarPlanes::extrapolate(int step, int a, int b) {
-  const std::size_t blocks = std::size_t(columns_) * std::size_t(rows_);
-  std::fill_n(holds_.begin() + std::ptrdiff_t(slot_of(step) * blocks), blocks, unknown);
-  const auto all = [&](auto number) {
-    using Number = decltype(number);
-    const std::ptrdiff_t first = -margin * pitch_ - margin,
-                         count = std::ptrdiff_t(plane_bytes_ / sizeof(Number));
-    Number* out = origin<Number>(step) + first;
-    const Number *one = origin<Number>(a) + first, *other = origin<Number>(b) + first;
-    for (std::ptrdiff_t i = 0; i < count; ++i) out[i] = static_cast<Number>(2 * one[i] - other[i]);
+template <class Number>
+void ScalarPlanes::extrapolate_block(Number* out, const Number* one, const Number* other,
+                                     std::uint32_t block) const {
+  const std::ptrdiff_t place = place_of(block);
+  const int across = wide(int(block) % columns_), down = high(int(block) / columns_);
+  for (int y = 0; y < down; ++y)
+    for (std::ptrdiff_t at = place + y * pitch_, end = at + across; at < end; ++at)
+      out[at] = static_cast<Number>(2 * one[at] - other[at]);
+}
+
+template <class Number>
+void ScalarPlanes::extrapolate_margin(Number* out, const Number* one, const Number* other) const {
+  const auto at = [&](std::ptrdiff_t place) {
+    out[place] = static_cast<Number>(2 * one[place] - other[place]);
   };
+  for (int y = 0; y < height_; ++y) {
+    at(y * pitch_ - 1);
+    at(y * pitch_ + width_);
+  }
+  for (int x = -1; x <= width_; ++x) {
+    at(x - pitch_);
+    at(x + height_ * pitch_);
+  }
+}
+
+template <class Number>
+void ScalarPlanes::extrapolate_as(int step, int a, int b) {
+  Number* out = origin<Number>(step);
+  const Number *one = origin<Number>(a), *other = origin<Number>(b);
+  Slot& slot = slots_hold_[slot_of(step)];
+  const Slot &before = slots_hold_[slot_of(a)], &after = slots_hold_[slot_of(b)];
+  others_.clear();
+  if (before.elsewhere == after.elsewhere && before.elsewhere != unknown) {
+    // Where both hold the same filler the extrapolation is that.
+    fill_all(out, slot, before.elsewhere);
+    std::set_union(before.others.begin(), before.others.end(), after.others.begin(), after.others.end(),
+                   std::back_inserter(others_));
+  } else {
+    slot.elsewhere = unknown;
+    others_.resize(blocks());
+    std::iota(others_.begin(), others_.end(), 0U);
+  }
+  for (const std::uint32_t block : others_) {
+    extrapolate_block(out, one, other, block);
+    slot.holds[block] = unknown;
+  }
+  slot.others.swap(others_);
+  extrapolate_margin(out, one, other);
+}
+
+void ScalarPlanes::extrapolate(int step, int a, int b) {
   if (code_.floats)
-    all(float{});
+    extrapolate_as<float>(step, a, b);
   else
-    all(std::int16_t{});
+    extrapolate_as<std::int16_t>(step, a, b);
 }
 
 }  // namespace ringsplat

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -7,6 +8,7 @@
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "sheet_engine/table_axis.hpp"
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 
@@ -37,16 +39,46 @@ class ScalarPlanes {
  private:
   static constexpr std::uint8_t unknown = 0xff;
 
+  /// What the blocks of a slot hold, so that a payload costs what it says and what the one before said.
+  struct Slot {
+    std::uint8_t elsewhere = unknown;   ///< the filler of all blocks but `others`; unknown: of none
+    std::vector<std::uint32_t> others;  ///< ascending
+    std::vector<std::uint8_t> holds;    ///< by block: the filler in it; unknown: something else
+  };
+  /// Along an axis, voxels of blocks that changed and lie at a border or next to one that does.
+  struct Span {
+    int first = 0, end = 0;
+    void add(int from, int to) {
+      first = first < end ? std::min(first, from) : from;
+      end = std::max(end, to);
+    }
+  };
+
   template <class Number>
   Number* origin(int step);
   template <class Number>
   void place_as(int step, const SheetPayload& payload, ScalarType type);
+  template <class Number, class T>
+  void place_blocks(Number* plane, Slot& slot, const SheetPayload& payload);
   template <class Number>
-  void place_blocks(int step, const SheetPayload& payload, ScalarType type);
+  void fill_all(Number* plane, Slot& slot, std::uint8_t with);
   template <class Number>
-  void fill(Number* voxel, int column, int row, std::uint8_t with, std::uint8_t& holds);
+  void fill(Number* plane, Slot& slot, std::uint32_t block, std::uint8_t with);
+  void note_change(int column, int row);
   template <class Number>
-  void extrapolate_border(int step);
+  void extrapolate_border(Number* plane);
+  template <class Number>
+  void extrapolate_as(int step, int a, int b);
+  template <class Number>
+  void extrapolate_block(Number* out, const Number* one, const Number* other, std::uint32_t block) const;
+  template <class Number>
+  void extrapolate_margin(Number* out, const Number* one, const Number* other) const;
+  std::uint32_t blocks() const { return std::uint32_t(columns_) * std::uint32_t(rows_); }
+  int wide(int column) const { return std::min(CellRanges::side, width_ - column * CellRanges::side); }
+  int high(int row) const { return std::min(CellRanges::side, height_ - row * CellRanges::side); }
+  std::ptrdiff_t place_of(std::uint32_t block) const {
+    return (std::ptrdiff_t(block) / columns_ * pitch_ + std::ptrdiff_t(block) % columns_) * CellRanges::side;
+  }
   std::size_t slot_of(int step) const { return std::size_t((step + 1) % slots_); }
 
   int width_ = 0, height_ = 0, slots_ = 0;
@@ -56,7 +88,9 @@ class ScalarPlanes {
   Fillers fillers_{};
   std::size_t plane_bytes_ = 0;
   std::vector<std::byte> memory_;
-  std::vector<std::uint8_t> holds_;  ///< by slot and block: the filler in it; unknown: something else
+  std::vector<Slot> slots_hold_;
+  std::vector<std::uint32_t> others_;  ///< of the slot that is being filled
+  Span changed_columns_, changed_rows_;
 };
 
 /// Bytes of one plane.

@@ -71,7 +71,8 @@ class SheetEncoder final : public Encoder {
                .blocks = states_.size()};
     if (samples_) samples_->begin(step, int(parts_.size()));
     next_row_ = 0;
-    for (Part& part : parts_) part.begin(states_.size());
+    elsewhere_ = byte_elsewhere();
+    for (Part& part : parts_) part.begin();
     std::fill(tile_marked_.begin(), tile_marked_.end(), false);
   }
 
@@ -87,11 +88,10 @@ class SheetEncoder final : public Encoder {
     EncodedStep step;
     step.parts.resize(parts_.size());
     step.counts = counts_;
-    const std::uint8_t elsewhere = byte_elsewhere();
     for (std::size_t r = 0; r < parts_.size(); ++r)
       if (parts_[r].present > 0) {
-        write(parts_[r], elsewhere, step.parts[r]);
-        if (samples_) step.parts[r].work = {states_.size(), samples_->samples()[r]};
+        const std::uint64_t looked_at = write(parts_[r], step.parts[r]);
+        if (samples_) step.parts[r].work = {looked_at, samples_->samples()[r]};
       }
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
@@ -105,16 +105,22 @@ class SheetEncoder final : public Encoder {
   std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
 
  private:
+  /// What one Renderer is told of a block, by its byte in the payload.
+  struct Said {
+    std::uint32_t block;
+    std::uint8_t byte;
+  };
   /// The blocks for one Renderer.
   struct Part {
-    std::vector<bool> here;  ///< by block
+    std::vector<Said> said;  ///< ascending
     std::uint32_t present = 0;
     std::size_t voxels = 0;
-    void begin(std::size_t blocks) {
-      here.assign(blocks, false);
+    void begin() {
+      said.clear();
       present = 0;
       voxels = 0;
     }
+    bool knows(std::uint32_t block) const { return !said.empty() && said.back().block == block; }
   };
 
   const FrameGeometry& geometry() const { return frame_->geometry; }
@@ -129,26 +135,43 @@ class SheetEncoder final : public Encoder {
     return geometry().traversal.ascending ? state.visible_above : state.visible_below;
   }
 
-  /// Finds the Renderers of a block that is needed.
+  /// Finds the Renderers of a block that is needed, or is not as most others are.
   void deal(int column, int row) {
-    const std::size_t block = std::size_t(row) * std::size_t(columns_) + std::size_t(column);
-    if (!states_[block].needed) return;
-    const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
+    const auto block = std::uint32_t(row * columns_ + column);
+    const BlockState& state = states_[block];
+    if (!state.needed && state.transparent == elsewhere_) return;
     const PixelWindow window = windows_.of(column, row, slice_.index);
-    if (samples_ && sees(states_[block])) samples_->add(column, row);
-    const Regions& regions = geometry().regions;
-    const PixelRect touched = regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = geometry().regions.touched(window.x0, window.y0, window.x1, window.y1);
+    if (state.needed)
+      send(block, column, row, window, touched);
+    else
+      for_each_region(touched, [&](int, Part& part) {
+        if (!part.knows(block)) part.said.push_back({block, state.transparent});
+      });
+  }
+
+  void send(std::uint32_t block, int column, int row, const PixelWindow& window, const PixelRect& touched) {
+    const bool seen = sees(states_[block]);
+    const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
+    if (samples_ && seen) samples_->add(column, row);
     (touched.empty() ? counts_.outside : counts_.visible) += voxels;
-    for (int y = touched.y0; y < touched.y1; ++y)
-      for (int x = touched.x0; x < touched.x1; ++x) {
-        const int region = y * regions.columns() + x, renderer = owner_of(region);
-        if (renderer == FramePlan::nobody || hidden(region, window)) continue;
-        tile_marked_[std::size_t(region)] = true;
-        Part& part = parts_[std::size_t(renderer)];
-        if (part.here[block]) continue;
-        part.here[block] = true;
-        ++part.present;
-        part.voxels += voxels;
+    for_each_region(touched, [&](int region, Part& part) {
+      if (hidden(region, window)) return;
+      tile_marked_[std::size_t(region)] = true;
+      if (part.knows(block)) return;
+      part.said.push_back({block, std::uint8_t(block_present | (seen ? cells_visible : 0))});
+      ++part.present;
+      part.voxels += voxels;
+    });
+  }
+
+  /// Calls `visit(region, part)` for each region in columns and rows of them that somebody draws.
+  template <class Visit>
+  void for_each_region(const PixelRect& block, Visit&& visit) {
+    for (int y = block.y0; y < block.y1; ++y)
+      for (int x = block.x0; x < block.x1; ++x) {
+        const int region = y * geometry().regions.columns() + x, renderer = owner_of(region);
+        if (renderer != FramePlan::nobody) visit(region, parts_[std::size_t(renderer)]);
       }
   }
 
@@ -159,15 +182,6 @@ class SheetEncoder final : public Encoder {
     return tiles.hides(window.x0 - rect.x0, window.y0 - rect.y0, window.x1 - rect.x0, window.y1 - rect.y0);
   }
 
-  /// A block's byte in a payload. One that only other Renderers need may be anything.
-  std::uint8_t byte_of(const Part& part, std::size_t block, std::uint8_t elsewhere) const {
-    const BlockState& state = states_[block];
-    if (part.here[block]) {
-      return std::uint8_t(block_present | (sees(state) ? cells_visible : 0));
-    }
-    return state.needed ? elsewhere : state.transparent;
-  }
-
   /// The byte of most blocks that nobody needs.
   std::uint8_t byte_elsewhere() const {
     std::array<std::size_t, BlockState::not_a_number + 1> blocks{};
@@ -176,60 +190,60 @@ class SheetEncoder final : public Encoder {
     return std::uint8_t(std::max_element(blocks.begin(), blocks.end()) - blocks.begin());
   }
 
-  void write(const Part& part, std::uint8_t elsewhere, EncodedPart& out) const {
+  /// Returns how many blocks the payload has a byte for.
+  std::uint64_t write(const Part& part, EncodedPart& out) const {
+    const auto row_of = [this](const Said& said) { return int(said.block) / columns_; };
+    const int first = row_of(part.said.front()), rows = row_of(part.said.back()) + 1 - first;
     SheetHeader header;
     header.low = low_;
     header.high = high_;
     header.present = part.present;
-    header.elsewhere = elsewhere;
+    header.elsewhere = elsewhere_;
     header.scalar = std::uint8_t(slice_.type);
-    std::vector<BlockRow> rows(states_.size() / std::size_t(columns_));
-    for (std::size_t row = 0; row < rows.size(); ++row) rows[row] = said_of_row(part, row, elsewhere);
-    const auto says = [](const BlockRow& row) { return row.first < row.end; };
-    const auto first = std::find_if(rows.begin(), rows.end(), says);
-    const auto end = std::find_if(rows.rbegin(), rows.rend(), says).base();
-    header.first_row = std::uint16_t(first - rows.begin());
-    header.rows = std::uint16_t(end - first);
+    header.first_row = std::uint16_t(first);
+    header.rows = std::uint16_t(rows);
     out.payload = Message::body_buffer();
     out.payload.reserve(out.payload.size() + sizeof header +
-                        std::size_t(end - first) * (sizeof(BlockRow) + std::size_t(columns_)) +
+                        std::size_t(rows) * (sizeof(BlockRow) + std::size_t(columns_)) +
                         part.voxels * size_of(slice_.type));
     append(out.payload, header);
-    for (auto row = first; row != end; ++row) {
-      append(out.payload, *row);
-      const std::size_t start = std::size_t(row - rows.begin()) * std::size_t(columns_);
-      for (std::size_t column = row->first; column < row->end; ++column)
-        append(out.payload, byte_of(part, start + column, elsewhere));
+    std::uint64_t bytes = 0;
+    auto next = part.said.begin();
+    for (int row = first; row < first + rows; ++row) {
+      const auto begin = next;
+      while (next != part.said.end() && row_of(*next) == row) ++next;
+      bytes += append_row({begin, next}, out.payload);
     }
     const std::size_t before = out.payload.size();
     out.payload.resize(before + part.voxels * size_of(slice_.type));
-    std::byte* to = out.payload.data() + before;
-    for (auto row = first; row != end; ++row) to = copy_voxels(part, int(row - rows.begin()), to);
+    copy_voxels(part, out.payload.data() + before);
     out.items = part.present;
     out.passes = 1;
+    return bytes;
   }
 
-  /// The columns of blocks that are not as `elsewhere`, from the first to the last.
-  BlockRow said_of_row(const Part& part, std::size_t row, std::uint8_t elsewhere) const {
-    const std::size_t start = row * std::size_t(columns_);
-    int first = 0, end = columns_;
-    while (first < end && byte_of(part, start + std::size_t(first), elsewhere) == elsewhere) ++first;
-    while (first < end && byte_of(part, start + std::size_t(end - 1), elsewhere) == elsewhere) --end;
-    return {std::uint16_t(first), std::uint16_t(end)};
+  /// Appends what is said of a row's blocks, from the first to the last; returns of how many.
+  std::uint64_t append_row(std::span<const Said> said, Bytes& payload) const {
+    const auto column_of = [this](const Said& one) { return std::uint16_t(int(one.block) % columns_); };
+    BlockRow row;
+    if (!said.empty()) row = {column_of(said.front()), std::uint16_t(column_of(said.back()) + 1)};
+    append(payload, row);
+    auto next = said.begin();
+    for (std::uint16_t column = row.first; column < row.end; ++column)
+      append(payload, column == column_of(*next) ? (next++)->byte : elsewhere_);
+    return std::uint64_t(row.end - row.first);
   }
 
-  /// Copies the voxels of a row's present blocks to `to`; returns the end of what it wrote.
-  std::byte* copy_voxels(const Part& part, int row, std::byte* to) const {
+  /// Copies the voxels of the present blocks to `to`.
+  void copy_voxels(const Part& part, std::byte* to) const {
     const std::size_t scalar = size_of(slice_.type), pitch = slice_.row_pitch() * scalar;
-    const int high = block_height(row);
-    const std::byte* first = slice_.values_of_row(row * side);
-    for (int column = 0; column < columns_; ++column) {
-      if (!part.here[std::size_t(row) * std::size_t(columns_) + std::size_t(column)]) continue;
+    for (const Said& said : part.said) {
+      if (said.byte < block_present) continue;
+      const int column = int(said.block) % columns_, row = int(said.block) / columns_;
       const std::size_t bytes = std::size_t(block_width(column)) * scalar;
-      const std::byte* from = first + std::size_t(column * side) * scalar;
-      for (int y = 0; y < high; ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
+      const std::byte* from = slice_.values_of_row(row * side) + std::size_t(column * side) * scalar;
+      for (int y = 0; y < block_height(row); ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
     }
-    return to;
   }
 
   /// Of all the whole volume's slices, other GPs' too, so that a clip box changes no table.
@@ -253,6 +267,7 @@ class SheetEncoder final : public Encoder {
   int columns_ = 1;  ///< of blocks
   std::span<const BlockState> states_;
   int next_row_ = 0;
+  std::uint8_t elsewhere_ = 0;            ///< the byte of blocks of which nothing is said
   std::optional<SampleCounter> samples_;  ///< where Painters' work is to be told
   EncodeCounts counts_;
   std::vector<Part> parts_;        ///< by Renderer

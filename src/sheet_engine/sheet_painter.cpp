@@ -79,7 +79,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     step_ = step;
     take_range(payload_->header);
     counts_.drawn += payload_->header.present;
-    counts_.work.blocks += blocks_of_slice(geometry());
+    for (const BlockRow& row : payload_->rows) counts_.work.blocks += std::uint64_t(row.end - row.first);
   }
 
   bool work() override {
