@@ -135,6 +135,7 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
                     .threads = options.threads_per_rank,
                     .skip_empty = skip_empty,
                     .count_work = count_only,
+                    .voxel_weight = count_only ? voxel_weight : 1,
                     .timed = timed,
                     .take = std::move(take)});
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);

@@ -40,40 +40,36 @@ class Homogeneous {
 };
 
 /// `before` and `after` are in the order of the traversal.
-BlockWindows windows_of_slab(const FrameGeometry& g, double before, double after) {
+BlockWindows windows_of_slab(const FrameGeometry& g, double before, double after, int finer) {
   if (!g.traversal.ascending) std::swap(before, after);
-  return {g, 1.0, before, after};
+  return {g, 1.0, before, after, finer};
 }
 
 }  // namespace
 
-SlabWindows::SlabWindows(const FrameGeometry& g)
+SlabWindows::SlabWindows(const FrameGeometry& g, int finer)
     : slices(g.slices),
-      between_slices(windows_of_slab(g, 0, 1)),
-      before_first(windows_of_slab(g, 0.5, 0)),
-      after_last(windows_of_slab(g, 0, 0.5)) {}
+      between_slices(windows_of_slab(g, 0, 1, finer)),
+      before_first(windows_of_slab(g, 0.5, 0, finer)),
+      after_last(windows_of_slab(g, 0, 0.5, finer)) {}
 
-std::uint64_t blocks_of_slice(const FrameGeometry& g) {
-  const auto [u, v] = in_plane(g.traversal.axis);
-  return std::uint64_t(CellRanges::blocks_along(g.grid.dims[u])) *
-         std::uint64_t(CellRanges::blocks_along(g.grid.dims[v]));
-}
-
-BlockWindows::BlockWindows(const FrameGeometry& g, double around, double slices_before, double slices_after)
+BlockWindows::BlockWindows(const FrameGeometry& g, double around, double slices_before, double slices_after,
+                           int finer)
     : from_eye_(g.view.eye.has_value()) {
   const auto [u, v] = in_plane(g.traversal.axis);
   const Homogeneous seen(g.view);
   const glm::dvec3 along_u = seen.step(u), along_v = seen.step(v),
                    along_k = seen.step(static_cast<int>(g.traversal.axis));
-  constexpr double side = CellRanges::side, middle = 0.5 * (side - 1);
-  first_ = seen.point(glm::dvec3(0.0)) + middle * (along_u + along_v) +
+  const double voxel = 1.0 / finer, side = CellRanges::side * voxel, middle = 0.5 * (side - voxel),
+               first = 0.5 * (side - 1);
+  first_ = seen.point(glm::dvec3(0.0)) + first * (along_u + along_v) +
            0.5 * (slices_after - slices_before) * along_k;
   column_ = side * along_u;
   row_ = side * along_v;
   slice_ = along_k;
   // Positions and rays are rounded to 2^-10 voxels or less.
   constexpr double rounding = 1.0 / 512;
-  const double in_plane = middle + around + rounding,
+  const double in_plane = middle + around * voxel + rounding,
                across = 0.5 * (slices_before + slices_after) + rounding;
   reach_[0] = in_plane * along_u;
   reach_[1] = in_plane * along_v;

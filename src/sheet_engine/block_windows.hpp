@@ -12,8 +12,9 @@ namespace ringsplat {
 class BlockWindows {
  public:
   /// `around`: how far from a block's voxels, in lattice distances, positions in its plane and slices before
-  /// and after it count.
-  BlockWindows(const FrameGeometry& geometry, double around, double slices_before, double slices_after);
+  /// and after it count. `finer`: how many times as many voxels the slices are taken to have along each side.
+  BlockWindows(const FrameGeometry& geometry, double around, double slices_before, double slices_after,
+               int finer = 1);
   /// Of block (column, row) of a slice.
   PixelWindow of(int column, int row, int slice) const;
 
@@ -29,15 +30,13 @@ class BlockWindows {
 
 /// The pixels in which what lies between slices is seen, by the blocks of a slice's cells.
 struct SlabWindows {
-  explicit SlabWindows(const FrameGeometry& geometry);
+  /// `finer`: as of BlockWindows.
+  explicit SlabWindows(const FrameGeometry& geometry, int finer = 1);
   /// Of the slab behind the slice of `step`, as rays go through it.
   const BlockWindows& behind(int step) const { return step == slices - 1 ? after_last : between_slices; }
 
   int slices;
   BlockWindows between_slices, before_first, after_last;
 };
-
-/// How many blocks a slice has.
-std::uint64_t blocks_of_slice(const FrameGeometry& geometry);
 
 }  // namespace ringsplat

@@ -6,7 +6,8 @@
 
 namespace ringsplat {
 
-SampleCounter::SampleCounter(const SheetFrame& frame) : frame_(frame), windows_(frame.geometry) {
+SampleCounter::SampleCounter(const SheetFrame& frame, int finer)
+    : frame_(frame), windows_(frame.geometry, finer) {
   std::size_t tiles = 0;
   const Regions& regions = frame.geometry.regions;
   for (int region = 0; region < regions.count(); ++region) {

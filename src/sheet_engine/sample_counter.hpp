@@ -10,7 +10,8 @@ namespace ringsplat {
 /// them: the pixels of the tiles that they touch, for every slab that begins at the slice.
 class SampleCounter {
  public:
-  explicit SampleCounter(const SheetFrame& frame);
+  /// `finer`: as of BlockWindows.
+  explicit SampleCounter(const SheetFrame& frame, int finer = 1);
 
   /// Begins the slice of a step.
   void begin(int step, int renderers);

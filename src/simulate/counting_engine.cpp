@@ -42,15 +42,16 @@ class CountingEncoder final : public EncoderDecorator {
 
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
+    // Encoders of blocks weigh them themselves: so many more are so much smaller.
+    const bool blocks = step.counts.blocks > 0;
     step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible), weighted(step.counts.outside),
-                   weighted(step.counts.blocks)};
+                   step.counts.blocks};
     for (EncodedPart& part : step.parts) {
       if (part.payload.empty()) continue;
-      // Voxels stand for others, pixels only for themselves.
-      Said said{weighted(part.items), 0, {weighted(part.work.blocks), part.work.samples}};
+      Said said{blocks ? part.items : weighted(part.items), 0, part.work};
+      const std::size_t bytes = Message::body_size(part.payload);
       for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
-      part.payload =
-          counted(std::max(sizeof said, std::size_t(weighted(Message::body_size(part.payload)))), said);
+      part.payload = counted(std::max(sizeof said, blocks ? bytes : std::size_t(weighted(bytes))), said);
       part.items = static_cast<std::uint32_t>(said.items);
       part.counted = true;
     }

@@ -1,0 +1,100 @@
+#include "net/message.hpp"
+#include "sheet_engine/sheet_engine.hpp"
+#include "sheet_engine/sheet_payload.hpp"
+#include "sheet_engine/slice_blocks.hpp"
+#include "sheet_engine/weighed_encoder.hpp"
+#include "support/catch.hpp"
+#include "support/dealt.hpp"
+#include "support/views.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr int renderers = 6;
+
+std::map<int, SliceStore> with_cell_ranges(VolumeSource& source) {
+  auto stores = dealt(source, 1);
+  SoloCollectives solo;
+  share_cell_ranges(stores, 1, {{0}}, solo);
+  return stores;
+}
+
+std::shared_ptr<const SheetFrame> seen_from_above(const Grid& grid, const TransferFunction& function) {
+  FrameSpec spec = oblique_view(96, 96, 0);
+  spec.shown.camera = {.azimuth = 0, .elevation = 90};
+  spec.shown.transfer_function = function;
+  spec.how = Sheets{};
+  return make_sheet_frame(spec, grid, 1, renderers);
+}
+
+EncodedStep encoded(Encoder& encoder, int step) {
+  encoder.begin(step);
+  while (!encoder.work()) {
+  }
+  return encoder.finish();
+}
+
+struct Sum {
+  double payloads = 0, items = 0, bytes = 0, told = 0, samples = 0;
+};
+
+Sum sum_of(Encoder& encoder) {
+  Sum sum;
+  for (const int step : {20, 50, 90, 120})
+    for (const EncodedPart& part : encoded(encoder, step).parts) {
+      if (part.payload.empty()) continue;
+      ++sum.payloads;
+      sum.items += part.items;
+      sum.bytes += double(Message::body_size(part.payload));
+      sum.told += double(part.work.blocks);
+      sum.samples += double(part.work.samples);
+    }
+  return sum;
+}
+
+}  // namespace
+
+TEST_CASE("a Renderer is told only of blocks that it can see, whatever the function hides in between") {
+  TransferFunction shell;
+  shell.colours = {{0, {1, 1, 1}}, {255, {1, 1, 1}}};
+  shell.opacities = {{0, 0}, {60, 0}, {80, 1}, {100, 0}, {255, 0}};
+  const auto frame = seen_from_above(make_grid({96, 96, 12}), shell);
+  const auto stores = with_cell_ranges(*synth_source("ball", frame->geometry.grid));
+  SliceBlocks blocks;
+  const auto encoder = make_sheet_encoder(frame, renderers, stores.at(0), blocks, true);
+  std::size_t told = 0, payloads = 0;
+  for (const EncodedPart& part : encoded(*encoder, 6).parts) {
+    if (part.payload.empty()) continue;
+    ++payloads;
+    const auto body = std::span(part.payload).subspan(sizeof(Header));
+    for (const BlockRow& row : read_sheet_payload(body, 96, 96, ScalarType::uint8).rows)
+      told += std::size_t(row.end - row.first);
+  }
+  REQUIRE(payloads == renderers);
+  // Of 144 blocks. Those at a border between regions are told to both sides.
+  CHECK(told > 144 / 2);
+  CHECK(told < 3 * 144);
+}
+
+TEST_CASE("voxels that stand for others are counted as the blocks of these") {
+  // A volume, and one of every fourth of its voxels along x and y.
+  const Grid fine = make_grid({192, 192, 128}),
+             coarse = make_grid({48, 48, 128}, ScalarType::uint8, {4, 4, 1});
+  Sum sums[2];
+  for (const bool weighed : {false, true}) {
+    const auto frame = seen_from_above(weighed ? coarse : fine, ramp(110, 255, 0.3));
+    const auto stores = with_cell_ranges(*synth_source("ball", frame->geometry.grid));
+    SliceBlocks blocks;
+    const auto encoder = weighed ? make_weighed_encoder(frame, renderers, stores.at(0), 16)
+                                 : make_sheet_encoder(frame, renderers, stores.at(0), blocks, false, true);
+    sums[int(weighed)] = sum_of(*encoder);
+  }
+  const auto& [real, weighed] = sums;
+  CHECK(weighed.payloads == Approx(real.payloads).epsilon(0.1));
+  CHECK(weighed.items == Approx(real.items).epsilon(0.1));
+  CHECK(weighed.bytes == Approx(real.bytes).epsilon(0.1));
+  CHECK(weighed.told == Approx(real.told).epsilon(0.15));
+  CHECK(weighed.samples == Approx(real.samples).epsilon(0.1));
+}
