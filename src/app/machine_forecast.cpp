@@ -193,7 +193,7 @@ MachineForecast::MachineForecast(VolumeSource& source, FrameSpec frame, const Tr
     FrameGeometry g = make_geometry(frame_, grid);
     const WorkCosts costs = costs_in(g, usual);
     const auto shown = points.of(sketch, frame_.shown.transfer_function,
-                                 sheets ? std::optional(g.traversal.axis) : std::nullopt);
+                                 shown_blocks(g, costs));
     const int factor = frame_.shown.reduction.factor;
     WorkEstimate whole(g, sketch, shown, costs, factor);
     std::vector<WorkEstimate> layers;

@@ -6,8 +6,6 @@
 #include <numeric>
 #include <queue>
 
-#include "volume/cell_ranges.hpp"
-
 namespace ringsplat {
 namespace {
 
@@ -95,17 +93,10 @@ std::vector<Regions> ways_to_cut(const FrameGeometry& g, const Division& divisio
 }  // namespace
 
 WorkCosts costs_in(const FrameGeometry& g, WorkCosts costs) {
-  if (costs.look == 0) return costs;
-  constexpr double side = CellRanges::side;
-  const auto [u, v] = in_plane(g.traversal.axis);
-  costs.payload += costs.look * (g.grid.dims[u] / side) * (g.grid.dims[v] / side);
+  if (costs.block == 0) return costs;
   const PixelRect region = g.regions.rect(0);
-  for (int along = 0; along < 2; ++along) {
-    const double block = side * (std::abs(g.view.linear[u][along]) + std::abs(g.view.linear[v][along])),
-                 sent_to = 1 + block / (along == 0 ? region.width() : region.height());
-    costs.voxel *= sent_to;
-    costs.visible *= sent_to;
-  }
+  const glm::dvec2 block = size_of_block(g, costs.block);
+  costs.visible *= (1 + block.x / region.width()) * (1 + block.y / region.height());
   return costs;
 }
 

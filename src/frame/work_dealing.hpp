@@ -4,8 +4,7 @@
 
 namespace ringsplat {
 
-/// What work costs in a frame with such slices and regions: a payload's blocks are looked through, and a
-/// block goes to all Renderers that see some of it.
+/// What work costs in a frame with such regions: a GP copies a block for all Renderers that see some of it.
 WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
 
 /// Whether regions dealt in turn are so many for each Renderer that none has much more work than others.

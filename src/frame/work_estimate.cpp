@@ -31,13 +31,14 @@ struct ValueHull {
 };
 
 /// By point, the values of all points of its block of a slice and of the block behind that.
-std::vector<ValueHull> hulls_of_blocks(const VolumeSketch& sketch, Axis axis) {
-  const auto [u, v] = in_plane(axis);
-  const int k = static_cast<int>(axis);
+std::vector<ValueHull> hulls_of_blocks(const VolumeSketch& sketch, const ShownPoints::Blocks& blocks) {
+  const auto [u, v] = in_plane(blocks.across);
+  const int k = static_cast<int>(blocks.across);
   std::vector<ValueHull> hulls(sketch.values.size());
   const auto first_of_block = [&](int along, int point) {
-    const int block = sketch.voxel(along, point) / CellRanges::side;
-    while (point > 0 && sketch.voxel(along, point - 1) / CellRanges::side == block) --point;
+    const auto block_of = [&](int of) { return int(sketch.voxel(along, of) / blocks.side); };
+    const int block = block_of(point);
+    while (point > 0 && block_of(point - 1) == block) --point;
     return point;
   };
   glm::ivec3 at;
@@ -62,16 +63,27 @@ std::vector<ValueHull> hulls_of_blocks(const VolumeSketch& sketch, Axis axis) {
 
 }  // namespace
 
+glm::dvec2 size_of_block(const FrameGeometry& g, double side) {
+  constexpr double usual_reach = 2, rounding = 1;  // of gradients, in voxels; to whole pixels
+  const auto [u, v] = in_plane(g.traversal.axis);
+  const glm::dvec2 a(g.view.linear[u]), b(g.view.linear[v]),
+      k(g.view.linear[static_cast<int>(g.traversal.axis)]);
+  const double magnified = g.view.magnification(0.5 * glm::dvec3(g.grid.dims)),
+               scale = std::isfinite(magnified) ? magnified : 1,
+               in_plane_voxels = side * (1 + (2 * usual_reach - 1) / CellRanges::side);
+  return scale * (in_plane_voxels * (glm::abs(a) + glm::abs(b)) + 2 * usual_reach * glm::abs(k)) + rounding;
+}
+
 std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const TransferFunction& function,
-                                               std::optional<Axis> blocks_across) {
-  if (function_ && *function_ == function && blocks_across_ == blocks_across) return shown_;
+                                               std::optional<Blocks> blocks) {
+  if (function_ && *function_ == function && blocks_ == blocks) return shown_;
   function_ = function;
-  blocks_across_ = blocks_across;
+  blocks_ = blocks;
   shown_.clear();
   std::vector<ValueHull> hulls(sketch.values.size());
-  if (blocks_across) hulls = hulls_of_blocks(sketch, *blocks_across);
+  if (blocks) hulls = hulls_of_blocks(sketch, *blocks);
   for (std::size_t k = 0; k < sketch.values.size(); ++k) {
-    if (!blocks_across) hulls[k].add(sketch.values[k]);
+    if (!blocks) hulls[k].add(sketch.values[k]);
     const auto [low, high] = hulls[k];
     if (low <= high && function.visible_within(double(low), double(high))) shown_.push_back(std::uint32_t(k));
   }
@@ -98,11 +110,13 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
   rows_ = int(std::ceil(g.height / cell_.y)) + 1;
   work_.assign(std::size_t(columns_) * std::size_t(rows_), 0);
   seen_.assign(work_.size(), 0);
-  around_ = costs.pixel > 0 ? glm::dvec2(0.0) : g.reach;
+  around_ = costs.block > 0 ? 0.5 * size_of_block(g, costs.block) : g.reach;
   for (int along = 0; along < 2; ++along)
     if (!std::isfinite(around_[along])) around_[along] = 0;
 
-  const double work = voxels_of_point_ * (costs.voxel + costs.pixel * pixels_of_voxel(g));
+  const double painting = costs.pixel * pixels_of_voxel(g),
+               work = voxels_of_point_ * (costs.voxel + painting);
+  if (painting > 0) painted_ = painting / (costs.voxel + painting);
   std::vector<int> shown_in(std::size_t(layers_), 0);
   // Which points of each axis lie in the box.
   std::array<std::array<bool, VolumeSketch::most>, 3> inside{};
@@ -196,7 +210,9 @@ double WorkEstimate::within(double x0, double y0, double x1, double y1) const {
 
 PartWork WorkEstimate::of(const PixelRect& rect) const {
   PartWork part;
-  part.seconds = within(rect.x0 - around_.x, rect.y0 - around_.y, rect.x1 + around_.x, rect.y1 + around_.y);
+  part.seconds = (1 - painted_) *
+                 within(rect.x0 - around_.x, rect.y0 - around_.y, rect.x1 + around_.x, rect.y1 + around_.y);
+  if (painted_ > 0) part.seconds += painted_ * within(rect.x0, rect.y0, rect.x1, rect.y1);
   const int left = std::max(0, int((rect.x0 - around_.x) / cell_.x)),
             right = std::min(columns_ - 1, int((rect.x1 - 1 + around_.x) / cell_.x)),
             top = std::max(0, int((rect.y0 - around_.y) / cell_.y)),

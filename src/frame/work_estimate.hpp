@@ -17,25 +17,40 @@ struct WorkCosts {
   double payload = 0;  ///< a Renderer, for a payload
   double visible = 0;  ///< a GP, for a visible voxel
   double hollow = 0;   ///< a GP, for any other voxel
-  double look = 0;     ///< a Renderer, for each block of a payload's slice; 0: voxels do not travel in blocks
+  double block = 0;    ///< side of the blocks that voxels travel in, in voxels; 0: they travel alone
 };
 /// On one core of docs/performance.md.
 inline constexpr WorkCosts usual_splat_costs{54e-9, 0, 54e-6, 12e-9, 0.2e-9},
-    usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9, 3e-9};
+    usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9, 8};
+
+/// Pixels that use a block of so many voxels a side; in perspective about the volume's middle.
+glm::dvec2 size_of_block(const FrameGeometry& geometry, double side);
 
 /// The points of a sketch that a transfer function shows; found again when the function changes.
 class ShownPoints {
  public:
-  /// By VolumeSketch::index(), ascending. `blocks_across`: where voxels travel in blocks of the slices of an
-  /// axis, all points of a block that may show something. Valid until the next call.
+  /// Blocks of the slices of an axis.
+  struct Blocks {
+    Axis across = Axis::z;
+    double side = 0;  ///< in voxels
+    bool operator==(const Blocks&) const = default;
+  };
+  /// By VolumeSketch::index(), ascending. Where voxels travel in blocks, all points of a block that may show
+  /// something. Valid until the next call.
   std::span<const std::uint32_t> of(const VolumeSketch& sketch, const TransferFunction& transfer_function,
-                                    std::optional<Axis> blocks_across = std::nullopt);
+                                    std::optional<Blocks> blocks = std::nullopt);
 
  private:
   std::optional<TransferFunction> function_;
-  std::optional<Axis> blocks_across_;
+  std::optional<Blocks> blocks_;
   std::vector<std::uint32_t> shown_;
 };
+
+/// The blocks that voxels travel in; none where they travel alone.
+inline std::optional<ShownPoints::Blocks> shown_blocks(const FrameGeometry& g, const WorkCosts& costs) {
+  if (costs.block == 0) return std::nullopt;
+  return ShownPoints::Blocks{g.traversal.axis, costs.block};
+}
 
 /// What one part of the image plane takes to draw.
 struct PartWork {
@@ -55,8 +70,8 @@ class WorkEstimate {
 
   /// False when so few points are shown that they say little.
   bool telling() const { return points_ >= 200; }
-  /// Of a rectangle of pixels; what lies up to the frame's reach beside it counts, too, where that is drawn
-  /// for both sides.
+  /// Of a rectangle of pixels. What a Renderer gets counts also where it lies beside the rectangle and
+  /// reaches into it: voxels by the frame's reach, blocks by their size.
   PartWork of(const PixelRect& rect) const;
 
   double visible_voxels() const { return points_ * voxels_of_point_; }
@@ -85,6 +100,7 @@ class WorkEstimate {
   double voxels_of_point_ = 1;
   glm::dvec2 cell_{1.0};  ///< pixels
   glm::dvec2 around_{0.0};
+  double painted_ = 0;  ///< part of the work that is the rectangle's own pixels'
   int columns_ = 1, rows_ = 1;
   std::vector<double> work_;           ///< by cell; then sums over all cells above and to the left
   std::vector<std::uint64_t> seen_;    ///< by cell: layers

@@ -1,5 +1,6 @@
 #include "session/engines.hpp"
 
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "net/message.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "splat_engine/splat_engine.hpp"
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
 namespace {
@@ -59,11 +61,11 @@ WorkCosts splat_costs(const Machine& m, double voxel_weight) {
 }
 
 WorkCosts sheet_costs(const Machine& m, double voxel_weight) {
-  constexpr double block = 64;
-  const double voxel = voxel_weight / block;
+  constexpr double side = CellRanges::side;
+  const double voxel = voxel_weight / (side * side);
   return {voxel * m.sheets.place, m.sheets.sample,
-          m.sheets.slice + sending_seconds(m, sizeof(Header)) + m.message.receive, voxel * m.sheets.copy,
-          voxel * m.sheets.look};
+          m.sheets.slice + sending_seconds(m, sizeof(Header)) + m.message.receive,
+          voxel * (m.sheets.copy + m.sheets.look), voxel * m.sheets.look, side / std::sqrt(voxel_weight)};
 }
 
 }  // namespace ringsplat
