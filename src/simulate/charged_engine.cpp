@@ -89,6 +89,13 @@ class ChargedPainter final : public Painter {
   /// A Renderer of sheets keeps as many slices (sheet_engine/sheet_painter.cpp).
   static constexpr int most_kept = 36;
 
+  /// It takes messages after each group of pixels that it has painted through a dozen slabs or more.
+  static double painting_piece(const Machine& machine) {
+    constexpr double group = 16 * 16, slabs = 12;
+    const double seconds = group * slabs * machine.sheets.sample;
+    return seconds > 0 ? std::min(seconds, machine.poll_interval) : machine.poll_interval;
+  }
+
   void owe_for_payload(const ItemCounts& now) {
     const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
                  blocks = double(now.work.blocks - before_.work.blocks);
@@ -111,7 +118,7 @@ class ChargedPainter final : public Painter {
 
   Painter& inner_;
   const Machine& machine_;
-  Debt debt_{machine_.poll_interval}, samples_debt_{machine_.poll_interval};
+  Debt debt_{machine_.poll_interval}, samples_debt_{painting_piece(machine_)};
   int slices_kept_ = 0;  ///< placed since all was painted
   std::uint32_t passes_ = 0;
   ItemCounts before_;     ///< the payload
