@@ -93,7 +93,7 @@ class Study:
         if not visible:
             curve = step_function(self.path("nothing.json"), 0, opacity=0)
         return [path, "--spacing", spacing, "--tf", curve, "--voxel-weight", f"{(width / base) ** 2:g}", "--size", f"{n}x{n}",
-                "--radius", 0.5, "--shading", "none", "--count-only"]
+                "--shading", "none", "--count-only"]
 
     def coarser(self, machine):
         """The machine with nodes that look for messages every millisecond of work, of which such a frame has two million."""

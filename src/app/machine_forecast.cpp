@@ -191,6 +191,7 @@ MachineForecast::MachineForecast(VolumeSource& source, FrameSpec frame, const Tr
     frame_.shown.camera = camera;
     frame_.division.dealt_to = ranks;
     FrameGeometry g = make_geometry(frame_, grid);
+    if (!sheets) g.reach = narrowed(g.reach, voxel_weight);
     const WorkCosts costs = costs_in(g, usual);
     const auto shown = points.of(sketch, frame_.shown.transfer_function,
                                  shown_blocks(g, costs));

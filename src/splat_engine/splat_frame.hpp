@@ -20,8 +20,9 @@ struct SplatFrame {
 class RegionDealer;
 
 /// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
-/// view cannot be drawn.
+/// view cannot be drawn. `voxel_weight`: as EngineSetup's.
 std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers, RegionDealer* dealer = nullptr);
+                                                   int renderers, RegionDealer* dealer = nullptr,
+                                                   double voxel_weight = 1);
 
 }  // namespace ringsplat
