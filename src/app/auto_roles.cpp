@@ -20,7 +20,8 @@ namespace {
 std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid, const LoadOptions& load) {
   const double machine = machine_memory_bytes();
   const auto too_large = [&](const Layout& layout) {
-    return double(SliceStore::bytes_needed(grid, 0, layout.gps, load.kept_axes, load.with_normals)) > machine;
+    return double(SliceStore::bytes_needed(grid, 0, dealing_of(layout), load.kept_axes, load.with_normals)) >
+           machine;
   };
   std::vector<Layout> fitting;
   std::remove_copy_if(layouts.begin(), layouts.end(), std::back_inserter(fitting), too_large);

@@ -81,24 +81,24 @@ struct Memory {
   std::uint64_t all_lit, all_plain, one_lit, one_plain;  ///< bytes of the GP that holds most
 };
 
-Memory memory_of(const Grid& grid, int gps) {
+Memory memory_of(const Grid& grid, SliceDealing dealing) {
   const auto most = [&](bool all, bool normals) {
-    if (all) return SliceStore::bytes_needed(grid, 0, gps, all_sets, normals);
+    if (all) return SliceStore::bytes_needed(grid, 0, dealing, all_sets, normals);
     std::uint64_t largest = 0;
     for (std::size_t axis = 0; axis < 3; ++axis) {
       std::array<bool, 3> one{};
       one[axis] = true;
-      largest = std::max(largest, SliceStore::bytes_needed(grid, 0, gps, one, normals));
+      largest = std::max(largest, SliceStore::bytes_needed(grid, 0, dealing, one, normals));
     }
     return largest;
   };
-  return {gps, most(true, true), most(true, false), most(false, true), most(false, false)};
+  return {dealing.gps, most(true, true), most(true, false), most(false, true), most(false, false)};
 }
 
-std::vector<Memory> memory_table(const Grid& grid, int gps) {
+std::vector<Memory> memory_table(const Grid& grid, int gps, int slab) {
   std::vector<Memory> table;
   for (const int count : gps > 0 ? std::vector{gps} : std::vector{1, 2, 4, 8, 16})
-    table.push_back(memory_of(grid, count));
+    table.push_back(memory_of(grid, {count, slab}));
   return table;
 }
 
@@ -209,7 +209,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   text += fmt::format(
       "\nslices held by a GP (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n", "--gps",
       "all axes, lit", "all axes, unlit", "one axis, lit", "one axis, unlit");
-  for (const auto& m : memory_table(whole, o.gps))
+  for (const auto& m : memory_table(whole, o.gps, o.slab))
     text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
                         human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain));
   return text;
@@ -256,7 +256,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
                     {"below", histogram.below},
                     {"above", histogram.above}};
   j["notes"] = to_json(notes, values);
-  for (const auto& m : memory_table(whole, o.gps))
+  for (const auto& m : memory_table(whole, o.gps, o.slab))
     j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
                                          {"all_axes_lit", m.all_lit},
                                          {"all_axes_unlit", m.all_plain},
@@ -302,13 +302,13 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
     const MachineForecast forecast(source, frame, choice, views, *f.machine, 1, o.ranks,
                                    picture.run.protocol);
     if (sketched) f.costs = forecast.costs();
-    f.predictions = forecast.predict_all(rings_on_machine(o.ranks));
-    for (const Layout& layout : possible_layouts(o.ranks, true))
+    f.predictions = forecast.predict_all(in_slabs(rings_on_machine(o.ranks), o.slab));
+    for (const Layout& layout : in_slabs(possible_layouts(o.ranks, true), o.slab))
       if (layout.topology == Topology::mesh) f.predictions.push_back(forecast.predict(layout));
     std::stable_sort(f.predictions.begin(), f.predictions.end(),
                      [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; });
   } else {
-    f.predictions = predict_all(f.costs, f.ranks, possible_layouts(o.ranks, true, cores));
+    f.predictions = predict_all(f.costs, f.ranks, in_slabs(possible_layouts(o.ranks, true, cores), o.slab));
   }
   progress.end();
   return f;
@@ -327,6 +327,7 @@ nlohmann::json to_json(const Forecast& f) {
                        {"gps", p.layout.gps},
                        {"renderers", p.layout.renderers},
                        {"idle", p.layout.idle},
+                       {"slab", p.layout.slab},
                        {"roles", p.layout.placement == Placement::colocated ? "colocated" : "dedicated"},
                        {"mesh", {p.layout.mesh_columns, p.layout.mesh_rows}},
                        {"topology", p.layout.topology == Topology::mesh ? "mesh" : "ring"},

@@ -155,7 +155,9 @@ RunOptions with_mesh_counts(RunOptions o) {
 
 /// The layout without its numbers of nodes.
 Layout empty_layout(const RunOptions& o) {
-  Layout layout{.placement = o.placement.value_or(Placement::dedicated), .topology = o.topology};
+  Layout layout{.placement = o.placement.value_or(Placement::dedicated),
+                .topology = o.topology,
+                .slab = o.slab.value_or(1)};
   if (o.topology == Topology::mesh) {
     layout.mesh_columns = o.mesh->width;
     layout.mesh_rows = o.mesh->height;
@@ -197,9 +199,13 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
+  if (o.choose_slab && !o.engine.simulation.machine)
+    throw InputError("--slab auto follows from a described machine's costs, but these ranks are real",
+                     "give a number, or leave it out: slices are then dealt one by one");
   auto layouts = o.engine.simulation.machine
                      ? rings_on_machine(ranks)
                      : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
+  layouts = in_slabs(std::move(layouts), o.slab.value_or(1));
   std::erase_if(layouts, [&](const Layout& l) {
     return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
            l.placement != o.placement.value_or(l.placement);

@@ -19,13 +19,13 @@ TransferFunction stand_in_function() {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
 }
 
-SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps) {
-  SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(gps), 0)};
+SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing) {
+  SliceMemory memory{load.kept_axes, std::vector<std::uint64_t>(std::size_t(dealing.gps), 0)};
   for (const int factor : load.factors) {
     const Grid level = reduced_grid(grid, {factor, load.prefilter});
-    for (int gp = 0; gp < gps; ++gp)
+    for (int gp = 0; gp < dealing.gps; ++gp)
       memory.predicted[std::size_t(gp)] +=
-          SliceStore::bytes_needed(level, gp, gps, load.kept_axes, load.with_normals);
+          SliceStore::bytes_needed(level, gp, dealing, load.kept_axes, load.with_normals);
   }
   return memory;
 }

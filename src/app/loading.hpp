@@ -15,7 +15,7 @@ OpenedVolume open(const VolumeOptions& volume, Launch& launch);
 /// frame is checked.
 TransferFunction stand_in_function();
 
-SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, int gps);
+SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing);
 
 /// Throws InputError when this process's slices or its frame buffer, which holds so many `pictures` at once,
 /// exceed the machine's memory.

@@ -246,7 +246,7 @@ void MachineForecast::deal(const View& view, const Layout& layout, FrameGeometry
   if (even_enough(g, layout.renderers)) return;
   std::vector<double> busy;
   if (layout.placement == Placement::colocated)
-    busy = busy_gps(view.whole, layout.gps, layout.renderers, layout.renderers);
+    busy = busy_gps(view.whole, dealing_of(layout), layout.renderers, layout.renderers);
   deal_by_work(g, view.whole, view.costs, division, form, layout.renderers, busy);
 }
 
@@ -261,7 +261,7 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
       machine_, layout, protocol_.slots, shares,
       {view.costs.payload, table, hop, messages.software, machine_.poll_interval, mean_hops(layout)});
   for (int step = 0; step < g.slices; ++step)
-    tokens.pass(std::size_t(SliceStore::owner_of(view.whole.slice_of(step), layout.gps)),
+    tokens.pass(std::size_t(dealing_of(layout).owner_of(view.whole.slice_of(step))),
                 std::size_t(view.whole.layer_of(step)), machine_.gp.slice + view.whole.slice_seconds(step));
   Prediction p;
   for (std::size_t r = 0; r < tokens.drawers().size(); ++r) {

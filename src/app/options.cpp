@@ -62,6 +62,10 @@ constexpr OptionRow<Run> rank_rows[] = {
      [](Run& o) {
        return choice(o.placement, {{"dedicated", Placement::dedicated}, {"colocated", Placement::colocated}});
      }},
+    {"--slab", "K|auto", nullptr,
+     "So many consecutive slices are dealt to a GP together and travel under one token; without it 1, as in "
+     "the paper; auto: as many as a described machine needs",
+     [](Run& o) { return count_or_auto(o.slab, o.choose_slab); }},
     {"--topology", nullptr, initial, "How the GPs are linked",
      [](Run& o) {
        return choice(o.topology, {{"ring", Topology::ring}, {"mesh", Topology::mesh}});
@@ -95,7 +99,8 @@ constexpr OptionRow<Run> protocol_rows[] = {
      [](Run& o) { return value(o.protocol.slots); }},
     {"--link-slots", nullptr, initial, "Messages of one buffer class that may be behind a mesh's link",
      [](Run& o) { return value(o.protocol.link_slots); }},
-    {"--look-ahead", nullptr, initial, "Slices a GP prepares before their tokens have passed",
+    {"--look-ahead", nullptr, initial,
+     "Slices, or slabs of them, that a GP prepares before their tokens have passed",
      [](Run& o) { return value(o.protocol.look_ahead); }},
     {"--send-ahead", nullptr, initial,
      "Payloads that a token leaves behind before it waits until one is accepted",
@@ -131,6 +136,8 @@ using Info = InfoOptions;
 constexpr OptionRow<Info> info_output_rows[] = {
     {"--gps", "G", nullptr, "Predict the memory of a GP for G of them",
      [](Info& o) { return value(o.gps, CLI::Range(1, 1 << 24)); }},
+    {"--slab", "K", initial, "Predict for slabs of so many slices",
+     [](Info& o) { return value(o.slab, CLI::Range(1, most_slices_of_slab)); }},
     {"--json", nullptr, nullptr, "Write JSON", [](Info& o) { return flag(o.json); }},
     {"--presets", nullptr, nullptr, "List the transfer functions that --tf knows by name",
      [](Info& o) { return flag(o.presets); }},

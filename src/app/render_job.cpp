@@ -110,7 +110,7 @@ namespace {
 /// Predicts what the job's slices take. Throws InputError on all ranks when one has not so much memory.
 void require_memory(Job& job, Launch& launch) {
   const RenderOptions& o = job.options;
-  job.memory = predict_memory(job.volume.grid, job.load, job.layout.gps);
+  job.memory = predict_memory(job.volume.grid, job.load, dealing_of(job.layout));
   launch.check_on_all_ranks([&] {
     check_memory(o.frame.shown.width, o.frame.shown.height,
                  FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);

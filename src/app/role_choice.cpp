@@ -23,8 +23,10 @@ std::vector<double> by_renderer(const FrameCosts& costs, int renderers) {
 }
 
 /// Seconds of GP `gp` for its slices: the largest share or one less.
-double gp_seconds(const FrameCosts& costs, int gp, int gps) {
-  const double slices = std::max(0.0, std::ceil((costs.slices - gp) / gps));
+double gp_seconds(const FrameCosts& costs, int gp, const Layout& layout) {
+  const double slabs = std::ceil(costs.slices / layout.slab),
+               own = std::max(0.0, std::ceil((slabs - gp) / layout.gps)),
+               slices = std::min(own * layout.slab, std::ceil(costs.slices));
   return costs.frame + costs.gp * slices / std::max(1.0, costs.slices);
 }
 
@@ -87,7 +89,7 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
   double longest = 0;
   if (layout.placement == Placement::colocated) {
     for (int rank = 0; rank < layout.working_ranks(); ++rank) {
-      const double gp = rank < layout.gps ? gp_seconds(costs, rank, layout.gps) : 0;
+      const double gp = rank < layout.gps ? gp_seconds(costs, rank, layout) : 0;
       const double renderer = rank < layout.renderers ? renderers[std::size_t(rank)] : 0;
       if (rank > 0 && gp + renderer <= longest) continue;
       longest = gp + renderer;
@@ -95,7 +97,7 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
       p.renderer = renderer;
     }
   } else {
-    p.gp = gp_seconds(costs, 0, layout.gps);
+    p.gp = gp_seconds(costs, 0, layout);
     p.renderer = *std::max_element(renderers.begin(), renderers.end());
     longest = std::max(p.gp, p.renderer);
   }
@@ -104,14 +106,14 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
   p.limit = p.shared > longest * (1 + 1e-9) ? Limit::cores
             : p.gp >= p.renderer            ? Limit::gps
                                             : Limit::renderers;
-  // A token passes a slice by payload, accept and token.
+  // A token passes a slab by payload, accept and token.
   const MeanHops mean = mean_hops(layout);
-  const double hops = costs.slices * (mean.token + mean.payload + mean.accept);
+  const double slabs = costs.slices / layout.slab, hops = slabs * (mean.token + mean.payload + mean.accept);
   p.tokens =
       layout.working_ranks() == 1
           ? 0
           : hops * std::max(hop_seconds(ranks, layout), layout.renderers * ranks.message_software / cores) +
-                costs.slices * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
+                slabs * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
   p.seconds = std::max(longest, p.shared) + p.tokens;
   if (layout.working_ranks() > ranks.cores) p.seconds *= ranks.sharing;
   return p;
@@ -130,6 +132,11 @@ std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores) {
       const int gps = ranks - ends * rows;
       if (gps >= 2 * rows && gps % rows == 0) layouts.push_back(mesh_layout(gps / rows, rows, ends * rows));
     }
+  return layouts;
+}
+
+std::vector<Layout> in_slabs(std::vector<Layout> layouts, int slab) {
+  for (Layout& layout : layouts) layout.slab = slab;
   return layouts;
 }
 
@@ -158,15 +165,16 @@ std::string describe(const Layout& layout) {
   const auto some = [](int count, const char* what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
   };
+  const std::string slabs = layout.slab > 1 ? fmt::format(", slabs of {}", layout.slab) : "";
   if (layout.topology == Topology::mesh)
-    return fmt::format("mesh of {}x{} + {}", layout.mesh_columns, layout.mesh_rows,
-                       some(layout.renderers, "Renderer"));
+    return fmt::format("mesh of {}x{} + {}{}", layout.mesh_columns, layout.mesh_rows,
+                       some(layout.renderers, "Renderer"), slabs);
   const std::string working =
       layout.placement == Placement::colocated
           ? some(layout.working_ranks(), "colocated rank") +
                 (layout.renderers < layout.gps ? fmt::format(", {} of them drawing", layout.renderers) : "")
           : fmt::format("{} + {}", some(layout.gps, "GP"), some(layout.renderers, "Renderer"));
-  return layout.idle > 0 ? fmt::format("{}, {} idle", working, layout.idle) : working;
+  return working + slabs + (layout.idle > 0 ? fmt::format(", {} idle", layout.idle) : "");
 }
 
 std::string describe(const FrameCosts& costs) {

@@ -99,7 +99,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   job.load = load_for_levels(o.frame, grid);
   if (o.run.choose_roles) job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, launch);
   o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
-  const SliceMemory memory = predict_memory(grid, job.load, job.layout.gps);
+  const SliceMemory memory = predict_memory(grid, job.load, dealing_of(job.layout));
   constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
   launch.check_on_all_ranks(
       [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch); });

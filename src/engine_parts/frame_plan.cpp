@@ -6,18 +6,17 @@
 #include <utility>
 #include <vector>
 
-#include "volume/slice_store.hpp"
-
 namespace ringsplat {
 
-FramePlan plan_of(const FrameGeometry& g, int gps, int renderers) {
+FramePlan plan_of(const FrameGeometry& g, SliceDealing dealing, int renderers) {
   FramePlan plan;
   plan.ascending = g.traversal.ascending;
   plan.owners.resize(std::size_t(g.slices));
   // Owners are those of the whole volume's slices.
   const int first = g.box.first[static_cast<int>(g.traversal.axis)];
+  plan.first_slice = first + g.traversal.slice_at(0, g.slices);
   for (int step = 0; step < g.slices; ++step)
-    plan.owners[std::size_t(step)] = SliceStore::owner_of(first + g.traversal.slice_at(step, g.slices), gps);
+    plan.owners[std::size_t(step)] = dealing.owner_of(first + g.traversal.slice_at(step, g.slices));
   const RegionOwners owners = g.owners(renderers);
   plan.tiles.resize(std::size_t(g.regions.count()));
   for (int region = 0; region < g.regions.count(); ++region) {
@@ -53,7 +52,7 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
       shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);
   const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
   std::vector<double> busy;
-  if (setup_.colocated) busy = busy_gps(work, setup_.gps, setup_.renderers, dealt_to);
+  if (setup_.colocated) busy = busy_gps(work, setup_.dealing(), setup_.renderers, dealt_to);
   deal_by_work(g, work, costs, spec.division, sheets ? RegionForm::flat : RegionForm::square,
                setup_.renderers, busy);
 }

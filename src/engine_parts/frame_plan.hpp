@@ -2,11 +2,12 @@
 #include "frame/engine_setup.hpp"
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
+#include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
 
 /// What the protocol knows of a frame: slices are dealt in turn, and a tile is a region of the image plane.
-FramePlan plan_of(const FrameGeometry& geometry, int gps, int renderers);
+FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, int renderers);
 
 /// A rank's frames' regions, dealt by the work that the volume's sketch lets foresee
 /// (frame/work_dealing.hpp).

@@ -18,6 +18,7 @@ using TakePicture = std::function<void(std::int64_t frame, Image&& picture)>;
 struct EngineSetup {
   Grid grid;
   int gps = 1, renderers = 1;
+  int slab = 1;            ///< consecutive slices that a GP gets together
   bool colocated = false;  ///< Renderer r is on GP r's rank
   /// What dealing foresees the work from; null: regions are dealt in turn. The same on every rank.
   std::shared_ptr<const VolumeSketch> sketch = {};
@@ -30,6 +31,8 @@ struct EngineSetup {
   double voxel_weight = 1;  ///< of such runs: voxels of its slice that each voxel stands for
   bool timed = false;       ///< measure seconds by stage
   TakePicture take = {};    ///< called on the frame buffer's rank
+
+  SliceDealing dealing() const { return {gps, slab}; }
 };
 
 }  // namespace ringsplat

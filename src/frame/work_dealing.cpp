@@ -126,9 +126,9 @@ double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts&
   return best->longest;
 }
 
-std::vector<double> busy_gps(const WorkEstimate& work, int gps, int renderers, int dealt_to) {
-  std::vector<double> of_gp(std::size_t(gps), 0.0), busy;
-  work.add_gp_seconds(of_gp);
+std::vector<double> busy_gps(const WorkEstimate& work, SliceDealing dealing, int renderers, int dealt_to) {
+  const std::vector<double> of_gp = work.gp_seconds(dealing);
+  std::vector<double> busy;
   for (int k = 0; k < dealt_to; ++k) {
     const auto rank = std::size_t(std::int64_t{k} * renderers / dealt_to);
     busy.push_back(rank < of_gp.size() ? of_gp[rank] : 0);

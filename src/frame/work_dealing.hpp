@@ -25,6 +25,6 @@ double deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const Wor
 
 /// Seconds that the GPs of Renderers' ranks are busy, for `busy` above, when `dealt_to` of the Renderers get
 /// regions.
-std::vector<double> busy_gps(const WorkEstimate& work, int gps, int renderers, int dealt_to);
+std::vector<double> busy_gps(const WorkEstimate& work, SliceDealing dealing, int renderers, int dealt_to);
 
 }  // namespace ringsplat

@@ -7,7 +7,6 @@
 #include <glm/common.hpp>
 
 #include "volume/cell_ranges.hpp"
-#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 namespace {
@@ -235,10 +234,11 @@ double WorkEstimate::ready_seconds(std::uint64_t layers) const {
   return slice_seconds_[std::size_t(first)];
 }
 
-void WorkEstimate::add_gp_seconds(std::vector<double>& seconds) const {
-  for (int step = 0; step < slices_; ++step) {
-    seconds[std::size_t(SliceStore::owner_of(slice_of(step), int(seconds.size())))] += slice_seconds(step);
-  }
+std::vector<double> WorkEstimate::gp_seconds(SliceDealing dealing) const {
+  std::vector<double> seconds(std::size_t(dealing.gps), 0.0);
+  for (int step = 0; step < slices_; ++step)
+    seconds[std::size_t(dealing.owner_of(slice_of(step)))] += slice_seconds(step);
+  return seconds;
 }
 
 }  // namespace ringsplat

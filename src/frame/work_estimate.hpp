@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "frame/frame_geometry.hpp"
+#include "volume/slice_dealing.hpp"
 #include "volume/volume_sketch.hpp"
 
 namespace ringsplat {
@@ -78,8 +79,8 @@ class WorkEstimate {
   int layers() const { return layers_; }
   /// Slices that a layer stands for.
   double slices_of_layer() const { return 1 / layer_of_slice_; }
-  /// Adds what each GP spends on its slices to its seconds.
-  void add_gp_seconds(std::vector<double>& seconds) const;
+  /// What each GP spends on its slices.
+  std::vector<double> gp_seconds(SliceDealing dealing) const;
   /// Seconds until the first slice of these layers is encoded: every GP begins with its own first slice.
   double ready_seconds(std::uint64_t layers) const;
   /// The volume's slice of a step, and its layer.

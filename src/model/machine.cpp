@@ -196,20 +196,20 @@ Machine read_machine(const std::string& path) {
   return parse_machine(text.str(), path);
 }
 
-double encoding_seconds(const Machine& m, double voxels, double visible) {
-  return m.gp.slice + visible * m.gp.visible_voxel + (voxels - visible) * m.gp.transparent_voxel;
+double encoding_seconds(const Machine& m, double voxels, double visible, double slices) {
+  return slices * m.gp.slice + visible * m.gp.visible_voxel + (voxels - visible) * m.gp.transparent_voxel;
 }
 
-double drawing_seconds(const Machine& m, double splats, double passes) {
-  return m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass;
+double drawing_seconds(const Machine& m, double splats, double passes, double slices) {
+  return slices * m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass;
 }
 
-double selecting_seconds(const Machine& m, double blocks, double sent) {
-  return m.gp.slice + blocks * m.sheets.look + sent * m.sheets.copy;
+double selecting_seconds(const Machine& m, double blocks, double sent, double slices) {
+  return slices * m.gp.slice + blocks * m.sheets.look + sent * m.sheets.copy;
 }
 
-double placing_seconds(const Machine& m, double blocks, double placed) {
-  return m.sheets.slice + blocks * m.sheets.look + placed * m.sheets.place;
+double placing_seconds(const Machine& m, double blocks, double placed, double slices) {
+  return slices * m.sheets.slice + blocks * m.sheets.look + placed * m.sheets.place;
 }
 
 double sending_seconds(const Machine& m, double bytes) {

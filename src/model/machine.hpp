@@ -66,14 +66,14 @@ Machine parse_machine(const std::string& toml, const std::string& where);
 /// The same from a file; throws InputError when it cannot be read.
 Machine read_machine(const std::string& path);
 
-/// Seconds a GP computes on a slice of `voxels`, of which `visible` are not transparent.
-double encoding_seconds(const Machine& machine, double voxels, double visible);
+/// Seconds a GP computes on slices of `voxels` together, of which `visible` are not transparent.
+double encoding_seconds(const Machine& machine, double voxels, double visible, double slices = 1);
 /// Seconds a Renderer draws and composites a payload.
-double drawing_seconds(const Machine& machine, double splats, double passes);
-/// Seconds a GP spends on a slice of `blocks` blocks, of which it sends `sent`; one sent twice counts twice.
-double selecting_seconds(const Machine& machine, double blocks, double sent);
-/// Seconds a Renderer spends on a payload of such a slice, before it paints.
-double placing_seconds(const Machine& machine, double blocks, double placed);
+double drawing_seconds(const Machine& machine, double splats, double passes, double slices = 1);
+/// Seconds a GP spends on slices of `blocks` blocks, of which it sends `sent`; one sent twice counts twice.
+double selecting_seconds(const Machine& machine, double blocks, double sent, double slices = 1);
+/// Seconds a Renderer spends on a payload of such slices, before it paints.
+double placing_seconds(const Machine& machine, double blocks, double placed, double slices = 1);
 /// Seconds of software a sender spends on a message of so many bytes, header included.
 double sending_seconds(const Machine& machine, double bytes);
 

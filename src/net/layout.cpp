@@ -78,6 +78,9 @@ void check(const Layout& layout) {
     throw InputError(
         fmt::format("--renderers is {}, but a frame needs at least one Renderer", layout.renderers),
         "use --renderers 1 or more");
+  if (layout.slab < 1 || layout.slab > most_slices_of_slab)
+    throw InputError(fmt::format("--slab is {}", layout.slab),
+                     fmt::format("a slab has 1 to {} slices", most_slices_of_slab));
   if (layout.idle < 0) throw InputError(fmt::format("{} ranks cannot be idle", layout.idle));
   if (layout.topology == Topology::mesh) check_mesh(layout);
 }

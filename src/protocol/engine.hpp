@@ -29,8 +29,12 @@ struct FramePlan {
     std::size_t bytes = 0;
   };
   bool ascending = true;    ///< whether slice numbers ascend from step to step
-  std::vector<int> owners;  ///< by traversal step: the GP that has its slice
+  std::vector<int> owners;  ///< by traversal step: the GP that has its slice, or its slab of slices
   std::vector<Tile> tiles;
+  int first_slice = 0;               ///< number of the first step's slice, or of its slab's first
+  std::vector<int> slices_of_steps;  ///< where steps are slabs: how many slices each has; empty: one
+
+  int slices() const;  ///< of all steps
 
   /// By Renderer: whether it has a tile. Renderers without one get no token.
   std::vector<bool> drawing(int renderers) const;
@@ -46,9 +50,10 @@ struct SheetWork {
 /// One step's part for one Renderer.
 struct EncodedPart {
   Bytes payload;             ///< made in Message::body_buffer(); empty: nothing to draw
-  std::uint32_t items = 0;   ///< items in the payload; a Painter draws, clips or hides each
+  std::uint64_t items = 0;   ///< items in the payload; a Painter draws, clips or hides each
   std::uint32_t passes = 0;  ///< non-empty (tile, pass) pairs (Neumann 1992, Fig. 3)
   std::vector<int> tiles;    ///< tiles with items, ascending
+  std::uint32_t slices = 1;  ///< that have items in the payload
   bool counted = false;      ///< only the message's first counted_bytes have content (simulations)
   SheetWork work;            ///< what it takes a Painter besides its items, where EngineSetup asks for it
 };
@@ -63,6 +68,7 @@ struct EncodeCounts {
 struct EncodedStep {
   std::vector<EncodedPart> parts;  ///< by Renderer
   EncodeCounts counts;
+  int slices = 1;  ///< that were encoded
 };
 
 /// Makes a GP's payloads of one frame. Used by one thread.
@@ -71,7 +77,7 @@ class Encoder {
   virtual ~Encoder() = default;
   /// The steps that tokens go through, ascending; slices of other steps show nothing. The same on every GP.
   virtual std::vector<int> shown() = 0;
-  /// Counts for `steps` slices of this GP that are not encoded because no Renderer has a tile.
+  /// Counts for `steps` steps of this GP, all that are shown, when no Renderer has a tile.
   virtual EncodeCounts left_out(std::size_t steps) const = 0;
   /// Does a bounded piece of work that belongs to no step; false when there is none.
   virtual bool prepare() { return false; }
@@ -91,6 +97,7 @@ class Encoder {
 struct ItemCounts {
   std::uint64_t drawn = 0, clipped = 0, hidden = 0;
   SheetWork work = {};
+  std::uint64_t slices = 0;  ///< begun
 };
 
 /// A payload for a Renderer to draw; `body` stays valid until then.

@@ -81,7 +81,7 @@ FrameBuffer::Frame FrameBuffer::make_frame(const Announcement& announcement) {
   frame.announced = now_seconds();
   frame.stats.frame = announcement.frame;
   frame.stats.ascending = plan.ascending;
-  frame.stats.slices = int(plan.owners.size());
+  frame.stats.slices = plan.slices();
   frame.stats.gps.resize(std::size_t(layout_.gps));
   frame.stats.renderers.resize(std::size_t(layout_.renderers));
   return frame;

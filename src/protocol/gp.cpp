@@ -192,7 +192,7 @@ Turn Gp::encode_some() {
 
 void Gp::prepare_slice(Frame& frame, EncodedStep&& encoded) {
   frame.encoding = false;
-  ++frame.stats.slices;
+  frame.stats.slices += std::uint64_t(encoded.slices);
   for (const auto& part : encoded.parts) frame.stats.passes += part.passes;
   frame.stats.blocks += encoded.counts.blocks;
   frame.stats.visible_voxels += encoded.counts.visible;

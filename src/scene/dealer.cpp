@@ -42,9 +42,9 @@ class Dealer {
       : grid_(grid),
         supply_(supply),
         deal_(deal),
-        gps_(deal.gps),
+        dealing_(deal.dealing),
         collectives_(collectives),
-        process_of_gp_(std::size_t(deal.gps)),
+        process_of_gp_(std::size_t(deal.dealing.gps)),
         slice_bytes_(grid.slice_bytes(Axis::z)),
         lit_(deal.options.clip.value_or(whole_box(grid))),
         batch_(batch_of(grid)) {
@@ -70,10 +70,10 @@ class Dealer {
   SliceStore new_store(int gp) const {
     const SliceStore* known = nullptr;
     if (deal_.known != nullptr) known = &deal_.known->at(gp);
-    return {grid_, gp, gps_, deal_.options.kept_axes, deal_.options.with_normals, known};
+    return {grid_, gp, dealing_, deal_.options.kept_axes, deal_.options.with_normals, known};
   }
 
-  int owning_process(int z) const { return process_of_gp_[std::size_t(SliceStore::owner_of(z, gps_))]; }
+  int owning_process(int z) const { return process_of_gp_[std::size_t(dealing_.owner_of(z))]; }
   bool mine(int z) const { return owning_process(z) == collectives_.process(); }
 
   bool needed_by(int process, int z, int z0, int z1) const {
@@ -111,7 +111,7 @@ class Dealer {
     }
     const std::span<const std::byte> values(here, slice_bytes_);
     if (deal_.options.kept_axes[2]) {
-      SliceStore& store = stores_.at(SliceStore::owner_of(z, gps_));
+      SliceStore& store = stores_.at(dealing_.owner_of(z));
       // They may be what is dealt already.
       if (std::byte* there = store.values(Axis::z, z).data(); there != here)
         std::memcpy(there, here, slice_bytes_);
@@ -119,9 +119,9 @@ class Dealer {
     }
     for (const Axis axis : {Axis::x, Axis::y}) {
       if (!deal_.options.kept_axes[std::size_t(axis)]) continue;
-      for (int gp = 0; gp < gps_; ++gp) {
+      for (int gp = 0; gp < dealing_.gps; ++gp) {
         Block lines;
-        pack_columns(grid_, axis, gp, gps_, values, normals, lines);
+        pack_columns(grid_, axis, gp, dealing_, values, normals, lines);
         Block& block = out[std::size_t(process_of_gp_[std::size_t(gp)])];
         put(block, z);
         put(block, axis);
@@ -160,7 +160,7 @@ class Dealer {
       const auto store = stores_.find(gp);
       const bool crosses = axis == Axis::x || axis == Axis::y;
       if (store == stores_.end() || !crosses || !store->second.keeps(axis) ||
-          !unpack_columns(store->second, axis, gp, gps_, z, deal_.options.with_normals,
+          !unpack_columns(store->second, axis, gp, dealing_, z, deal_.options.with_normals,
                           get_bytes(block, at, size)))
         throw RunError("a volume exchange message does not fit this rank's slices",
                        "all ranks must run the same build");
@@ -170,7 +170,7 @@ class Dealer {
   const Grid& grid_;
   SliceSupply& supply_;
   const Deal& deal_;
-  int gps_;
+  SliceDealing dealing_;
   Collectives& collectives_;
   std::vector<int> process_of_gp_;
   std::size_t slice_bytes_;

@@ -13,7 +13,7 @@ namespace ringsplat {
 /// What a deal makes of its slices, for whom.
 struct Deal {
   const LoadOptions& options;  ///< of a single level
-  int gps;
+  SliceDealing dealing;
   const std::vector<std::vector<int>>& gps_of_process;
   /// This process's stores of the same volume, whose values are taken over; null: none.
   const std::map<int, SliceStore>* known = nullptr;

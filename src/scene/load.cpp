@@ -101,7 +101,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
   return volume;
 }
 
-std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, int gps,
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives) {
   LoadPace pace(volume.grid.dims.z, options.told);
@@ -113,7 +113,7 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
                                   [&pace](double read) { pace.read(read); }, collectives);
   pace.begin();
   return deal_slices(volume.grid, *supply,
-                     {options, gps, gps_of_process, nullptr, [&pace](int end) { pace.dealt(end); }},
+                     {options, dealing, gps_of_process, nullptr, [&pace](int end) { pace.dealt(end); }},
                      collectives);
 }
 

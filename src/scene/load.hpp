@@ -17,6 +17,8 @@
 
 namespace ringsplat {
 
+inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layout.slab}; }
+
 struct LoadOptions {
   std::array<bool, 3> kept_axes{true, true, true};
   bool with_normals = true;
@@ -47,7 +49,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
                              const std::function<std::unique_ptr<VolumeSource>()>& open,
                              const std::string& name = "the volume");
 
-/// Deals the volume to the GPs: GP g gets slices s ≡ g (mod G) of each kept axis, with quantised normals. A
+/// Deals the volume to the GPs, which get their slices of each kept axis, with quantised normals. A
 /// process holds at most its GPs' share of the volume and one batch of slices, or one of the source's slabs.
 ///
 /// z slices are read whole. A concurrent source's are read by their owners, or slab by slab, where it decodes
@@ -55,7 +57,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
 /// process 0 in ascending order. The other two axes come by exchange. `gps_of_process[p]` lists the GPs that
 /// process p hosts. Returns this process's stores by GP. All processes throw the same InputError when one
 /// cannot read.
-std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, int gps,
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives);
 
@@ -69,7 +71,7 @@ std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>
 
 /// Tells every store the ranges of the cells of its slices of the kept axes and of their neighbours, two to
 /// either side.
-void share_cell_ranges(std::map<int, SliceStore>& stores, int gps,
+void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
                        const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
 
 /// Range, histogram and more of the values of all GPs' slices; the same on every process.

@@ -9,21 +9,22 @@
 namespace ringsplat {
 namespace {
 
-void share_ranges(std::map<int, SliceStore>& stores, const LoadOptions& options, int gps,
+void share_ranges(std::map<int, SliceStore>& stores, const LoadOptions& options, SliceDealing dealing,
                   const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
   share_slice_ranges(stores, collectives);
-  if (options.with_cell_ranges) share_cell_ranges(stores, gps, gps_of_process, collectives);
+  if (options.with_cell_ranges) share_cell_ranges(stores, dealing, gps_of_process, collectives);
 }
 
 void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
-               int gps, const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+               SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
+               Collectives& collectives) {
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
   reduced.slab_depth = reduced_slab_depth(volume.slab_depth, reduction);
   LoadOptions of_level = options;
   if (options.clip) of_level.clip = reduced_box(*options.clip, volume.grid, reduction);
-  auto stores = deal_slices(reduced, of_level, gps, gps_of_process, collectives);
-  share_ranges(stores, options, gps, gps_of_process, collectives);
+  auto stores = deal_slices(reduced, of_level, dealing, gps_of_process, collectives);
+  share_ranges(stores, options, dealing, gps_of_process, collectives);
   for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
 }
 
@@ -43,7 +44,7 @@ double share_of(const LoadOptions& options, int factor = 1) {
 
 }  // namespace
 
-Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
+Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
   if (options.clip) check(*options.clip, volume.grid);
   Scene scene;
@@ -52,7 +53,7 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   // Statistics are the full volume's at every level, so that presets do not change with the level.
   const LoadOptions values_only{{false, false, true}, false};
   double begun = share_of(options);
-  scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), gps,
+  scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), dealing,
                              gps_of_process, collectives);
   const auto& kept = whole ? options.kept_axes : values_only.kept_axes;
   const auto axis = std::find(kept.begin(), kept.end(), true) - kept.begin();
@@ -66,13 +67,13 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
   scene.values = share_values(scene.stores, volume.grid, volume.notes, collectives);
   tell();
   if (whole)
-    share_ranges(scene.stores, options, gps, gps_of_process, collectives);
+    share_ranges(scene.stores, options, dealing, gps_of_process, collectives);
   else
-    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, gps, {}, false);
+    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, dealing, {}, false);
   for (const int factor : options.factors)
     if (factor > 1) {
       const double share = share_of(options, factor);
-      add_level(scene, {factor, options.prefilter}, volume, told_of(options, options, begun, share), gps,
+      add_level(scene, {factor, options.prefilter}, volume, told_of(options, options, begun, share), dealing,
                 gps_of_process, collectives);
       begun += share;
     }
@@ -80,7 +81,7 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
 }
 
 Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores, const LoadOptions& options,
-                       int gps, const std::vector<std::vector<int>>& gps_of_process,
+                       SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
                        Collectives& collectives) {
   if (options.clip) check(*options.clip, grid);
   Scene scene;
@@ -89,11 +90,11 @@ Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores
   const auto deal = [&](const Reduction& reduction) {
     LoadOptions of_level = options;
     if (options.clip) of_level.clip = reduced_box(*options.clip, grid, reduction);
-    const auto supply = stored_supply(grid, stores, gps, reduction, collectives);
+    const auto supply = stored_supply(grid, stores, dealing, reduction, collectives);
     const auto* known = reduction.factor == 1 ? &stores : nullptr;
-    auto dealt = deal_slices(reduced_grid(grid, reduction), *supply, {of_level, gps, gps_of_process, known},
-                             collectives);
-    share_ranges(dealt, options, gps, gps_of_process, collectives);
+    auto dealt = deal_slices(reduced_grid(grid, reduction), *supply,
+                             {of_level, dealing, gps_of_process, known}, collectives);
+    share_ranges(dealt, options, dealing, gps_of_process, collectives);
     return dealt;
   };
   const auto asked = [&](int factor) {
@@ -105,8 +106,8 @@ Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores
   } else {
     const std::array<bool, 3> kept{false, false, asked(1) && options.kept_axes[2]};
     for (const auto& [gp, store] : stores)
-      scene.stores.emplace(gp, SliceStore(grid, gp, gps, kept, false, &store));
-    if (asked(1)) share_ranges(scene.stores, options, gps, gps_of_process, collectives);
+      scene.stores.emplace(gp, SliceStore(grid, gp, dealing, kept, false, &store));
+    if (asked(1)) share_ranges(scene.stores, options, dealing, gps_of_process, collectives);
   }
   for (const int factor : options.factors)
     if (factor > 1)

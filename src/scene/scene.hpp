@@ -14,15 +14,15 @@ struct Scene {
   std::shared_ptr<const VolumeSketch> sketch;  ///< of the whole volume
 };
 
-/// Deals all requested levels of an opened volume to `gps` GPs and gathers its values' statistics.
+/// Deals all requested levels of an opened volume to GPs and gathers its values' statistics.
 /// `gps_of_process` as for deal_slices(). All processes call it, with the same grid and options.
-Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, int gps,
+Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
 
 /// The scene of a volume whose z slices are dealt already; their values are shared, not copied. The other
 /// axes' slices, normals and levels come by exchange. `values` are left to the caller.
 Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores, const LoadOptions& options,
-                       int gps, const std::vector<std::vector<int>>& gps_of_process,
+                       SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
                        Collectives& collectives);
 
 }  // namespace ringsplat

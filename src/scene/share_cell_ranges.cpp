@@ -27,14 +27,15 @@ void append_ranges(const Head& head, const CellRanges& ranges, Block& out) {
 }
 
 /// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
-void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis, int slice, int gps,
-                 const std::vector<int>& process_of_gp, int here, std::vector<Block>& out) {
-  const SliceStore& owner = stores.at(SliceStore::owner_of(slice, gps));
+void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis, int slice,
+                 SliceDealing dealing, const std::vector<int>& process_of_gp, int here,
+                 std::vector<Block>& out) {
+  const SliceStore& owner = stores.at(dealing.owner_of(slice));
   const auto ranges = std::make_shared<const CellRanges>(owner.slice(axis, slice));
   std::vector<int> told;
   for (int other = slice - reach; other <= slice + reach; ++other) {
     if (other < 0 || other >= grid.slices(axis)) continue;
-    const int gp = SliceStore::owner_of(other, gps);
+    const int gp = dealing.owner_of(other);
     if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
     told.push_back(gp);
     const int process = process_of_gp[std::size_t(gp)];
@@ -64,9 +65,9 @@ void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceSto
 
 }  // namespace
 
-void share_cell_ranges(std::map<int, SliceStore>& stores, int gps,
+void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
                        const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
-  std::vector<int> process_of_gp(static_cast<std::size_t>(gps));
+  std::vector<int> process_of_gp(static_cast<std::size_t>(dealing.gps));
   for (std::size_t p = 0; p < gps_of_process.size(); ++p)
     for (const int gp : gps_of_process[p]) process_of_gp[std::size_t(gp)] = static_cast<int>(p);
   for (const Axis axis : all_axes) {
@@ -74,7 +75,7 @@ void share_cell_ranges(std::map<int, SliceStore>& stores, int gps,
     for (auto& [gp, store] : stores)
       for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
         if (store.owns(s))
-          give_around(stores, store.grid(), axis, s, gps, process_of_gp, collectives.process(), out);
+          give_around(stores, store.grid(), axis, s, dealing, process_of_gp, collectives.process(), out);
     for (const Block& block : collectives.all_to_all(std::move(out))) take_given(block, axis, stores);
   }
 }

@@ -121,18 +121,19 @@ class DecodingSupply final : public SendingSupply {
 
 class StoredSupply final : public SendingSupply {
  public:
-  StoredSupply(const Grid& grid, const std::map<int, SliceStore>& stores, int gps, Collectives& all)
-      : SendingSupply(grid, all), stores_(stores), gps_(gps) {}
+  StoredSupply(const Grid& grid, const std::map<int, SliceStore>& stores, SliceDealing dealing,
+               Collectives& all)
+      : SendingSupply(grid, all), stores_(stores), dealing_(dealing) {}
   int available_from(int) override { return slices(); }
 
  private:
   const std::byte* held(int z) override {
-    const auto store = stores_.find(SliceStore::owner_of(z, gps_));
+    const auto store = stores_.find(dealing_.owner_of(z));
     return store == stores_.end() ? nullptr : store->second.slice(Axis::z, z).values;
   }
 
   const std::map<int, SliceStore>& stores_;
-  int gps_;
+  SliceDealing dealing_;
 };
 
 /// Reads a supply's batch.
@@ -214,9 +215,10 @@ std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& g
   return std::make_unique<DecodingSupply>(source, grid, slab_depth, readers, std::move(told), collectives);
 }
 
-std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores, int gps,
-                                           const Reduction& reduction, Collectives& collectives) {
-  auto full = std::make_unique<StoredSupply>(grid, stores, gps, collectives);
+std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,
+                                           SliceDealing dealing, const Reduction& reduction,
+                                           Collectives& collectives) {
+  auto full = std::make_unique<StoredSupply>(grid, stores, dealing, collectives);
   if (reduction.factor == 1) return full;
   return std::make_unique<ReducingSupply>(grid, std::move(full), reduction);
 }

@@ -45,7 +45,8 @@ std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& g
 
 /// The slices that GPs have, all of which must keep z slices; or those of the reduced volume. `stores` must
 /// outlive the supply.
-std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores, int gps,
-                                           const Reduction& reduction, Collectives& collectives);
+std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,
+                                           SliceDealing dealing, const Reduction& reduction,
+                                           Collectives& collectives);
 
 }  // namespace ringsplat

@@ -77,21 +77,21 @@ void copy_row(std::size_t bytes, const std::byte* from, std::int64_t stride, int
 class BlockDealer {
  public:
   BlockDealer(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-              int gps, const std::vector<std::vector<int>>& gps_of_process, std::size_t round_bytes,
-              Collectives& collectives)
+              SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
+              std::size_t round_bytes, Collectives& collectives)
       : grid_(grid),
         blocks_(mine),
         stores_(stores),
-        gps_(gps),
+        dealing_(dealing),
         round_bytes_(round_bytes),
         collectives_(collectives),
         process_of_slice_(std::size_t(grid.dims.z)),
         scalar_(size_of(grid.type)) {
-    std::vector<int> process_of_gp(std::size_t(gps), 0);
+    std::vector<int> process_of_gp(std::size_t(dealing.gps), 0);
     for (std::size_t p = 0; p < gps_of_process.size(); ++p)
       for (const int gp : gps_of_process[p]) process_of_gp[std::size_t(gp)] = int(p);
     for (int z = 0; z < grid.dims.z; ++z)
-      process_of_slice_[std::size_t(z)] = process_of_gp[std::size_t(SliceStore::owner_of(z, gps))];
+      process_of_slice_[std::size_t(z)] = process_of_gp[std::size_t(dealing.owner_of(z))];
   }
 
   /// Its own voxels first, without a message. Then in a round process p sends to p + d, p + d + 1 … and gets
@@ -217,7 +217,7 @@ class BlockDealer {
 
   /// Where a voxel of one of this process's slices lies.
   std::byte* voxel(int z, int y, int x) {
-    std::byte* slice = stores_.at(SliceStore::owner_of(z, gps_)).values(Axis::z, z).data();
+    std::byte* slice = stores_.at(dealing_.owner_of(z)).values(Axis::z, z).data();
     return slice + std::size_t(y) * slice_row() + std::size_t(x) * scalar_;
   }
 
@@ -229,7 +229,7 @@ class BlockDealer {
                         rows.y_end <= grid_.dims.y && 0 <= rows.x && rows.x < rows.x_end &&
                         rows.x_end <= grid_.dims.x;
       const auto row = std::size_t(rows.x_end - rows.x) * scalar_;
-      if (!fits || !stores_.contains(SliceStore::owner_of(rows.z, gps_)) ||
+      if (!fits || !stores_.contains(dealing_.owner_of(rows.z)) ||
           in.size() - at < row * std::size_t(rows.y_end - rows.y))
         throw RunError("a rank sent rows of voxels that do not fit this rank's slices", builds_differ);
       std::byte* to = voxel(rows.z, rows.y, rows.x);
@@ -241,7 +241,7 @@ class BlockDealer {
   const Grid& grid_;
   const std::vector<VoxelBlock>& blocks_;
   std::map<int, SliceStore>& stores_;
-  int gps_;
+  SliceDealing dealing_;
   std::size_t round_bytes_;
   Collectives& collectives_;
   std::vector<int> process_of_slice_;
@@ -264,9 +264,9 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
 }
 
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-                 int gps, const std::vector<std::vector<int>>& gps_of_process, std::size_t round_bytes,
-                 Collectives& collectives) {
-  BlockDealer(grid, mine, stores, gps, gps_of_process, round_bytes, collectives).run();
+                 SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
+                 std::size_t round_bytes, Collectives& collectives) {
+  BlockDealer(grid, mine, stores, dealing, gps_of_process, round_bytes, collectives).run();
 }
 
 }  // namespace ringsplat

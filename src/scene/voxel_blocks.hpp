@@ -24,7 +24,7 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
 /// grid once. In rounds of one process to another, or to several: a process sends and receives at most
 /// `round_bytes`, or one row of voxels, at a time. Collective.
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-                 int gps, const std::vector<std::vector<int>>& gps_of_process, std::size_t round_bytes,
-                 Collectives& collectives);
+                 SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
+                 std::size_t round_bytes, Collectives& collectives);
 
 }  // namespace ringsplat

@@ -12,6 +12,7 @@
 #include "net/same_facts.hpp"
 #include "protocol/host.hpp"
 #include "protocol/loopback_run.hpp"
+#include "protocol/slab_engine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
@@ -39,6 +40,7 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
   const Facts more{{"wire format", wire_format()},
                    {"GPs", std::to_string(layout.gps)},
                    {"Renderers", std::to_string(layout.renderers)},
+                   {"slices of a slab", std::to_string(layout.slab)},
                    {"idle ranks", std::to_string(layout.idle)},
                    {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"},
                    {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
@@ -100,7 +102,7 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
                  const Wiring& wiring) {
   require_same_scene(volume.grid, options, layout, wiring);
   check_wiring(layout, wiring);
-  return deal_scene(volume, options, layout.gps, gps_by_process(layout, wiring), wiring.collectives);
+  return deal_scene(volume, options, dealing_of(layout), gps_by_process(layout, wiring), wiring.collectives);
 }
 
 void check(const EngineOptions& options) {
@@ -127,6 +129,7 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
       make_engines({.grid = grid,
                     .gps = layout.gps,
                     .renderers = layout.renderers,
+                    .slab = layout.slab,
                     .colocated = layout.placement == Placement::colocated,
                     .sketch = std::move(sketch),
                     .splat_costs = machine ? splat_costs(*machine, voxel_weight) : usual_splat_costs,
@@ -138,6 +141,7 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
                     .voxel_weight = count_only ? voxel_weight : 1,
                     .timed = timed,
                     .take = std::move(take)});
+  if (layout.slab > 1) engine = make_slab_engine(std::move(engine), layout.slab);
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
   if (machine) engine = make_charged_engine(std::move(engine), *machine);
   return engine;

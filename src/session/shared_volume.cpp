@@ -23,9 +23,9 @@ std::string why_wrong(const Grid& grid, const Layout& layout, const Wiring& wiri
   return {};
 }
 
-std::map<int, SliceStore> empty_slices(const Grid& grid, int gps, const std::vector<int>& mine) {
+std::map<int, SliceStore> empty_slices(const Grid& grid, SliceDealing dealing, const std::vector<int>& mine) {
   std::map<int, SliceStore> slices;
-  for (const int gp : mine) slices.emplace(gp, SliceStore(grid, gp, gps, {false, false, true}, false));
+  for (const int gp : mine) slices.emplace(gp, SliceStore(grid, gp, dealing, {false, false, true}, false));
   return slices;
 }
 
@@ -70,14 +70,14 @@ void SharedVolume::replace(const Grid& grid, const std::vector<VoxelBlock>& bloc
     grid_.reset();
     slices_.clear();
     try {
-      slices_ = empty_slices(grid, layout_.gps, gps[std::size_t(all.process())]);
+      slices_ = empty_slices(grid, dealing_of(layout_), gps[std::size_t(all.process())]);
     } catch (const std::bad_alloc&) {
       error = "there is no memory for the volume's slices; hint: use more ranks on more machines";
     }
   }
   agree(all, error);
   grid_ = grid;
-  deal_blocks(grid, blocks, slices_, layout_.gps, gps, round_bytes, all);
+  deal_blocks(grid, blocks, slices_, dealing_of(layout_), gps, round_bytes, all);
 }
 
 const ValueStatistics& SharedVolume::values() {
@@ -89,7 +89,7 @@ Scene SharedVolume::scene_for(const LoadOptions& needed) {
   if (!scene_ || !covers(made_, needed)) {
     made_ = scene_ ? joined(made_, needed) : needed;
     scene_.reset();
-    scene_ = deal_scene_again(*grid_, slices_, made_, layout_.gps, gps_by_process(layout_, wiring_),
+    scene_ = deal_scene_again(*grid_, slices_, made_, dealing_of(layout_), gps_by_process(layout_, wiring_),
                               wiring_.collectives);
   }
   return *scene_;

@@ -16,7 +16,7 @@ class SheetParts {
   explicit SheetParts(const EngineSetup& setup) : setup_(setup), dealer_(setup), threads_(setup.threads) {}
 
   std::shared_ptr<const SheetFrame> frame(const FrameSpec& spec) {
-    return make_sheet_frame(spec, setup_.grid, setup_.gps, setup_.renderers, &dealer_);
+    return make_sheet_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
     if (setup_.voxel_weight > 1)

@@ -4,15 +4,16 @@
 
 namespace ringsplat {
 
-std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers, RegionDealer* dealer) {
+std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid,
+                                                   SliceDealing dealing, int renderers,
+                                                   RegionDealer* dealer) {
   auto frame = std::make_shared<SheetFrame>();
   frame->number = spec.frame;
   frame->shown = spec.shown;
   frame->sheets = spec.as<Sheets>();
   frame->geometry = make_geometry(spec, grid);
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
-  frame->plan = plan_of(frame->geometry, gps, renderers);
+  frame->plan = plan_of(frame->geometry, dealing, renderers);
   return frame;
 }
 

@@ -4,6 +4,7 @@
 
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
+#include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
 
@@ -30,7 +31,8 @@ class RegionDealer;
 
 /// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
 /// view cannot be drawn.
-std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers, RegionDealer* dealer = nullptr);
+std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const Grid& grid,
+                                                   SliceDealing dealing, int renderers,
+                                                   RegionDealer* dealer = nullptr);
 
 }  // namespace ringsplat

@@ -78,6 +78,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     }
     step_ = step;
     take_range(payload_->header);
+    ++counts_.slices;
     counts_.drawn += payload_->header.present;
     for (const BlockRow& row : payload_->rows) counts_.work.blocks += std::uint64_t(row.end - row.first);
   }

@@ -39,10 +39,10 @@ class ChargedEncoder final : public EncoderDecorator {
  private:
   double seconds_of(const EncodedStep& step) const {
     if (step.counts.blocks == 0)
-      return encoding_seconds(machine_, double(step.counts.voxels), double(step.counts.visible));
+      return encoding_seconds(machine_, double(step.counts.voxels), double(step.counts.visible), step.slices);
     double sent = 0;
     for (const EncodedPart& part : step.parts) sent += double(part.items);
-    return selecting_seconds(machine_, double(step.counts.blocks), sent);
+    return selecting_seconds(machine_, double(step.counts.blocks), sent, step.slices);
   }
 
   const Machine& machine_;
@@ -98,15 +98,16 @@ class ChargedPainter final : public Painter {
 
   void owe_for_payload(const ItemCounts& now) {
     const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
-                 blocks = double(now.work.blocks - before_.work.blocks);
+                 blocks = double(now.work.blocks - before_.work.blocks),
+                 slices = double(now.slices - before_.slices);
     if (blocks == 0) {
-      debt_.owe(drawing_seconds(machine_, items, double(passes_)));
+      debt_.owe(drawing_seconds(machine_, items, double(passes_), slices));
       return;
     }
     if (before_.work.blocks == 0) debt_.owe(machine_.sheets.table);
-    debt_.owe(placing_seconds(machine_, blocks, items));
+    debt_.owe(placing_seconds(machine_, blocks, items, slices));
     samples_debt_.owe(double(now.work.samples - before_.work.samples) * machine_.sheets.sample);
-    ++slices_kept_;
+    slices_kept_ += int(slices);
   }
 
   /// Once all is painted that could be, the slices are no longer needed.

@@ -19,6 +19,7 @@ struct Said {
   std::uint64_t items = 0;
   std::uint64_t tiles = 0;  ///< bit mask of its Renderer's tiles with items
   SheetWork work = {};
+  std::uint64_t slices = 0;
 };
 static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
 
@@ -48,7 +49,7 @@ class CountingEncoder final : public EncoderDecorator {
                    step.counts.blocks};
     for (EncodedPart& part : step.parts) {
       if (part.payload.empty()) continue;
-      Said said{blocks ? part.items : weighted(part.items), 0, part.work};
+      Said said{blocks ? part.items : weighted(part.items), 0, part.work, part.slices};
       const std::size_t bytes = Message::body_size(part.payload);
       for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
       part.payload = counted(std::max(sizeof said, blocks ? bytes : std::size_t(weighted(bytes))), said);
@@ -93,6 +94,7 @@ class CountingPainter final : public Painter {
     counts_.drawn += here_.items;
     counts_.work.blocks += here_.work.blocks;
     counts_.work.samples += here_.work.samples;
+    counts_.slices += here_.slices;
     return true;
   }
   void news(int, Bytes&) override {}

@@ -5,8 +5,9 @@
 
 namespace ringsplat {
 
-std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers, RegionDealer* dealer, double voxel_weight) {
+std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid,
+                                                   SliceDealing dealing, int renderers,
+                                                   RegionDealer* dealer, double voxel_weight) {
   auto frame = std::make_shared<SplatFrame>();
   frame->number = spec.frame;
   frame->shown = spec.shown;
@@ -19,7 +20,7 @@ std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const 
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
   frame->footprint = make_footprint(frame->splats, frame->geometry);
   if (voxel_weight > 1) frame->footprint.half = narrowed(frame->footprint.half, voxel_weight);
-  frame->plan = plan_of(frame->geometry, gps, renderers);
+  frame->plan = plan_of(frame->geometry, dealing, renderers);
   return frame;
 }
 

@@ -4,6 +4,7 @@
 
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
+#include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
 
@@ -21,8 +22,8 @@ class RegionDealer;
 
 /// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
 /// view cannot be drawn. `voxel_weight`: as EngineSetup's.
-std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, int gps,
-                                                   int renderers, RegionDealer* dealer = nullptr,
-                                                   double voxel_weight = 1);
+std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid,
+                                                   SliceDealing dealing, int renderers,
+                                                   RegionDealer* dealer = nullptr, double voxel_weight = 1);
 
 }  // namespace ringsplat

@@ -56,6 +56,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     voxel_ = voxel_of_slice();
     next_part_ = 0;
+    ++counts_.slices;
     // Waking a thread costs as much as some hundred splats.
     constexpr std::size_t bytes_worth_a_thread = 4096;
     lanes_in_use_ = int(std::clamp(std::min(parts_.size(), body.size() / bytes_worth_a_thread),

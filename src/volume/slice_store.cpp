@@ -12,30 +12,34 @@
 namespace ringsplat {
 namespace {
 
-/// Copies column s of `values` (rows x width) for each s ≡ gp (mod gps). Each copied column starts `stride`
-/// bytes after the one before.
+/// Copies column s of `values` (rows x width) for each slice s that the GP owns. Each copied column starts
+/// `stride` bytes after the one before.
 template <class T>
-void gather_columns(const T* values, int width, int rows, int gp, int gps, std::byte* out,
+void gather_columns(const T* values, int width, int rows, int gp, SliceDealing dealing, std::byte* out,
                     std::size_t stride) {
+  const int columns = dealing.owned_count(width, gp);
   // Copies by blocks of rows that fit the first-level cache, since one cache line serves many columns.
   constexpr int block = 64;
   for (int first = 0; first < rows; first += block) {
     const int last = std::min(rows, first + block);
     std::byte* column = out;
-    for (int s = gp; s < width; s += gps, column += stride)
+    for (int k = 0; k < columns; ++k, column += stride) {
+      const T* from = values + dealing.slice_at(gp, k);
       for (int row = first; row < last; ++row)
-        std::memcpy(column + std::size_t(row) * sizeof(T), values + std::size_t(row) * std::size_t(width) + s,
+        std::memcpy(column + std::size_t(row) * sizeof(T), from + std::size_t(row) * std::size_t(width),
                     sizeof(T));
+    }
   }
 }
 
 template <class T>
-void gather(const T* values, const Grid& grid, Axis axis, int gp, int gps, std::byte* out,
+void gather(const T* values, const Grid& grid, Axis axis, int gp, SliceDealing dealing, std::byte* out,
             std::size_t stride) {
-  if (axis == Axis::x) return gather_columns(values, grid.dims.x, grid.dims.y, gp, gps, out, stride);
+  if (axis == Axis::x) return gather_columns(values, grid.dims.x, grid.dims.y, gp, dealing, out, stride);
   const auto width = std::size_t(grid.dims.x);
-  for (int s = gp; s < grid.dims.y; s += gps, out += stride)
-    std::memcpy(out, values + std::size_t(s) * width, width * sizeof(T));
+  const int rows = dealing.owned_count(grid.dims.y, gp);
+  for (int k = 0; k < rows; ++k, out += stride)
+    std::memcpy(out, values + std::size_t(dealing.slice_at(gp, k)) * width, width * sizeof(T));
 }
 
 /// Large pages must be asked for before the memory is used.
@@ -54,18 +58,19 @@ void require_crossing(Axis axis) {
 
 }  // namespace
 
-SliceStore::SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals,
-                       const SliceStore* known)
+SliceStore::SliceStore(const Grid& grid, int gp, SliceDealing dealing, std::array<bool, 3> kept_axes,
+                       bool with_normals, const SliceStore* known)
     : grid_(grid),
       gp_(gp),
-      gps_(gps),
+      dealing_(dealing),
       kept_(kept_axes),
       with_normals_(with_normals),
       normals_within_(whole_box(grid)) {
-  if (gps < 1 || gp < 0 || gp >= gps) throw std::invalid_argument("a slice store needs 0 <= gp < gps");
+  if (dealing.gps < 1 || dealing.slab < 1 || gp < 0 || gp >= dealing.gps)
+    throw std::invalid_argument("a slice store needs 0 <= gp < gps and slabs of slices");
   for (const Axis axis : all_axes) {
     if (!keeps(axis)) continue;
-    const auto voxels = std::size_t(owned_count(grid.slices(axis), gp, gps)) * grid.slice_voxels(axis);
+    const auto voxels = std::size_t(dealing.owned_count(grid.slices(axis), gp)) * grid.slice_voxels(axis);
     auto& set = sets_[std::size_t(axis)];
     set.values = known != nullptr && known->keeps(axis) ? known->sets_[std::size_t(axis)].values
                                                         : allocated<std::byte>(voxels * size_of(grid.type));
@@ -108,13 +113,14 @@ std::span<std::uint16_t> SliceStore::normals(Axis axis, int index) {
   return std::span(*sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
 }
 
-std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
-                                       bool with_normals) {
+std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, SliceDealing dealing,
+                                       std::array<bool, 3> kept_axes, bool with_normals) {
   const std::uint64_t per_voxel = size_of(grid.type) + (with_normals ? sizeof(std::uint16_t) : 0);
   std::uint64_t bytes = 0;
   for (const Axis axis : all_axes)
     if (kept_axes[std::size_t(axis)])
-      bytes += std::uint64_t(owned_count(grid.slices(axis), gp, gps)) * grid.slice_voxels(axis) * per_voxel;
+      bytes +=
+          std::uint64_t(dealing.owned_count(grid.slices(axis), gp)) * grid.slice_voxels(axis) * per_voxel;
   return bytes;
 }
 
@@ -137,32 +143,36 @@ const SliceStore& SliceStore::level(int factor) const {
   return found->second;
 }
 
-void pack_columns(const Grid& grid, Axis axis, int gp, int gps, std::span<const std::byte> values,
-                  std::span<const std::uint16_t> normals, std::vector<std::byte>& out) {
+void pack_columns(const Grid& grid, Axis axis, int gp, SliceDealing dealing,
+                  std::span<const std::byte> values, std::span<const std::uint16_t> normals,
+                  std::vector<std::byte>& out) {
   require_crossing(axis);
   const auto line = std::size_t(grid.slice_width(axis));
   const auto value_bytes = line * size_of(grid.type);
   const auto stride = value_bytes + (normals.empty() ? 0 : line * sizeof(std::uint16_t));
   const auto at = out.size();
-  out.resize(at + std::size_t(SliceStore::owned_count(grid.slices(axis), gp, gps)) * stride);
+  out.resize(at + std::size_t(dealing.owned_count(grid.slices(axis), gp)) * stride);
   visit_type(grid.type, [&](auto type) {
-    gather(reinterpret_cast<const decltype(type)*>(values.data()), grid, axis, gp, gps, out.data() + at,
+    gather(reinterpret_cast<const decltype(type)*>(values.data()), grid, axis, gp, dealing, out.data() + at,
            stride);
   });
-  if (!normals.empty()) gather(normals.data(), grid, axis, gp, gps, out.data() + at + value_bytes, stride);
+  if (!normals.empty())
+    gather(normals.data(), grid, axis, gp, dealing, out.data() + at + value_bytes, stride);
 }
 
-bool unpack_columns(SliceStore& store, Axis axis, int gp, int gps, int z, bool with_normals,
+bool unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z, bool with_normals,
                     std::span<const std::byte> in) {
   require_crossing(axis);
   const Grid& grid = store.grid();
   const auto line = std::size_t(grid.slice_width(axis));
   const auto value_bytes = line * size_of(grid.type);
   const auto normal_bytes = with_normals ? line * sizeof(std::uint16_t) : 0;
-  const auto slices = std::size_t(SliceStore::owned_count(grid.slices(axis), gp, gps));
-  if (z < 0 || z >= grid.dims.z || in.size() != slices * (value_bytes + normal_bytes)) return false;
+  const int slices = dealing.owned_count(grid.slices(axis), gp);
+  if (z < 0 || z >= grid.dims.z || in.size() != std::size_t(slices) * (value_bytes + normal_bytes))
+    return false;
   const std::byte* from = in.data();
-  for (int s = gp; s < grid.slices(axis); s += gps) {
+  for (int k = 0; k < slices; ++k) {
+    const int s = dealing.slice_at(gp, k);
     std::memcpy(store.values(axis, s).data() + std::size_t(z) * value_bytes, from, value_bytes);
     from += value_bytes;
     if (with_normals) std::memcpy(store.normals(axis, s).data() + std::size_t(z) * line, from, normal_bytes);

@@ -10,6 +10,7 @@
 
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
+#include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
 
@@ -35,25 +36,19 @@ struct SliceView {
 class SliceRanges;
 class CellRanges;
 
-/// GP `g` of `G` owns slices s ≡ g (mod G) of every kept axis (Neumann 1992, section 3: a static,
-/// interleaved slab distribution). Slices start out zero. Copies share their memory.
+/// The slices of every kept axis that a GP owns. They start out zero. Copies share their memory.
 class SliceStore {
  public:
   SliceStore() = default;
   /// Takes over the values, not the normals, of axes that `known`, the same GP's store of the same volume,
   /// keeps.
-  SliceStore(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes, bool with_normals,
+  SliceStore(const Grid& grid, int gp, SliceDealing dealing, std::array<bool, 3> kept_axes, bool with_normals,
              const SliceStore* known = nullptr);
 
   const Grid& grid() const { return grid_; }
   bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
   bool has_normals() const { return with_normals_; }
-  static int owner_of(int slice, int gps) { return slice % gps; }
-  bool owns(int slice) const { return owner_of(slice, gps_) == gp_; }
-  /// How many of an axis's `slices` slices this GP owns.
-  static int owned_count(int slices, int gp, int gps) {
-    return gp < slices ? (slices - gp - 1) / gps + 1 : 0;
-  }
+  bool owns(int slice) const { return dealing_.owner_of(slice) == gp_; }
 
   SliceView slice(Axis axis, int index) const;
   /// The part in the box of slice box.first[axis] + `index`: slice `index` of the volume cropped to the box.
@@ -66,8 +61,8 @@ class SliceStore {
   void know_normals_within(const VoxelBox& box) { normals_within_ = box; }
 
   /// Bytes a GP needs for its slices: what `info` predicts and the store allocates.
-  static std::uint64_t bytes_needed(const Grid& grid, int gp, int gps, std::array<bool, 3> kept_axes,
-                                    bool with_normals);
+  static std::uint64_t bytes_needed(const Grid& grid, int gp, SliceDealing dealing,
+                                    std::array<bool, 3> kept_axes, bool with_normals);
   std::uint64_t allocated_bytes() const;  ///< levels included
 
   /// A reduced volume's slices, of the same GP, for frames that are undersampled by `factor`.
@@ -95,10 +90,11 @@ class SliceStore {
     std::shared_ptr<std::vector<std::byte>> values;
     std::shared_ptr<std::vector<std::uint16_t>> normals;
   };
-  std::size_t local(int index) const { return std::size_t(index / gps_); }
+  std::size_t local(int index) const { return std::size_t(dealing_.place_of(index)); }
 
   Grid grid_;
-  int gp_ = 0, gps_ = 1;
+  int gp_ = 0;
+  SliceDealing dealing_;
   std::array<bool, 3> kept_{};
   bool with_normals_ = false;
   VoxelBox normals_within_;
@@ -111,14 +107,14 @@ class SliceStore {
 /// The exchange by which GPs that read z slices get their x and y slices: takes the lines of one GP's slices
 /// out of a z slice, and puts them into that GP's store.
 ///
-/// `pack_columns` appends, for each slice s ≡ gp (mod gps) of `axis` (x or y, else std::invalid_argument),
+/// `pack_columns` appends, for each slice of `axis` (x or y, else std::invalid_argument) that GP `gp` owns,
 /// the one line of the z slice that lies in it: its values, then its normals when `normals` is not empty.
 /// `values` and `normals` are the whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns` puts
-/// such bytes into the store of GP `gp` of `gps` as row z of its slices; returns false when they are not of
-/// the right size.
-void pack_columns(const Grid& grid, Axis axis, int gp, int gps, std::span<const std::byte> values,
-                  std::span<const std::uint16_t> normals, std::vector<std::byte>& out);
-[[nodiscard]] bool unpack_columns(SliceStore& store, Axis axis, int gp, int gps, int z, bool with_normals,
-                                  std::span<const std::byte> in);
+/// such bytes into that GP's store as row z of its slices; returns false when they are not of the right size.
+void pack_columns(const Grid& grid, Axis axis, int gp, SliceDealing dealing,
+                  std::span<const std::byte> values, std::span<const std::uint16_t> normals,
+                  std::vector<std::byte>& out);
+[[nodiscard]] bool unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z,
+                                  bool with_normals, std::span<const std::byte> in);
 
 }  // namespace ringsplat

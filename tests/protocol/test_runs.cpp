@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <set>
+
 #include "protocol/loopback_run.hpp"
+#include "protocol/slab_engine.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 
@@ -20,10 +23,11 @@ ToyRun run_all(const Layout& layout, const ProtocolOptions& options, const std::
   source.to_drop = to_drop;
   ToyEngine* at_frame_buffer = nullptr;
   ToyRun done;
-  const auto make_engine = [&](int rank) {
+  const auto make_engine = [&](int rank) -> std::unique_ptr<Engine> {
     auto engine = std::make_unique<ToyEngine>();
     if (rank == 0) at_frame_buffer = engine.get();
-    return engine;
+    if (layout.slab == 1) return engine;
+    return make_slab_engine(std::move(engine), layout.slab);
   };
   // Copies pictures before the engines end with the run.
   class Keeping final : public FrameSource {
@@ -106,11 +110,66 @@ TEST_CASE(
     }
 }
 
+TEST_CASE(
+    "in slabs every Renderer draws every slice once and in order, by one payload and one token for each "
+    "slab") {
+  for (Layout layout : layouts())
+    for (std::uint64_t seed = 0; seed < 40; ++seed) {
+      layout.slab = std::array{2, 3, 7, 1000}[seed % 4];
+      std::vector<ToyFrame> frames;
+      for (int k = 0; k < 5; ++k)
+        frames.push_back({.steps = 1 + int((seed + 3 * std::uint64_t(k)) % 17),
+                          .gps = layout.gps,
+                          .renderers = layout.renderers,
+                          .tiles = int((seed + std::uint64_t(k)) % 4) * layout.renderers / 2,
+                          .ascending = (seed + std::uint64_t(k)) % 2 == 0,
+                          .hidden_steps = layout.routed() ? 0 : seed * 0x9e3779b97f4a7c15 >> (46 - k),
+                          .empty_payloads = seed * 0xbf58476d1ce4e5b9 >> (44 + k),
+                          .slab = layout.slab,
+                          .first_slice = int(seed % 5)});
+      const ProtocolOptions options{.frames_in_flight = 1 + int(seed % 3),
+                                    .slots = 1 + int(seed % 4),
+                                    .link_slots = 1 + int(seed % 2),
+                                    .look_ahead = 1 + int(seed % 3),
+                                    .send_ahead = int(seed % 5)};
+      INFO(fmt::format("{} GPs, {} Renderers, slabs of {}, seed {}", layout.gps, layout.renderers,
+                       layout.slab, seed));
+      const ToyRun done =
+          run_all(layout, options, frames, {.seed = seed, .reorder = true, .max_delay = int(seed % 7)});
+      REQUIRE(done.over.size() == frames.size());
+      for (std::size_t k = 0; k < frames.size(); ++k) {
+        const ToyFrame& frame = frames[k];
+        std::set<int> shown, sent;
+        int slices = 0;
+        for (int step = 0; step < frame.steps; ++step) {
+          if (frame.shows(step)) shown.insert(frame.slice(step) / layout.slab);
+          if (frame.has_payload(step)) sent.insert(frame.slice(step) / layout.slab);
+          slices += frame.shows(step);
+        }
+        for (const auto& [tile, steps] : done.pictures.at(std::int64_t(k)))
+          REQUIRE(steps == expected_tile(frame));
+        const FrameStats& stats = done.over[k];
+        const NodeStats sum = stats.total();
+        const auto drawing = std::uint64_t(std::min(frame.tiles, layout.renderers));
+        REQUIRE(stats.slices == frame.steps);
+        REQUIRE(sum.tokens_issued == drawing);
+        REQUIRE(sum.tokens_retired == drawing);
+        REQUIRE(sum.tokens_passed == drawing * (std::max<std::size_t>(1, shown.size()) - 1));
+        REQUIRE(sum.payloads_sent == drawing * sent.size());
+        REQUIRE(sum.payloads_drawn == sum.payloads_sent);
+        if (drawing > 0) REQUIRE(sum.slices == std::uint64_t(std::max(1, slices)));
+        if (drawing == 0) REQUIRE(sum.voxels_outside == std::uint64_t(std::max(1, slices)));
+      }
+    }
+}
+
 TEST_CASE("dropped frames end wherever they are, and the frames between them are whole") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
-    const Layout layout = seed % 3 == 0 ? mesh_layout(2, 2, 2) : Layout{3, 2};
-    const std::vector<ToyFrame> frames(
-        6, ToyFrame{.steps = 7, .gps = layout.gps, .renderers = layout.renderers, .tiles = 4});
+    Layout layout = seed % 3 == 0 ? mesh_layout(2, 2, 2) : Layout{3, 2};
+    layout.slab = seed < 40 ? 1 : 2;
+    const ToyFrame frame{
+        .steps = 7, .gps = layout.gps, .renderers = layout.renderers, .tiles = 4, .slab = layout.slab};
+    const std::vector<ToyFrame> frames(6, frame);
     const ToyRun done = run_all(layout, {.frames_in_flight = 2, .slots = 1, .send_ahead = int(seed % 3)},
                                 frames, {.seed = seed, .reorder = true, .max_delay = int(seed % 9)}, {1, 4});
     REQUIRE(done.over.size() == 6);

@@ -38,22 +38,22 @@ ZSlice z_slice(const Grid& grid, int z, bool with_normals) {
 }
 
 /// Deals every z slice to all GPs, as loading does, then counts the wrong voxels.
-int wrong_voxels(const Grid& grid, int gps, bool with_normals) {
+int wrong_voxels(const Grid& grid, SliceDealing dealing, bool with_normals) {
   std::vector<SliceStore> stores;
-  for (int g = 0; g < gps; ++g) stores.emplace_back(grid, g, gps, all_kept, with_normals);
+  for (int g = 0; g < dealing.gps; ++g) stores.emplace_back(grid, g, dealing, all_kept, with_normals);
   int wrong = 0;
   for (int z = 0; z < grid.dims.z; ++z) {
     const auto slice = z_slice(grid, z, with_normals);
-    for (int g = 0; g < gps; ++g)
+    for (int g = 0; g < dealing.gps; ++g)
       for (const Axis axis : {Axis::x, Axis::y}) {
         std::vector<std::byte> bytes;
-        pack_columns(grid, axis, g, gps, slice.values, slice.normals, bytes);
-        wrong += !unpack_columns(stores[std::size_t(g)], axis, g, gps, z, with_normals, bytes);
+        pack_columns(grid, axis, g, dealing, slice.values, slice.normals, bytes);
+        wrong += !unpack_columns(stores[std::size_t(g)], axis, g, dealing, z, with_normals, bytes);
       }
   }
   for (const Axis axis : {Axis::x, Axis::y})
     for (int s = 0; s < grid.slices(axis); ++s) {
-      const auto view = stores[std::size_t(s % gps)].slice(axis, s);
+      const auto view = stores[std::size_t(dealing.owner_of(s))].slice(axis, s);
       visit_type(grid.type, [&](auto type) {
         using T = decltype(type);
         const auto* values = reinterpret_cast<const T*>(view.values);
@@ -82,15 +82,28 @@ TEST_CASE("columns packed from z slices arrive in their x and y slices", "[slice
   CAPTURE(dims.x, dims.y, dims.z, to_string(type), gps);
   CHECK(wrong_voxels(grid, gps, false) == 0);
   CHECK(wrong_voxels(grid, gps, true) == 0);
+  for (const int slab : {2, 3, 7, 1000}) CHECK(wrong_voxels(grid, {gps, slab}, true) == 0);
 }
 
 TEST_CASE("every slice has one owner and the counts add up", "[slice_store]") {
   for (int slices = 0; slices < 12; ++slices)
-    for (int gps = 1; gps < 15; ++gps) {
-      int sum = 0;
-      for (int g = 0; g < gps; ++g) sum += SliceStore::owned_count(slices, g, gps);
-      CHECK(sum == slices);
-    }
+    for (int gps = 1; gps < 15; ++gps)
+      for (const int slab : {1, 2, 3, 7, 1000}) {
+        const SliceDealing dealing(gps, slab);
+        std::vector<int> places(std::size_t(gps), 0);
+        for (int s = 0; s < slices; ++s) {
+          const int owner = dealing.owner_of(s);
+          REQUIRE(owner == s / slab % gps);
+          REQUIRE(dealing.place_of(s) == places[std::size_t(owner)]++);
+          REQUIRE(dealing.slice_at(owner, dealing.place_of(s)) == s);
+        }
+        for (int g = 0; g < gps; ++g) {
+          REQUIRE(dealing.owned_count(slices, g) == places[std::size_t(g)]);
+          REQUIRE(dealing.owned_count(slices, g) <= dealing.owned_count(slices, 0));
+        }
+      }
+  CHECK(SliceDealing(1 << 24, 1 << 20).owner_of(1 << 21) == 2);
+  CHECK(SliceDealing(1 << 24, 1 << 20).owned_count(5, 0) == 5);
 }
 
 TEST_CASE("a store allocates what info predicts", "[slice_store]") {
@@ -104,6 +117,8 @@ TEST_CASE("a store allocates what info predicts", "[slice_store]") {
         for (int g = 0; g < gps; ++g) {
           const SliceStore store(grid, g, gps, kept, normals);
           CHECK(store.allocated_bytes() == SliceStore::bytes_needed(grid, g, gps, kept, normals));
+          const SliceStore slabs(grid, g, {gps, 4}, kept, normals);
+          CHECK(slabs.allocated_bytes() == SliceStore::bytes_needed(grid, g, {gps, 4}, kept, normals));
           sum += store.allocated_bytes();
         }
         const auto sets = std::uint64_t(kept[0] + kept[1] + kept[2]);
@@ -149,5 +164,6 @@ TEST_CASE("bytes of the wrong size or for no row are refused", "[slice_store]") 
   bytes.pop_back();
   CHECK_FALSE(unpack_columns(store, Axis::x, 0, 2, 1, false, bytes));
   CHECK_THROWS_AS(SliceStore(grid, 2, 2, all_kept, false), std::invalid_argument);
+  CHECK_THROWS_AS(SliceStore(grid, 0, {2, 0}, all_kept, false), std::invalid_argument);
   CHECK_THROWS_AS(pack_columns(grid, Axis::z, 0, 1, {}, {}, bytes), std::invalid_argument);
 }

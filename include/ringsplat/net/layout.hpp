@@ -25,6 +25,7 @@ struct Layout {
   int mesh_columns = 0, mesh_rows = 0;
   Routing routing = Routing::manhattan;
   int idle = 0;  ///< ranks behind all others that host no node
+  int slab = 1;  ///< consecutive slices that one GP gets and that travel under one token; 1 is the paper
 
   int ranks() const { return working_ranks() + idle; }
   int working_ranks() const;
@@ -35,11 +36,15 @@ struct Layout {
   bool operator==(const Layout&) const = default;
 };
 
+/// More slices than any volume has.
+inline constexpr int most_slices_of_slab = 1 << 20;
+
 /// A mesh of columns × rows GPs; its Renderers are on ranks of their own.
 Layout mesh_layout(int columns, int rows, int renderers, Routing routing = Routing::manhattan);
 
-/// Throws InputError naming the option: a count below 1; a mesh without a shape, with a shape that its GPs do
-/// not fill, with more Renderers than row ends, or with Renderers on the GPs' ranks.
+/// Throws InputError naming the option: a count below 1; a slab of too many slices; a mesh without a shape,
+/// with a shape that its GPs do not fill, with more Renderers than row ends, or with Renderers on the GPs'
+/// ranks.
 void check(const Layout& layout);
 
 }  // namespace ringsplat

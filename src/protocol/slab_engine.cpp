@@ -1,0 +1,238 @@
+#include "protocol/slab_engine.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "base/byte_stream.hpp"
+#include "net/message.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Parts begin at multiples of this, as payloads do in messages.
+constexpr std::size_t alignment = 16;
+static_assert(sizeof(SlabPart) == alignment && sizeof(Header) % alignment == 0);
+
+std::size_t padding(std::size_t at) { return (alignment - at % alignment) % alignment; }
+
+/// Which steps of the inner engine make a slab.
+class Slabs {
+ public:
+  Slabs(const FramePlan& of_slices, int slab) {
+    const int direction = of_slices.ascending ? 1 : -1;
+    const auto slab_of = [&](int step) { return (of_slices.first_slice + direction * step) / slab; };
+    for (int step = 0; step < of_slices.slices(); ++step)
+      if (step == 0 || slab_of(step) != slab_of(step - 1)) begins_.push_back(step);
+    begins_.push_back(of_slices.slices());
+  }
+
+  int count() const { return int(begins_.size()) - 1; }
+  int begin(int slab) const { return begins_[std::size_t(slab)]; }
+  int end(int slab) const { return begins_[std::size_t(slab) + 1]; }
+  int slices(int slab) const { return end(slab) - begin(slab); }
+  int slab_of(int slice_step) const {
+    return int(std::upper_bound(begins_.begin(), begins_.end(), slice_step) - begins_.begin()) - 1;
+  }
+
+ private:
+  std::vector<int> begins_;  ///< steps of slices, and the end of the last slab
+};
+
+FramePlan plan_of_slabs(const FramePlan& of_slices, const Slabs& slabs) {
+  FramePlan plan;
+  plan.ascending = of_slices.ascending;
+  plan.tiles = of_slices.tiles;
+  plan.first_slice = of_slices.first_slice;
+  for (int slab = 0; slab < slabs.count(); ++slab) {
+    plan.owners.push_back(of_slices.owners[std::size_t(slabs.begin(slab))]);
+    plan.slices_of_steps.push_back(slabs.slices(slab));
+  }
+  return plan;
+}
+
+/// Appends a slice's part for a Renderer to the slab's.
+void join(int slice_step, EncodedPart&& part, EncodedPart& joined) {
+  if (part.payload.empty()) return;
+  if (joined.payload.empty()) {
+    joined.payload = Message::body_buffer();
+    joined.slices = 0;
+  }
+  Bytes& body = joined.payload;
+  body.insert(body.end(), padding(body.size()), std::byte{0});
+  append(body, SlabPart{slice_step, part.passes, Message::body_size(part.payload)});
+  body.insert(body.end(), part.payload.begin() + sizeof(Header), part.payload.end());
+  joined.items += part.items;
+  joined.passes += part.passes;
+  joined.slices += part.slices;
+  joined.tiles.insert(joined.tiles.end(), part.tiles.begin(), part.tiles.end());
+  joined.work.blocks += part.work.blocks;
+  joined.work.samples += part.work.samples;
+}
+
+class SlabEncoder final : public Encoder {
+ public:
+  SlabEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Slabs slabs)
+      : inner_(std::move(inner)), slabs_(std::move(slabs)), slices_(inner_->shown()) {
+    shows_nothing_ = slices_.empty();
+    // A frame that shows nothing has one step nevertheless (GpFrame).
+    if (shows_nothing_) slices_.push_back(0);
+    owned_ = std::size_t(std::count_if(slices_.begin(), slices_.end(),
+                                       [&](int step) { return of_slices.owners[std::size_t(step)] == gp; }));
+  }
+
+  std::vector<int> shown() override {
+    std::vector<int> steps;
+    if (shows_nothing_) return steps;
+    for (const int slice : slices_)
+      if (const int slab = slabs_.slab_of(slice); steps.empty() || steps.back() != slab)
+        steps.push_back(slab);
+    return steps;
+  }
+
+  EncodeCounts left_out(std::size_t) const override { return inner_->left_out(owned_); }
+  bool prepare() override { return inner_->prepare(); }
+
+  void begin(int slab) override {
+    const auto at = [this](int step) { return std::lower_bound(slices_.begin(), slices_.end(), step); };
+    next_ = at(slabs_.begin(slab));
+    end_ = at(slabs_.end(slab));
+    joined_ = {};
+    joined_.slices = 0;
+    inner_->begin(*next_);
+  }
+
+  bool work() override {
+    if (!inner_->work()) return false;
+    join_slice(*next_, inner_->finish());
+    if (++next_ == end_) return true;
+    inner_->begin(*next_);
+    return false;
+  }
+
+  EncodedStep finish() override {
+    for (EncodedPart& part : joined_.parts) {
+      std::sort(part.tiles.begin(), part.tiles.end());
+      part.tiles.erase(std::unique(part.tiles.begin(), part.tiles.end()), part.tiles.end());
+    }
+    return std::move(joined_);
+  }
+
+  void take_news(std::span<const std::byte> news) override { inner_->take_news(news); }
+  StageSeconds stages() const override { return inner_->stages(); }
+  std::uint64_t slice_memory() const override { return inner_->slice_memory(); }
+
+ private:
+  void join_slice(int step, EncodedStep&& slice) {
+    joined_.parts.resize(slice.parts.size());
+    for (std::size_t r = 0; r < slice.parts.size(); ++r)
+      join(step, std::move(slice.parts[r]), joined_.parts[r]);
+    joined_.counts.voxels += slice.counts.voxels;
+    joined_.counts.visible += slice.counts.visible;
+    joined_.counts.outside += slice.counts.outside;
+    joined_.counts.blocks += slice.counts.blocks;
+    joined_.slices += slice.slices;
+  }
+
+  std::unique_ptr<Encoder> inner_;
+  Slabs slabs_;
+  std::vector<int> slices_;  ///< steps of slices that are shown
+  bool shows_nothing_ = false;
+  std::size_t owned_ = 0;                  ///< how many of them this GP has
+  std::vector<int>::iterator next_, end_;  ///< of slices_: the slice that is encoded, and the slab's end
+  EncodedStep joined_;
+};
+
+class SlabPainter final : public Painter {
+ public:
+  SlabPainter(Painter& inner, int renderer, Slabs slabs)
+      : inner_(inner), renderer_(renderer), slabs_(std::move(slabs)) {}
+
+  bool prepare() override { return inner_.prepare(); }
+
+  void begin(const PayloadToDraw& payload) override {
+    read(payload);
+    next_ = 0;
+    inner_.begin(slices_.front());
+  }
+
+  bool work() override {
+    if (!inner_.work()) return false;
+    if (++next_ == slices_.size()) return true;
+    inner_.begin(slices_[next_]);
+    return false;
+  }
+
+  bool conclude() override { return inner_.conclude(); }
+  void news(int gp, Bytes& news) override { inner_.news(gp, news); }
+  ItemCounts counts() const override { return inner_.counts(); }
+  double composite_seconds() const override { return inner_.composite_seconds(); }
+  void finish(const std::function<void(int, Bytes)>& deliver) override { inner_.finish(deliver); }
+
+ private:
+  /// Finds the payloads of the slab's slices.
+  void read(const PayloadToDraw& payload) {
+    const std::span<const std::byte> body = payload.body;
+    const bool known = payload.step >= 0 && payload.step < slabs_.count();
+    if (!known || body.empty()) refuse(payload, "is no slab of the frame's");
+    int least = slabs_.begin(payload.step);
+    slices_.clear();
+    for (std::size_t at = 0; at < body.size();) {
+      SlabPart part{};
+      at += padding(at);
+      if (!take(body, at, part) || part.bytes > body.size() - at) refuse(payload, "is cut short");
+      if (part.slice_step < least || part.slice_step >= slabs_.end(payload.step))
+        refuse(payload, fmt::format("has slice {} out of its place", part.slice_step));
+      least = part.slice_step + 1;
+      slices_.push_back({part.slice_step, part.passes, body.subspan(at, part.bytes)});
+      at += part.bytes;
+    }
+  }
+
+  [[noreturn]] void refuse(const PayloadToDraw& payload, const std::string& why) const {
+    throw RunError(fmt::format("Renderer {} got a payload of slab {} that {}", renderer_, payload.step, why),
+                   "all ranks must run the same build with the same options");
+  }
+
+  Painter& inner_;
+  int renderer_;
+  Slabs slabs_;
+  std::vector<PayloadToDraw> slices_;  ///< the payload's
+  std::size_t next_ = 0;               ///< the slice that is drawn
+};
+
+class SlabEngine final : public Engine {
+ public:
+  SlabEngine(std::unique_ptr<Engine> inner, int slab) : inner_(std::move(inner)), slab_(slab) {}
+
+  FramePlan plan(const Announcement& a) override {
+    const FramePlan of_slices = inner_->plan(a);
+    return plan_of_slabs(of_slices, Slabs(of_slices, slab_));
+  }
+  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
+    const FramePlan of_slices = inner_->plan(a);
+    return std::make_unique<SlabEncoder>(inner_->encoder(gp, a), gp, of_slices, Slabs(of_slices, slab_));
+  }
+  Painter& painter(int renderer, const Announcement& a) override {
+    return *(painters_[renderer] = std::make_unique<SlabPainter>(inner_->painter(renderer, a), renderer,
+                                                                 Slabs(inner_->plan(a), slab_)));
+  }
+  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
+
+ private:
+  std::unique_ptr<Engine> inner_;
+  int slab_;
+  std::map<int, std::unique_ptr<SlabPainter>> painters_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab) {
+  return std::make_unique<SlabEngine>(std::move(inner), slab);
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,22 @@
+#pragma once
+#include <cstdint>
+#include <memory>
+
+#include "protocol/engine.hpp"
+
+namespace ringsplat {
+
+/// Begins a slice's part of a joined payload.
+struct SlabPart {
+  std::int32_t slice_step = 0;  ///< the slice's step of the inner engine
+  std::uint32_t passes = 0;
+  std::uint64_t bytes = 0;  ///< of the slice's payload, which follows; the next part is aligned like this one
+};
+
+/// An engine whose steps are slabs: up to `slab` consecutive slices, all of one GP, which are the steps of
+/// `inner`. A Renderer's payloads of a slab's slices are joined to one, so that a token passes the slab as it
+/// passes a slice, by payload, accept and token. Slabs are those of the volume: where a frame shows a part of
+/// it, its first and its last slab may be shorter. Painters draw slice by slice, so no bit depends on `slab`.
+std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab);
+
+}  // namespace ringsplat

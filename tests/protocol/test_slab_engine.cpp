@@ -1,0 +1,88 @@
+#include "protocol/slab_engine.hpp"
+
+#include <cstring>
+
+#include "protocol/gp.hpp"
+#include "support/catch.hpp"
+#include "toy_engine.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+/// Seven slices from slice 2 on, in slabs 2 3 | 4 5 6 7 | 8.
+constexpr ToyFrame part_of_a_volume{.steps = 7, .gps = 2, .renderers = 1, .slab = 4, .first_slice = 2};
+
+EncodedStep encoded(Encoder& encoder, int step) {
+  encoder.begin(step);
+  while (!encoder.work()) {
+  }
+  return encoder.finish();
+}
+
+}  // namespace
+
+TEST_CASE("slabs are those of the volume, in either direction") {
+  const auto plan = [](const ToyFrame& frame) {
+    return make_slab_engine(std::make_unique<ToyEngine>(), frame.slab)->plan(announcement(0, frame));
+  };
+  ToyFrame frame = part_of_a_volume;
+  CHECK(plan(frame).slices_of_steps == std::vector{2, 4, 1});
+  CHECK(plan(frame).owners == std::vector{0, 1, 0});
+  CHECK(plan(frame).slices() == 7);
+  frame.ascending = false;
+  CHECK(plan(frame).slices_of_steps == std::vector{1, 4, 2});
+  CHECK(plan(frame).owners == std::vector{0, 1, 0});
+}
+
+TEST_CASE(
+    "a token stays until the payload of the slab's slices is accepted, then goes to the next slab's GP") {
+  const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4);
+  Posted posted;
+  Gp gp(0, {.gps = 2, .renderers = 1, .slab = 4}, {}, *engine, posted.post());
+  gp.begin_frame(announcement(0, part_of_a_volume));
+  run(gp);
+  const auto payloads = posted.take(Kind::payload);
+  REQUIRE(payloads.size() == 1);
+  CHECK(posted.messages.empty());
+  const TokenPlace place = fields_of<PayloadFields>(payloads.front().header).place;
+  CHECK(fields_of<PayloadFields>(payloads.front().header).passes == 2);
+  gp.receive(Message(make_header({Role::renderer, 0}, gp.id(), 0, AcceptFields{.place = place})));
+  run(gp);
+  const auto tokens = posted.take(Kind::token);
+  REQUIRE(tokens.size() == 1);
+  CHECK(tokens.front().header.destination == 1);
+  CHECK(fields_of<TokenFields>(tokens.front().header).place.step == 1);
+  CHECK(posted.messages.empty());
+}
+
+TEST_CASE("a damaged payload of a slab is refused with the Renderer's and the slab's number") {
+  const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4);
+  const Announcement frame = announcement(0, part_of_a_volume);
+  const Bytes whole = encoded(*engine->encoder(1, frame), 1).parts.front().payload;
+  Painter& painter = engine->painter(0, frame);
+  const auto body = [](const Bytes& wire) { return std::span(wire).subspan(sizeof(Header)); };
+  const auto draw = [&](int slab, const Bytes& wire) {
+    painter.begin({slab, 4, body(wire)});
+    while (!painter.work()) {
+    }
+  };
+  const auto refused = Catch::Matchers::Contains("Renderer 0 got a payload of slab");
+  for (std::size_t size = sizeof(Header); size < whole.size(); ++size) {
+    // At the end of a slice's part what is left is whole, but has fewer slices.
+    const std::size_t part = sizeof(SlabPart) + sizeof(ToyItem);
+    if (size > sizeof(Header) && (size - sizeof(Header)) % part == 0) continue;
+    CAPTURE(size);
+    CHECK_THROWS_WITH(draw(1, Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))), refused);
+  }
+  for (const int slab : {-1, 0, 2, 3, 100}) CHECK_THROWS_WITH(draw(slab, whole), refused);
+  const auto with_step = [&](std::size_t part, std::int32_t step) {
+    Bytes wire = whole;
+    std::memcpy(wire.data() + sizeof(Header) + part * (sizeof(SlabPart) + sizeof(ToyItem)), &step,
+                sizeof step);
+    return wire;
+  };
+  for (const int step : {-1, 2, 6, 1 << 30}) CHECK_THROWS_WITH(draw(1, with_step(1, step)), refused);
+  CHECK_NOTHROW(draw(1, whole));
+}
