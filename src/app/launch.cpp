@@ -189,6 +189,9 @@ Layout layout_on_ranks(const RunOptions& o, int ranks) {
 }  // namespace
 
 std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks, int cores) {
+  if (o.choose_slab && !o.engine.simulation.machine)
+    throw InputError("--slab auto follows from a described machine's costs, but these ranks are real",
+                     "give a number, or leave it out: slices are then dealt one by one");
   if (!over_mpi)
     throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
                      "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
@@ -199,9 +202,6 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
-  if (o.choose_slab && !o.engine.simulation.machine)
-    throw InputError("--slab auto follows from a described machine's costs, but these ranks are real",
-                     "give a number, or leave it out: slices are then dealt one by one");
   auto layouts = o.engine.simulation.machine
                      ? rings_on_machine(ranks)
                      : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);

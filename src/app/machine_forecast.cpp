@@ -69,7 +69,8 @@ struct Drawer {
 class Tokens {
  public:
   struct Costs {
-    double payload, table, hop, software, poll;
+    double slice, message;  ///< a Renderer's, for a slice of a payload, and once for it
+    double table, hop, software, poll;
     MeanHops hops = {};  ///< of one hop each where messages are not handed on
   };
   Tokens(const Machine& machine, const Layout& layout, int slots, const Shares& shares, const Costs& costs)
@@ -82,11 +83,12 @@ class Tokens {
     gp_busy_.assign(gp_free_.size(), machine.gp.frame);
   }
 
-  /// All tokens pass a slice, whose GP needs so many seconds to encode it.
-  void pass(std::size_t gp, std::size_t layer, double encoding) {
+  /// All tokens pass a slab, whose GP needs so many seconds to encode it. `layers`: those of its slices.
+  void pass(std::size_t gp, const std::vector<std::size_t>& layers, double encoding) {
     const double ready = encode(gp, encoding);
     const Drawer* const beside = colocated_ && gp < drawers_.size() ? &drawers_[gp] : nullptr;
-    const double piece = costs_.payload + (beside != nullptr ? shares_.of_layer[layer][gp] : 0);
+    const double piece =
+        costs_.slice + costs_.message + (beside != nullptr ? shares_.of_layer[layers.front()][gp] : 0);
     double passed = ready, software = ready;
     for (std::size_t r = 0; r < drawers_.size(); ++r) {
       if (!shares_.has_tile[r]) continue;
@@ -94,7 +96,7 @@ class Tokens {
       // The token comes, and later its payload's accept.
       if (beside != nullptr) here += 2 * delay(*beside, here, piece);
       software += costs_.software;
-      passed = std::max(passed, pass_on(drawers_[r], here, shares_.of_layer[layer][r]));
+      passed = std::max(passed, pass_on(drawers_[r], here, work_of(r, layers)));
     }
     gp_busy_[gp] += software - ready;
     gp_free_[gp] = std::max(passed, software);
@@ -116,11 +118,19 @@ class Tokens {
     return begun + seconds;
   }
 
-  /// When the token that is with a prepared slice leaves it.
+  /// A Renderer's seconds for the slices' payload, its message left out.
+  double work_of(std::size_t renderer, const std::vector<std::size_t>& layers) const {
+    double work = 0;
+    for (const std::size_t layer : layers)
+      if (const double slice = shares_.of_layer[layer][renderer]; slice > 0) work += slice + costs_.slice;
+    return work;
+  }
+
+  /// When the token that is with a prepared slab leaves it.
   double pass_on(Drawer& d, double here, double work) const {
     double leaves = here;
     if (work > 0) {
-      const double seconds = work + costs_.payload + (d.payloads == 0 ? costs_.table : 0);
+      const double seconds = work + costs_.message + (d.payloads == 0 ? costs_.table : 0);
       const double arrives = here + costs_.hops.payload * costs_.hop;
       // The payload is accepted once one of as many before it as there are slots is drawn.
       double& slot = d.ends[d.payloads++ % d.ends.size()];
@@ -247,7 +257,9 @@ void MachineForecast::deal(const View& view, const Layout& layout, FrameGeometry
   std::vector<double> busy;
   if (layout.placement == Placement::colocated)
     busy = busy_gps(view.whole, dealing_of(layout), layout.renderers, layout.renderers);
-  deal_by_work(g, view.whole, view.costs, division, form, layout.renderers, busy);
+  WorkCosts costs = view.costs;
+  costs.payload -= payload_message_seconds(machine_) * (1 - 1.0 / layout.slab);
+  deal_by_work(g, view.whole, costs, division, form, layout.renderers, busy);
 }
 
 Prediction MachineForecast::predict(const View& view, const Layout& layout) const {
@@ -257,12 +269,23 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
   const Messages messages(machine_);
   const double hop = messages.small,
                table = std::holds_alternative<Sheets>(frame_.how) ? machine_.sheets.table : 0;
-  Tokens tokens(
-      machine_, layout, protocol_.slots, shares,
-      {view.costs.payload, table, hop, messages.software, machine_.poll_interval, mean_hops(layout)});
-  for (int step = 0; step < g.slices; ++step)
-    tokens.pass(std::size_t(dealing_of(layout).owner_of(view.whole.slice_of(step))),
-                std::size_t(view.whole.layer_of(step)), machine_.gp.slice + view.whole.slice_seconds(step));
+  const double message = payload_message_seconds(machine_);
+  Tokens tokens(machine_, layout, protocol_.slots, shares,
+                {view.costs.payload - message, message, table, hop, messages.software, machine_.poll_interval,
+                 mean_hops(layout)});
+  const SliceDealing dealing = dealing_of(layout);
+  int slabs = 0;
+  std::vector<std::size_t> layers;
+  for (int step = 0; step < g.slices; ++slabs) {
+    const int first = view.whole.slice_of(step);
+    double encoding = 0;
+    layers.clear();
+    for (; step < g.slices && dealing.slab_of(view.whole.slice_of(step)) == dealing.slab_of(first); ++step) {
+      layers.push_back(std::size_t(view.whole.layer_of(step)));
+      encoding += machine_.gp.slice + view.whole.slice_seconds(step);
+    }
+    tokens.pass(std::size_t(dealing.owner_of(first)), layers, encoding);
+  }
   Prediction p;
   for (std::size_t r = 0; r < tokens.drawers().size(); ++r) {
     const Drawer& d = tokens.drawers()[r];
@@ -271,7 +294,7 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
     p.renderer = std::max(p.renderer, d.busy + delivering);
   }
   p.gp = tokens.busiest_gp();
-  p.tokens = 3 * hop * g.slices;
+  p.tokens = 3 * hop * slabs;
   return p;
 }
 
@@ -296,6 +319,18 @@ std::vector<Prediction> MachineForecast::predict_all(const std::vector<Layout>& 
   std::stable_sort(all.begin(), all.end(),
                    [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; });
   return all;
+}
+
+std::vector<Prediction> MachineForecast::predict_slabs(const std::vector<Layout>& layouts) const {
+  constexpr int most = 64;
+  constexpr double worth_more = 0.98;
+  std::vector<Prediction> best = predict_all(in_slabs(layouts, 1));
+  for (int slab = 2; slab <= most; slab *= 2) {
+    std::vector<Prediction> all = predict_all(in_slabs(layouts, slab));
+    if (all.front().seconds > worth_more * best.front().seconds) break;
+    best = std::move(all);
+  }
+  return best;
 }
 
 std::vector<Layout> rings_on_machine(int ranks) {

@@ -18,6 +18,19 @@ Binding count_or_auto(std::optional<int>& count, bool& choose) {
   };
 }
 
+/// A number of slices, or "auto", which is chosen together with the roles.
+Binding slab_or_auto(RunOptions& run) {
+  return [&run](CLI::App& app, const std::string& names, const std::string& help) {
+    const auto take = [&run, names](const std::string& text) {
+      if (text == "auto")
+        run.choose_roles = run.choose_slab = true;
+      else
+        run.slab = parse_count(text, names);
+    };
+    return app.add_option_function<std::string>(names, take, help);
+  };
+}
+
 ScalarType parse_type(const std::string& text, const std::string&) { return scalar_type_from(text); }
 
 using Volume = VolumeOptions;
@@ -65,7 +78,7 @@ constexpr OptionRow<Run> rank_rows[] = {
     {"--slab", "K|auto", nullptr,
      "So many consecutive slices are dealt to a GP together and travel under one token; without it 1, as in "
      "the paper; auto: as many as a described machine needs",
-     [](Run& o) { return count_or_auto(o.slab, o.choose_slab); }},
+     [](Run& o) { return slab_or_auto(o); }},
     {"--topology", nullptr, initial, "How the GPs are linked",
      [](Run& o) {
        return choice(o.topology, {{"ring", Topology::ring}, {"mesh", Topology::mesh}});

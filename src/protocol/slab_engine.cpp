@@ -55,29 +55,45 @@ FramePlan plan_of_slabs(const FramePlan& of_slices, const Slabs& slabs) {
   return plan;
 }
 
-/// Appends a slice's part for a Renderer to the slab's.
-void join(int slice_step, EncodedPart&& part, EncodedPart& joined) {
-  if (part.payload.empty()) return;
-  if (joined.payload.empty()) {
-    joined.payload = Message::body_buffer();
-    joined.slices = 0;
+/// A slice's payload for a Renderer.
+struct SlicePayload {
+  SlabPart head;
+  Bytes body;  ///< as a message's
+};
+
+std::size_t joined_bytes(const std::vector<SlicePayload>& slices) {
+  std::size_t bytes = 0;
+  for (const SlicePayload& slice : slices) bytes += padding(bytes) + sizeof(SlabPart) + slice.head.bytes;
+  return bytes;
+}
+
+/// The payload of a slab, which empties `slices`.
+Bytes join(std::vector<SlicePayload>& slices) {
+  Bytes body = Message::body_buffer();
+  body.reserve(body.size() + joined_bytes(slices));
+  for (SlicePayload& slice : slices) {
+    body.insert(body.end(), padding(body.size()), std::byte{0});
+    append(body, slice.head);
+    body.insert(body.end(), slice.body.begin() + sizeof(Header), slice.body.end());
+    slice.body = {};
   }
-  Bytes& body = joined.payload;
-  body.insert(body.end(), padding(body.size()), std::byte{0});
-  append(body, SlabPart{slice_step, part.passes, Message::body_size(part.payload)});
-  body.insert(body.end(), part.payload.begin() + sizeof(Header), part.payload.end());
-  joined.items += part.items;
-  joined.passes += part.passes;
-  joined.slices += part.slices;
-  joined.tiles.insert(joined.tiles.end(), part.tiles.begin(), part.tiles.end());
-  joined.work.blocks += part.work.blocks;
-  joined.work.samples += part.work.samples;
+  slices.clear();
+  return body;
+}
+
+/// Bytes that are as many, and were never written or read, so that they take no memory.
+Bytes join_lengths(std::vector<SlicePayload>& slices) {
+  Bytes body = Message::body_buffer();
+  body.resize(body.size() + joined_bytes(slices));
+  slices.clear();
+  return body;
 }
 
 class SlabEncoder final : public Encoder {
  public:
-  SlabEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Slabs slabs)
-      : inner_(std::move(inner)), slabs_(std::move(slabs)), slices_(inner_->shown()) {
+  SlabEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Slabs slabs,
+              SlabContent content)
+      : inner_(std::move(inner)), slabs_(std::move(slabs)), content_(content), slices_(inner_->shown()) {
     shows_nothing_ = slices_.empty();
     // A frame that shows nothing has one step nevertheless (GpFrame).
     if (shows_nothing_) slices_.push_back(0);
@@ -101,36 +117,38 @@ class SlabEncoder final : public Encoder {
     const auto at = [this](int step) { return std::lower_bound(slices_.begin(), slices_.end(), step); };
     next_ = at(slabs_.begin(slab));
     end_ = at(slabs_.end(slab));
+    // Those of a slab that was begun and then dropped.
+    kept_.clear();
     joined_ = {};
     joined_.slices = 0;
     inner_->begin(*next_);
   }
 
   bool work() override {
-    if (!inner_->work()) return false;
-    join_slice(*next_, inner_->finish());
-    if (++next_ == end_) return true;
-    inner_->begin(*next_);
-    return false;
+    if (next_ != end_) {
+      if (!inner_->work()) return false;
+      add_slice(*next_, inner_->finish());
+      if (++next_ != end_) inner_->begin(*next_);
+      joined_to_ = 0;
+      return false;
+    }
+    while (joined_to_ < kept_.size() && kept_[joined_to_].empty()) ++joined_to_;
+    if (joined_to_ < kept_.size()) join_part(joined_to_++);
+    return joined_to_ == kept_.size();
   }
 
-  EncodedStep finish() override {
-    for (EncodedPart& part : joined_.parts) {
-      std::sort(part.tiles.begin(), part.tiles.end());
-      part.tiles.erase(std::unique(part.tiles.begin(), part.tiles.end()), part.tiles.end());
-    }
-    return std::move(joined_);
-  }
+  EncodedStep finish() override { return std::move(joined_); }
 
   void take_news(std::span<const std::byte> news) override { inner_->take_news(news); }
   StageSeconds stages() const override { return inner_->stages(); }
   std::uint64_t slice_memory() const override { return inner_->slice_memory(); }
 
  private:
-  void join_slice(int step, EncodedStep&& slice) {
+  void add_slice(int step, EncodedStep&& slice) {
+    kept_.resize(slice.parts.size());
     joined_.parts.resize(slice.parts.size());
     for (std::size_t r = 0; r < slice.parts.size(); ++r)
-      join(step, std::move(slice.parts[r]), joined_.parts[r]);
+      if (!slice.parts[r].payload.empty()) add_part(step, std::move(slice.parts[r]), r);
     joined_.counts.voxels += slice.counts.voxels;
     joined_.counts.visible += slice.counts.visible;
     joined_.counts.outside += slice.counts.outside;
@@ -138,12 +156,35 @@ class SlabEncoder final : public Encoder {
     joined_.slices += slice.slices;
   }
 
+  void add_part(int step, EncodedPart&& part, std::size_t renderer) {
+    EncodedPart& all = joined_.parts[renderer];
+    if (kept_[renderer].empty()) all.slices = 0;
+    all.items += part.items;
+    all.passes += part.passes;
+    all.slices += part.slices;
+    all.tiles.insert(all.tiles.end(), part.tiles.begin(), part.tiles.end());
+    all.work.blocks += part.work.blocks;
+    all.work.samples += part.work.samples;
+    const std::uint64_t bytes = Message::body_size(part.payload);
+    kept_[renderer].push_back({{step, part.passes, bytes}, std::move(part.payload)});
+  }
+
+  void join_part(std::size_t renderer) {
+    EncodedPart& all = joined_.parts[renderer];
+    all.payload = content_ == SlabContent::payloads ? join(kept_[renderer]) : join_lengths(kept_[renderer]);
+    std::sort(all.tiles.begin(), all.tiles.end());
+    all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
+  }
+
   std::unique_ptr<Encoder> inner_;
   Slabs slabs_;
+  SlabContent content_;
   std::vector<int> slices_;  ///< steps of slices that are shown
   bool shows_nothing_ = false;
   std::size_t owned_ = 0;                  ///< how many of them this GP has
   std::vector<int>::iterator next_, end_;  ///< of slices_: the slice that is encoded, and the slab's end
+  std::vector<std::vector<SlicePayload>> kept_;  ///< by Renderer, of the slab's slices so far
+  std::size_t joined_to_ = 0;                    ///< Renderers whose payloads are joined
   EncodedStep joined_;
 };
 
@@ -207,7 +248,8 @@ class SlabPainter final : public Painter {
 
 class SlabEngine final : public Engine {
  public:
-  SlabEngine(std::unique_ptr<Engine> inner, int slab) : inner_(std::move(inner)), slab_(slab) {}
+  SlabEngine(std::unique_ptr<Engine> inner, int slab, SlabContent content)
+      : inner_(std::move(inner)), slab_(slab), content_(content) {}
 
   FramePlan plan(const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
@@ -215,7 +257,8 @@ class SlabEngine final : public Engine {
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
-    return std::make_unique<SlabEncoder>(inner_->encoder(gp, a), gp, of_slices, Slabs(of_slices, slab_));
+    return std::make_unique<SlabEncoder>(inner_->encoder(gp, a), gp, of_slices, Slabs(of_slices, slab_),
+                                         content_);
   }
   Painter& painter(int renderer, const Announcement& a) override {
     return *(painters_[renderer] = std::make_unique<SlabPainter>(inner_->painter(renderer, a), renderer,
@@ -226,13 +269,14 @@ class SlabEngine final : public Engine {
  private:
   std::unique_ptr<Engine> inner_;
   int slab_;
+  SlabContent content_;
   std::map<int, std::unique_ptr<SlabPainter>> painters_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab) {
-  return std::make_unique<SlabEngine>(std::move(inner), slab);
+std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab, SlabContent content) {
+  return std::make_unique<SlabEngine>(std::move(inner), slab, content);
 }
 
 }  // namespace ringsplat

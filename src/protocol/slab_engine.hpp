@@ -13,10 +13,14 @@ struct SlabPart {
   std::uint64_t bytes = 0;  ///< of the slice's payload, which follows; the next part is aligned like this one
 };
 
+/// What a joined payload has: the slices' payloads, or only their length, where nobody draws it.
+enum class SlabContent { payloads, length };
+
 /// An engine whose steps are slabs: up to `slab` consecutive slices, all of one GP, which are the steps of
 /// `inner`. A Renderer's payloads of a slab's slices are joined to one, so that a token passes the slab as it
 /// passes a slice, by payload, accept and token. Slabs are those of the volume: where a frame shows a part of
 /// it, its first and its last slab may be shorter. Painters draw slice by slice, so no bit depends on `slab`.
-std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab);
+std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab,
+                                         SlabContent content = SlabContent::payloads);
 
 }  // namespace ringsplat

@@ -54,17 +54,19 @@ class Engines final : public Engine {
 
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup) { return std::make_unique<Engines>(setup); }
 
-WorkCosts splat_costs(const Machine& m, double voxel_weight) {
-  return {voxel_weight * m.renderer.splat, 0,
-          m.renderer.slice + sending_seconds(m, sizeof(Header)) + m.message.receive,
+double payload_message_seconds(const Machine& m) {
+  return sending_seconds(m, sizeof(Header)) + m.message.receive;
+}
+
+WorkCosts splat_costs(const Machine& m, double voxel_weight, int slab) {
+  return {voxel_weight * m.renderer.splat, 0, m.renderer.slice + payload_message_seconds(m) / slab,
           voxel_weight * m.gp.visible_voxel, voxel_weight * m.gp.transparent_voxel};
 }
 
-WorkCosts sheet_costs(const Machine& m, double voxel_weight) {
+WorkCosts sheet_costs(const Machine& m, double voxel_weight, int slab) {
   constexpr double side = CellRanges::side;
   const double voxel = voxel_weight / (side * side);
-  return {voxel * m.sheets.place, m.sheets.sample,
-          m.sheets.slice + sending_seconds(m, sizeof(Header)) + m.message.receive,
+  return {voxel * m.sheets.place, m.sheets.sample, m.sheets.slice + payload_message_seconds(m) / slab,
           voxel * (m.sheets.copy + m.sheets.look), voxel * m.sheets.look, side / std::sqrt(voxel_weight)};
 }
 

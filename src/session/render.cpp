@@ -125,15 +125,16 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
   // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order (net/mesh.hpp). A
   // described machine's costs are those of looking at every voxel.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
+  const int slab = layout.slab;
   auto engine =
       make_engines({.grid = grid,
                     .gps = layout.gps,
                     .renderers = layout.renderers,
-                    .slab = layout.slab,
+                    .slab = slab,
                     .colocated = layout.placement == Placement::colocated,
                     .sketch = std::move(sketch),
-                    .splat_costs = machine ? splat_costs(*machine, voxel_weight) : usual_splat_costs,
-                    .sheet_costs = machine ? sheet_costs(*machine, voxel_weight) : usual_sheet_costs,
+                    .splat_costs = machine ? splat_costs(*machine, voxel_weight, slab) : usual_splat_costs,
+                    .sheet_costs = machine ? sheet_costs(*machine, voxel_weight, slab) : usual_sheet_costs,
                     .slices = std::make_shared<const SliceStore>(std::move(slices)),
                     .threads = options.threads_per_rank,
                     .skip_empty = skip_empty,
@@ -141,7 +142,9 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
                     .voxel_weight = count_only ? voxel_weight : 1,
                     .timed = timed,
                     .take = std::move(take)});
-  if (layout.slab > 1) engine = make_slab_engine(std::move(engine), layout.slab);
+  if (slab > 1)
+    engine =
+        make_slab_engine(std::move(engine), slab, count_only ? SlabContent::length : SlabContent::payloads);
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
   if (machine) engine = make_charged_engine(std::move(engine), *machine);
   return engine;

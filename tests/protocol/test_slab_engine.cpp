@@ -57,6 +57,22 @@ TEST_CASE(
   CHECK(posted.messages.empty());
 }
 
+TEST_CASE("without content a slab's payload is as long, and says as much") {
+  const Announcement frame = announcement(0, part_of_a_volume);
+  const auto part = [&](SlabContent content) {
+    const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4, content);
+    return encoded(*engine->encoder(1, frame), 1).parts.front();
+  };
+  const EncodedPart drawn = part(SlabContent::payloads), counted = part(SlabContent::length);
+  CHECK(drawn.payload.size() == sizeof(Header) + 4 * (sizeof(SlabPart) + sizeof(ToyItem)));
+  CHECK(counted.payload.size() == drawn.payload.size());
+  for (const EncodedPart& one : {drawn, counted}) {
+    CHECK(one.slices == 4);
+    CHECK(one.items == 4);
+    CHECK(one.passes == 4);
+  }
+}
+
 TEST_CASE("a damaged payload of a slab is refused with the Renderer's and the slab's number") {
   const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4);
   const Announcement frame = announcement(0, part_of_a_volume);
