@@ -16,10 +16,11 @@ namespace {
 
 /// Content of a payload; must fit into counted_bytes.
 struct Said {
-  std::uint64_t items = 0;
+  // Together eight bytes, so that a payload of few splats is not made longer.
+  std::uint64_t items : 40 = 0;
+  std::uint64_t slices : 24 = 0;
   std::uint64_t tiles = 0;  ///< bit mask of its Renderer's tiles with items
   SheetWork work = {};
-  std::uint64_t slices = 0;
 };
 static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
 
@@ -49,7 +50,10 @@ class CountingEncoder final : public EncoderDecorator {
                    step.counts.blocks};
     for (EncodedPart& part : step.parts) {
       if (part.payload.empty()) continue;
-      Said said{blocks ? part.items : weighted(part.items), 0, part.work, part.slices};
+      Said said;
+      said.items = (blocks ? part.items : weighted(part.items)) & ((std::uint64_t{1} << 40) - 1);
+      said.slices = part.slices & ((1U << 24) - 1);
+      said.work = part.work;
       const std::size_t bytes = Message::body_size(part.payload);
       for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
       part.payload = counted(std::max(sizeof said, blocks ? bytes : std::size_t(weighted(bytes))), said);
