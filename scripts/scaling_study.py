@@ -10,6 +10,7 @@ Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/p
     large    a cube of 4096³ voxels
     tokens   1024 slices of fewer and fewer voxels, down to none that is visible
     remedies what helps where tokens are the limit
+    slabs    slices that travel together, on a slow network and on a fast one
 
 A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, of 4096³ by one of 256 × 256 × 4096, whose voxels stand for several
 of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ ten and more, and up to 6 GB.
@@ -173,12 +174,18 @@ class Study:
             more = more | {"machine": os.path.join(MACHINES, SLOW_NETWORK)}
             self.row("remedies", SMALL[0], 1024, 128, setting, more=more, frames=frames)
 
+    def slabs(self):
+        for machine in (SLOW_NETWORK, MACHINE["ring"]):
+            for layout in (SMALL[0], ring(64)):
+                for slab in (1, 2, 4, 8, 16, "auto"):
+                    self.row("slabs", layout, 1024, 128, f"slabs of {slab}", more={"machine": os.path.join(MACHINES, machine), "slab": slab})
+
     def large(self):
         for layout in reversed(LARGEST):
             self.row("large", layout, 4096, more={"machine": self.coarser(MACHINE[layout["topology"]])})
 
 
-STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.large]
+STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.slabs, Study.large]
 
 
 def main():

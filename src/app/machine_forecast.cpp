@@ -323,14 +323,17 @@ std::vector<Prediction> MachineForecast::predict_all(const std::vector<Layout>& 
 
 std::vector<Prediction> MachineForecast::predict_slabs(const std::vector<Layout>& layouts) const {
   constexpr int most = 64;
-  constexpr double worth_more = 0.98;
-  std::vector<Prediction> best = predict_all(in_slabs(layouts, 1));
-  for (int slab = 2; slab <= most; slab *= 2) {
-    std::vector<Prediction> all = predict_all(in_slabs(layouts, slab));
-    if (all.front().seconds > worth_more * best.front().seconds) break;
-    best = std::move(all);
+  constexpr double too_slow = 1.02, as_fast = 1.01;
+  std::vector<std::vector<Prediction>> tried;
+  double least = INFINITY;
+  for (int slab = 1; slab <= most; slab *= 2) {
+    tried.push_back(predict_all(in_slabs(layouts, slab)));
+    const double seconds = tried.back().front().seconds;
+    least = std::min(least, seconds);
+    if (seconds > too_slow * least) break;
   }
-  return best;
+  return *std::find_if(tried.begin(), tried.end(),
+                       [&](const auto& all) { return all.front().seconds <= as_fast * least; });
 }
 
 std::vector<Layout> rings_on_machine(int ranks) {

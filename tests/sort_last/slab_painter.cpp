@@ -7,8 +7,8 @@
 
 #include "classify/normals.hpp"
 #include "model/charge.hpp"
-#include "ringsplat/base/error.hpp"
 #include "net/message.hpp"
+#include "ringsplat/base/error.hpp"
 #include "volume/clipped.hpp"
 
 namespace ringsplat::sort_last {
@@ -98,7 +98,8 @@ double SlabPainter::cost_of(const EncodedStep& step) const {
   double seconds = encoding_seconds(*machine_, voxel_weight_ * double(step.counts.voxels),
                                     voxel_weight_ * double(step.counts.visible));
   for (const EncodedPart& part : step.parts)
-    if (!part.payload.empty()) seconds += drawing_seconds(*machine_, voxel_weight_ * part.items, part.passes);
+    if (!part.payload.empty())
+      seconds += drawing_seconds(*machine_, voxel_weight_ * double(part.items), part.passes);
   return seconds;
 }
 
@@ -121,7 +122,7 @@ Drawn SlabPainter::draw(const FrameSpec& spec, Image& picture) {
     drawn.costs[std::size_t(slice)] = cost;
     for (const EncodedPart& part : encoded.parts) {
       if (part.payload.empty()) continue;
-      drawn.splats += part.items;
+      drawn.splats += double(part.items);
       painter_->begin({step, part.passes, std::span<const std::byte>(part.payload).subspan(sizeof(Header))});
       while (!painter_->work()) continue;
     }
