@@ -13,8 +13,8 @@ except ImportError:
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-NAMES = {"ring": "ring, fat tree", "mesh": "mesh"}
-COLOURS = {"ring": "tab:blue", "mesh": "tab:orange"}
+NAMES = {("splats", "ring"): "ring, fat tree", ("splats", "mesh"): "mesh", ("sheets", "ring"): "sheets, ring, fat tree"}
+COLOURS = {("splats", "ring"): "tab:blue", ("splats", "mesh"): "tab:orange", ("sheets", "ring"): "tab:green"}
 WORDS = {"strong": "1024³", "large": "4096³", "weak": "weak: a million voxels a rank"}
 STYLES = {"strong": "-o", "large": "-^", "weak": ":s"}
 
@@ -26,10 +26,10 @@ def points(rows, x, y, **wanted):
 
 def scaling(panel, rows):
     for study, style in STYLES.items():
-        for topology, name in NAMES.items():
-            line = points(rows, "ranks", "seconds", study=study, topology=topology)
+        for (method, topology), name in NAMES.items():
+            line = points(rows, "ranks", "seconds", study=study, topology=topology, method=method)
             if line:
-                panel.loglog(*line, style, color=COLOURS[topology], label=f"{WORDS[study]}, {name}")
+                panel.loglog(*line, style, color=COLOURS[method, topology], label=f"{WORDS[study]}, {name}")
     panel.set(xlabel="ranks", ylabel="seconds a frame", title="Strong and weak scaling")
     panel.set_xticks([16, 64, 256, 1024], ["16", "64", "256", "1024"])
 

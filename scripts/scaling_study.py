@@ -5,9 +5,10 @@
 
 Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/plot_scaling.py draws it. Studies:
 
-    strong   a cube of 1024³ voxels on ever more ranks, a ring on a fat tree and a mesh
+    strong   a cube of 1024³ voxels on ever more ranks, a ring on a fat tree and a mesh; and a ring of sheets
     weak     a million voxels a rank
     large    a cube of 4096³ voxels
+    edges    1,020 hosts in a mesh: Renderers at its edge, or every rank a Renderer as well as a GP
     tokens   1024 slices of fewer and fewer voxels, down to none that is visible
     remedies what helps where tokens are the limit
     slabs    slices that travel together, on a slow network and on a fast one
@@ -23,7 +24,7 @@ import tempfile
 
 from simulation import MACHINES, build, nodes, program, simulate, step_function, threshold_for
 
-FIELDS = ["study", "setting", "machine", "topology", "layout", "ranks", "gps", "renderers", "voxels", "slices", "voxels_a_slice", "seconds", "period",
+FIELDS = ["study", "setting", "method", "machine", "topology", "layout", "ranks", "gps", "renderers", "voxels", "slices", "voxels_a_slice", "seconds", "period",
           "gp_computing", "gp_computing_most", "gp_waiting_for_token", "gp_sending", "renderer_drawing", "renderer_drawing_most", "tokens",
           "payloads", "payload_gigabytes", "visible_voxels", "splats"]
 
@@ -33,18 +34,26 @@ def ring(ranks):
     return {"topology": "ring", "gps": "auto", "ranks": ranks}
 
 
+def everywhere(ranks):
+    """Every rank a GP and a Renderer, on the links of a mesh whose ends are joined."""
+    return {"topology": "ring", "gps": ranks, "renderers": ranks, "roles": "colocated", "ranks": ranks}
+
+
 def mesh(columns, rows, renderers):
     return {"topology": "mesh", "mesh": f"{columns}x{rows}", "renderers": renderers, "routing": "direct"}
 
 
 LARGEST = [ring(1024), mesh(32, 30, 60)]
-STRONG = [ring(16), ring(64), ring(256), mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
-WEAK = [(256, ring(16)), (512, ring(128)), (1024, ring(1024)),
+RINGS = [ring(16), ring(64), ring(256), ring(1024)]
+STRONG = [*RINGS[:3], mesh(4, 4, 7), mesh(8, 8, 15), mesh(16, 16, 31), *LARGEST]
+WEAK_RINGS = [(256, ring(16)), (512, ring(128)), (1024, ring(1024))]
+WEAK = [*WEAK_RINGS,
         (256, mesh(4, 3, 5)), (512, mesh(11, 10, 18)), (1024, mesh(32, 30, 60))]
 SMALL = [{"topology": "ring", "gps": 33, "renderers": 31}, mesh(8, 8, 15)]
 MACHINE = {"ring": "infiniband-fat-tree.toml", "mesh": "mesh.toml"}
 # Where a token's hop takes longer than a Renderer spends on a payload.
 SLOW_NETWORK = "ethernet-cluster.toml"
+QUALITY = {"splats": "paper", "sheets": "best"}
 # Options on top of the others, and how many frames: with more than one, the median of the time between frames counts.
 REMEDIES = {"as it is": ({}, 1), "1 slot": ({"slots": 1}, 1), "16 slots": ({"slots": 16}, 1), "look ahead 4": ({"look-ahead": 4}, 1),
             "send ahead 4": ({"send-ahead": 4}, 1), "send ahead 16, 16 slots": ({"send-ahead": 16, "slots": 16}, 1),
@@ -104,17 +113,17 @@ class Study:
             file.write(text.replace("poll_interval = 200e-6", "poll_interval = 1e-3"))
         return self.path(machine)
 
-    def row(self, study, layout, n, width=None, setting="", visible=True, more=None, frames=1):
+    def row(self, study, layout, n, width=None, setting="", visible=True, more=None, frames=1, method="splats"):
         ranks = ranks_of(layout)
         if ranks > self.most_ranks:
             return
         width = width or n
         # The last of the weak study is the last of the strong one.
-        job = repr((layout, n, width, visible, more, frames))
+        job = repr((layout, n, width, visible, more, frames, method))
         if job in self.done:
             self.note(self.done[job] | {"study": study, "setting": setting})
             return
-        settings = {"machine": os.path.join(MACHINES, MACHINE[layout["topology"]]), "frames-in-flight": 1,
+        settings = {"machine": os.path.join(MACHINES, MACHINE[layout["topology"]]), "frames-in-flight": 1, "quality": QUALITY[method],
                     **{key: value for key, value in layout.items() if key != "ranks"}, **(more or {})}
         view = FROM_ABOVE
         if frames > 1:
@@ -126,7 +135,7 @@ class Study:
         # The first frames find empty hands, the last ones are alone.
         period = statistics.median(frame["period"] for frame in all_frames[frames // 3:frames - frames // 3])
         self.done[job] = self.described(all_frames[frames // 2]) | {
-            "study": study, "setting": setting, "machine": os.path.basename(settings["machine"]), "topology": layout["topology"], "layout": layout.get("mesh", chosen["gps"]), "ranks": ranks,
+            "study": study, "setting": setting, "method": method, "machine": os.path.basename(settings["machine"]), "topology": layout["topology"], "layout": layout.get("mesh", chosen["gps"]), "ranks": ranks,
             "gps": chosen["gps"], "renderers": chosen["renderers"], "voxels": n * width**2 if visible else 0, "voxels_a_slice": width**2 if visible else 0,
             "period": period}
         self.note(self.done[job])
@@ -157,10 +166,14 @@ class Study:
     def strong(self):
         for layout in STRONG:
             self.row("strong", layout, 1024)
+        for layout in RINGS:
+            self.row("strong", layout, 1024, method="sheets")
 
     def weak(self):
         for n, layout in WEAK:
             self.row("weak", layout, n)
+        for n, layout in WEAK_RINGS:
+            self.row("weak", layout, n, method="sheets")
 
     def tokens(self):
         for layout, machine in [(SMALL[0], None), (SMALL[0], SLOW_NETWORK), (SMALL[1], None)]:
@@ -181,11 +194,16 @@ class Study:
                     self.row("slabs", layout, 1024, 128, f"slabs of {slab}", more={"machine": os.path.join(MACHINES, machine), "slab": slab})
 
     def large(self):
-        for layout in reversed(LARGEST):
-            self.row("large", layout, 4096, more={"machine": self.coarser(MACHINE[layout["topology"]])})
+        for layout, method in [(ring(1024), "sheets"), *((layout, "splats") for layout in reversed(LARGEST))]:
+            self.row("large", layout, 4096, more={"machine": self.coarser(MACHINE[layout["topology"]])}, method=method)
+
+    def edges(self):
+        for method in QUALITY:
+            self.row("edges", mesh(32, 30, 60), 1024, setting="at the edge", method=method)
+            self.row("edges", everywhere(1020), 1024, setting="everywhere", more={"machine": os.path.join(MACHINES, "torus.toml")}, method=method)
 
 
-STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.slabs, Study.large]
+STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.slabs, Study.large, Study.edges]
 
 
 def main():

@@ -9,7 +9,8 @@ Writes FOLDER/sort_last.csv, a row for each run as it comes; scripts/plot_sort_l
     slices   1024 slices of fewer and fewer voxels on 64 ranks
 
 Both draw splats with the same painter. Sort-last: slabs with as many slices each or with the same cost, binary swap and radix-k. The
-ring: as many GPs as Renderers on ranks of their own, three of four ranks GPs, and every rank both. What IceT itself costs a byte and
+ring: what the program chooses on simulated ranks; on real ones as many GPs as Renderers on ranks of their own, three of four ranks
+GPs, and every rank both. What IceT itself costs a byte and
 a pixel is measured on two real ranks first (IceT's own clocks). `real` counts what all ranks send, and their largest memory.
 """
 import argparse
@@ -47,7 +48,7 @@ def on_ranks(ranks, *command):
     return run(["bash", "-c", f'source "{REPO}/scripts/lib.sh"; run_ranks "$@"', "run_ranks", ranks, *command])
 
 
-def rings(ranks):
+def real_rings(ranks):
     """Layouts of so many ranks, of which a user would take the fastest."""
     yield f"{ranks // 2}+{ranks - ranks // 2}", {"gps": ranks // 2, "renderers": ranks - ranks // 2}
     yield f"{ranks * 3 // 4}+{ranks - ranks * 3 // 4}", {"gps": ranks * 3 // 4, "renderers": ranks - ranks * 3 // 4}
@@ -110,7 +111,7 @@ class Study:
                 middle = {key: statistics.median(f[key] for f in frames)
                           for key in ("seconds", "painting_mean", "painting_most", "bytes", "messages", "memory_most", "memory_sum")}
                 self.note(**common, program="sort-last", setting=strategy + (", even" if even else ""), **middle, hash=frames[-1]["picture"])
-            for setting, layout in rings(ranks):
+            for setting, layout in real_rings(ranks):
                 if min(layout["gps"], layout["renderers"]) > 0:
                     self.note(**common, program="ring", setting=setting, **self.real_ring(layout))
 
@@ -144,7 +145,7 @@ class Study:
         if not os.path.exists(path):
             program("synth", "ball", "-o", self.path("ball1024.raw"), "--dims", "128x128x1024", "--spacing", "8x8x1")
             step_function(curve, threshold_for(path, round(0.32 * 128 * 128 * 1024)))
-        return [path, "--spacing", "8x8x1", "--tf", curve, "--radius", 0.5, "--shading", "none", "--elevation", 90, "--zoom", 1.7]
+        return [path, "--spacing", "8x8x1", "--tf", curve, "--shading", "none", "--elevation", 90, "--zoom", 1.7]
 
     def simulated(self, study, network, ranks, size=1024, width=1024):
         if ranks > self.most_ranks:
@@ -153,12 +154,12 @@ class Study:
         voxels = ["--voxel-weight", f"{(width / 128) ** 2:g}"]
         for strategy, even in STRATEGIES:
             self.note(**common, program="sort-last", setting=strategy + (", even" if even else ""), **self.simulated_slabs(network, ranks, size, voxels, strategy, even))
-        for setting, layout in rings(ranks):
-            frames = simulate({"machine": os.path.join(MACHINES, network), "frames-in-flight": 1, **layout}, *self.ball(), *voxels, "--fit", "sphere",
-                              "--size", f"{size}x{size}", "--region", max(32, min(128, size // 16)), "--count-only")
-            total, drawing = frames[0]["total"], [n["seconds"]["drawing"] for n in simulation.nodes(frames[0], "Renderer")]
-            self.note(**common, program="ring", setting=setting, seconds=frames[0]["seconds"], bytes=total["payload_bytes_sent"],
-                      messages=total["payloads_sent"], painting_mean=statistics.mean(drawing), painting_most=max(drawing))
+        frame = simulate({"machine": os.path.join(MACHINES, network), "frames-in-flight": 1, "gps": "auto"}, *self.ball(), *voxels, "--fit", "sphere",
+                         "--size", f"{size}x{size}", "--count-only", monitors={"ranks": str(ranks)})[0]
+        chosen, total, drawing = frame["layout"], frame["total"], [n["seconds"]["drawing"] for n in simulation.nodes(frame, "Renderer")]
+        self.note(**common, program="ring", setting=f"{chosen['gps']}+{chosen['renderers']}" + (" colocated" if chosen["roles"] == "colocated" else ""),
+                  seconds=frame["seconds"], bytes=total["payload_bytes_sent"], messages=total["payloads_sent"],
+                  painting_mean=statistics.mean(drawing), painting_most=max(drawing))
 
     def simulated_slabs(self, network, ranks, size, voxels, strategy, even):
         weight = (size // DRAWN) ** 2
@@ -168,7 +169,8 @@ class Study:
             file.write(f'machine = "{machine}"\nroles = "colocated"\ngps = {ranks}\nrenderers = {ranks}\n')
         blend, compress = self.costs_of_icet()
         environment = dict(os.environ, RINGSPLAT_BUILD=BUILD, RINGSPLAT_OTHER=os.path.join(BUILD, "sort_last_smpi.so"))
-        command = [os.path.join(REPO, "scripts/simulate.sh"), config, *self.ball(), *voxels, "--size", DRAWN, "--region", DRAWN, "--pixel-weight", weight,
+        # A drawn voxel covers what it stands for.
+        command = [os.path.join(REPO, "scripts/simulate.sh"), config, *self.ball(), "--radius", 0.5, *voxels, "--size", DRAWN, "--region", DRAWN, "--pixel-weight", weight,
                    "--strategy", strategy, "--blend-seconds-per-byte", blend, "--compress-seconds-per-pixel", compress, *(["--even"] if even else [])]
         ended = subprocess.run(list(map(str, command)), env=environment, capture_output=True, text=True)
         if ended.returncode != 0:
