@@ -48,7 +48,13 @@ def test_random_blocks_give_the_bits_of_the_whole_volume(seed, dtype):
 
 
 @pytest.mark.parametrize(
-    "layout", [(3, 2), dict(gps=2, renderers=2, roles="colocated"), dict(topology="mesh", mesh=(2, 2))]
+    "layout",
+    [
+        (3, 2),
+        dict(gps=3, renderers=2, slab=4),
+        dict(gps=2, renderers=2, roles="colocated"),
+        dict(topology="mesh", mesh=(2, 2)),
+    ],
 )
 def test_a_layout_changes_no_bit(layout):
     volume = blob(SHAPE)

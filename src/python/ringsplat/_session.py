@@ -65,8 +65,8 @@ def _layout_words(layout: Any) -> list[str]:
         layout = {"gps": gps, "renderers": renderers}
     words = []
     for name, value in layout.items():
-        if name not in ("gps", "renderers", "roles", "topology", "mesh", "routing"):
-            raise TypeError(f"{name} is no part of a layout; hint: gps, renderers, roles, topology, mesh, routing")
+        if name not in ("gps", "renderers", "slab", "roles", "topology", "mesh", "routing"):
+            raise TypeError(f"{name} is no part of a layout; hint: gps, renderers, slab, roles, topology, mesh, routing")
         text = "x".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
         words.append(f"--{name}={text}")
     return words
@@ -84,7 +84,7 @@ class Session:
     comm : an mpi4py communicator, or None for this process alone
         All its ranks create the session and make the same calls in the same order. What one of them gets wrong is raised
         on all, and the session can be used on.
-    layout : (gps, renderers) or dict(gps=, renderers=, roles=, topology=, mesh=, routing=)
+    layout : (gps, renderers) or dict(gps=, renderers=, slab=, roles=, topology=, mesh=, routing=)
         Which ranks hold slices and which draw, as the program's options. Without it every rank does both.
     threads : int
         That share a rank's work.
