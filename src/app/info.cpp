@@ -207,8 +207,9 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   row("not finite", fmt::format("{} voxels", values.range.not_finite));
   if (!values.range.empty()) text += quantiles_text(values) + histogram_text(values);
   text += fmt::format(
-      "\nslices held by a GP (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n", "--gps",
-      "all axes, lit", "all axes, unlit", "one axis, lit", "one axis, unlit");
+      "\nslices held by a GP{} (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n",
+      o.slab > 1 ? fmt::format(", in slabs of {}", o.slab) : "", "--gps", "all axes, lit", "all axes, unlit",
+      "one axis, lit", "one axis, unlit");
   for (const auto& m : memory_table(whole, o.gps, o.slab))
     text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
                         human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain));
@@ -258,6 +259,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
   j["notes"] = to_json(notes, values);
   for (const auto& m : memory_table(whole, o.gps, o.slab))
     j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
+                                         {"slab", o.slab},
                                          {"all_axes_lit", m.all_lit},
                                          {"all_axes_unlit", m.all_plain},
                                          {"one_axis_lit", m.one_lit},

@@ -281,6 +281,7 @@ TEST_CASE("info knows the volume") {
   const json slabs = json::parse(w.must({"info", w.volume(), "--json", "--gps", "3", "--slab", "5"}).out);
   CHECK(slabs.at("slice_memory_of_a_gp").at(0).at("all_axes_unlit") ==
         10 * 20 * 16 + 10 * 24 * 16 + 6 * 24 * 20);
+  CHECK_THAT(w.must({"info", w.volume(), "--slab", "5"}).out, Catch::Matchers::Contains("in slabs of 5"));
   const std::string text = w.must({"info", w.volume()}).out;
   for (const char* part : {"24 x 20 x 16", "histogram", "--gps", "range"})
     CHECK_THAT(text, Catch::Matchers::Contains(part));
