@@ -45,7 +45,7 @@ def six_volumes(folder):
 
     turned = ["--size", 512, "--azimuth", 30, "--elevation", 25, "--fit", "sphere"]
     return {"head, skin": [HEAD, "--tf", "mr-surface", *turned], "head, soft": [HEAD, "--tf", "mr-soft", *turned],
-            "head, close": [HEAD, "--tf", "mr-soft", *turned, "--zoom", 3, "--azimuth", 120],
+            "head, close": [HEAD, "--tf", "mr-soft", *turned, "--zoom", 3],
             "Marschner-Lobb, 128³": [made("marschner-lobb", "128x128x128", "float32"), "--tf", "auto", *turned],
             "ball, 256 x 192 x 64": [made("ball", "256x192x64"), "--tf", "grey", *turned],
             "shell, 64 x 64 x 512": [made("shell", "64x64x512"), "--tf", "auto", *turned]}

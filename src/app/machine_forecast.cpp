@@ -156,6 +156,29 @@ class Tokens {
 
 }  // namespace
 
+/// What a host sends and receives at most, of all that is sent, when ranks fill the hosts one after another
+/// and each GP sends every Renderer as much; and what leaves a host at all.
+struct Traffic {
+  double most_of_host = 0, between_hosts = 0;
+  Traffic(const Machine& m, const Layout& layout) {
+    const int ranks = layout.ranks(), hosts = m.platform.hosts > 0
+                                                  ? m.platform.hosts
+                                                  : (ranks + m.platform.cores - 1) / m.platform.cores;
+    std::vector<double> gps(std::size_t(hosts), 0.0), renderers = gps;
+    const auto host_of = [&](int rank) {
+      return std::size_t(m.platform.hosts > 0 ? std::int64_t{rank} * hosts / ranks : rank / m.platform.cores);
+    };
+    for (int g = 0; g < layout.gps; ++g) gps[host_of(layout.rank_of({Role::gp, g}))] += 1.0 / layout.gps;
+    for (int r = 0; r < layout.renderers; ++r)
+      renderers[host_of(layout.rank_of({Role::renderer, r}))] += 1.0 / layout.renderers;
+    for (std::size_t h = 0; h < gps.size(); ++h) {
+      const double out = gps[h] * (1 - renderers[h]), in = renderers[h] * (1 - gps[h]);
+      most_of_host = std::max({most_of_host, out, in});
+      between_hosts += out;
+    }
+  }
+};
+
 struct MachineForecast::View {
   WorkCosts costs;
   FrameGeometry geometry;
@@ -195,6 +218,9 @@ MachineForecast::MachineForecast(VolumeSource& source, FrameSpec frame, const Tr
   check(frame_);
   const bool sheets = std::holds_alternative<Sheets>(frame_.how);
   const WorkCosts usual = sheets ? sheet_costs(machine, voxel_weight) : splat_costs(machine, voxel_weight);
+  // A splat of a run, and what its run's head adds.
+  constexpr double bytes_of_splat = 11;
+  bytes_of_voxel_ = voxel_weight * (sheets ? double(size_of(grid.type)) : bytes_of_splat);
   const VolumeSketch sketch = sketch_of(source);
   ShownPoints points;
   for (const Camera& camera : views) {
@@ -203,8 +229,7 @@ MachineForecast::MachineForecast(VolumeSource& source, FrameSpec frame, const Tr
     FrameGeometry g = make_geometry(frame_, grid);
     if (!sheets) g.reach = narrowed(g.reach, voxel_weight);
     const WorkCosts costs = costs_in(g, usual);
-    const auto shown = points.of(sketch, frame_.shown.transfer_function,
-                                 shown_blocks(g, costs));
+    const auto shown = points.of(sketch, frame_.shown.transfer_function, shown_blocks(g, costs));
     const int factor = frame_.shown.reduction.factor;
     WorkEstimate whole(g, sketch, shown, costs, factor);
     std::vector<WorkEstimate> layers;
@@ -293,9 +318,20 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
     p.seconds = std::max({p.seconds, d.drawn + delivering + hop, d.token});
     p.renderer = std::max(p.renderer, d.busy + delivering);
   }
+  p.seconds = std::max(p.seconds, link_seconds(view, layout));
   p.gp = tokens.busiest_gp();
   p.tokens = 3 * hop * slabs;
   return p;
+}
+
+double MachineForecast::link_seconds(const View& view, const Layout& layout) const {
+  const auto& platform = machine_.platform;
+  if (platform.kind != PlatformKind::backbone && platform.kind != PlatformKind::fat_tree) return 0;
+  const Traffic traffic(machine_, layout);
+  const double bytes = view.whole.visible_voxels() * bytes_of_voxel_;
+  const double shared =
+      platform.backbone_bandwidth > 0 ? traffic.between_hosts * bytes / platform.backbone_bandwidth : 0;
+  return std::max(traffic.most_of_host * bytes / platform.bandwidth, shared);
 }
 
 std::vector<Prediction> MachineForecast::predict_all(const std::vector<Layout>& layouts) const {

@@ -14,7 +14,8 @@ namespace ringsplat::app {
 
 /// Foresees frames on a described machine, of either method, from a sketch of the volume: it deals regions as
 /// the program will, then follows every Renderer's token from slice to slice with what encoding, messages and
-/// drawing cost, by layers of the sketch. Links' bandwidth and contention are left out.
+/// drawing cost, by layers of the sketch. Of links it knows how many bytes they carry, where ranks fill hosts
+/// one after another, not what meets on them.
 class MachineForecast {
  public:
   /// `views`: the run's, or some of them. `voxel_weight`: as SimulationOptions'. `ranks`: about as many
@@ -35,11 +36,14 @@ class MachineForecast {
  private:
   struct View;
   Prediction predict(const View& view, const Layout& layout) const;
+  /// Of the busiest link, which at best is busy all the time.
+  double link_seconds(const View& view, const Layout& layout) const;
   void deal(const View& view, const Layout& layout, FrameGeometry& geometry) const;
 
   Machine machine_;
   ProtocolOptions protocol_;
   FrameSpec frame_;
+  double bytes_of_voxel_ = 0;  ///< of a visible one's payload
   std::vector<std::unique_ptr<View>> views_;
 };
 

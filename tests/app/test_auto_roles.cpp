@@ -215,3 +215,27 @@ TEST_CASE("slabs of a large volume stand for the whole") {
     for (const double seconds : costs.region) CHECK(seconds > 0);
   }
 }
+
+TEST_CASE("a forecast knows what a host's link takes to carry", "[openimageio]") {
+  const TemporaryFolder folder;
+  const std::string volume = make_volume(folder);
+  const auto seconds = [&](const std::string& bandwidth, int gps, const std::string& roles) {
+    write_text(folder / "machine.toml",
+               "name = \"hosts of 8\"\npoll_interval = 1e-4\n[gp]\nvisible_voxel = 1e-8\n"
+               "transparent_voxel = 1e-9\n[renderer]\nsplat = 1e-8\n[platform]\nkind = \"fat_tree\"\n"
+               "latency = 1e-6\ncores = 8\nbandwidth = " +
+                   bandwidth + "\n");
+    const Ended ended = run_program({"info", volume, "--quality", "paper", "--size", "96x64", "--ranks", "16",
+                                     "--machine", folder / "machine.toml", "--json"});
+    INFO(ended.err);
+    REQUIRE(ended.code == 0);
+    const json layouts = json::parse(ended.out).at("prediction").at("layouts");
+    for (const json& layout : layouts)
+      if (layout.at("topology") != "mesh" && layout.at("gps") == gps && layout.at("roles") == roles)
+        return layout.at("seconds").get<double>();
+    FAIL("no such layout");
+    return 0.0;
+  };
+  // Half of what is sent stays on its host, or all of it goes from one to the other.
+  CHECK(seconds("1e6", 16, "colocated") < 0.5 * seconds("1e6", 8, "dedicated"));
+}
