@@ -154,8 +154,6 @@ class Tokens {
   std::vector<double> gp_free_, gp_busy_;
 };
 
-}  // namespace
-
 /// What a host sends and receives at most, of all that is sent, when ranks fill the hosts one after another
 /// and each GP sends every Renderer as much; and what leaves a host at all.
 struct Traffic {
@@ -178,6 +176,8 @@ struct Traffic {
     }
   }
 };
+
+}  // namespace
 
 struct MachineForecast::View {
   WorkCosts costs;

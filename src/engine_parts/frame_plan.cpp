@@ -48,8 +48,8 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   if (even_enough(g, dealt_to)) return;
   const bool sheets = std::holds_alternative<Sheets>(spec.how);
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
-  const auto [points, stands_for] = enough(
-      shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);
+  const auto [points, stands_for] =
+      enough(shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);
   const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
   std::vector<double> busy;
   if (setup_.colocated) busy = busy_gps(work, setup_.dealing(), setup_.renderers, dealt_to);

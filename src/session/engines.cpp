@@ -5,9 +5,9 @@
 #include <string>
 
 #include "frame/frame_spec_bytes.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
-#include "net/message.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "volume/cell_ranges.hpp"
@@ -66,8 +66,12 @@ WorkCosts splat_costs(const Machine& m, double voxel_weight, int slab) {
 WorkCosts sheet_costs(const Machine& m, double voxel_weight, int slab) {
   constexpr double side = CellRanges::side;
   const double voxel = voxel_weight / (side * side);
-  return {voxel * m.sheets.place, m.sheets.sample, m.sheets.slice + payload_message_seconds(m) / slab,
-          voxel * (m.sheets.copy + m.sheets.look), voxel * m.sheets.look, side / std::sqrt(voxel_weight)};
+  return {voxel * m.sheets.place,
+          m.sheets.sample,
+          m.sheets.slice + payload_message_seconds(m) / slab,
+          voxel * (m.sheets.copy + m.sheets.look),
+          voxel * m.sheets.look,
+          side / std::sqrt(voxel_weight)};
 }
 
 }  // namespace ringsplat

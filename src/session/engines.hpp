@@ -2,8 +2,8 @@
 #include <memory>
 
 #include "frame/engine_setup.hpp"
-#include "protocol/engine.hpp"
 #include "model/machine.hpp"
+#include "protocol/engine.hpp"
 
 namespace ringsplat {
 

@@ -6,8 +6,8 @@
 namespace ringsplat {
 
 std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid,
-                                                   SliceDealing dealing, int renderers,
-                                                   RegionDealer* dealer, double voxel_weight) {
+                                                   SliceDealing dealing, int renderers, RegionDealer* dealer,
+                                                   double voxel_weight) {
   auto frame = std::make_shared<SplatFrame>();
   frame->number = spec.frame;
   frame->shown = spec.shown;
