@@ -23,7 +23,8 @@ def test_blocks_on_ranks_give_the_bits_of_one_process(ranks, tmp_path, exr_of, n
         timeout=240,
     )
     assert done.returncode == 0, done.stdout + done.stderr
-    assert sorted(done.stdout.split("\n"))[-ranks:] == [f"rank {rank} is done" for rank in range(ranks)]
+    # A launcher may join ranks' lines.
+    assert all(f"rank {rank} is done" in done.stdout for rank in range(ranks)), done.stdout
     for dtype in ("float32", "uint8"):
         file = npy(blob((18, 21, 25), dtype))
         for seed in range(2):
