@@ -141,7 +141,7 @@ ViewCosts costs_of(const FrameStats& stats, const Machine& machine, const Grid& 
     const double passes = costs.splats > 0 ? double(sum.passes) * splats / costs.splats : 0;
     constexpr double bytes_of_pixel = 16;
     costs.renderers.push_back(
-        drawing_seconds(machine, splats, passes) + (double(r.payloads_drawn) - 1) * machine.renderer.slice +
+        drawing_seconds(machine, splats, passes, double(r.samples), double(r.payloads_drawn)) +
         double(r.tile_bytes) / bytes_of_pixel * machine.renderer.pixel + machine.renderer.frame);
   }
   costs.busy = 0;  // the first repetition counts

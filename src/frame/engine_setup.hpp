@@ -27,7 +27,7 @@ struct EngineSetup {
   std::shared_ptr<const SliceStore> slices;
   int threads = 1;          ///< threads that share a node's work
   bool skip_empty = true;   ///< leave out slices that the transfer function makes transparent
-  bool count_work = false;  ///< tell what parts will take a Painter (SheetWork), for runs that only count
+  bool count_work = false;  ///< tell what parts will take a Painter (PaintWork), for runs that only count
   double voxel_weight = 1;  ///< of such runs: voxels of its slice that each voxel stands for
   bool timed = false;       ///< measure seconds by stage
   TakePicture take = {};    ///< called on the frame buffer's rank

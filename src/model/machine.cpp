@@ -48,6 +48,7 @@ std::vector<Field> fields_of(Machine& m) {
           seconds("renderer.splat", m.renderer.splat, true),
           seconds("renderer.pass", m.renderer.pass),
           seconds("renderer.slice", m.renderer.slice),
+          seconds("renderer.composite", m.renderer.composite),
           seconds("renderer.pixel", m.renderer.pixel),
           seconds("renderer.frame", m.renderer.frame),
           seconds("sheets.look", m.sheets.look),
@@ -200,8 +201,9 @@ double encoding_seconds(const Machine& m, double voxels, double visible, double 
   return slices * m.gp.slice + visible * m.gp.visible_voxel + (voxels - visible) * m.gp.transparent_voxel;
 }
 
-double drawing_seconds(const Machine& m, double splats, double passes, double slices) {
-  return slices * m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass;
+double drawing_seconds(const Machine& m, double splats, double passes, double pixels, double slices) {
+  return slices * m.renderer.slice + splats * m.renderer.splat + passes * m.renderer.pass +
+         pixels * m.renderer.composite;
 }
 
 double selecting_seconds(const Machine& m, double blocks, double sent, double slices) {
@@ -210,6 +212,12 @@ double selecting_seconds(const Machine& m, double blocks, double sent, double sl
 
 double placing_seconds(const Machine& m, double blocks, double placed, double slices) {
   return slices * m.sheets.slice + blocks * m.sheets.look + placed * m.sheets.place;
+}
+
+double painting_piece(const Machine& m) {
+  constexpr double group = 16 * 16, slabs = 12;
+  const double seconds = group * slabs * m.sheets.sample;
+  return seconds > 0 ? std::min(seconds, m.poll_interval) : m.poll_interval;
 }
 
 double sending_seconds(const Machine& m, double bytes) {

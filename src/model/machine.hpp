@@ -27,9 +27,10 @@ struct Machine {
   } gp;
   struct {
     double splat = 0;
-    double pass = 0;   ///< (region, pass) pair that is not empty
-    double slice = 0;  ///< payload: composite it
-    double pixel = 0;  ///< of a delivered tile
+    double pass = 0;       ///< (region, pass) pair that is not empty
+    double slice = 0;      ///< payload, besides its splats and pixels
+    double composite = 0;  ///< pixel of a slice that is composited
+    double pixel = 0;      ///< of a delivered tile
     double frame = 0;
   } renderer;
   /// What sheets cost; a block has 8 x 8 voxels.
@@ -68,12 +69,16 @@ Machine read_machine(const std::string& path);
 
 /// Seconds a GP computes on slices of `voxels` together, of which `visible` are not transparent.
 double encoding_seconds(const Machine& machine, double voxels, double visible, double slices = 1);
-/// Seconds a Renderer draws and composites a payload.
-double drawing_seconds(const Machine& machine, double splats, double passes, double slices = 1);
+/// Seconds a Renderer draws and composites a payload of slices that have `pixels` pixels together.
+double drawing_seconds(const Machine& machine, double splats, double passes, double pixels,
+                       double slices = 1);
 /// Seconds a GP spends on slices of `blocks` blocks, of which it sends `sent`; one sent twice counts twice.
 double selecting_seconds(const Machine& machine, double blocks, double sent, double slices = 1);
 /// Seconds a Renderer spends on a payload of such slices, before it paints.
 double placing_seconds(const Machine& machine, double blocks, double placed, double slices = 1);
+/// Seconds that a Renderer of sheets paints before it takes messages: a group of pixels through a dozen
+/// slabs.
+double painting_piece(const Machine& machine);
 /// Seconds of software a sender spends on a message of so many bytes, header included.
 double sending_seconds(const Machine& machine, double bytes);
 

@@ -40,11 +40,10 @@ struct FramePlan {
   std::vector<bool> drawing(int renderers) const;
 };
 
-/// Work that is not counted by items: that of engines that interpolate before they classify. Others have
-/// none.
-struct SheetWork {
-  std::uint64_t blocks = 0;   ///< of slices, looked through for what can be seen
-  std::uint64_t samples = 0;  ///< pixels of what lies between two slices
+/// Work that is not counted by items.
+struct PaintWork {
+  std::uint64_t blocks = 0;   ///< of slices, looked through for what can be seen; splats have none
+  std::uint64_t samples = 0;  ///< pixels of a slice that are composited, or of what lies between two slices
 };
 
 /// One step's part for one Renderer.
@@ -55,14 +54,14 @@ struct EncodedPart {
   std::vector<int> tiles;    ///< tiles with items, ascending
   std::uint32_t slices = 1;  ///< that have items in the payload
   bool counted = false;      ///< only the message's first counted_bytes have content (simulations)
-  SheetWork work;            ///< what it takes a Painter besides its items, where EngineSetup asks for it
+  PaintWork work;            ///< what it takes a Painter besides its items, where EngineSetup asks for it
 };
 
 struct EncodeCounts {
   std::uint64_t voxels = 0;   ///< of the slice, transparent ones included
   std::uint64_t visible = 0;  ///< of these, visible ones
   std::uint64_t outside = 0;  ///< skipped, because they lie outside the image
-  std::uint64_t blocks = 0;   ///< as SheetWork's
+  std::uint64_t blocks = 0;   ///< as PaintWork's
 };
 
 struct EncodedStep {
@@ -96,7 +95,7 @@ class Encoder {
 
 struct ItemCounts {
   std::uint64_t drawn = 0, clipped = 0, hidden = 0;
-  SheetWork work = {};
+  PaintWork work = {};
   std::uint64_t slices = 0;  ///< begun
 };
 

@@ -22,7 +22,7 @@ struct NodeStats {
   std::uint64_t tokens_issued = 0, tokens_retired = 0, tokens_passed = 0;
   std::uint64_t tiles = 0, tile_bytes = 0;
   std::uint64_t slices = 0, passes = 0;
-  std::uint64_t blocks = 0, samples = 0;  ///< sheets: looked through, and painted by a Renderer
+  std::uint64_t blocks = 0, samples = 0;  ///< looked through (sheets); composited or painted by a Renderer
   std::uint64_t visible_voxels = 0, voxels_outside = 0;  ///< outside the image: not looked at, may be visible
   std::uint64_t peak_memory = 0;                         ///< bytes, of the process
   std::uint64_t slice_memory = 0;                        ///< bytes of slices held, GPs only

@@ -59,8 +59,9 @@ double payload_message_seconds(const Machine& m) {
 }
 
 WorkCosts splat_costs(const Machine& m, double voxel_weight, int slab) {
-  return {voxel_weight * m.renderer.splat, 0, m.renderer.slice + payload_message_seconds(m) / slab,
-          voxel_weight * m.gp.visible_voxel, voxel_weight * m.gp.transparent_voxel};
+  return {voxel_weight * m.renderer.splat, m.renderer.composite,
+          m.renderer.slice + payload_message_seconds(m) / slab, voxel_weight * m.gp.visible_voxel,
+          voxel_weight * m.gp.transparent_voxel};
 }
 
 WorkCosts sheet_costs(const Machine& m, double voxel_weight, int slab) {

@@ -89,24 +89,18 @@ class ChargedPainter final : public Painter {
   /// A Renderer of sheets keeps as many slices (sheet_engine/sheet_painter.cpp).
   static constexpr int most_kept = 36;
 
-  /// It takes messages after each group of pixels that it has painted through a dozen slabs or more.
-  static double painting_piece(const Machine& machine) {
-    constexpr double group = 16 * 16, slabs = 12;
-    const double seconds = group * slabs * machine.sheets.sample;
-    return seconds > 0 ? std::min(seconds, machine.poll_interval) : machine.poll_interval;
-  }
-
   void owe_for_payload(const ItemCounts& now) {
     const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
                  blocks = double(now.work.blocks - before_.work.blocks),
+                 samples = double(now.work.samples - before_.work.samples),
                  slices = double(now.slices - before_.slices);
     if (blocks == 0) {
-      debt_.owe(drawing_seconds(machine_, items, double(passes_), slices));
+      debt_.owe(drawing_seconds(machine_, items, double(passes_), samples, slices));
       return;
     }
     if (before_.work.blocks == 0) debt_.owe(machine_.sheets.table);
     debt_.owe(placing_seconds(machine_, blocks, items, slices));
-    samples_debt_.owe(double(now.work.samples - before_.work.samples) * machine_.sheets.sample);
+    samples_debt_.owe(samples * machine_.sheets.sample);
     slices_kept_ += int(slices);
   }
 

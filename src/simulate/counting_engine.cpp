@@ -20,7 +20,7 @@ struct Said {
   std::uint64_t items : 40 = 0;
   std::uint64_t slices : 24 = 0;
   std::uint64_t tiles = 0;  ///< bit mask of its Renderer's tiles with items
-  SheetWork work = {};
+  PaintWork work = {};
 };
 static_assert(sizeof(Header) + sizeof(Said) <= counted_bytes);
 

@@ -30,7 +30,8 @@ class SliceSum {
   /// Puts the slice behind the image: C += (1 − A) c, A += (1 − A) a, with a and c clamped to [0, 1] and [0,
   /// a]. Leaves the sum empty, and costs nothing when it is. `voxel`: where a voxel of the slice lies in the
   /// image plane, in pixels; the exact normalisation divides a and c by the lattice's sum there first.
-  virtual void composite(glm::dvec2 voxel) = 0;
+  /// Returns how many pixels it went through.
+  virtual std::uint64_t composite(glm::dvec2 voxel) = 0;
 };
 
 }  // namespace ringsplat

@@ -55,7 +55,8 @@ std::span<const std::byte> SplatSum::without_hidden(std::int64_t left, std::int6
   return std::span<const std::byte>(seen_).first(kept);
 }
 
-void SplatSum::composite(glm::dvec2 voxel) {
+std::uint64_t SplatSum::composite(glm::dvec2 voxel) {
+  std::uint64_t composited = 0;
   if (!empty_) {
     float* image = image_->pixels();
     const auto written = adder_->written(buffer_);
@@ -69,11 +70,13 @@ void SplatSum::composite(glm::dvec2 voxel) {
         lattice_sum_->divide_row(sums, pixels, image_->rect().x0 + first, image_->rect().y0 + y, voxel);
       composite_row(sums, image + y * image_->row_floats() + first * floats_a_pixel, pixels * floats_a_pixel,
                     image_->opaque_threshold());
+      composited += pixels;
     }
     image_->slices_composited();
     empty_ = true;
   }
   adder_->forget();
+  return composited;
 }
 
 }  // namespace ringsplat

@@ -24,7 +24,7 @@ class SplatSum final : public SliceSum {
   /// Adds whole splats; `splats` may have any alignment. (base_x, base_y): the pixel of the image plane from
   /// which their anchors count. Splats with a NaN or a coefficient that no footprint has count as clipped.
   DrawCounts draw(std::int32_t base_x, std::int32_t base_y, std::span<const std::byte> splats);
-  void composite(glm::dvec2 voxel) override;
+  std::uint64_t composite(glm::dvec2 voxel) override;
 
  private:
   std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top,

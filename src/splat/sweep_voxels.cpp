@@ -284,12 +284,14 @@ HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, 
   take_out(voxels, taken_out, voxels.bottom);
 }
 
-void CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
-                     std::uint64_t* covered) {
+std::uint64_t CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice,
+                              const ImageRows& image, std::uint64_t* covered) {
+  std::uint64_t composited = 0;
   sweep(voxels, slice, image.opaque, covered, [&](const AnchorRows& rows, int x, int y, int blocks) {
     float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
     std::uint64_t* opaque = image.opaque + std::size_t(y) * voxels.row_words;
     const float* factors = image.factors != nullptr ? image.factors[y % largest_step] : nullptr;
+    composited += std::uint64_t(blocks) * block_pixels;
     convolve(block_sums(voxels, slice, rows, x, y, blocks), [&](int block, BlockOfSums& sums) {
       if (factors != nullptr) multiply(sums, factors);
       if (!composite_block(sums, image.opaque_threshold, to + block * block_floats)) return;
@@ -297,6 +299,7 @@ void CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, c
       opaque[pixel / 64] |= std::uint64_t{15} << pixel % 64;
     });
   });
+  return composited;
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -307,9 +310,9 @@ namespace ringsplat {
 
 HWY_EXPORT(CompositeVoxels);
 
-void composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
-                      std::uint64_t* covered) {
-  HWY_DYNAMIC_DISPATCH(CompositeVoxels)(voxels, slice, image, covered);
+std::uint64_t composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice,
+                               const ImageRows& image, std::uint64_t* covered) {
+  return HWY_DYNAMIC_DISPATCH(CompositeVoxels)(voxels, slice, image, covered);
 }
 
 void take_out(const PlacedVoxelRows& voxels, int first, int end) {

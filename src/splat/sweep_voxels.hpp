@@ -36,11 +36,11 @@ struct ImageRows {
 
 /// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once instead of once for
 /// each voxel; composites the sums behind the image, except behind opaque pixel blocks; and takes the voxels
-/// out. `covered` is scratch for a row of bits.
+/// out. `covered` is scratch for a row of bits. Returns how many pixels it went through.
 ///
 /// The image has the bits that draw_with_stencil, given the voxels row by row, and composite_row would make.
-void composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
-                      std::uint64_t* covered);
+std::uint64_t composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice,
+                               const ImageRows& image, std::uint64_t* covered);
 
 /// Clears the pixels and bits of the voxels in rows of anchors first … end − 1.
 void take_out(const PlacedVoxelRows& voxels, int first, int end);

@@ -79,22 +79,24 @@ template DrawnBlocks VoxelSum::draw(const VoxelBlocks<FloatVoxel>&, std::uint64_
 template DrawnBlocks VoxelSum::draw(const VoxelBlocks<HalfVoxel>&, std::uint64_t);
 template DrawnBlocks VoxelSum::draw(const VoxelBlocks<ByteVoxel>&, std::uint64_t);
 
-void VoxelSum::composite(glm::dvec2 voxel) {
-  if (top_ >= bottom_) return;
+std::uint64_t VoxelSum::composite(glm::dvec2 voxel) {
+  if (top_ >= bottom_) return 0;
+  std::uint64_t composited = 0;
   if (reached_ || image_->touched()) {
     float factors[4][16];
     const LatticeSum* lattice_sum = frame_.lattice_sum();
     if (lattice_sum != nullptr)
       lattice_sum->fill_factors(image_->rect().x0, image_->rect().y0, voxel, factors);
-    composite_voxels(placed(), slice_,
-                     {image_->pixels(), image_->row_floats(), image_->opaque_threshold(),
-                      image_->opaque_bits(words_), lattice_sum != nullptr ? factors : nullptr},
-                     covered_.data());
+    composited = composite_voxels(placed(), slice_,
+                                  {image_->pixels(), image_->row_floats(), image_->opaque_threshold(),
+                                   image_->opaque_bits(words_), lattice_sum != nullptr ? factors : nullptr},
+                                  covered_.data());
     image_->slices_composited();
   } else {
     take_out(placed(), top_, bottom_);
   }
   forget_rows();
+  return composited;
 }
 
 }  // namespace ringsplat

@@ -33,7 +33,7 @@ class VoxelSum final : public SliceSum {
   /// which they end. For FloatVoxel, HalfVoxel and ByteVoxel.
   template <class Voxel>
   DrawnBlocks draw(const VoxelBlocks<Voxel>& blocks, std::uint64_t most);
-  void composite(glm::dvec2 voxel) override;
+  std::uint64_t composite(glm::dvec2 voxel) override;
 
  private:
   PlacedVoxelRows placed();

@@ -13,6 +13,7 @@ std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const 
   frame->shown = spec.shown;
   frame->splats = spec.as<Splats>();
   frame->geometry = make_geometry(spec, grid);
+  frame->voxel_weight = voxel_weight;
   if (voxel_weight > 1) {
     frame->geometry.reach = narrowed(frame->geometry.reach, voxel_weight);
     lay_regions(frame->geometry, spec.division, RegionForm::square);

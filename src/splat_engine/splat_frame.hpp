@@ -16,6 +16,7 @@ struct SplatFrame {
   FrameGeometry geometry;
   Footprint footprint;
   FramePlan plan;
+  double voxel_weight = 1;  ///< as EngineSetup's
 };
 
 class RegionDealer;

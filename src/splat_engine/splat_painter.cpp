@@ -82,6 +82,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       counts_.drawn += counts.drawn;
       counts_.clipped += counts.clipped;
       counts_.hidden += counts.hidden;
+      counts_.work.samples += counts.work.samples;
       busy += std::exchange(lane.busy, 0);
       compositing += std::exchange(lane.compositing, 0);
     }
@@ -115,7 +116,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       if (!lane.drawing && !take_part(lane)) return;
       if (!lane.reader->more()) {
         const ScopedSeconds composited(lane.compositing);
-        lane.reader->sum().composite(voxel_);
+        lane.counts.work.samples += lane.reader->sum().composite(voxel_);
         lane.drawing = false;
         continue;
       }

@@ -94,7 +94,7 @@ std::vector<Input> command_line_seeds() {
 
 void run_machine(std::span<const std::byte> input) {
   const Machine machine = parse_machine(std::string(text_of(input)), "a.toml");
-  const double seconds = encoding_seconds(machine, 1e6, 1e5) + drawing_seconds(machine, 1e5, 100) +
+  const double seconds = encoding_seconds(machine, 1e6, 1e5) + drawing_seconds(machine, 1e5, 100, 1e4) +
                          sending_seconds(machine, 1e6);
   if (!(seconds >= 0)) throw std::logic_error("a machine's work takes no number of seconds");
 }

@@ -92,10 +92,11 @@ TEST_CASE("costs add up as the fields say") {
   m.renderer.splat = 3;
   m.renderer.pass = 20;
   m.renderer.slice = 7;
+  m.renderer.composite = 0.5;
   m.message.send = 5;
   m.message.packet = 2;
   CHECK(encoding_seconds(m, 16, 4) == 1052);
-  CHECK(drawing_seconds(m, 100, 16) == 627);
+  CHECK(drawing_seconds(m, 100, 16, 8) == 631);
   CHECK(sending_seconds(m, 5000) == 7);
   m.sheets.look = 2;
   m.sheets.copy = 30;

@@ -99,7 +99,8 @@ double SlabPainter::cost_of(const EncodedStep& step) const {
                                     voxel_weight_ * double(step.counts.visible));
   for (const EncodedPart& part : step.parts)
     if (!part.payload.empty())
-      seconds += drawing_seconds(*machine_, voxel_weight_ * double(part.items), part.passes);
+      seconds += drawing_seconds(*machine_, voxel_weight_ * double(part.items), part.passes,
+                                 pixel_weight_ * double(part.work.samples));
   return seconds;
 }
 
@@ -110,7 +111,8 @@ Drawn SlabPainter::draw(const FrameSpec& spec, Image& picture) {
   if (machine_) charge(machine_->gp.frame + machine_->renderer.frame);
   const auto frame = frame_of(spec);
   // A described machine's costs are those of looking at every voxel.
-  const auto encoder = make_splat_encoder(frame, 1, store_, space_, threads_, !machine_);
+  const auto encoder =
+      make_splat_encoder(frame, 1, store_, space_, threads_, !machine_, false, machine_.has_value());
   painter_->begin_frame(frame);
   for (const int step : encoder->shown()) {
     encoder->begin(step);
