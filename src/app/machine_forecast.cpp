@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/probe.hpp"
+#include "app/token_times.hpp"
 #include "frame/work_dealing.hpp"
 #include "session/engines.hpp"
 
@@ -48,112 +49,6 @@ struct Messages {
   }
 };
 
-/// What each Renderer draws.
-struct Shares {
-  std::vector<std::vector<double>>
-      of_layer;  ///< by layer and Renderer: seconds for a slice, payloads left out
-  std::vector<bool> has_tile;
-  std::vector<double> pixels;  ///< that it delivers
-};
-
-/// How one Renderer goes through the frame.
-struct Drawer {
-  double token = 0;          ///< when its token has come from the slice before
-  double drawn = 0;          ///< when all payloads that came are drawn
-  std::vector<double> ends;  ///< of the last payloads, as many as there are slots
-  std::size_t payloads = 0;
-  double busy = 0;
-};
-
-/// The tokens of one frame on their way through the slices, step by step.
-class Tokens {
- public:
-  struct Costs {
-    double slice, message;  ///< a Renderer's, for a slice of a payload, and once for it
-    double table, hop, software, poll;
-    MeanHops hops = {};  ///< of one hop each where messages are not handed on
-  };
-  Tokens(const Machine& machine, const Layout& layout, int slots, const Shares& shares, const Costs& costs)
-      : shares_(shares), costs_(costs), colocated_(layout.placement == Placement::colocated) {
-    const double start = costs.hop * std::ceil(std::log2(std::max(2, layout.ranks())));
-    drawers_.assign(std::size_t(layout.renderers), {.token = start,
-                                                    .drawn = start + machine.renderer.frame,
-                                                    .ends = std::vector<double>(std::size_t(slots), 0.0)});
-    gp_free_.assign(std::size_t(layout.gps), start + machine.gp.frame);
-    gp_busy_.assign(gp_free_.size(), machine.gp.frame);
-  }
-
-  /// All tokens pass a slab, whose GP needs so many seconds to encode it. `layers`: those of its slices.
-  void pass(std::size_t gp, const std::vector<std::size_t>& layers, double encoding) {
-    const double ready = encode(gp, encoding);
-    const Drawer* const beside = colocated_ && gp < drawers_.size() ? &drawers_[gp] : nullptr;
-    const double piece =
-        costs_.slice + costs_.message + (beside != nullptr ? shares_.of_layer[layers.front()][gp] : 0);
-    double passed = ready, software = ready;
-    for (std::size_t r = 0; r < drawers_.size(); ++r) {
-      if (!shares_.has_tile[r]) continue;
-      double here = std::max({drawers_[r].token, ready, software});
-      // The token comes, and later its payload's accept.
-      if (beside != nullptr) here += 2 * delay(*beside, here, piece);
-      software += costs_.software;
-      passed = std::max(passed, pass_on(drawers_[r], here, work_of(r, layers)));
-    }
-    gp_busy_[gp] += software - ready;
-    gp_free_[gp] = std::max(passed, software);
-  }
-
-  const std::vector<Drawer>& drawers() const { return drawers_; }
-  double busiest_gp() const { return *std::max_element(gp_busy_.begin(), gp_busy_.end()); }
-
- private:
-  /// When the slice is ready. A Renderer on the same rank draws what it has begun, and later starts the next.
-  double encode(std::size_t gp, double seconds) {
-    double begun = gp_free_[gp];
-    gp_busy_[gp] += seconds;
-    if (colocated_ && gp < drawers_.size()) {
-      Drawer& beside = drawers_[gp];
-      begun = std::max(begun, std::min(beside.drawn, begun + seconds));
-      beside.drawn = std::max(beside.drawn, begun) + seconds;
-    }
-    return begun + seconds;
-  }
-
-  /// A Renderer's seconds for the slices' payload, its message left out.
-  double work_of(std::size_t renderer, const std::vector<std::size_t>& layers) const {
-    double work = 0;
-    for (const std::size_t layer : layers)
-      if (const double slice = shares_.of_layer[layer][renderer]; slice > 0) work += slice + costs_.slice;
-    return work;
-  }
-
-  /// When the token that is with a prepared slab leaves it.
-  double pass_on(Drawer& d, double here, double work) const {
-    double leaves = here;
-    if (work > 0) {
-      const double seconds = work + costs_.message + (d.payloads == 0 ? costs_.table : 0);
-      const double arrives = here + costs_.hops.payload * costs_.hop;
-      // The payload is accepted once one of as many before it as there are slots is drawn.
-      double& slot = d.ends[d.payloads++ % d.ends.size()];
-      leaves = std::max(arrives + delay(d, arrives, seconds), slot) + costs_.hops.accept * costs_.hop;
-      d.drawn = slot = std::max(arrives, d.drawn) + seconds;
-      d.busy += seconds;
-    }
-    d.token = leaves + costs_.hops.token * costs_.hop;
-    return leaves;
-  }
-
-  /// A node that computes takes messages at the end of a piece.
-  double delay(const Drawer& d, double arrives, double piece) const {
-    return d.drawn > arrives ? 0.5 * std::min(piece, costs_.poll) : 0;
-  }
-
-  const Shares& shares_;
-  Costs costs_;
-  bool colocated_;
-  std::vector<Drawer> drawers_;
-  std::vector<double> gp_free_, gp_busy_;
-};
-
 /// What a host sends and receives at most, of all that is sent, when ranks fill the hosts one after another
 /// and each GP sends every Renderer as much; and what leaves a host at all.
 struct Traffic {
@@ -184,11 +79,12 @@ struct MachineForecast::View {
   FrameGeometry geometry;
   WorkEstimate whole;
   std::vector<WorkEstimate> layers;
+  bool paints_later = false;  ///< pixels, while no payload is there
 
   /// Of a geometry whose regions are dealt.
   Shares shares(const FrameGeometry& g, int renderers) const {
-    Shares s{std::vector(layers.size(), std::vector<double>(std::size_t(renderers), 0.0)),
-             std::vector<bool>(std::size_t(renderers), false),
+    const std::vector none(layers.size(), std::vector<double>(std::size_t(renderers), 0.0));
+    Shares s{none, none, std::vector<bool>(std::size_t(renderers), false),
              std::vector<double>(std::size_t(renderers), 0.0)};
     const RegionOwners owners = g.owners(renderers);
     for (int region = 0; region < g.regions.count(); ++region) {
@@ -200,8 +96,12 @@ struct MachineForecast::View {
       s.has_tile[k] = true;
       if (all.layers != 0) s.pixels[k] += double(rect.width()) * rect.height();
       for (std::size_t layer = 0; layer < layers.size(); ++layer)
-        if ((all.layers >> layer & 1) != 0)
-          s.of_layer[layer][k] += layers[layer].of(rect).seconds / whole.slices_of_layer();
+        if ((all.layers >> layer & 1) != 0) {
+          const PartWork part = layers[layer].of(rect);
+          const double later = paints_later ? part.painted : 0;
+          s.of_layer[layer][k] += (part.seconds - later) / whole.slices_of_layer();
+          s.painted[layer][k] += later / whole.slices_of_layer();
+        }
     }
     return s;
   }
@@ -235,7 +135,8 @@ MachineForecast::MachineForecast(VolumeSource& source, FrameSpec frame, const Tr
     std::vector<WorkEstimate> layers;
     for (int layer = 0; layer < whole.layers(); ++layer)
       layers.emplace_back(g, sketch, shown, costs, factor, layer);
-    views_.push_back(std::make_unique<View>(View{costs, std::move(g), std::move(whole), std::move(layers)}));
+    views_.push_back(
+        std::make_unique<View>(View{costs, std::move(g), std::move(whole), std::move(layers), sheets}));
   }
 }
 
@@ -295,9 +196,9 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
   const double hop = messages.small,
                table = std::holds_alternative<Sheets>(frame_.how) ? machine_.sheets.table : 0;
   const double message = payload_message_seconds(machine_);
-  Tokens tokens(machine_, layout, protocol_.slots, shares,
-                {view.costs.payload - message, message, table, hop, messages.software, machine_.poll_interval,
-                 mean_hops(layout)});
+  TokenTimes tokens(machine_, layout, protocol_.slots, shares,
+                    {view.costs.payload - message, message, table, hop, messages.software,
+                     machine_.poll_interval, painting_piece(machine_), mean_hops(layout)});
   const SliceDealing dealing = dealing_of(layout);
   int slabs = 0;
   std::vector<std::size_t> layers;
@@ -315,7 +216,7 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
   for (std::size_t r = 0; r < tokens.drawers().size(); ++r) {
     const Drawer& d = tokens.drawers()[r];
     const double delivering = shares.pixels[r] * (machine_.renderer.pixel + 16 / messages.bandwidth);
-    p.seconds = std::max({p.seconds, d.drawn + delivering + hop, d.token});
+    p.seconds = std::max({p.seconds, d.drawn + d.owed + delivering + hop, d.token});
     p.renderer = std::max(p.renderer, d.busy + delivering);
   }
   p.seconds = std::max(p.seconds, link_seconds(view, layout));
