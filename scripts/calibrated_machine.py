@@ -1,14 +1,26 @@
 #!/usr/bin/env python3
-"""Turns the statistics that scripts/calibrate.sh gathered into a machine: calibrated_machine.py FOLDER CORES"""
+"""Turns the statistics that scripts/calibrate.sh gathered into a machine: calibrated_machine.py FOLDER CORES
+
+What Renderers spend, and GPs on sheets, is fitted to all runs of splats-*.jsonl and sheets-*.jsonl; standard error says how well.
+"""
 import json
+import math
 import os
 import statistics
 import sys
 
+from least_squares import non_negative
+
+
+def runs(folder, kind):
+    """Names of a kind's runs: KIND-SCENE, or KIND-SCENE-VARIANT."""
+    return sorted(name[:-6] for name in os.listdir(folder) if name.startswith(kind + "-") and name.endswith(".jsonl"))
+
 
 def frames(folder, name):
+    """A run's frames without each repetition's first, which still allocates."""
     with open(os.path.join(folder, name + ".jsonl"), encoding="utf-8") as file:
-        return [json.loads(line) for line in file]
+        return [f for f in map(json.loads, file) if f["frame"] > 0]
 
 
 def typical(values):
@@ -16,57 +28,96 @@ def typical(values):
     return max(0.0, statistics.median(values))
 
 
-def solved(rows):
-    """x, y, z with a x + b y + c z = d for each (a, b, c, d), by Cramer's rule."""
-    def determinant(m):
-        (a, b, c), (d, e, f), (g, h, i) = m
-        return a * (e * i - f * h) - b * (d * i - f * g) + c * (d * h - e * g)
-
-    whole = determinant([row[:3] for row in rows])
-    return [determinant([row[:k] + row[3:] + row[k + 1:3] for row in rows]) / whole for k in range(3)]
+def seconds(stats, *parts):
+    return sum(stats["seconds"][part] for part in parts)
 
 
-def sheet_costs(folder):
-    """Each cost of sheets by its field's name."""
-    large, small, many, few, wide, tiny = (frames(folder, "sheets" + name) for name in ("", "_small", "_many", "_few", "_wide", "_tiny"))
+class Fit:
+    """Costs by name, from how often each was paid in how many seconds."""
 
-    def total(some, count):
-        return typical(f["total"][count] for f in some)
+    def __init__(self, what, names):
+        self.what, self.names, self.rows = what, list(names), []
 
-    def seconds(some, part):
-        return typical(f["total"]["seconds"][part] for f in some)
+    def add(self, run, spent, known, whole, **counts):
+        """A node's part of a frame: seconds, those of them that are known, and those that all nodes spent on the frame. An
+        error counts by how much of these it is, so that each frame counts alike."""
+        self.names += [name for name in counts if name not in self.names]
+        self.rows.append((run, spent, known, whole, counts))
 
-    def looked(some, role):
-        return typical(sum(node["blocks"] for node in f["nodes"] if node["node"].startswith(role)) for f in some)
+    def solve(self):
+        matrix = [[counts.get(name, 0) / whole for name in self.names] for _, _, _, whole, counts in self.rows]
+        costs = non_negative(matrix, [(spent - known) / whole for _, spent, known, whole, _ in self.rows])
+        self.costs = dict(zip(self.names, costs))
+        return self.costs
 
-    costs = {"table": seconds(tiny, "drawing")}
-    costs["sample"] = (seconds(large, "drawing") - seconds(small, "drawing")) / (total(large, "samples") - total(small, "samples"))
+    def fitted(self, row):
+        _, _, known, _, counts = row
+        return known + sum(self.costs[name] * count for name, count in counts.items())
 
-    def row(some):
-        """Payloads, blocks looked at and blocks placed, and the seconds that they took together."""
-        drawing = sum(node["payloads_drawn"] > 0 for node in some[0]["nodes"] if node["node"].startswith("Renderer"))
-        return [total(some, "payloads_drawn"), looked(some, "Renderer"), total(some, "splats_drawn"),
-                seconds(some, "drawing") - drawing * costs["table"] - costs["sample"] * total(some, "samples")]
+    def error(self):
+        """Root mean square, as a part of a frame."""
+        return math.sqrt(statistics.mean(((self.fitted(row) - row[1]) / row[3]) ** 2 for row in self.rows))
 
-    # Between few and many Renderers the same is painted, whatever a sample of that volume costs.
-    rows = [row(small), [a - b for a, b in zip(row(many), row(small))], [a - b for a, b in zip(row(wide), row(few))]]
-    costs["slice"], costs["look"], costs["place"] = (max(0.0, cost) for cost in solved(rows))
-    costs["copy"] = max(0.0, (seconds(wide, "computing") - costs["look"] * looked(wide, "GP")) / total(wide, "splats_sent"))
-    return costs
+    def say(self):
+        names = sorted({row[0] for row in self.rows})
+        print(f"{self.what}: {len(self.rows)} nodes' frames of {len(names)} runs, off by {100 * self.error():.1f} % of a frame",
+              file=sys.stderr)
+        for name in names:
+            rows = [row for row in self.rows if row[0] == name]
+            spent, fitted = sum(row[1] for row in rows), sum(self.fitted(row) for row in rows)
+            print(f"  {name:24} measured {1e3 * spent:9.2f} ms   fitted {1e3 * fitted:9.2f} ms   {fitted / spent:.2f}", file=sys.stderr)
+
+
+def typical_nodes(folder, name):
+    """For each of a run's frames its nodes, with the seconds that are typical of all repetitions, and their sum."""
+    numbered = {}
+    for frame in frames(folder, name):
+        numbered.setdefault(frame["frame"], []).append(frame)
+    for same in numbered.values():
+        nodes = same[0]["nodes"]
+        for k, node in enumerate(nodes):
+            node["seconds"] = {part: typical(f["nodes"][k]["seconds"][part] for f in same) for part in node["seconds"]}
+        yield nodes, sum(seconds(node, "computing", "drawing", "compositing", "delivering") for node in nodes)
+
+
+def splat_costs(folder):
+    fit = Fit("splats", ("splat", "slice", "composite"))
+    for name in runs(folder, "splats"):
+        for nodes, whole in typical_nodes(folder, name):
+            for node in nodes:
+                if node["payloads_drawn"] > 0:
+                    fit.add(name, seconds(node, "drawing", "compositing"), 0, whole, splat=node["splats_drawn"] + node["splats_clipped"],
+                            slice=node["payloads_drawn"], composite=node["samples"])
+    return fit.solve(), fit
+
+
+def sheet_costs(folder, gp_slice, gp_frame):
+    fit = Fit("sheets", ("look", "copy", "place", "slice", "sample", "table"))
+    for name in runs(folder, "sheets"):
+        # What a sample costs depends on what is seen: the head's is the machine's, others have one of their own.
+        scene = name.split("-")[1]
+        sample = "sample" if scene == "head" else "sample of " + scene
+        for nodes, whole in typical_nodes(folder, name):
+            for node in nodes:
+                if node["node"].startswith("GP"):
+                    fit.add(name, seconds(node, "computing"), gp_frame + gp_slice * node["slices"], whole,
+                            look=node["blocks"], copy=node["splats_sent"])
+                elif node["payloads_drawn"] > 0:
+                    fit.add(name, seconds(node, "drawing", "compositing"), 0, whole, table=1, slice=node["payloads_drawn"], look=node["blocks"],
+                            place=node["splats_drawn"], **{sample: node["samples"]})
+    return fit.solve(), fit
 
 
 def main():
     folder, cores = sys.argv[1:3]
-    head, empty, tiny, line, hop = (frames(folder, name) for name in ("head", "empty", "tiny", "line", "hop"))
+    head, empty, tiny, line, hop = (frames(folder, name) for name in ("splats-head", "empty", "tiny", "line", "hop"))
     voxels = 128 * 128 * 124
 
     # What a frame costs whatever is in it: eight voxels.
     gp_frame = typical(f["total"]["seconds"]["computing"] for f in tiny)
     transparent = typical((f["total"]["seconds"]["computing"] - gp_frame) / voxels for f in empty)
     visible = typical((f["total"]["seconds"]["computing"] - gp_frame - transparent * (voxels - f["total"]["visible_voxels"]))
-                    / f["total"]["visible_voxels"] for f in head)
-    splat = typical(f["total"]["seconds"]["drawing"] / f["total"]["splats_sent"] for f in head)
-    composite = typical(f["total"]["seconds"]["compositing"] / f["total"]["payloads_drawn"] for f in head)
+                      / f["total"]["visible_voxels"] for f in head)
     pixel = typical(f["total"]["seconds"]["delivering"] / (f["total"]["tile_bytes"] / 16) for f in head)
     slice_cost = typical((f["total"]["seconds"]["computing"] - gp_frame) / f["total"]["slices"] for f in line)
     # Each of the 4096 slices passes the token on, to the same rank: what is not encoding.
@@ -74,9 +125,13 @@ def main():
     # The same from rank to rank: both sides' software and the way between them, in equal parts.
     message = typical(f["seconds"] / 4096 - slice_cost - token for f in hop) / 3
 
-    sheets = sheet_costs(folder)
+    splats, splats_fit = splat_costs(folder)
+    sheets, sheets_fit = sheet_costs(folder, slice_cost, gp_frame)
+    for fit in (splats_fit, sheets_fit):
+        fit.say()
 
-    print(f'''# Measured by scripts/calibrate.sh on this machine: one GP and one Renderer, the head at 512x512 pixels.
+    print(f'''# Measured by scripts/calibrate.sh on this machine: the head at 512x512 pixels on up to two ranks. Costs of Renderers and of sheets are
+# fitted: they are off by {100 * splats_fit.error():.1f} % of a frame of splats, {100 * sheets_fit.error():.1f} % of one of sheets.
 name = "Two cores"
 # The program's bounded pieces of work.
 poll_interval = 200e-6
@@ -89,8 +144,8 @@ frame = {gp_frame:.4g}
 token = {token:.4g}
 
 [renderer]
-splat = {splat:.4g}
-slice = {composite:.4g}
+splat = {splats["splat"]:.4g}
+slice = {splats["slice"]:.4g}
 pixel = {pixel:.4g}
 
 [sheets]
