@@ -75,18 +75,23 @@ glm::dvec2 size_of_block(const FrameGeometry& g, double side) {
 
 std::span<const std::uint32_t> ShownPoints::of(const VolumeSketch& sketch, const TransferFunction& function,
                                                std::optional<Blocks> blocks) {
-  if (function_ && *function_ == function && blocks_ == blocks) return shown_;
-  function_ = function;
-  blocks_ = blocks;
-  shown_.clear();
+  const double side = blocks ? blocks->side : 0;
+  if (!function_ || *function_ != function || side_ != side) {
+    shown_ = {};
+    function_ = function;
+    side_ = side;
+  }
+  auto& kept = shown_[blocks ? static_cast<std::size_t>(blocks->across) : 0];
+  if (kept) return *kept;
+  std::vector<std::uint32_t>& shown = kept.emplace();
   std::vector<ValueHull> hulls(sketch.values.size());
   if (blocks) hulls = hulls_of_blocks(sketch, *blocks);
   for (std::size_t k = 0; k < sketch.values.size(); ++k) {
     if (!blocks) hulls[k].add(sketch.values[k]);
     const auto [low, high] = hulls[k];
-    if (low <= high && function.visible_within(double(low), double(high))) shown_.push_back(std::uint32_t(k));
+    if (low <= high && function.visible_within(double(low), double(high))) shown.push_back(std::uint32_t(k));
   }
-  return shown_;
+  return shown;
 }
 
 WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <optional>
@@ -27,7 +28,8 @@ inline constexpr WorkCosts usual_splat_costs{54e-9, 0.3e-9, 3e-6, 12e-9, 0.2e-9}
 /// Pixels that use a block of so many voxels a side; in perspective about the volume's middle.
 glm::dvec2 size_of_block(const FrameGeometry& geometry, double side);
 
-/// The points of a sketch that a transfer function shows; found again when the function changes.
+/// The points of a sketch that a transfer function shows; found again when the function changes, and kept for
+/// each axis.
 class ShownPoints {
  public:
   /// Blocks of the slices of an axis.
@@ -37,14 +39,14 @@ class ShownPoints {
     bool operator==(const Blocks&) const = default;
   };
   /// By VolumeSketch::index(), ascending. Where voxels travel in blocks, all points of a block that may show
-  /// something. Valid until the next call.
+  /// something. Valid until the function or the blocks' side changes.
   std::span<const std::uint32_t> of(const VolumeSketch& sketch, const TransferFunction& transfer_function,
                                     std::optional<Blocks> blocks = std::nullopt);
 
  private:
   std::optional<TransferFunction> function_;
-  std::optional<Blocks> blocks_;
-  std::vector<std::uint32_t> shown_;
+  double side_ = 0;                                                 ///< of the blocks; 0: none
+  std::array<std::optional<std::vector<std::uint32_t>>, 3> shown_;  ///< by axis across blocks; else the first
 };
 
 /// The blocks that voxels travel in; none where they travel alone.

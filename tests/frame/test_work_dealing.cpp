@@ -147,3 +147,21 @@ TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {
   CHECK(deal_by_work(g, work, only_voxels, spec.division, RegionForm::square, 4, {}) == 0);
   CHECK(g.dealt.empty());
 }
+
+TEST_CASE("points that were kept for an axis are those that are found anew") {
+  const VolumeSketch sketch = sketch_of({100, 90, 80}, {50, 45, 40}, 30);
+  const TransferFunction function = seen(Sheets{}).shown.transfer_function;
+  const auto found = [&](ShownPoints& points, std::optional<ShownPoints::Blocks> blocks) {
+    const auto shown = points.of(sketch, function, blocks);
+    return std::vector<std::uint32_t>(shown.begin(), shown.end());
+  };
+  ShownPoints kept;
+  for (const double side : {8.0, 24.0, 8.0})
+    for (const Axis axis : {Axis::x, Axis::z, Axis::x, Axis::y, Axis::z}) {
+      ShownPoints anew;
+      const ShownPoints::Blocks blocks{axis, side};
+      CHECK(found(kept, blocks) == found(anew, blocks));
+    }
+  ShownPoints anew;
+  CHECK(found(kept, std::nullopt) == found(anew, std::nullopt));
+}
