@@ -15,33 +15,36 @@ repetitions=${2:-5}
 kept=${3:-}
 line 4096
 "$build/ringsplat" synth constant -o "$work/tiny.nrrd" --dims 2x2x2 >/dev/null
-"$build/ringsplat" synth ball -o "$work/wide.nrrd" --dims 512x512x64 >/dev/null
-one=("${dedicated[@]}" --frames-in-flight 1)
-# renderers N: a GP and so many Renderers, which look through the same slices, in one process.
-renderers() { echo --gps 1 --renderers "$1" --frames-in-flight 1; }
-orbit=(--orbit 5 --elevation 25 --axes all)
-soft=(--tf mr-soft "${orbit[@]}")
+"$build/ringsplat" synth ball -o "$work/wide.nrrd" --dims 512x512x32 >/dev/null
+"$build/ringsplat" synth shell -o "$work/shell.nrrd" --dims 512x512x32 >/dev/null
+"$build/ringsplat" synth ball -o "$work/long.nrrd" --dims 16x16x4096 >/dev/null
+one=("${dedicated[@]}" --frames-in-flight 1) two=("${colocated[@]}" --frames-in-flight 1) four=(--gps 1 --renderers 4 --frames-in-flight 1)
+orbit=(--orbit 8 --elevation 25 --axes all)
+soft=("$head" --tf mr-soft "${orbit[@]}")
+flat=(--tf grey --size 128 --orbit 3 --elevation 85)
 for ((k = 0; k < repetitions; ++k)); do
   render 2 empty "$head" "${one[@]}" --tf "$work/nothing.json" --size 512 "${orbit[@]}"
   render 2 tiny "$work/tiny.nrrd" "${one[@]}" --tf grey --size 512 --orbit 5
   render 2 line "${line[@]}" "${one[@]}" --orbit 5
   render 2 hop "${line[@]}" --gps 2 --renderers 1 --roles colocated --frames-in-flight 1 --orbit 5
 
-  render 2 splats-head "$head" "${one[@]}" "${soft[@]}" --size 512
-  render 2 splats-head-two "$head" "${colocated[@]}" --frames-in-flight 1 "${soft[@]}" --size 512
-  render 0 splats-head-many "$head" $(renderers 8) "${soft[@]}" --size 512
+  render 2 splats-head "${soft[@]}" "${one[@]}" --size 512
+  render 2 splats-head-two "${soft[@]}" "${two[@]}" --size 512
+  render 0 splats-head-four "${soft[@]}" "${four[@]}" --size 512
 
   quality=best
-  render 2 sheets-head "$head" "${one[@]}" "${soft[@]}" --size 512
-  render 2 sheets-head-two "$head" "${colocated[@]}" --frames-in-flight 1 "${soft[@]}" --size 512
-  render 2 sheets-head-small "$head" "${one[@]}" "${soft[@]}" --size 256
-  render 2 sheets-head-tiny "$head" "${one[@]}" "${soft[@]}" --clip 60:64,60:64,60:64 --size 512
-  render 0 sheets-head-several "$head" $(renderers 6) "${soft[@]}" --size 512
-  render 0 sheets-head-many "$head" $(renderers 32) "${soft[@]}" --size 256
-  render 0 sheets-wide-few "$work/wide.nrrd" $(renderers 4) --tf grey "${orbit[@]}" --size 256
-  render 0 sheets-wide-many "$work/wide.nrrd" $(renderers 32) --tf grey "${orbit[@]}" --size 256
+  render 2 sheets-head "${soft[@]}" "${one[@]}" --size 512
+  render 2 sheets-head-two "${soft[@]}" "${two[@]}" --size 512
+  render 2 sheets-head-small "${soft[@]}" "${one[@]}" --size 256
+  render 2 sheets-head-small-two "${soft[@]}" "${two[@]}" --size 256
+  render 2 sheets-head-tiny "${soft[@]}" "${one[@]}" --clip 60:64,60:64,60:64 --size 512
+  render 0 sheets-head-four "${soft[@]}" "${four[@]}" --size 512
+  render 2 sheets-wide "$work/wide.nrrd" "${one[@]}" "${flat[@]}"
+  render 2 sheets-shell "$work/shell.nrrd" "${one[@]}" "${flat[@]}"
+  render 2 sheets-long "$work/long.nrrd" "${one[@]}" "${flat[@]}"
   quality=paper
 done
+rm "$work/one.jsonl"
 python3 -B "$repo/scripts/calibrated_machine.py" "$work" "$(cores)" >"$work/machine.toml"
 mv "$work/machine.toml" "$output"
 [[ -z $kept ]] || { mkdir -p "$kept" && cp "$work"/*.jsonl "$kept"; }

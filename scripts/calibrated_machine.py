@@ -39,7 +39,7 @@ class Fit:
         self.what, self.names, self.rows = what, list(names), []
 
     def add(self, run, spent, known, whole, **counts):
-        """A node's part of a frame: seconds, those of them that are known, and those that all nodes spent on the frame. An
+        """What one role did for a frame: seconds, those of them that are known, and those that all nodes spent on the frame. An
         error counts by how much of these it is, so that each frame counts alike."""
         self.names += [name for name in counts if name not in self.names]
         self.rows.append((run, spent, known, whole, counts))
@@ -60,7 +60,7 @@ class Fit:
 
     def say(self):
         names = sorted({row[0] for row in self.rows})
-        print(f"{self.what}: {len(self.rows)} nodes' frames of {len(names)} runs, off by {100 * self.error():.1f} % of a frame",
+        print(f"{self.what}: {len(self.rows)} parts of frames in {len(names)} runs, off by {100 * self.error():.1f} % of a frame",
               file=sys.stderr)
         for name in names:
             rows = [row for row in self.rows if row[0] == name]
@@ -68,26 +68,30 @@ class Fit:
             print(f"  {name:24} measured {1e3 * spent:9.2f} ms   fitted {1e3 * fitted:9.2f} ms   {fitted / spent:.2f}", file=sys.stderr)
 
 
-def typical_nodes(folder, name):
-    """For each of a run's frames its nodes, with the seconds that are typical of all repetitions, and their sum."""
+def typical_roles(folder, name):
+    """For each of a run's frames what its GPs and its Renderers did together, how many of either did something, with the seconds that are
+    typical of all repetitions, and the seconds of all."""
     numbered = {}
     for frame in frames(folder, name):
         numbered.setdefault(frame["frame"], []).append(frame)
     for same in numbered.values():
-        nodes = same[0]["nodes"]
-        for k, node in enumerate(nodes):
-            node["seconds"] = {part: typical(f["nodes"][k]["seconds"][part] for f in same) for part in node["seconds"]}
-        yield nodes, sum(seconds(node, "computing", "drawing", "compositing", "delivering") for node in nodes)
+        roles = []
+        for role in ("GP", "Renderer"):
+            busy = [[node for node in f["nodes"] if node["node"].startswith(role) and node["slices"] + node["payloads_drawn"] > 0] for f in same]
+            # Counts hardly differ: news of opaque tiles come when they come.
+            stats = {key: sum(node[key] for node in busy[0]) for key, value in same[0]["total"].items() if isinstance(value, int)}
+            stats["nodes"] = len(busy[0])
+            stats["seconds"] = {part: typical(sum(node["seconds"][part] for node in nodes) for nodes in busy) for part in same[0]["total"]["seconds"]}
+            roles.append(stats)
+        yield *roles, sum(seconds(stats, "computing", "drawing", "compositing", "delivering") for stats in roles)
 
 
 def splat_costs(folder):
     fit = Fit("splats", ("splat", "slice", "composite"))
     for name in runs(folder, "splats"):
-        for nodes, whole in typical_nodes(folder, name):
-            for node in nodes:
-                if node["payloads_drawn"] > 0:
-                    fit.add(name, seconds(node, "drawing", "compositing"), 0, whole, splat=node["splats_drawn"] + node["splats_clipped"],
-                            slice=node["payloads_drawn"], composite=node["samples"])
+        for _, renderers, whole in typical_roles(folder, name):
+            fit.add(name, seconds(renderers, "drawing", "compositing"), 0, whole, splat=renderers["splats_drawn"] + renderers["splats_clipped"],
+                    slice=renderers["payloads_drawn"], composite=renderers["samples"])
     return fit.solve(), fit
 
 
@@ -97,14 +101,11 @@ def sheet_costs(folder, gp_slice, gp_frame):
         # What a sample costs depends on what is seen: the head's is the machine's, others have one of their own.
         scene = name.split("-")[1]
         sample = "sample" if scene == "head" else "sample of " + scene
-        for nodes, whole in typical_nodes(folder, name):
-            for node in nodes:
-                if node["node"].startswith("GP"):
-                    fit.add(name, seconds(node, "computing"), gp_frame + gp_slice * node["slices"], whole,
-                            look=node["blocks"], copy=node["splats_sent"])
-                elif node["payloads_drawn"] > 0:
-                    fit.add(name, seconds(node, "drawing", "compositing"), 0, whole, table=1, slice=node["payloads_drawn"], look=node["blocks"],
-                            place=node["splats_drawn"], **{sample: node["samples"]})
+        for gps, renderers, whole in typical_roles(folder, name):
+            fit.add(name, seconds(gps, "computing"), gp_frame * gps["nodes"] + gp_slice * gps["slices"], whole,
+                    look=gps["blocks"], copy=gps["splats_sent"])
+            fit.add(name, seconds(renderers, "drawing", "compositing"), 0, whole, table=renderers["nodes"], slice=renderers["payloads_drawn"],
+                    look=renderers["blocks"], place=renderers["splats_drawn"], **{sample: renderers["samples"]})
     return fit.solve(), fit
 
 
