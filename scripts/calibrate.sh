@@ -6,7 +6,7 @@
 # GPs' costs are of one GP and one Renderer on a core each: the repository's head, a volume without a visible voxel, one of eight voxels, and
 # tokens through 4096 empty slices, on one rank and between two. Renderers' costs, and all of sheets, are fitted to runs that differ in what
 # is seen, in the picture's size and in the number of Renderers (scripts/calibrated_machine.py). It takes the medians of all repetitions and
-# says how far the fitted costs are off.
+# says how far the fitted costs are off. What waiting costs ranks that share cores is found by simulating (scripts/fit_waiting.py).
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
 
@@ -31,6 +31,11 @@ for ((k = 0; k < repetitions; ++k)); do
   render 2 splats-head "${soft[@]}" "${one[@]}" --size 512
   render 2 splats-head-two "${soft[@]}" "${two[@]}" --size 512
   render 0 splats-head-four "${soft[@]}" "${four[@]}" --size 512
+  # More ranks than cores, of which scripts/compare_simulated.py times others.
+  for layout in "2 3" "3 2" "5 2"; do
+    read -r gps renderers <<<"$layout"
+    render $((gps + renderers)) "shared-$gps-$renderers" "${soft[@]}" --gps "$gps" --renderers "$renderers" --frames-in-flight 1 --size 512
+  done
 
   quality=best
   render 2 sheets-head "${soft[@]}" "${one[@]}" --size 512
@@ -45,7 +50,8 @@ for ((k = 0; k < repetitions; ++k)); do
   quality=paper
 done
 rm "$work/one.jsonl"
-python3 -B "$repo/scripts/calibrated_machine.py" "$work" "$(cores)" >"$work/machine.toml"
-mv "$work/machine.toml" "$output"
 [[ -z $kept ]] || { mkdir -p "$kept" && cp "$work"/*.jsonl "$kept"; }
+python3 -B "$repo/scripts/calibrated_machine.py" "$work" "$(cores)" >"$work/machine.toml"
+python3 -B "$repo/scripts/fit_waiting.py" "$work" "$work/machine.toml"
+mv "$work/machine.toml" "$output"
 say "$output describes this machine"

@@ -147,6 +147,7 @@ token = {token:.4g}
 [renderer]
 splat = {splats["splat"]:.4g}
 slice = {splats["slice"]:.4g}
+composite = {splats["composite"]:.4g}
 pixel = {pixel:.4g}
 
 [sheets]

@@ -9,6 +9,9 @@ bool simulated();
 /// simulation.
 void charge(double seconds);
 
+/// Lets so many seconds of the simulated clock pass without computing; does nothing outside of a simulation.
+void sleep_simulated(double seconds);
+
 /// Simulated time owed for work that was done at once. It is paid in pieces, so that the rank can handle
 /// messages in between.
 class Debt {

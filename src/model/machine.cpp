@@ -59,6 +59,7 @@ std::vector<Field> fields_of(Machine& m) {
           seconds("sheets.table", m.sheets.table),
           seconds("message.send", m.message.send),
           seconds("message.receive", m.message.receive),
+          seconds("message.wake", m.message.wake),
           seconds("message.packet", m.message.packet),
           {"message.packet_bytes", 0, 1 << 30, false, into(m.message.packet_bytes)},
           {"poll_interval", 1e-9, longest, true, into(m.poll_interval)},
@@ -218,6 +219,10 @@ double painting_piece(const Machine& m) {
   constexpr double group = 16 * 16, slabs = 12;
   const double seconds = group * slabs * m.sheets.sample;
   return seconds > 0 ? std::min(seconds, m.poll_interval) : m.poll_interval;
+}
+
+bool shares_cores(const Machine& m, int ranks) {
+  return m.platform.hosts > 0 && ranks > std::int64_t{m.platform.hosts} * m.platform.cores;
 }
 
 double sending_seconds(const Machine& m, double bytes) {

@@ -44,6 +44,7 @@ struct Machine {
   } sheets;
   struct {
     double send = 0, receive = 0;    ///< software on either side, for each message
+    double wake = 0;                 ///< until a rank that waits has its core again, where ranks share cores
     double packet = 0;               ///< software of the sender, for each packet begun
     std::uint64_t packet_bytes = 0;  ///< 0: a message is one packet
   } message;
@@ -79,6 +80,8 @@ double placing_seconds(const Machine& machine, double blocks, double placed, dou
 /// Seconds that a Renderer of sheets paints before it takes messages: a group of pixels through a dozen
 /// slabs.
 double painting_piece(const Machine& machine);
+/// Whether so many ranks are more than the machine has cores.
+bool shares_cores(const Machine& machine, int ranks);
 /// Seconds of software a sender spends on a message of so many bytes, header included.
 double sending_seconds(const Machine& machine, double bytes);
 

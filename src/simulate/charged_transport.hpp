@@ -1,4 +1,5 @@
 #pragma once
+#include "base/clock.hpp"
 #include "model/charge.hpp"
 #include "model/machine.hpp"
 #include "net/transport.hpp"
@@ -9,7 +10,8 @@ namespace ringsplat {
 class ChargedTransport final : public Transport {
  public:
   /// Both must outlive it.
-  ChargedTransport(Transport& transport, const Machine& machine) : transport_(transport), machine_(machine) {}
+  ChargedTransport(Transport& transport, const Machine& machine)
+      : transport_(transport), machine_(machine), shared_(shares_cores(machine, transport.ranks())) {}
   int rank() const override { return transport_.rank(); }
   int ranks() const override { return transport_.ranks(); }
 
@@ -25,7 +27,12 @@ class ChargedTransport final : public Transport {
     return message;
   }
   bool sends_done() override { return transport_.sends_done(); }
-  void wait_next() override { transport_.wait_next(); }
+  /// A rank that waits has yielded its core, where others may compute.
+  void wait_next() override {
+    const double since = now_seconds();
+    transport_.wait_next();
+    if (shared_ && now_seconds() > since) sleep_simulated(machine_.message.wake);
+  }
   void wait_between_frames(const Sleep& sleep) override { transport_.wait_between_frames(sleep); }
   void note_progress() override { transport_.note_progress(); }
   void only_first_work(int ranks) override { transport_.only_first_work(ranks); }
@@ -33,6 +40,7 @@ class ChargedTransport final : public Transport {
  private:
   Transport& transport_;
   const Machine& machine_;
+  bool shared_;  ///< there are more ranks than cores
 };
 
 }  // namespace ringsplat

@@ -17,7 +17,7 @@ except ImportError:
     sys.exit(77)
 
 COSTS = {"gp": {"visible_voxel": 1.2e-8, "transparent_voxel": 2e-10, "slice": 3e-7, "frame": 5e-4, "token": 4e-7},
-         "renderer": {"splat": 4e-8, "slice": 2e-6, "pixel": 1e-8},
+         "renderer": {"splat": 4e-8, "slice": 2e-6, "composite": 2e-10, "pixel": 1e-8},
          "sheets": {"look": 4e-9, "copy": 5e-8, "place": 1.5e-7, "slice": 5e-6, "sample": 2e-9, "table": 9e-4}}
 VOXELS = 128 * 128 * 124
 PARTS = ("computing", "waiting_for_token", "sending", "drawing", "compositing", "delivering", "idle")
@@ -48,12 +48,13 @@ def gp_runs(folder):
     write(folder, "hop", (4096 * (gp["slice"] + gp["token"] + 3 * 2e-7), [node("GP 0", {})]))
 
 
-def splat_frame(splats, payloads):
+def splat_frame(splats, payloads, pixels):
     gp, renderer = COSTS["gp"], COSTS["renderer"]
     computing = gp["frame"] + splats * gp["visible_voxel"] + (VOXELS - splats) * gp["transparent_voxel"]
-    drawing = {"drawing": splats * renderer["splat"], "compositing": payloads * renderer["slice"], "delivering": 1000 * renderer["pixel"]}
+    drawing = {"drawing": splats * renderer["splat"], "compositing": payloads * renderer["slice"] + pixels * renderer["composite"],
+               "delivering": 1000 * renderer["pixel"]}
     return (1, [node("GP 0", {"computing": computing}, visible_voxels=splats),
-                node("Renderer 0", drawing, splats_drawn=splats, payloads_drawn=payloads, tile_bytes=16000)])
+                node("Renderer 0", drawing, splats_drawn=splats, payloads_drawn=payloads, samples=pixels, tile_bytes=16000)])
 
 
 def sheet_frame(blocks, placed, payloads, samples, dear, noise):
@@ -76,8 +77,8 @@ def calibrated(scripts, folder, random_part):
         return 1 + random_part * (2 * numbers.random() - 1)
 
     gp_runs(folder)
-    write(folder, "splats-head", splat_frame(600000, 120), splat_frame(700000, 110))
-    write(folder, "splats-head-many", splat_frame(600000, 9000))
+    write(folder, "splats-head", splat_frame(600000, 120, 8e6), splat_frame(700000, 110, 6e6))
+    write(folder, "splats-head-many", splat_frame(600000, 9000, 7e6))
     for name, dear, *counts in (("head", 1, 31000, 12000, 120, 8e6), ("head-small", 1, 30000, 11000, 120, 2e6),
                                 ("head-many", 1, 300000, 30000, 3000, 2e6), ("head-tiny", 1, 60, 4, 4, 200),
                                 ("wide-few", 3, 250000, 120000, 60, 2e6), ("wide-many", 3, 900000, 300000, 600, 2e6)):
