@@ -17,8 +17,10 @@ line 4096
 "$build/ringsplat" synth constant -o "$work/tiny.nrrd" --dims 2x2x2 >/dev/null
 "$build/ringsplat" synth ball -o "$work/wide.nrrd" --dims 512x512x32 >/dev/null
 "$build/ringsplat" synth shell -o "$work/shell.nrrd" --dims 512x512x32 >/dev/null
+"$build/ringsplat" synth shell -o "$work/hollow.nrrd" --dims 128x128x128 >/dev/null
 "$build/ringsplat" synth ball -o "$work/long.nrrd" --dims 16x16x4096 >/dev/null
 one=("${dedicated[@]}" --frames-in-flight 1) two=("${colocated[@]}" --frames-in-flight 1) four=(--gps 1 --renderers 4 --frames-in-flight 1)
+many=(--gps 1 --renderers 16 --frames-in-flight 1)
 orbit=(--orbit 8 --elevation 25 --axes all)
 soft=("$head" --tf mr-soft "${orbit[@]}")
 flat=(--tf grey --size 128 --orbit 3 --elevation 85)
@@ -31,6 +33,9 @@ for ((k = 0; k < repetitions; ++k)); do
   render 2 splats-head "${soft[@]}" "${one[@]}" --size 512
   render 2 splats-head-two "${soft[@]}" "${two[@]}" --size 512
   render 0 splats-head-four "${soft[@]}" "${four[@]}" --size 512
+  render 0 splats-head-many "${soft[@]}" "${many[@]}" --size 512
+  render 2 splats-hollow "$work/hollow.nrrd" --tf grey "${orbit[@]}" "${one[@]}" --size 512
+  render 0 splats-hollow-many "$work/hollow.nrrd" --tf grey "${orbit[@]}" "${many[@]}" --size 512
   # More ranks than cores, of which scripts/compare_simulated.py times others.
   for layout in "2 3" "3 2" "5 2"; do
     read -r gps renderers <<<"$layout"

@@ -25,6 +25,7 @@ COUNTS = ("splats_sent", "splats_drawn", "splats_clipped", "payloads_drawn", "sl
 
 
 def node(name, spent, **counts):
+    counts = {count: int(value) for count, value in counts.items()}
     return {"node": name, **dict.fromkeys(COUNTS, 0), **counts, "seconds": {**dict.fromkeys(PARTS, 0.0), **spent}}
 
 
@@ -116,10 +117,10 @@ def main():
     machine, said = calibrated(scripts, scratch, 0)
     for room in COSTS:
         close(machine, room, 1e-3)
-    assert "sheets: 48 nodes' frames of 6 runs, off by 0.0 % of a frame" in said, said
+    assert "sheets: 48 parts of frames in 6 runs, off by 0.0 % of a frame" in said, said
     machine, said = calibrated(scripts, scratch, 0.05)
     close(machine, "sheets", 0.2)
-    off = float(said.split("sheets: 48 nodes' frames of 6 runs, off by ")[1].split()[0])
+    off = float(said.split("sheets: 48 parts of frames in 6 runs, off by ")[1].split()[0])
     assert 0.5 < off < 5, said
 
 

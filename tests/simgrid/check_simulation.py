@@ -205,7 +205,7 @@ def sheets(run):
 
 def waiting(run):
     """Ranks that wait get their core back late where there are more ranks than cores, and only there."""
-    machine = FREE_NETWORK.format(visible=1e-6, transparent=0, slice=0, splat=1e-6, a_pass=0, composite=0) + "hosts = 1\ncores = 2\n"
+    machine = FREE_NETWORK.format(visible=1e-6, transparent=0, slice=0, splat=1e-6, a_pass=0, payload=0, composite=0) + "hosts = 1\ncores = 2\n"
     view = ["--size", "128x128", "--count-only", "--frames-in-flight", "1"]
     taken = {}
     for renderers in (1, 2):
