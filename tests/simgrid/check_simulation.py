@@ -206,12 +206,12 @@ def sheets(run):
 def waiting(run):
     """Ranks that wait get their core back late where there are more ranks than cores, and only there."""
     machine = FREE_NETWORK.format(visible=1e-6, transparent=0, slice=0, splat=1e-6, a_pass=0, payload=0, composite=0) + "hosts = 1\ncores = 2\n"
-    view = ["--size", "128x128", "--count-only", "--frames-in-flight", "1"]
+    view = [*VIEW, "--count-only", "--frames-in-flight", "1"]
     taken = {}
     for renderers in (1, 2):
         for wake in (0, 1e-2):
             described = run.write(f"wake{wake}.toml", machine + f"[message]\nwake = {wake}\n")
-            frame, = run.simulate(f"gps = 1\nrenderers = {renderers}", HEAD, *VIEW, *view, machine=described)
+            frame, = run.simulate(f"gps = 1\nrenderers = {renderers}", HEAD, *view, machine=described)
             taken[renderers, wake] = frame["seconds"]
     same("a core for each rank", taken[1, 1e-2], taken[1, 0])
     same("three ranks on two cores wait longer", taken[2, 1e-2] > taken[2, 0] + 1e-2, True)
