@@ -5,7 +5,7 @@
 #
 # GPs' costs are of one GP and one Renderer on a core each: the repository's head, a volume without a visible voxel, one of eight voxels, and
 # tokens through 4096 empty slices, on one rank and between two. Renderers' costs, and all of sheets, are fitted to runs that differ in what
-# is seen, in the picture's size and in the number of Renderers (scripts/calibrated_machine.py). It takes the medians of all repetitions and
+# is seen and in the number of Renderers (scripts/calibrated_machine.py). It takes the medians of all repetitions and
 # says how far the fitted costs are off. What waiting costs ranks that share cores is found by simulating (scripts/fit_waiting.py).
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/bench_lib.sh"
@@ -45,8 +45,8 @@ for ((k = 0; k < repetitions; ++k)); do
   quality=best
   render 2 sheets-head "${soft[@]}" "${one[@]}" --size 512
   render 2 sheets-head-two "${soft[@]}" "${two[@]}" --size 512
-  render 2 sheets-head-small "${soft[@]}" "${one[@]}" --size 256
-  render 2 sheets-head-small-two "${soft[@]}" "${two[@]}" --size 256
+  render 2 sheets-head-half "${soft[@]}" "${one[@]}" --clip 0:127,0:127,0:61 --size 512
+  render 2 sheets-head-half-two "${soft[@]}" "${two[@]}" --clip 0:127,0:127,0:61 --size 512
   render 2 sheets-head-tiny "${soft[@]}" "${one[@]}" --clip 60:64,60:64,60:64 --size 512
   render 0 sheets-head-four "${soft[@]}" "${four[@]}" --size 512
   render 2 sheets-wide "$work/wide.nrrd" "${one[@]}" "${flat[@]}"
