@@ -143,6 +143,7 @@ poll_interval = 200e-6
 
 [gp]
 visible_voxel = {visible:.4g}
+# Where slices without a visible voxel are left out, others' transparent voxels are in the cost of visible ones.
 transparent_voxel = {transparent:.4g}
 slice = {slice_cost:.4g}
 frame = {gp_frame:.4g}

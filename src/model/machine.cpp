@@ -105,8 +105,8 @@ class Reader {
   static constexpr const char* hint =
       "mpi_configs/machines has machines that work, docs/simulation.md the fields";
 
-  /// Costs of sheets that the file does not say, from those of splats: their ratios where both were measured
-  /// (mpi_configs/machines/two-core.toml).
+  /// Costs of sheets that the file does not say, from those of splats: about their ratios where both were
+  /// measured (mpi_configs/machines/two-core.toml).
   void stand_in_for_sheets() {
     const double splat = machine_.renderer.splat;
     const auto unless_said = [&](const char* key, double& cost, double stand_in) {
