@@ -17,6 +17,7 @@
 #include "app/study_pictures.hpp"
 #include "app/transfer_function_option.hpp"
 #include "base/output_file.hpp"
+#include "frame/frame_needs.hpp"
 #include "session/render_frames.hpp"
 #include "volume/synth.hpp"
 
@@ -61,9 +62,10 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const Layout layout{1, 1};
   OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
   const auto& clip = spec.shown.clip;
-  LoadOptions load{needed_axes(list.views, volume.grid, list.width, list.height, clip),
-                   spec.shown.shading == Shading::phong};
-  load.clip = clip;
+  const LoadOptions load{.kept_axes = needed_axes(list.views, volume.grid, list.width, list.height, clip),
+                         .with_normals = needs_normals(spec),
+                         .with_cell_ranges = needs_cell_ranges(spec),
+                         .clip = clip};
   Scene scene = load_scene(volume, load, layout, wiring);
   std::vector<Timed> timed(list.views.size());
   std::size_t next = 0, done = 0;

@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include "engine_parts/checks.hpp"
 #include "net/message.hpp"
 #include "raster/opaque_news.hpp"
+#include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/sample_counter.hpp"
 #include "sheet_engine/sheet_engine.hpp"
@@ -36,6 +39,7 @@ class SheetEncoder final : public Encoder {
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach()),
         parts_(std::size_t(renderers)) {
     check_loaded(store_, axis(), frame_->number);
+    check_ranges_known();
     const Regions& regions = geometry().regions;
     for (int region = 0; region < regions.count(); ++region) {
       const PixelRect rect = regions.rect(region);
@@ -244,6 +248,15 @@ class SheetEncoder final : public Encoder {
       const std::byte* from = slice_.values_of_row(row * side) + std::size_t(column * side) * scalar;
       for (int y = 0; y < block_height(row); ++y, from += pitch, to += bytes) std::memcpy(to, from, bytes);
     }
+  }
+
+  void check_ranges_known() const {
+    if (!store_.knows_cell_ranges(axis()))
+      throw RunError(
+          fmt::format(
+              "frame {} is drawn by sheets, but the ranges of the cells between slices were not loaded",
+              frame_->number),
+          "load the volume for all the frames that are to be drawn, of both engines");
   }
 
   /// Of all the whole volume's slices, other GPs' too, so that a clip box changes no table.

@@ -14,18 +14,17 @@ class PartRanges {
  public:
   /// Slice `slice` of the box.
   PartRanges(const SliceStore& store, const VoxelBox& box, Axis axis, int slice)
-      : ranges_(store.cell_ranges(axis, box.first[static_cast<int>(axis)] + slice)),
+      : ranges_(*store.cell_ranges(axis, box.first[static_cast<int>(axis)] + slice)),
         first_{box.first[in_plane(axis).u], box.first[in_plane(axis).v]},
         last_{box.end[in_plane(axis).u] - 1, box.end[in_plane(axis).v] - 1} {}
 
-  bool known() const { return ranges_ != nullptr; }
   /// low > high: no value of the block is a number.
   CellRanges::Range range(int column, int row) const {
     const auto [left, right] = overlapped(column, 0);
     const auto [top, bottom] = overlapped(row, 1);
-    CellRanges::Range all = ranges_->range(left, top);
+    CellRanges::Range all = ranges_.range(left, top);
     for (int y = top; y <= bottom; ++y)
-      for (int x = left; x <= right; ++x) all = hull(all, ranges_->range(x, y));
+      for (int x = left; x <= right; ++x) all = hull(all, ranges_.range(x, y));
     return all;
   }
   static CellRanges::Range hull(const CellRanges::Range& a, const CellRanges::Range& b) {
@@ -42,7 +41,7 @@ class PartRanges {
     return {first / CellRanges::side, last / CellRanges::side};
   }
 
-  const CellRanges* ranges_;
+  const CellRanges& ranges_;
   std::array<int, 2> first_, last_;  ///< voxels of the part
 };
 
@@ -84,10 +83,9 @@ const std::vector<std::uint8_t>& SliceBlocks::visible(const SliceStore& store, A
   of_axis.resize(std::size_t(slices) + 1);
   std::vector<std::uint8_t>& visible = of_axis[std::size_t(s + 1)];
   if (!visible.empty()) return visible;
-  visible.assign(std::size_t(columns) * std::size_t(rows), 1);
+  visible.resize(std::size_t(columns) * std::size_t(rows));
   const PartRanges before(store, box_, axis, std::max(s, 0)),
       after(store, box_, axis, std::min(s + 1, slices - 1));
-  if (!before.known() || !after.known()) return visible;
   for (int row = 0, k = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column, ++k) {
       const auto [low, high] = PartRanges::hull(before.range(column, row), after.range(column, row));
@@ -109,7 +107,7 @@ std::vector<BlockState> SliceBlocks::find(const SliceStore& store, Axis axis, in
     }
   }
   const PartRanges ranges(store, box_, axis, slice);
-  for (int row = 0, k = 0; ranges.known() && row < rows; ++row)
+  for (int row = 0, k = 0; row < rows; ++row)
     for (int column = 0; column < columns; ++column, ++k) {
       BlockState& block = blocks[std::size_t(k)];
       if (block.needed) continue;

@@ -26,8 +26,7 @@ struct BlockState {
 class SliceBlocks {
  public:
   /// By block, row by row. `slice`: in the box. `reach`: SheetFrame::reach(). Valid until the next call with
-  /// another transfer function or box. Without the ranges of the slice's surroundings all blocks are needed
-  /// and visible.
+  /// another transfer function or box. The store must know the ranges of the axis's cells.
   std::span<const BlockState> of(const SliceStore& store, const VoxelBox& box, Axis axis, int slice,
                                  int reach, const TransferFunction& transfer_function);
 

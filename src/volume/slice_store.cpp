@@ -113,6 +113,10 @@ std::span<std::uint16_t> SliceStore::normals(Axis axis, int index) {
   return std::span(*sets_[std::size_t(axis)].normals).subspan(local(index) * voxels, voxels);
 }
 
+bool SliceStore::knows_cell_ranges(Axis axis) const {
+  return dealing_.owned_count(grid_.slices(axis), gp_) == 0 || !cell_ranges_[std::size_t(axis)].empty();
+}
+
 std::uint64_t SliceStore::bytes_needed(const Grid& grid, int gp, SliceDealing dealing,
                                        std::array<bool, 3> kept_axes, bool with_normals) {
   const std::uint64_t per_voxel = size_of(grid.type) + (with_normals ? sizeof(std::uint16_t) : 0);

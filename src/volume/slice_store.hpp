@@ -78,6 +78,8 @@ class SliceStore {
   void know_cell_ranges(Axis axis, int index, std::shared_ptr<const CellRanges> ranges) {
     cell_ranges_[std::size_t(axis)][index] = std::move(ranges);
   }
+  /// Whether those of an axis were told; a GP without slices needs none.
+  bool knows_cell_ranges(Axis axis) const;
   /// Null when unknown.
   const CellRanges* cell_ranges(Axis axis, int index) const {
     const auto& of_axis = cell_ranges_[std::size_t(axis)];

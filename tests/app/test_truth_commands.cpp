@@ -134,6 +134,30 @@ TEST_CASE("study writes a line for each measurement, and the same as JSON") {
   }
 }
 
+TEST_CASE("a study sends of sheets what render does, also beside splats") {
+  const Workshop w;
+  write_text(
+      w / "list.toml",
+      "repetitions = 1\nsize = \"48x48\"\nerror_pixels = 200\ntruths = [\"field\"]\nviews = [\"20 10\"]\n"
+      "[scene.one]\nvolume = \"" +
+          w.volume() +
+          "\"\ntf = \"mr-surface\"\n[setting.splats]\nradius = 1.6\n"
+          "[setting.draft]\nquality = \"draft\"\n[setting.best]\nquality = \"best\"\n");
+  w.must({"study", w / "list.toml", "-o", w / "results.csv"});
+  const json rows = json::parse(read_text(w / "results.json"));
+  REQUIRE(rows.size() == 3);
+  for (const std::size_t k : {1, 2}) {
+    const std::string quality = rows[k].at("setting");
+    w.must({"render", w.volume(), "--size", "48", "--tf", "mr-surface", "--shading", "none", "--fit",
+            "sphere", "--azimuth", "20", "--elevation", "10", "--quality", quality, "--stats",
+            w / "stats.json"});
+    const json sent = json::parse(read_text(w / "stats.json")).at(0).at("total");
+    INFO(quality);
+    CHECK(rows[k].at("splats") == sent.at("splats_sent"));
+    CHECK(rows[k].at("bytes") == sent.at("payload_bytes_sent"));
+  }
+}
+
 TEST_CASE("truths that cannot be are refused with the way out") {
   const Workshop w;
   const std::pair<std::vector<std::string>, std::string> wrong[] = {

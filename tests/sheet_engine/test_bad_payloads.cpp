@@ -19,7 +19,7 @@ namespace {
 /// A slice of 35 x 20 voxels as it is sent.
 Bytes payload_of_a_slice(std::shared_ptr<const SheetFrame> frame) {
   const auto source = synth_source("ball", frame->geometry.grid);
-  const auto stores = dealt(*source, 1);
+  const auto stores = dealt_for_sheets(*source);
   SliceBlocks blocks;
   const auto encoder = make_sheet_encoder(std::move(frame), 1, stores.at(0), blocks, true);
   encoder->begin(3);

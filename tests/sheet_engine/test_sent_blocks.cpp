@@ -6,6 +6,7 @@
 #include "sheet_engine/weighed_encoder.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
+#include "support/message_of.hpp"
 #include "support/views.hpp"
 
 using namespace ringsplat;
@@ -14,13 +15,6 @@ using namespace ringsplat::test;
 namespace {
 
 constexpr int renderers = 6;
-
-std::map<int, SliceStore> with_cell_ranges(VolumeSource& source) {
-  auto stores = dealt(source, 1);
-  SoloCollectives solo;
-  share_cell_ranges(stores, 1, {{0}}, solo);
-  return stores;
-}
 
 std::shared_ptr<const SheetFrame> seen_from_above(const Grid& grid, const TransferFunction& function) {
   FrameSpec spec = oblique_view(96, 96, 0);
@@ -62,7 +56,7 @@ TEST_CASE("a Renderer is told only of blocks that it can see, whatever the funct
   shell.colours = {{0, {1, 1, 1}}, {255, {1, 1, 1}}};
   shell.opacities = {{0, 0}, {40, 0}, {60, 1}, {80, 0}, {255, 0}};
   const auto frame = seen_from_above(make_grid({96, 96, 12}), shell);
-  const auto stores = with_cell_ranges(*synth_source("ball", frame->geometry.grid));
+  const auto stores = dealt_for_sheets(*synth_source("ball", frame->geometry.grid));
   SliceBlocks blocks;
   const auto encoder = make_sheet_encoder(frame, renderers, stores.at(0), blocks, true);
   const BlockWindows windows(frame->geometry, frame->reach(), frame->reach(), frame->reach());
@@ -91,6 +85,18 @@ TEST_CASE("a Renderer is told only of blocks that it can see, whatever the funct
   CHECK(told_hidden > 0);
 }
 
+TEST_CASE("a GP refuses sheets of slices whose cells' ranges were not loaded, unless it has none") {
+  const auto source = synth_source("ball", make_grid({24, 24, 12}));
+  const auto frame = seen_from_above(source->grid(), ramp(20, 255, 0.9));
+  const auto encode = [&](const SliceStore& store) {
+    SliceBlocks blocks;
+    return message_of<RunError>([&] { make_sheet_encoder(frame, renderers, store, blocks, true); });
+  };
+  CHECK(says(encode(dealt(*source, 1).at(0)), "ranges of the cells between slices were not loaded"));
+  CHECK(encode(dealt_for_sheets(*source).at(0)).empty());
+  CHECK(encode(dealt(*source, 13).at(12)).empty());
+}
+
 TEST_CASE("voxels that stand for others are counted as the blocks of these") {
   // A volume, and one of every fourth of its voxels along x and y.
   const Grid fine = make_grid({192, 192, 128}),
@@ -98,7 +104,7 @@ TEST_CASE("voxels that stand for others are counted as the blocks of these") {
   Sum sums[2];
   for (const bool weighed : {false, true}) {
     const auto frame = seen_from_above(weighed ? coarse : fine, ramp(110, 255, 0.3));
-    const auto stores = with_cell_ranges(*synth_source("ball", frame->geometry.grid));
+    const auto stores = dealt_for_sheets(*synth_source("ball", frame->geometry.grid));
     SliceBlocks blocks;
     const auto encoder = weighed ? make_weighed_encoder(frame, renderers, stores.at(0), 16)
                                  : make_sheet_encoder(frame, renderers, stores.at(0), blocks, false, true);

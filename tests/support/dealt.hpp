@@ -21,4 +21,12 @@ inline std::map<int, SliceStore> dealt(VolumeSource& source, int gps) {
   return stores;
 }
 
+/// The slices of one GP, with what sheets need of their cells too.
+inline std::map<int, SliceStore> dealt_for_sheets(VolumeSource& source) {
+  auto stores = dealt(source, 1);
+  SoloCollectives solo;
+  share_cell_ranges(stores, 1, {{0}}, solo);
+  return stores;
+}
+
 }  // namespace ringsplat::test
