@@ -87,7 +87,7 @@ Sheets sheets_of(Quality quality) {
     case Quality::draft:
       return {.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
     case Quality::normal:
-      return {.image_plane = ImagePlane::slices, .plane_samples = 2, .slabs = 2, .light_points = 2};
+      return {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2, .light_points = 2};
     case Quality::paper:
     case Quality::best:
       break;

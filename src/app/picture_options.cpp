@@ -226,7 +226,8 @@ constexpr OptionRow<Render> shortcut_rows[] = {
        return choice(o.method.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
      }},
     {"--samples", "1|1.5|2|4", nullptr,
-     "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 2 for --quality "
+     "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 1.5 for "
+     "--quality "
      "normal, else 1",
      [](Render& o) { return value(o.method.samples); }},
     {"--opaque-threshold", nullptr, initial,

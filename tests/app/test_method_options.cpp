@@ -34,7 +34,8 @@ FrameSpec frame_of(const std::vector<std::string>& more) {
 Method drawn_by(const std::vector<std::string>& more) { return frame_of(more).how; }
 
 constexpr Sheets draft{.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
-constexpr Sheets normal{.image_plane = ImagePlane::slices, .plane_samples = 2, .slabs = 2, .light_points = 2};
+constexpr Sheets normal{
+    .image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2, .light_points = 2};
 constexpr Sheets best{.image_plane = ImagePlane::screen, .slabs = 3, .light_points = 2};
 
 }  // namespace

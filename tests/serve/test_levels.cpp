@@ -14,7 +14,7 @@ void move(LevelController& controller, double seconds, int pictures) {
 }
 
 const Qualities some{{.image_plane = ImagePlane::slices, .light_points = 1},
-                     {.image_plane = ImagePlane::slices, .plane_samples = 2},
+                     {.image_plane = ImagePlane::slices, .plane_samples = 1.5},
                      {.slabs = 3}};
 
 }  // namespace
