@@ -22,7 +22,7 @@ struct WorkCosts {
   double block = 0;    ///< side of the blocks that voxels travel in, in voxels; 0: they travel alone
 };
 /// On one core of docs/performance.md.
-inline constexpr WorkCosts usual_splat_costs{54e-9, 0.3e-9, 3e-6, 12e-9, 0.2e-9},
+inline constexpr WorkCosts usual_splat_costs{54e-9, 1e-9, 3e-6, 12e-9, 0.2e-9},
     usual_sheet_costs{2e-9, 5e-9, 8e-6, 1e-9, 0.1e-9, 8};
 
 /// Pixels that use a block of so many voxels a side; in perspective about the volume's middle.
