@@ -13,7 +13,7 @@ Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/p
     remedies what helps where tokens are the limit
     slabs    slices that travel together, on a slow network and on a fast one
 
-A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, of 4096³ by one of 256 × 256 × 4096, whose voxels stand for several
+A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, from 1024³ on of 256 × 256 × n, whose voxels stand for several
 of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ ten and more, and up to 6 GB.
 """
 import argparse
@@ -93,7 +93,7 @@ class Study:
 
     def volume(self, n, width, visible):
         """A ball of 32 % of a box of n slices of width² voxels, a cube in the world, or nothing, as arguments; made once."""
-        base = 128 if n <= 1024 else 256
+        base = min(width, 128 if n < 1024 else 256)
         dims, spacing = f"{base}x{base}x{n}", f"{n / base:g}x{n / base:g}x1"
         path, curve = self.path(f"ball{n}_{dims}_uint8.raw"), self.path("ball.json")
         if not os.path.exists(path):
