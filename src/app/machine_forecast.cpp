@@ -197,8 +197,14 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
                table = std::holds_alternative<Sheets>(frame_.how) ? machine_.sheets.table : 0;
   const double message = payload_message_seconds(machine_);
   TokenTimes tokens(machine_, layout, protocol_.slots, shares,
-                    {view.costs.payload - message, message, table, hop, messages.software,
-                     machine_.poll_interval, painting_piece(machine_), mean_hops(layout)});
+                    {.slice = view.costs.payload - message,
+                     .message = message,
+                     .table = table,
+                     .hop = hop,
+                     .software = messages.software,
+                     .longest_piece = machine_.poll_interval,
+                     .painting_piece = painting_piece(machine_),
+                     .hops = mean_hops(layout)});
   const SliceDealing dealing = dealing_of(layout);
   int slabs = 0;
   std::vector<std::size_t> layers;

@@ -227,8 +227,7 @@ constexpr OptionRow<Render> shortcut_rows[] = {
      }},
     {"--samples", "1|1.5|2|4", nullptr,
      "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 1.5 for "
-     "--quality "
-     "normal, else 1",
+     "--quality normal, else 1",
      [](Render& o) { return value(o.method.samples); }},
     {"--opaque-threshold", nullptr, initial,
      "Nothing is added to a pixel through which less light than this comes; 0: everything is",

@@ -17,10 +17,9 @@ void paint(Drawer& d, double until) {
 }
 
 /// With too many slices it paints all before it takes another.
-void make_room(Drawer& d, std::size_t slices) {
-  constexpr std::size_t most_kept = 36;  // sheet_engine/sheet_painter.cpp
+void make_room(Drawer& d, int slices) {
   d.kept += slices;
-  if (d.kept <= most_kept) return;
+  if (d.kept <= most_slices_kept) return;
   d.drawn += std::exchange(d.owed, 0);
   d.kept = 0;
 }

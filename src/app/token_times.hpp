@@ -34,10 +34,10 @@ struct Drawer {
   double drawn = 0;          ///< when all payloads that came are drawn
   std::vector<double> ends;  ///< of the last payloads, as many as there are slots
   std::size_t payloads = 0;
-  std::size_t kept = 0;  ///< slices that are not painted
-  double owed = 0;       ///< seconds of painting left for later
-  double last = 0;       ///< seconds of the last payload
-  double busy = 0;       ///< seconds in sum
+  int kept = 0;     ///< slices that are not painted
+  double owed = 0;  ///< seconds of painting left for later
+  double last = 0;  ///< seconds of the last payload
+  double busy = 0;  ///< seconds in sum
 };
 
 /// When the tokens of one frame pass its slices: followed from slice to slice, Renderer by Renderer. Messages
@@ -56,7 +56,7 @@ class TokenTimes {
  private:
   struct Work {
     double now = 0, later = 0;
-    std::size_t slices = 0;
+    int slices = 0;
   };
   double encode(std::size_t gp, double seconds);
   Work work_of(std::size_t renderer, const std::vector<std::size_t>& layers) const;

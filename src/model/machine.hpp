@@ -80,6 +80,8 @@ double placing_seconds(const Machine& machine, double blocks, double placed, dou
 /// Seconds that a Renderer of sheets paints before it takes messages: a group of pixels through a dozen
 /// slabs.
 double painting_piece(const Machine& machine);
+/// Slices that a Renderer of sheets keeps unpainted (sheet_engine/sheet_painter.cpp).
+inline constexpr int most_slices_kept = 36;
 /// Whether so many ranks are more than the machine has cores.
 bool shares_cores(const Machine& machine, int ranks);
 /// Seconds of software a sender spends on a message of so many bytes, header included.

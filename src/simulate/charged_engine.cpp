@@ -71,7 +71,7 @@ class ChargedPainter final : public Painter {
       painted_ = true;
       owe_for_payload(inner_.counts());
     }
-    return !debt_.pay() && !(slices_kept_ > most_kept && pay_for_samples());
+    return !debt_.pay() && !(slices_kept_ > most_slices_kept && pay_for_samples());
   }
   bool conclude() override { return inner_.conclude() || pay_for_samples(); }
   void news(int gp, Bytes& news) override { inner_.news(gp, news); }
@@ -86,9 +86,6 @@ class ChargedPainter final : public Painter {
   }
 
  private:
-  /// A Renderer of sheets keeps as many slices (sheet_engine/sheet_painter.cpp).
-  static constexpr int most_kept = 36;
-
   void owe_for_payload(const ItemCounts& now) {
     const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
                  blocks = double(now.work.blocks - before_.work.blocks),

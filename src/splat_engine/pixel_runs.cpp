@@ -4,8 +4,7 @@
 
 namespace ringsplat {
 
-PixelRuns::PixelRuns(std::span<const PixelRect> rects)
-    : rects_(rects.begin(), rects.end()), rows_(rects.size()) {}
+PixelRuns::PixelRuns(std::span<const PixelRect> rects) : rects_(rects), rows_(rects.size()) {}
 
 void PixelRuns::include(int region, const PixelWindow& window) {
   const PixelRect& rect = rects_[std::size_t(region)];

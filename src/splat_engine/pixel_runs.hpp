@@ -14,7 +14,7 @@ namespace ringsplat {
 class PixelRuns {
  public:
   PixelRuns() = default;
-  /// By region, its pixels.
+  /// `rects`: by region, its pixels; they must outlive it.
   explicit PixelRuns(std::span<const PixelRect> rects);
   /// Adds the window of a kernel, of which only what lies in the region counts.
   void include(int region, const PixelWindow& window);
@@ -24,7 +24,7 @@ class PixelRuns {
   std::uint64_t take(int region);
 
  private:
-  std::vector<PixelRect> rects_;
+  std::span<const PixelRect> rects_;
   std::vector<std::vector<PixelRun>> rows_;  ///< by region and row; none where nothing was added
 };
 

@@ -21,7 +21,9 @@ FrameSpec view_of(Camera camera, PayloadForm payload) {
   spec.shown.shading = Shading::none;
   spec.shown.opaque_threshold = 0;
   spec.division.region_size = 64;
-  spec.how = Splats{.payload = payload};
+  Splats splats;
+  splats.payload = payload;
+  spec.how = splats;
   return spec;
 }
 
