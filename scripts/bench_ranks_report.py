@@ -1,18 +1,14 @@
 #!/usr/bin/env python3
 """Table of scripts/bench_ranks.sh: bench_ranks_report.py FOLDER reads the --stats lines it wrote."""
 import collections
-import json
 import statistics
 import sys
 from pathlib import Path
 
+from bench_report import frames
+
 METHODS = (("paper", "splats"), ("best", "sheets"))
 RANKS = (1, 2, 16, 64)
-
-
-def frames(folder: Path, name: str) -> list[dict]:
-    """Without each run's first, which still allocates."""
-    return [f for f in map(json.loads, (folder / f"{name}.jsonl").read_text().splitlines()) if f["frame"] > 0]
 
 
 def layout_of(rows: list[dict]) -> str:

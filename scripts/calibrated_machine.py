@@ -3,24 +3,19 @@
 
 What Renderers spend, and GPs on sheets, is fitted to all runs of splats-*.jsonl and sheets-*.jsonl; standard error says how well.
 """
-import json
 import math
 import os
 import statistics
 import sys
+from pathlib import Path
 
+from bench_report import frames
 from least_squares import non_negative
 
 
 def runs(folder, kind):
     """Names of a kind's runs: KIND-SCENE, or KIND-SCENE-VARIANT."""
     return sorted(name[:-6] for name in os.listdir(folder) if name.startswith(kind + "-") and name.endswith(".jsonl"))
-
-
-def frames(folder, name):
-    """A run's frames without each repetition's first, which still allocates."""
-    with open(os.path.join(folder, name + ".jsonl"), encoding="utf-8") as file:
-        return [f for f in map(json.loads, file) if f["frame"] > 0]
 
 
 def typical(values):
@@ -114,7 +109,7 @@ def sheet_costs(folder, gp_slice, gp_frame):
 
 
 def main():
-    folder, cores = sys.argv[1:3]
+    folder, cores = Path(sys.argv[1]), sys.argv[2]
     head, empty, tiny, line, hop = (frames(folder, name) for name in ("splats-head", "empty", "tiny", "line", "hop"))
     voxels = 128 * 128 * 124
 

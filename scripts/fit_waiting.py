@@ -4,21 +4,22 @@
 It is such that frames of more ranks than cores, which scripts/calibrate.sh timed (shared-GPS-RENDERERS.jsonl), take as long simulated, in the
 median of their layouts.
 """
-import json
 import os
 import re
 import statistics
 import sys
 import tempfile
+from pathlib import Path
 
+from bench_report import frames
 from simulation import HEAD, build, simulate
 
 VIEW = ("--tf", "mr-soft", "--size", "512x512", "--orbit", "8", "--elevation", "25", "--axes", "all")
 LONGEST = 2e-3
 
 
-def typical(frames):
-    return statistics.median(f["seconds"] for f in frames if f["frame"] > 0)
+def typical(shown):
+    return statistics.median(f["seconds"] for f in shown)
 
 
 def with_wake(machine, seconds):
@@ -33,8 +34,7 @@ def main():
     real = {}
     for name in sorted(os.listdir(folder)):
         if match := re.fullmatch(r"shared-(\d+)-(\d+)\.jsonl", name):
-            with open(os.path.join(folder, name), encoding="utf-8") as file:
-                real[tuple(map(int, match.groups()))] = typical(map(json.loads, file))
+            real[tuple(map(int, match.groups()))] = typical(frames(Path(folder), match[0].removesuffix(".jsonl")))
 
     def ratio(seconds):
         """Of simulated to real."""
@@ -43,7 +43,7 @@ def main():
             with open(described, "w", encoding="utf-8") as file:
                 file.write(with_wake(machine, seconds))
             return statistics.median(
-                typical(simulate({"machine": described, "frames-in-flight": 1, "gps": gps, "renderers": renderers}, HEAD, "--count-only", *VIEW))
+                typical(simulate({"machine": described, "frames-in-flight": 1, "gps": gps, "renderers": renderers}, HEAD, "--count-only", *VIEW)[1:])
                 / taken for (gps, renderers), taken in real.items())
 
     wake, low, high = 0.0, 0.0, 20e-6
