@@ -67,28 +67,43 @@ Piece lobatto_piece(const At& at, double a, double b, double thinnest) {
   return piece;
 }
 
-/// Halves [a, b] until two halves agree with the whole to `tolerance` (in colour, shared out by length).
+/// Rounding changes a piece by less. A smaller tolerance could be missed however often it is halved.
+inline constexpr double least_change = 1e-14;
+/// Halvings of one place: its piece is then some 1e-12 of the interval.
+inline constexpr int most_halvings = 40;
+/// Halvings of one interval in all: values that are steep beyond rounding are stairs, and each step a jump.
+inline constexpr int all_halvings = 8192;
+
+/// Halves [a, b] until two halves agree with the whole to `tolerance` (in colour, shared out by length) or to
+/// rounding. The front takes at most half of the halvings left, or as many as one place needs.
 template <class At>
 Piece adaptive_piece(const At& at, double a, double b, const Piece& whole, double tolerance, double thinnest,
-                     int halvings_left) {
+                     int& halvings_left, int depth = 0) {
   const double middle = 0.5 * (a + b);
   const Piece front = lobatto_piece(at, a, middle, thinnest), back = lobatto_piece(at, middle, b, thinnest);
   const Piece both = behind(front, back);
   double change = std::abs(both.transmittance - whole.transmittance);
   for (int c = 0; c < 3; ++c) change = std::max(change, std::abs(both.colour[c] - whole.colour[c]));
-  if (change <= tolerance || halvings_left == 0 || !(a < middle && middle < b)) return both;
-  const Piece fine_front = adaptive_piece(at, a, middle, front, 0.5 * tolerance, thinnest, halvings_left - 1);
+  if (change <= std::max(least_change, tolerance) || !(a < middle && middle < b)) return both;
+  if (depth == most_halvings || halvings_left == 0) return both;
+  --halvings_left;
+  int in_front = std::min(halvings_left, std::max(halvings_left / 2, most_halvings));
+  halvings_left -= in_front;
+  const Piece fine_front =
+      adaptive_piece(at, a, middle, front, 0.5 * tolerance, thinnest, in_front, depth + 1);
+  halvings_left += in_front;
   // The tolerance behind grows as less of it is seen.
-  const double seen = std::max(fine_front.transmittance, 1e-12);
+  const double behind_it = 0.5 * tolerance / std::max(fine_front.transmittance, 1e-12);
   return behind(fine_front,
-                adaptive_piece(at, middle, b, back, 0.5 * tolerance / seen, thinnest, halvings_left - 1));
+                adaptive_piece(at, middle, b, back, behind_it, thinnest, halvings_left, depth + 1));
 }
 
+/// `tolerance`: above zero. Calls `at` 15 times and 20 times a halving.
 template <class At>
 Piece integrate(const At& at, double a, double b, double tolerance) {
-  constexpr int most_halvings = 40;
   const double thinnest = 1e-6 * (b - a);
-  return adaptive_piece(at, a, b, lobatto_piece(at, a, b, thinnest), tolerance, thinnest, most_halvings);
+  int halvings_left = all_halvings;
+  return adaptive_piece(at, a, b, lobatto_piece(at, a, b, thinnest), tolerance, thinnest, halvings_left);
 }
 
 }  // namespace ringsplat::truth

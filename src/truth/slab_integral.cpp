@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "truth/quadrature.hpp"
@@ -62,7 +63,8 @@ Moments lobatto(const LinearPart& part, double a, double b) {
 Moments halved(const LinearPart& part, double a, double b, const Moments& whole, int halvings_left) {
   const double middle = 0.5 * (a + b);
   const Moments front = lobatto(part, a, middle), back = lobatto(part, middle, b), both = front + back;
-  const double tolerance = 1e-12 * part.hidden_at(part.to);
+  // Of next to nothing a share would be below rounding, and halving would not end.
+  const double tolerance = std::max(1e-12 * part.hidden_at(part.to), std::numeric_limits<double>::min());
   if (std::abs(both.zeroth - whole.zeroth) <= tolerance && std::abs(both.first - whole.first) <= tolerance)
     return both;
   if (halvings_left == 0 || !(a < middle && middle < b)) return both;
