@@ -67,10 +67,6 @@ Piece lobatto_piece(const At& at, double a, double b, double thinnest) {
   return piece;
 }
 
-/// Rounding changes a piece by less. A smaller tolerance could be missed however often it is halved.
-inline constexpr double least_change = 1e-14;
-/// Halvings of one place: its piece is then some 1e-12 of the interval.
-inline constexpr int most_halvings = 40;
 /// Halvings of one interval in all: values that are steep beyond rounding are stairs, and each step a jump.
 inline constexpr int all_halvings = 8192;
 
@@ -79,6 +75,10 @@ inline constexpr int all_halvings = 8192;
 template <class At>
 Piece adaptive_piece(const At& at, double a, double b, const Piece& whole, double tolerance, double thinnest,
                      int& halvings_left, int depth = 0) {
+  // Rounding changes a piece by less: a smaller tolerance could be missed however often it is halved.
+  constexpr double least_change = 1e-14;
+  // Of one place: its piece is then some 1e-12 of the interval.
+  constexpr int most_halvings = 40;
   const double middle = 0.5 * (a + b);
   const Piece front = lobatto_piece(at, a, middle, thinnest), back = lobatto_piece(at, middle, b, thinnest);
   const Piece both = behind(front, back);
