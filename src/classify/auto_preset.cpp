@@ -223,7 +223,7 @@ AutoChoice choose_generic(const Data& d) {
 AutoChoice labelled(const std::vector<double>& labels, const char* reason) {
   const auto count = std::count_if(labels.begin(), labels.end(), [](double v) { return v != 0; });
   return {label_function(labels),
-          fmt::format("{} labels ({}): a colour each, 0 clear", count, reason),
+          fmt::format("{} label{} ({}): a colour each, 0 clear", count, count == 1 ? "" : "s", reason),
           true,
           {labels.front() - 0.5, labels.back() + 0.5}};
 }

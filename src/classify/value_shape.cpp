@@ -99,6 +99,16 @@ std::size_t foot_of(const std::vector<double>& counts, std::size_t peak, bool up
   return lowest;
 }
 
+/// The smallest of two values, or 0 where it is the most frequent of few single values: none of the others
+/// may be lost.
+bool begins_at_background(const Bins& bins) {
+  constexpr std::size_t few = 16;
+  if (bins.size() == 2) return true;
+  return bins.size() <= few && bins[0].low == 0 &&
+         std::all_of(bins.begin(), bins.end(),
+                     [&](const ValueBin& bin) { return bin.low == bin.high && bin.count <= bins[0].count; });
+}
+
 }  // namespace
 
 double count_of(const Bins& bins) {
@@ -138,7 +148,7 @@ Foreground find_foreground(const Data& d) {
   const Even even = evenly(d.bins);
   const auto slope = smoothed(even.counts);
   const double total = count_of(d.bins);
-  if (d.bins.size() == 2) return {true, {d.bins[1]}, d.bins[0].high, true};
+  if (begins_at_background(d.bins)) return {true, {d.bins.begin() + 1, d.bins.end()}, d.bins[0].high, true};
   double highest = 0;
   for (std::size_t peak = 0; peak < even.counts.size(); ++peak) {
     const double here = even.counts[peak];

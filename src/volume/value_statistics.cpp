@@ -8,8 +8,8 @@ namespace ringsplat {
 namespace {
 
 constexpr int histogram_bins = 1024;
-/// Fewer than these, with 0, may as well be levels.
-constexpr std::size_t least_found_labels = 5, most_found_labels = 256;
+/// Up to `few_labels` are labels even where neighbours are the next ones, as in nested parts.
+constexpr std::size_t most_found_labels = 256, few_labels = 16;
 
 /// The keys' bins within the range. A key that begins with the largest value has a bin of the smallest width
 /// there is, as a bin does not hold its upper bound.
@@ -164,6 +164,14 @@ void count_neighbours(ValueStatistics& s, const Pass& pass, Merging& merging) {
   s.neighbours = {mine.counts[0], mine.counts[1], mine.counts[2], mine.counts[3]};
 }
 
+/// A mask, or few values of which 0 is the most frequent.
+bool few_about_zero(const ValueStatistics& s) {
+  if (s.labels.front() != 0 || s.labels.size() > few_labels) return false;
+  const auto most = std::max_element(s.bins.begin(), s.bins.end(),
+                                     [](const ValueBin& a, const ValueBin& b) { return a.count < b.count; });
+  return s.labels.size() == 2 || most->low <= 0;
+}
+
 std::vector<double> all_values(const ValueTally& tally, const std::vector<ValueBin>& keys) {
   if (!ValueTally::is_exact(tally.kind().type)) return tally.distinct.sorted();
   std::vector<double> values;
@@ -216,8 +224,7 @@ ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const Vo
   if (keys.empty()) return s;
   count_histogram(s, keys, pass, merging);
   s.labels = all_values(tally, keys);
-  if (s.labels.size() >= least_found_labels && s.labels.size() <= most_found_labels)
-    count_neighbours(s, pass, merging);
+  if (s.labels.size() > 1 && s.labels.size() <= most_found_labels) count_neighbours(s, pass, merging);
   return s;
 }
 
@@ -255,6 +262,7 @@ bool look_like_labels(const ValueStatistics& s) {
   if (!s.neighbours || s.labels.front() < 0) return false;
   const auto [equal, adjacent, apart, alone] = *s.neighbours;
   const double changes = double(adjacent + apart), pairs = double(equal) + changes;
+  if (few_about_zero(s)) return s.labels.size() == 2 || double(alone) <= 0.4 * changes;
   // Scans cut down to few grey levels have either next levels as neighbours (a head of 3 to 8 levels: at most
   // a tenth of the changes are others) or thin lines of the levels between (of 6 and more: a quarter of all
   // pieces and more). Pieces of labels hardly have either.

@@ -73,8 +73,9 @@ struct KeptBins {
 };
 KeptBins without_outliers(const std::vector<ValueBin>& bins);
 
-/// The values as labels: few different whole numbers in pieces of one value whose neighbours are any others.
-/// False for scans, however few grey levels they have, whose neighbours are mostly the next ones.
+/// The values as labels: a mask; at most 16 whole numbers of which 0 is the most frequent, or more of them
+/// whose neighbours are any others, in pieces of one value. False for scans whose neighbours are mostly the
+/// next ones, and for noise.
 bool look_like_labels(const ValueStatistics& values);
 
 }  // namespace ringsplat

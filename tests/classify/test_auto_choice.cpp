@@ -233,7 +233,8 @@ TEST_CASE(
   CHECK_FALSE(says(raw.choice().why, "Hounsfield"));  // not rescaled
 }
 
-TEST_CASE("auto keeps an 8-bit MR-like volume's background clear, and calls no scan of few levels labels") {
+TEST_CASE(
+    "auto keeps an 8-bit MR-like volume's background clear, and calls no scan of more than 6 levels labels") {
   std::mt19937 random(6);
   std::normal_distribution<double> noise(0, 3);
   for (const int levels : {256, 64, 32, 16, 12, 8, 6, 5, 4, 3}) {
@@ -248,7 +249,7 @@ TEST_CASE("auto keeps an 8-bit MR-like volume's background clear, and calls no s
     });
     const auto made = scan.choice();
     INFO(levels << ' ' << made.why);
-    CHECK_FALSE(made.labels);
+    CHECK(made.labels == (levels <= 6));
     require_useful(scan, made);
     CHECK(made.function.evaluate(double(scan.voxels[0])).opacity == 0);
   }
@@ -311,12 +312,48 @@ TEST_CASE("labels are found where few whole numbers lie in pieces, and each has 
   require_labels(floats);
 }
 
+TEST_CASE(
+    "masks and few values about a frequent 0 are labels, however they are nested, and all are visible") {
+  const auto nested = [](double x, double y, double z) {
+    const double r = radius(x, y, z);
+    return r > 0.9 ? 0 : r > 0.6 ? 1 : r > 0.4 ? 2 : r > 0.3 ? 3 : 4;
+  };
+  const auto require_all = [](const auto& volume, std::size_t count) {
+    const auto made = volume.choice();
+    INFO(made.why);
+    CHECK(made.labels);
+    const auto labels = volume.statistics().labels;
+    CHECK(labels.size() == count);
+    for (const double label : labels) CHECK(made.function.evaluate(label).opacity == (label == 0 ? 0 : 0.9));
+  };
+  require_all(Volume<std::uint8_t>(nested), 5);
+  require_all(Volume<std::int16_t>(nested), 5);
+  require_all(Volume<float>(nested), 5);
+  require_all(Volume<std::uint8_t>([&](double x, double y, double z) { return nested(x, y, z) > 0; }), 2);
+  require_all(
+      Volume<std::uint16_t>([&](double x, double y, double z) { return nested(x, y, z) > 3 ? 40000 : 0; }),
+      2);
+  require_all(Volume<std::uint8_t>([&](double x, double y, double z) { return nested(x, y, z) < 4; }), 2);
+}
+
+TEST_CASE("counts of few events are no labels, and none of them is cut off") {
+  std::mt19937 random(7);
+  const Volume<std::uint8_t> counts([&](double x, double y, double z) {
+    return std::min(15, std::poisson_distribution<int>(radius(x, y, z) < 0.5 ? 3 : 0.3)(random));
+  });
+  const auto made = counts.choice();
+  INFO(made.why);
+  CHECK_FALSE(made.labels);
+  CHECK(made.function.evaluate(0).opacity == 0);
+  for (int value = 1; value <= 10; ++value) CHECK(made.function.evaluate(value).opacity > 0);
+}
+
 TEST_CASE("labels that are asked for must be whole numbers") {
   const Volume<float> scan(ball);
   CHECK(says(message_of<InputError>([&] { choose_labels(scan.statistics()); }), "no labels"));
   const Volume<std::uint8_t> nothing([](double, double, double) { return 0; });
   CHECK(says(message_of<InputError>([&] { choose_labels(nothing.statistics()); }), "has no label"));
-  Volume<std::uint8_t> mask([](double x, double y, double z) { return ball(x, y, z) > 100 ? 1 : 0; });
+  Volume<std::uint8_t> mask([](double x, double y, double z) { return ball(x, y, z) > 100 ? 2 : 1; });
   CHECK_FALSE(mask.choice().labels);
   mask.notes.labels = true;
   CHECK(mask.choice().labels);
