@@ -109,6 +109,43 @@ bool begins_at_background(const Bins& bins) {
                      [&](const ValueBin& bin) { return bin.low == bin.high && bin.count <= bins[0].count; });
 }
 
+/// The middle of the shortest stretch of values that half of the voxels have. The lowest value counts no more
+/// than the next one: all below it may have been cut off to it.
+double densest_middle(Bins bins) {
+  const double half = 0.5 * count_of(bins);
+  if (bins.size() > 1) bins[0].count = std::min(bins[0].count, bins[1].count);
+  double within = 0, most = 0, shortest = std::numeric_limits<double>::infinity(), middle = bins[0].low;
+  for (std::size_t first = 0, last = 0; last < bins.size(); ++last) {
+    within += double(bins[last].count);
+    for (; within >= half; within -= double(bins[first++].count)) {
+      const double width = bins[last].high - bins[first].low;
+      if (width > shortest || (width == shortest && within <= most)) continue;
+      shortest = width, most = within;
+      middle = std::lerp(bins[first].low, bins[last].high, 0.5);
+    }
+  }
+  return middle;
+}
+
+/// Where noise about an offset ends, if it is a background: a peak of most voxels whose lower flank, which no
+/// object reaches, tells its spread; from its other end on, far more values than noise has.
+std::optional<double> end_of_noise(const Data& d) {
+  const double middle = densest_middle(d.bins);
+  const double below = share_within(d.bins, -std::numeric_limits<double>::infinity(), middle) +
+                       0.5 * share_within(d.bins, middle, std::nextafter(middle, d.high() + 1));
+  const double spread = middle - upper_quantile(d.bins, 0.3173 * below);  // one standard deviation
+  if (!(spread > 0)) return std::nullopt;
+  const double end = middle + 3 * spread;
+  const auto share = [&](double from, double to) {
+    return share_within(d.bins, middle + from * spread, middle + to * spread);
+  };
+  constexpr double far = std::numeric_limits<double>::infinity();
+  const bool peak = share(2.5, 3.5) < 0.2 * share(-0.5, 0.5), alone = share(-far, -4) < 0.01;
+  const bool object = d.high() - middle > 1.5 * (middle - d.low()) && share(3, far) > 3 * share(-far, -3);
+  if (below < 0.25 || !peak || !alone || !object) return std::nullopt;
+  return end;
+}
+
 }  // namespace
 
 double count_of(const Bins& bins) {
@@ -165,6 +202,7 @@ Foreground find_foreground(const Data& d) {
     const bool upward = voxels_above >= voxels_below;
     all = {upward, {}, even.edge(upward ? above : below), true};
   }
+  if (const auto end = end_of_noise(d); end && all.upward && *end > all.edge) all = {true, {}, *end, true};
   if (!all.background) return all;
   for (const ValueBin& bin : d.bins)
     if (all.upward ? bin.middle() >= all.edge : bin.middle() < all.edge) all.bins.push_back(bin);

@@ -41,6 +41,7 @@ struct Foreground {
 };
 /// Background is the highest peak with at least a tenth of the voxels beyond which next to nothing lies on
 /// one side; of two values the smaller; 0 where it is the most frequent of few.
+/// Or noise about an offset, up to where its upper flank ends.
 Foreground find_foreground(const Data& data);
 
 /// A value inside the object that many voxels have: an even part of it.

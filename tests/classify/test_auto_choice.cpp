@@ -4,10 +4,10 @@
 #include <random>
 
 #include "classify/adjust.hpp"
-#include "classify/auto_preset.hpp"
 #include "classify/classifier.hpp"
 #include "classify/find_visible.hpp"
 #include "classify/label_function.hpp"
+#include "classify/made_volume.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
@@ -15,53 +15,6 @@
 using namespace ringsplat;
 
 namespace {
-
-constexpr int side = 32;
-
-template <class T>
-ScalarType type_of_values() {
-  if constexpr (std::is_same_v<T, float>) return ScalarType::float32;
-  if constexpr (std::is_same_v<T, std::int16_t>) return ScalarType::int16;
-  if constexpr (std::is_same_v<T, std::uint16_t>) return ScalarType::uint16;
-  if constexpr (std::is_same_v<T, std::int32_t>) return ScalarType::int32;
-  return ScalarType::uint8;
-}
-
-/// A cube of `side` voxels a side, by a function of places from -1 to 1.
-template <class T>
-struct Volume {
-  std::vector<T> voxels;
-  VolumeNotes notes = {};
-
-  template <class F>
-  explicit Volume(F&& f) {
-    for (int z = 0; z < side; ++z)
-      for (int y = 0; y < side; ++y)
-        for (int x = 0; x < side; ++x) {
-          const auto place = [](int k) { return (2.0 * k + 1) / side - 1; };
-          voxels.push_back(static_cast<T>(f(place(x), place(y), place(z))));
-        }
-  }
-  ValueStatistics statistics() const {
-    const Pass pass = [&](const RowVisitor& visit) { visit(std::as_bytes(std::span(voxels)), side); };
-    Merging alone;
-    return describe_values({type_of_values<T>(), notes.fill}, glm::ivec3(side), notes, pass, alone);
-  }
-  AutoChoice choice() const {
-    auto made = choose_function(statistics());
-    INFO(made.why);
-    CHECK(message_of([&] { check(made.function, "auto"); }).empty());
-    return made;
-  }
-  /// The share of voxels with more than a thousandth of opacity.
-  double coverage(const TransferFunction& tf) const {
-    double seen = 0;
-    for (const T v : voxels) seen += tf.evaluate(double(v)).opacity > 1e-3;
-    return seen / double(voxels.size());
-  }
-};
-
-double radius(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 
 /// A soft ball, 0 outside to 255 in its middle.
 double ball(double x, double y, double z) { return std::max(0.0, 255 * (1 - radius(x, y, z) / 0.8)); }
