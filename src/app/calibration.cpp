@@ -1,9 +1,11 @@
 #include "app/calibration.hpp"
 
 #include <algorithm>
+#include <map>
+#include <set>
 
 #include "base/clock.hpp"
-#include "session/render_frames.hpp"
+#include "frame/frame_geometry.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -17,34 +19,27 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Every n-th view from the first on, with the least n that leaves at most `most`.
-std::vector<Camera> thinned(const std::vector<Camera>& views, std::size_t most) {
-  std::vector<Camera> some;
-  const std::size_t step = (views.size() + most - 1) / most;
-  for (std::size_t k = 0; k < views.size(); k += step) some.push_back(views[k]);
-  return some;
-}
-
 }  // namespace
 
-std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
-                                      const Grid& grid, int width, int height) {
-  // A matrix or an eye has no angles to change; from another side the eye might be inside the volume.
-  const bool own_only = std::any_of(
-      run.begin(), run.end(), [](const Camera& c) { return c.matrix || c.eye || c.target || c.fov != 0; });
-  if (own_only) return thinned(run, 4);
-  double zoom = 0;
-  for (const Camera& camera : run) zoom = std::max(zoom, camera.zoom);
-  std::vector<Camera> views;
-  for (const auto& [azimuth, elevation] :
-       {std::pair{0.0, 0.0}, {35.0, -20.0}, {90.0, 0.0}, {115.0, -25.0}, {0.0, 90.0}, {40.0, -60.0}}) {
-    const Camera camera{.azimuth = azimuth, .elevation = elevation, .zoom = zoom, .fit = run.front().fit};
-    const auto needed = needed_axes({camera}, grid, width, height);
-    if (std::equal(needed.begin(), needed.end(), kept_axes.begin(),
-                   [](bool n, bool kept) { return kept || !n; }))
-      views.push_back(camera);
+std::vector<Camera> calibration_views(const std::vector<Camera>& run, FrameSpec frame, const Grid& grid) {
+  struct Outermost {
+    double cos_angle;
+    std::size_t view;
+  };
+  std::map<Axis, std::pair<Outermost, Outermost>> by_axis;  // the most oblique and the straightest
+  for (std::size_t k = 0; k < run.size(); ++k) {
+    frame.shown.camera = run[k];
+    const Traversal t = make_geometry(frame, grid).traversal;
+    const Outermost here{t.cos_angle, k};
+    auto& [oblique, straight] = by_axis.try_emplace(t.axis, here, here).first->second;
+    if (t.cos_angle < oblique.cos_angle) oblique = here;
+    if (t.cos_angle > straight.cos_angle) straight = here;
   }
-  return views.empty() ? thinned(run, 1) : views;
+  std::set<std::size_t> chosen;
+  for (const auto& [axis, both] : by_axis) chosen.insert({both.first.view, both.second.view});
+  std::vector<Camera> views;
+  for (const std::size_t k : chosen) views.push_back(run[k]);
+  return views;
 }
 
 Calibration::Calibration(const FrameSpec& reference, std::vector<Camera> views,

@@ -8,12 +8,9 @@
 
 namespace ringsplat::app {
 
-/// Two views for each kept slice set: one straight on, where all slices err in the same places, and one
-/// oblique. Both have the largest zoom of the run's views, where the volume fills most of the picture. Up to
-/// four views given by matrices or in perspective are taken as they are; so is the first view when no such
-/// direction fits.
-std::vector<Camera> calibration_views(const std::vector<Camera>& run, const std::array<bool, 3>& kept_axes,
-                                      const Grid& grid, int width, int height);
+/// Of the run's views two for each slice set that they traverse: the straightest, where all slices err in the
+/// same places, and the most oblique.
+std::vector<Camera> calibration_views(const std::vector<Camera>& run, FrameSpec frame, const Grid& grid);
 
 /// Measures time and error of each setting. It renders every view once to choose the pixels at which to
 /// evaluate the truth (`error.truth`: the reference's method's unless it says another), then every view with

@@ -29,7 +29,8 @@ constexpr ProgramTexts texts{
     .config =
         "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
         "What the command line says comes first. --verbose says more, on every rank.",
-    .exit_codes = "0 done, 1 a comparison failed, 2 wrong usage or bad input, 3 a failure while running."};
+    .exit_codes = "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
+                  "3 a failure while running."};
 
 /// Thrown by --man.
 struct CallForMan {};

@@ -138,6 +138,10 @@ FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
   return frame;
 }
 
+Shortcuts shortcuts_of(const FrameSpec& frame) {
+  return {frame.shown.opaque_threshold, frame.how, frame.shown.reduction.factor};
+}
+
 std::vector<int> levels_to_choose_from() {
   std::vector<int> factors{1};
   factors.insert(factors.end(), std::begin(undersampling), std::end(undersampling));
@@ -178,6 +182,19 @@ std::size_t most_exact(std::span<const MeasuredShortcuts> measured) {
     return a.rmse_high != b.rmse_high ? a.rmse_high < b.rmse_high : a.seconds < b.seconds;
   });
   return std::size_t(best - measured.begin());
+}
+
+std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured, const Shortcuts& used,
+                                    double rmse, double max_error, bool last) {
+  const auto before = std::find_if(measured.begin(), measured.end(),
+                                   [&](const auto& m) { return m.shortcuts == used; });
+  if (before == measured.end()) return std::nullopt;
+  std::vector<MeasuredShortcuts> others;
+  for (const auto& m : measured)
+    if (m.rmse_high < before->rmse_high) others.push_back(m);
+  if (others.empty()) return std::nullopt;
+  const auto within = last ? std::nullopt : cheapest_within(others, max_error * before->rmse_high / rmse);
+  return others[within.value_or(most_exact(others))].shortcuts;
 }
 
 }  // namespace ringsplat::app

@@ -20,6 +20,9 @@ struct Shortcuts {
 /// The frame as `shortcuts` would render it.
 FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts);
 
+/// The other way round.
+Shortcuts shortcuts_of(const FrameSpec& frame);
+
 /// All undersampling factors among the candidates when the user has fixed none.
 std::vector<int> levels_to_choose_from();
 
@@ -37,6 +40,13 @@ struct MeasuredShortcuts {
   double rmse = 0, rmse_high = 0;  ///< the worst view's, in 1/255; upper end of the 95 % interval
 };
 
+/// A picture and its measured error.
+struct Judged {
+  FrameSpec spec;
+  std::string name;
+  double rmse;  ///< in 1/255
+};
+
 /// Index of the cheapest setting whose interval's upper end is within `max_error`. Times within 3 % of the
 /// least count as equal, which is how well they are measured; among those the least error wins. Nothing when
 /// none keeps the budget.
@@ -44,5 +54,11 @@ std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> me
 
 /// Index of the setting with the least upper end, the fastest among equals. `measured` must not be empty.
 std::size_t most_exact(std::span<const MeasuredShortcuts> measured);
+
+/// What to draw a picture with that errs `rmse` with `used`, more than `max_error`: of the more exact
+/// settings the cheapest within the budget, should all err as much more than measured as this one; the most
+/// exact where there is none, and at the `last` attempt. Nothing when `used` is the most exact.
+std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured, const Shortcuts& used,
+                                    double rmse, double max_error, bool last);
 
 }  // namespace ringsplat::app

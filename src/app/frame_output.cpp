@@ -119,26 +119,33 @@ void FrameOutput::show(const std::string& volume, const ValueRange& range) {
   range_ = range;
 }
 
-void FrameOutput::measure_kept() {
-  const auto source = open_volume(options_.volume);
-  truth::Scene scene = make_scene(read_whole(*source));
-  for (const FinishedFrame& frame : kept_) {
-    const auto& [result, file, volume, range] = frame;
-    FrameSpec asked = result.spec;
-    asked.how = options_.frame.how;  // an error budget may have chosen a cheaper one
-    set_frame(scene, asked);
-    const MeasuredError error = measure(result.image, scene, options_.error);
-    write(frame, &error);
-    progress_.print(to_text(error));
-    if (options_.budget.max_error && error.error.rmse > *options_.budget.max_error) {
-      progress_.clear();
-      log_warning(
-          "{}: the error is over --max-error {:g}, which the views of the calibration kept; hint: use a "
-          "smaller one",
-          file.string(), *options_.budget.max_error);
-    }
+const MeasuredError& FrameOutput::error_of(KeptFrame& kept) {
+  if (kept.error) return *kept.error;
+  if (!truth_) truth_ = make_scene(read_whole(*open_volume(options_.volume)));
+  FrameSpec asked = kept.frame.result.spec;
+  asked.how = options_.frame.how;  // an error budget may have chosen a cheaper one
+  set_frame(*truth_, asked);
+  return kept.error.emplace(measure(kept.frame.result.image, *truth_, options_.error));
+}
+
+std::vector<Judged> FrameOutput::judge() {
+  std::vector<Judged> judged;
+  for (KeptFrame& kept : kept_) {
+    const FrameSpec& spec = kept.frame.result.spec;
+    if (kept.error || (options_.progressive && spec.shown.reduction.factor > 1)) continue;
+    judged.push_back({spec, kept.frame.file.string(), error_of(kept).error.rmse});
   }
-  kept_.clear();
+  truth_.reset();
+  return judged;
+}
+
+void FrameOutput::replace(FrameResult&& result) {
+  for (KeptFrame& kept : kept_) {
+    if (kept.frame.result.spec.frame != result.spec.frame) continue;
+    kept.frame.result = std::move(result);
+    kept.error.reset();
+    return;
+  }
 }
 
 void FrameOutput::warn(const std::string& label, const std::string& why, int& frames) {
@@ -200,7 +207,12 @@ std::string FrameOutput::stats_text() const {
 
 void FrameOutput::finish() {
   writer_.finish();
-  if (!kept_.empty()) measure_kept();
+  for (KeptFrame& kept : kept_) {
+    const MeasuredError& error = error_of(kept);
+    write(kept.frame, &error);
+    progress_.print(to_text(error));
+  }
+  truth_.reset();
   if (!options_.stats.empty()) write_text_output(options_.stats, stats_text());
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
   if (nearly_empty_frames_ > 1)

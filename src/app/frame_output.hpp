@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/annotation.hpp"
+#include "app/error_budget.hpp"
 #include "app/frame_writer.hpp"
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
@@ -46,6 +47,10 @@ class FrameOutput {
     double seconds, rmse, largest;  ///< errors in 1/255
   };
   void add_refinement(std::int64_t frame, const RefinementStep& step) { refinements_[frame] = step; }
+  /// Measures the kept pictures that were not measured yet. Coarse ones of --progressive are not judged.
+  std::vector<Judged> judge();
+  /// Takes the place of a kept picture that was drawn for the frame with the same number.
+  void replace(FrameResult&& result);
   /// Waits for the last picture, writes --stats and prints the summary. Throws RunError when something cannot
   /// be written.
   void finish();
@@ -63,10 +68,16 @@ class FrameOutput {
     std::string volume;  ///< its path
   };
 
+  /// A frame whose error is to be measured, or was.
+  struct KeptFrame {
+    FinishedFrame frame;
+    std::optional<MeasuredError> error = std::nullopt;
+  };
+
   /// Warns of the first frame of a kind and counts them.
   void warn(const std::string& label, const std::string& why, int& frames);
   void write(const FinishedFrame& frame, const MeasuredError* error);
-  void measure_kept();
+  const MeasuredError& error_of(KeptFrame& kept);
   std::string json_text(const FrameRecord& record) const;
   std::string stats_text() const;
   std::string summary() const;
@@ -78,7 +89,8 @@ class FrameOutput {
   SliceMemory memory_;
   std::optional<Annotation> annotation_;
   Progress& progress_;
-  std::vector<FinishedFrame> kept_;  ///< frames whose error is to be measured
+  std::vector<KeptFrame> kept_;
+  std::optional<truth::Scene> truth_;  ///< while errors are measured
   std::vector<double> seconds_;
   double period_sum_ = 0;
   /// Turned into text at the end, when no frame waits for a core.

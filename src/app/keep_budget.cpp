@@ -6,8 +6,10 @@
 
 #include "app/calibration.hpp"
 #include "app/calibration_cache.hpp"
+#include "app/loading.hpp"
 #include "app/option_values.hpp"
 #include "base/clock.hpp"
+#include "base/log.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -70,16 +72,15 @@ struct Place {
 
 }  // namespace
 
-bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
-                 const std::array<bool, 3>& kept_axes, const Layout& layout, Scene& scene, FrameSpec& frame,
-                 Progress& progress, Launch& launch) {
+bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch) {
+  const RenderOptions& o = job.options;
   const auto settings = candidates(frame, o.budget);
   std::vector<Camera> views;
   std::optional<std::vector<MeasuredShortcuts>> measured;
   Place place;
   if (launch.rank() == 0) {
-    views = calibration_views(cameras, kept_axes, scene.grid, frame.shown.width, frame.shown.height);
-    place.key = calibration_key(o, frame, layout, scene.values.histogram, views);
+    views = calibration_views(job.plan.cameras, frame, scene.grid);
+    place.key = calibration_key(o, frame, job.layout, scene.values.histogram, views);
     if (const auto folder = cache_folder()) {
       place.file = calibration_file(*folder, place.key);
       measured = read_calibration(place.file, place.key, settings);
@@ -92,7 +93,7 @@ bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
     std::unique_ptr<Calibration> calibration;
     launch.check_on_rank_0(
         [&] { calibration = std::make_unique<Calibration>(frame, views, settings, o.volume, o.error); });
-    render_calibration(o, layout, std::move(scene), calibration.get(), launch);
+    render_calibration(o, job.layout, std::move(scene), calibration.get(), launch);
     progress.end();
     if (calibration) {
       measured = calibration->measured();
@@ -105,8 +106,57 @@ bool keep_budget(const RenderOptions& o, const std::vector<Camera>& cameras,
     const MeasuredShortcuts chosen = choose(*measured, o.budget, frame);
     frame = with(frame, chosen.shortcuts);
     progress.print(to_text(chosen, (*measured)[most_exact(*measured)]));
+    job.measured = std::move(*measured);
   });
   return !known;
+}
+
+namespace {
+
+/// Draws these frames, which keep their numbers.
+void draw_again(Job& job, const std::vector<FrameSpec>& frames, const Gallery& gallery, const Wiring& wiring,
+                Progress& progress, Launch& launch) {
+  Scene scene = reload(job, wiring, progress, launch);
+  const auto take = [&](FrameResult&& result) {
+    result.spec.frame = result.stats.frame = frames[std::size_t(result.spec.frame)].frame;
+    gallery.replace(std::move(result));
+  };
+  progress.begin("rendering", double(frames.size()));
+  render_all(std::move(scene), job.layout, job.options.run.protocol,
+             launch.rank() == 0 ? director_of(frames, take) : Director{}, wiring, job.options.run.engine);
+  progress.end();
+}
+
+}  // namespace
+
+bool hold_budget(Job& job, const Gallery& gallery, const Wiring& wiring, Progress& progress, Launch& launch) {
+  constexpr int attempts = 2;
+  const double budget = *job.options.budget.max_error;
+  bool held = true;
+  for (int attempt = 1;; ++attempt) {
+    std::vector<FrameSpec> again;
+    launch.check_on_rank_0([&] {
+      for (const auto& [spec, name, rmse] : gallery.judge()) {
+        if (rmse <= budget) continue;
+        std::optional<Shortcuts> other;
+        if (attempt <= attempts)
+          other = more_exact(job.measured, shortcuts_of(spec), rmse, budget, attempt == attempts);
+        if (other) {
+          progress.print(
+              fmt::format("{}: {:.3g}/255 rms, so it is drawn again with {}", name, rmse, to_text(*other)));
+          again.push_back(with(spec, *other));
+          continue;
+        }
+        held = false;
+        progress.clear();
+        log_warning("{} breaks --max-error {:g}: {:.3g}/255 rms with the most exact setting; hint: {}", name,
+                    budget, rmse, hint_for(job.options.budget, spec, rmse));
+      }
+    });
+    if (!launch.of_rank_0(!again.empty())) break;
+    draw_again(job, again, gallery, wiring, progress, launch);
+  }
+  return launch.of_rank_0(held);
 }
 
 }  // namespace ringsplat::app

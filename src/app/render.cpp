@@ -7,8 +7,8 @@
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
+#include "app/keep_budget.hpp"
 #include "app/loading.hpp"
-#include "app/render_job.hpp"
 #include "app/text_output.hpp"
 #include "base/log.hpp"
 #include "model/charge.hpp"
@@ -75,12 +75,15 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   render_all(std::move(scene), job.layout, protocol,
              launch.rank() == 0 ? browsing.director(output, progress) : Director{}, wiring, o.run.engine);
   progress.end();
+  const auto judge = [&] { return output.judge(); };
+  const auto replace = [&](FrameResult&& result) { output.replace(std::move(result)); };
+  const bool held = !o.budget.max_error || hold_budget(job, {judge, replace}, wiring, progress, launch);
   if (launch.rank() == 0) output.finish();
   launch.take_leave(protocol.stall_timeout);
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
   if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);
   if (reads_stdin) launch.check_on_rank_0([&] { browsing.check_stream(); });
-  return ExitCode::done;
+  return held ? ExitCode::done : ExitCode::comparison_failed;
 }
 
 }  // namespace ringsplat::app

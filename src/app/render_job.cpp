@@ -202,7 +202,8 @@ void tell(const MadeFunction& made, bool sheets, bool splats_instead, Progress& 
       "does not");
 }
 
-/// Loads the scene again, from the same volume.
+}  // namespace
+
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
   const Facts before = std::exchange(job.volume, open(job.options.volume, launch)).facts;
   launch.check_on_rank_0([&] {
@@ -212,6 +213,8 @@ Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch)
   });
   return load(job.volume, job.load, job.layout, wiring, progress);
 }
+
+namespace {
 
 /// Loads what splats need and sheets do not.
 Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
@@ -250,8 +253,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   if (launch.of_rank_0(splats_instead)) scene = reload_for_splats(job, wiring, progress, launch);
   FrameSpec frame = o.frame;
   frame.shown.transfer_function = std::move(function);
-  if (o.budget.max_error &&
-      keep_budget(o, job.plan.cameras, job.load.kept_axes, job.layout, scene, frame, progress, launch))
+  if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, wiring, progress, launch);
   ValueRange without_outliers = scene.values.range;
   without_outliers.low = scene.values.histogram.low;

@@ -31,6 +31,7 @@ struct Job {
   std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
   SliceMemory memory;
+  std::vector<MeasuredShortcuts> measured;  ///< on rank 0, for --max-error: of what a setting is chosen
 };
 
 /// Opens the volume and decides on everything that a run needs to know before loading. All ranks call it, and
@@ -47,6 +48,9 @@ bool splats_can_draw(const RenderOptions& o, const std::vector<Camera>& cameras)
 /// shortcuts. May load the scene again, for another engine or after a calibration. On all ranks; the result
 /// is rank 0's.
 FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch);
+
+/// Loads the scene again, from the same volume.
+Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch);
 
 /// Draws the volumes of --frames.
 ExitCode render_series(Job& job, Progress& progress, Launch& launch);

@@ -1,7 +1,9 @@
+#include <fmt/format.h>
+
 #include <utility>
 
+#include "app/keep_budget.hpp"
 #include "app/loading.hpp"
-#include "app/render_job.hpp"
 #include "app/truth_scene.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
@@ -86,12 +88,26 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
   app::render_all(std::move(scene), job.layout, o.run.protocol, director_of(frames, take), wiring,
                   o.run.engine);
   progress.end();
-  if (!o.error.truth) return pictures;
-  truth::Scene truth = read_scene(o.volume, hooks);
-  for (Picture& picture : pictures) {
-    picture.error = measured(picture, truth, o.error);
-    picture.settings = app::picture_settings(picture.spec, o.volume.path, o.annotate, &*picture.error);
-  }
+  const auto judge = [&] {
+    std::vector<app::Judged> judged;
+    truth::Scene truth = read_scene(o.volume, hooks);
+    for (Picture& picture : pictures) {
+      if (picture.error) continue;
+      picture.error = measured(picture, truth, o.error);
+      picture.settings = app::picture_settings(picture.spec, o.volume.path, o.annotate, &*picture.error);
+      const std::string name = fmt::format("picture {}", picture.spec.frame);
+      judged.push_back({picture.spec, name, picture.error->error.rmse});
+    }
+    return judged;
+  };
+  const auto replace = [&](FrameResult&& result) {
+    Picture& picture = pictures[std::size_t(result.spec.frame)];
+    picture = picture_of(std::move(result), o, range, job.annotation);
+  };
+  if (o.budget.max_error)
+    app::hold_budget(job, {judge, replace}, wiring, progress, launch);
+  else if (o.error.truth)
+    judge();
   return pictures;
 }
 

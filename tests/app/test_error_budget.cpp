@@ -52,6 +52,15 @@ class Workshop {
     return run_program(all, ranks);
   }
   std::string stats() const { return folder_ / "stats.json"; }
+  /// Writes into the stored calibration that the last setting with these words takes no time and errs so.
+  void falsify(const std::string& words, double rmse) const {
+    json stored = json::parse(read_text(calibration()));
+    json& last = stored["measured"].back();
+    REQUIRE_THAT(last.at("setting").get<std::string>(), Catch::Matchers::Contains(words));
+    last["seconds"] = 1e-9;
+    last["rmse"] = last["rmse_high"] = rmse;
+    app_test::write_text(calibration(), stored.dump());
+  }
   json frame() const { return json::parse(read_text(stats())).at(0); }
 
  private:
@@ -388,24 +397,90 @@ TEST_CASE("a calibration measures a small volume's views whole, whatever the see
   }
 }
 
-TEST_CASE("a picture over the budget is named with its error", "[mpi][openimageio]") {
+TEST_CASE("a picture over the budget is drawn again, more exactly", "[mpi][openimageio]") {
   const Workshop w;
-  REQUIRE(w.render({"--max-error", "1"}).code == 0);
-  // A calibration with false figures for the coarsest setting.
-  json calibration = json::parse(read_text(w.calibration()));
-  json& coarsest = calibration["measured"].back();
-  CHECK_THAT(coarsest.at("setting").get<std::string>(), Catch::Matchers::Contains("--undersample 4"));
-  coarsest["seconds"] = 1e-9;
-  coarsest["rmse"] = coarsest["rmse_high"] = 1e-6;
-  app_test::write_text(w.calibration(), calibration.dump());
-  const Ended ended = w.render({"--max-error", "0.01"});
-  INFO(ended.err);
+  const std::vector<std::string> asked{"--orbit", "2", "--max-error", "0.01"};
+  for (const int ranks : {0, 2}) {
+    REQUIRE(w.render(asked, ranks).code == 0);
+    w.falsify("--undersample 4", 0.01);  // the cheapest, and just within the budget
+    const Ended ended = w.render(asked, ranks);
+    INFO(ended.out << ended.err);
+    CHECK(ended.code == 0);
+    CHECK(without_progress(ended.err) == "");
+    CHECK(lines_with(ended.out, "drawn again with").size() == 2);
+    const json frames = json::parse(read_text(w.stats()));
+    REQUIRE(frames.size() == 2);
+    for (std::size_t k = 0; k < 2; ++k) {
+      CHECK(frames[k].at("frame") == k);
+      CHECK(frames[k].at("settings").at("undersample") == 1);
+      CHECK(frames[k].at("error").at("rmse").get<double>() <= 0.01);
+      CHECK(fs::exists(w / ("x-000" + std::to_string(k) + ".exr")));
+    }
+    fs::remove(w.calibration());
+  }
+}
+
+TEST_CASE("a picture that breaks the budget however it is drawn is named, and the run ends with 1",
+          "[mpi][openimageio]") {
+  const Workshop w;
+  for (const int ranks : {0, 2}) {
+    REQUIRE(w.render({"--max-error", "1"}, ranks).code == 0);
+    w.falsify("--undersample 4", 1e-9);  // more exact than all others
+    const Ended ended = w.render({"--max-error", "0.01"}, ranks);
+    INFO(ended.out << ended.err);
+    CHECK(ended.code == 1);
+    const auto warnings = lines_with(ended.err, "warning:");
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings.front(), Catch::Matchers::Contains("x.exr breaks --max-error 0.01") &&
+                                     Catch::Matchers::Contains("hint: allow --max-error"));
+    CHECK(w.frame().at("error").at("rmse").get<double>() > 0.01);
+    CHECK(w.frame().at("settings").at("undersample") == 4);
+    fs::remove(w.calibration());
+  }
+}
+
+TEST_CASE("a budget is kept at views between the axes", "[mpi][openimageio]") {
+  const Workshop w("shell");
+  for (const char* budget : {"1.2", "2", "4"}) {
+    const Ended ended = w.render({"--max-error", budget, "--error", "field", "--azimuth", "43", "--elevation",
+                                  "35", "--tf", "mr-surface", "--shading", "phong", "--quality", "best"},
+                                 2);
+    INFO(ended.out << ended.err);
+    REQUIRE(ended.code == 0);
+    CHECK(lines_with(ended.out, "drawn again").empty());
+    CHECK(w.frame().at("error").at("rmse").get<double>() <= std::stod(budget));
+  }
+}
+
+TEST_CASE("coarse pictures of a progressive view are not held to the budget", "[mpi][openimageio]") {
+  const Workshop w;
+  const Ended ended = w.render({"--max-error", "0.01", "--progressive"});
+  INFO(ended.out << ended.err);
   CHECK(ended.code == 0);
-  const auto warnings = lines_with(ended.err, "warning:");
-  REQUIRE(warnings.size() == 1);
-  CHECK_THAT(warnings.front(), Catch::Matchers::Contains("x.exr") && Catch::Matchers::Contains("0.01"));
-  CHECK(w.frame().at("error").at("rmse").get<double>() > 0.01);
-  CHECK(w.frame().at("settings").at("undersample") == 4);
+  CHECK(without_progress(ended.err) == "");
+  const json frames = json::parse(read_text(w.stats()));
+  REQUIRE(frames.size() == 3);
+  CHECK(frames[0].at("error").at("rmse").get<double>() > 0.01);
+  CHECK(frames[2].at("error").at("rmse").get<double>() <= 0.01);
+}
+
+TEST_CASE("a budget and views on standard input are refused") {
+  const Workshop w;
+  const Ended ended = w.render({"--max-error", "1", "--path", "-", "--azimuth", "20"});
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Catch::Matchers::Contains("--path") && Catch::Matchers::Contains("--max-error"));
+}
+
+TEST_CASE("what errs more than its setting should is drawn with one that is as much better") {
+  const auto radius = [](const std::optional<Shortcuts>& s) { return std::get<Splats>(s->how).kernel_radius; };
+  const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5), measured(1.4, 2.0, 1.0),
+                          measured(1.2, 1.0, 2.0)};
+  CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, false)) == 1.4);    // 1.0 becomes 1.5
+  CHECK(radius(more_exact(table, table[3].shortcuts, 6, 2, false)) == 1.5);    // 1.0 becomes 3, 0.5 1.5
+  CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, true)) == 1.6);
+  CHECK(radius(more_exact(table, table[3].shortcuts, 2000, 2, false)) == 1.6);
+  CHECK_FALSE(more_exact(table, table[0].shortcuts, 3, 2, false).has_value());
+  CHECK_FALSE(more_exact(table, Shortcuts{}, 3, 2, false).has_value());
 }
 
 TEST_CASE("a cache that cannot be written costs no more than the next calibration", "[mpi][openimageio]") {
