@@ -150,7 +150,7 @@ const char* name(World world) {
 }
 
 /// What the file says beside the lattice, as name and value; nothing of what it does not say.
-std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& notes,
+std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& notes, int frame,
                                                          const ValueStatistics& values) {
   std::vector<std::pair<const char*, std::string>> rows;
   const auto row = [&](const char* what, const std::string& text) {
@@ -163,7 +163,9 @@ std::vector<std::pair<const char*, std::string>> rows_of(const VolumeNotes& note
   row("unit", notes.unit);
   row("quantity", notes.quantity);
   row("modality", notes.modality);
-  row("frames", notes.frames > 1 ? fmt::format("{} time points, --frame chooses one", notes.frames) : "");
+  row("frames", notes.frames > 1 ? fmt::format("time point {} of {}, --frame N takes another, 0 to {}",
+                                               frame + 1, notes.frames, notes.frames - 1)
+                                 : "");
   row("channels", notes.channels > 1 ? fmt::format("{}, --channel chooses one", notes.channels) : "");
   if (notes.labels || look_like_labels(values))
     row("labels", fmt::format("{} different values{}", values.labels.size(), notes.labels ? "" : ", found"));
@@ -200,7 +202,8 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   row("directions", matrix_text(grid.direction));
   row("size", triple_text(extent, " x "));
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
-  for (const auto& [what, value] : rows_of(notes, values)) row(what, value);
+  for (const auto& [what, value] : rows_of(notes, o.volume.choice.frame.value_or(0), values))
+    row(what, value);
   row("range", values.range.empty()
                    ? "no finite value"
                    : fmt::format("{:g} to {:g}", plain(values.range.low), plain(values.range.high)));

@@ -119,7 +119,9 @@ std::vector<SeriesEntry> volumes_of_pattern(const VolumeOptions& volume, const F
 }
 
 std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const FrameRange& range) {
-  const int count = open_volume(volume)->notes().frames;
+  VolumeOptions first = volume;
+  first.choice.frame = 0;  // so that nobody is told which one is shown
+  const int count = open_volume(first)->notes().frames;
   if (count == 1)
     throw InputError(fmt::format("--frames {}: {} holds one volume", range.text, printable(volume.path)),
                      "for a series of files give a pattern in quotes, such as 'step_*.nrrd'");

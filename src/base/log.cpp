@@ -22,6 +22,8 @@ spdlog::logger& logger() {
   return *shared;
 }
 
+bool is_first_rank = true;
+
 std::function<void(LogLevel, const std::string&)>& log_sink() {
   static std::function<void(LogLevel, const std::string&)> sink;
   return sink;
@@ -44,6 +46,7 @@ spdlog::level::level_enum to_spdlog(LogLevel level) {
 }  // namespace
 
 void set_log_rank(int rank, bool verbose) {
+  is_first_rank = rank == 0;
   logger().set_pattern(rank == 0 && !verbose ? "ringsplat: %l: %v"
                                              : fmt::format("ringsplat [rank {}]: %l: %v", rank));
   logger().set_level(verbose ? spdlog::level::debug : rank == 0 ? spdlog::level::info : spdlog::level::warn);
@@ -61,6 +64,7 @@ void log_line(LogLevel level, const std::string& text) {
 }
 
 void log_line_once(LogLevel level, const std::string& text) {
+  if (!is_first_rank) return;
   static std::mutex mutex;
   static std::set<std::string> said;
   {

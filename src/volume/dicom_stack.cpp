@@ -57,10 +57,6 @@ std::size_t chosen_frame(std::size_t frames, const DicomPlacing& placing) {
   if (frame < 0 || std::size_t(frame) >= frames)
     throw InputError(fmt::format("--frame {}: {} holds {} time points", frame, placing.where, frames),
                      fmt::format("they are numbered from 0 to {}", frames - 1));
-  if (frames > 1 && !placing.frame)
-    log_line_once(LogLevel::info,
-                  fmt::format("{}: of {} time points the first is shown; --frame takes another",
-                              placing.where, frames));
   return std::size_t(frame);
 }
 

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "volume/dicom_elements.hpp"
@@ -82,6 +83,14 @@ void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
                      "leave --series out");
 }
 
+void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
+                     const std::filesystem::path& path) {
+  if (notes.frames > 1 && !choice.frame)
+    log_line_once(LogLevel::info,
+                  fmt::format("{}: time point 1 of {} is shown; --frame N takes another, 0 to {}",
+                              path.string(), notes.frames, notes.frames - 1));
+}
+
 bool has_tiff(const std::filesystem::path& folder) {
   for (const auto& entry : std::filesystem::directory_iterator(folder))
     if (detail::is_tiff(entry.path())) return true;
@@ -114,6 +123,7 @@ std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, con
   try {
     auto source = open_existing(path, raw, choice);
     require_choice_there(source->notes(), choice, path);
+    say_which_frame(source->notes(), choice, path);
     return source;
   } catch (const std::filesystem::filesystem_error& error) {
     throw InputError(fmt::format("cannot open {}: {}", path.string(), error.code().message()),

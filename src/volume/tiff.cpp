@@ -93,10 +93,6 @@ Taken take(const TiffFile& file, const VolumeChoice& choice) {
     throw InputError(
         fmt::format("--frame {}: {} holds {} time points", taken.frame, file.path.string(), frames),
         fmt::format("they are numbered from 0 to {}", frames - 1));
-  if (frames > 1 && !choice.frame)
-    log_line_once(LogLevel::info,
-                  fmt::format("{}: of {} time points the first is shown; --frame takes another",
-                              file.path.string(), frames));
   return taken;
 }
 

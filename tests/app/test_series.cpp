@@ -237,11 +237,16 @@ TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[
     const Ended ended = run_program(words, ranks);
     INFO(ended.err);
     REQUIRE(ended.code == 0);
+    return lines_with(ended.err, "time point").size();
   };
-  render({"-o", folder / "x.png", "--frames", "all"}, 3);
+  CHECK(render({"-o", folder / "x.png", "--frames", "all"}, 3) == 0);
+  CHECK(render({"-o", folder / "alone.png"}, 3) == 1);
+  const Ended info = run_program({"info", folder / "film.npy", "--frame", "1"});
+  CHECK_THAT(info.out, Catch::Matchers::Contains("time point 2 of 3, --frame N takes another, 0 to 2"));
+  CHECK(info.err.empty());
   for (int k = 0; k < frames; ++k) {
     const std::string number = std::to_string(k);
-    render({"-o", folder / "alone.png", "--frame", number}, 0);
+    CHECK(render({"-o", folder / "alone.png", "--frame", number}, 0) == 0);
     CHECK(run_program(
               {"compare", folder / ("x-000" + number + ".png"), folder / "alone.png", "--fail-above", "0"})
               .code == 0);

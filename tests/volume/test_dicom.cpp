@@ -397,7 +397,7 @@ TEST_CASE("time points of a DICOM series are told apart, not stacked", "[dicom]"
     CHECK(source->notes().frames == 2);
     CHECK(source->grid().spacing.z == 3);
     CHECK(letters_of(*source) == "ac");
-    CHECK(says(log.text(), "of 2 time points the first is shown; --frame takes another"));
+    CHECK(says(log.text(), "time point 1 of 2 is shown; --frame N takes another, 0 to 1"));
     CHECK(letters_of(folder.path(), {.frame = 1}) == "df");
     CHECK(says(complaint_of(folder.path(), {.frame = 2}), "holds 2 time points; hint: they are numbered"));
   }
