@@ -16,6 +16,7 @@
 #include "volume/hdf5_source.hpp"
 #include "volume/hdf5_trial.hpp"
 #include "volume/input_file.hpp"
+#include "volume/text.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -34,9 +35,12 @@ bool begins_with(const InputFile& file, std::uint64_t at, std::string_view signa
 void require_hdf5(const std::filesystem::path& path) {
   if (is_hdf5(path)) return;
   const InputFile file(path);
-  if (begins_with(file, 0, "CDF"))
-    throw InputError(fmt::format("{}: classic netCDF, which is not HDF5", path.string()),
-                     "convert it: nccopy -k nc4 IN OUT");
+  if (begins_with(file, 0, "CDF")) {
+    const bool minc = lower_case(path.extension().string()) == ".mnc";
+    throw InputError(
+        fmt::format("{}: {}classic netCDF, which is not HDF5", path.string(), minc ? "MINC 1, " : ""),
+        minc ? "convert it: mincconvert -2 IN OUT" : "convert it: nccopy -k nc4 IN OUT");
+  }
   if (begins_with(file, 0, "\x0e\x03\x13\x01"))
     throw InputError(fmt::format("{}: HDF4, which is not HDF5", path.string()), "convert it: h4toh5 IN OUT");
   throw InputError(fmt::format("{} is no HDF5 file", path.string()),
@@ -112,7 +116,7 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
   const hdf5::Id file = hdf5::open_file(path);
   hdf5::Iterations iterations;
   const std::string dataset = hdf5::choose_dataset(file.get(), path, named, choice, iterations);
-  const std::string where = path.string() + ":" + excerpt(dataset, 200);
+  const std::string where = path.string() + ":" + ringsplat::excerpt(dataset, 200);
   const hdf5::Id id = hdf5::open_object(file.get(), dataset, where);
   const auto dims = hdf5::dims_of(id.get());
   const hdf5::Id type = hdf5::made(H5Dget_type(id.get()), where);
@@ -131,12 +135,16 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
   if (by_iteration) meaning.notes.frames = iterations.count;
   auto selection = select(path, dataset, meaning.axes, channels, frame);
   selection.value = *value;
-  selection.rescale = meaning.rescale;
   Grid grid = hdf5::lattice_of(meaning, where);
-  grid.type = meaning.rescale ? rescaled_type(*value) : value->type;
+  auto& rescale = selection.rescale = std::move(meaning.rescale);
+  if (rescale.size() > 1) {  // of all frames
+    const auto first = rescale.begin() + std::ptrdiff_t(frame) * grid.dims.z;
+    rescale = std::vector(first, first + grid.dims.z);
+  }
+  grid.type = rescale.empty() ? value->type : rescaled_type(*value);
   meaning.notes.labels = value->labels;
-  if (meaning.notes.fill && meaning.rescale) {
-    const double fill = meaning.rescale->slope * *meaning.notes.fill + meaning.rescale->intercept;
+  if (meaning.notes.fill && rescale.size() == 1) {
+    const double fill = rescale[0].slope * *meaning.notes.fill + rescale[0].intercept;
     meaning.notes.fill = grid.type == ScalarType::float32 ? double(float(fill)) : fill;
   }
   return {grid, meaning.notes, std::move(selection), channels, where};

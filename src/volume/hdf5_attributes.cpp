@@ -83,6 +83,21 @@ std::optional<double> number_of(hid_t object, const char* attribute) {
   return numbers.front();
 }
 
+std::vector<double> numbers_in(hid_t dataset) {
+  constexpr hssize_t most = 1 << 20;
+  if (H5Iget_type(dataset) != H5I_DATASET) return {};
+  const Id space(H5Dget_space(dataset)), type(H5Dget_type(dataset)), creation(H5Dget_create_plist(dataset));
+  if (!space || !type || !creation) return {};
+  const auto count = H5Sget_simple_extent_npoints(space.get());
+  if (count < 1 || count > most) return {};
+  if (H5Pget_layout(creation.get()) == H5D_VIRTUAL || H5Pget_external_count(creation.get()) != 0) return {};
+  const H5T_class_t kind = H5Tget_class(type.get());
+  if (kind != H5T_INTEGER && kind != H5T_FLOAT) return {};
+  std::vector<double> values(std::size_t(count), NAN);
+  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) return {};
+  return values;
+}
+
 std::vector<Id> scales_of(hid_t dataset, int axes) {
   const auto found = find(dataset, "DIMENSION_LIST");
   if (!found || found->values != axes || H5Tget_class(found->type.get()) != H5T_VLEN) return {};

@@ -17,6 +17,8 @@ std::vector<std::string> texts_of(hid_t object, const char* attribute);
 std::vector<double> numbers_of(hid_t object, const char* attribute);
 /// The first of the numbers.
 std::optional<double> number_of(hid_t object, const char* attribute);
+/// All numbers of a dataset with at most 2²⁰ of them that lie in its own file.
+std::vector<double> numbers_in(hid_t dataset);
 /// The objects that a netCDF variable's DIMENSION_LIST names for its axes, each its first one; no identifier
 /// where an axis has none. Empty without such an attribute.
 std::vector<Id> scales_of(hid_t dataset, int axes);

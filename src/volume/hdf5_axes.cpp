@@ -95,6 +95,7 @@ DatasetMeaning meaning_of(hid_t file, hid_t dataset, const std::string& path, co
   describe_netcdf(dataset, where, meaning);
   describe_openpmd(file, dataset, path, where, meaning);
   describe_vtkhdf(file, path, where, meaning);
+  describe_minc(file, dataset, path, where, meaning);
   settle_roles(meaning, where);
   for (const auto& axis : meaning.axes) {
     if (axis.role == Role::frame) meaning.notes.frames = axis.size;

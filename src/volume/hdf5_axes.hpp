@@ -29,16 +29,16 @@ struct DatasetAxis {
 struct DatasetMeaning {
   std::vector<DatasetAxis> axes;
   VolumeNotes notes;
-  std::optional<Rescale> rescale = std::nullopt;
+  std::vector<Rescale> rescale = {};  ///< none, one for all, or one a slice, frame after frame
   /// Where a convention gives it instead of the axes' own positions.
   std::optional<glm::dvec3> origin = std::nullopt;
   std::optional<glm::dmat3> direction = std::nullopt;
 };
 
 /// The meaning of `dataset` at `path`: by VTKHDF, openPMD, netCDF's CF, h5py's labels, ilastik's and ImageJ's
-/// attributes; else the last three dimensions are z, y, x, and what is left over frames or components. Warns
-/// of what is drawn otherwise than it is. Throws InputError for meshes that are not rectilinear, sizes that
-/// contradict each other, and dimensions that cannot be told apart.
+/// attributes, MINC's; else the last three dimensions are z, y, x, and what is left over frames or
+/// components. Warns of what is drawn otherwise than it is. Throws InputError for meshes that are not
+/// rectilinear, sizes that contradict each other, and dimensions that cannot be told apart.
 DatasetMeaning meaning_of(hid_t file, hid_t dataset, const std::string& path, const std::vector<int>& dims,
                           const std::string& where);
 
@@ -53,6 +53,8 @@ void describe_vtkhdf(hid_t file, const std::string& path, const std::string& whe
 void describe_openpmd(hid_t file, hid_t dataset, const std::string& path, const std::string& where,
                       DatasetMeaning& meaning);
 void describe_netcdf(hid_t dataset, const std::string& where, DatasetMeaning& meaning);
+void describe_minc(hid_t file, hid_t dataset, const std::string& path, const std::string& where,
+                   DatasetMeaning& meaning);
 void describe_microscopy(hid_t dataset, DatasetMeaning& meaning);
 /// What an axis's name says of its role and direction.
 void describe_by_name(DatasetAxis& axis);

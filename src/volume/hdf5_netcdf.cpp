@@ -34,17 +34,9 @@ std::string last_part(hid_t object) {
 
 /// The coordinates along an axis; empty for a dimension without a variable of its own.
 std::vector<double> coordinates_of(hid_t scale, int size) {
-  constexpr int most = 1 << 20;
-  if (size > most || H5Iget_type(scale) != H5I_DATASET) return {};
   if (text_of(scale, "NAME").value_or("").rfind("This is a netCDF dimension but not", 0) == 0) return {};
-  const Id space(H5Dget_space(scale)), type(H5Dget_type(scale)), creation(H5Dget_create_plist(scale));
-  if (!space || !type || !creation || H5Sget_simple_extent_npoints(space.get()) != size) return {};
-  if (H5Pget_layout(creation.get()) == H5D_VIRTUAL || H5Pget_external_count(creation.get()) != 0) return {};
-  const H5T_class_t kind = H5Tget_class(type.get());
-  if (kind != H5T_INTEGER && kind != H5T_FLOAT) return {};
-  std::vector<double> values(std::size_t(size), NAN);
-  if (H5Dread(scale, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) return {};
-  return values;
+  auto values = numbers_in(scale);
+  return values.size() == std::size_t(size) ? values : std::vector<double>{};
 }
 
 /// Spacing and place of a regular axis; of another one the mean spacing, of which a warning tells.
@@ -132,7 +124,7 @@ void describe_values(hid_t dataset, DatasetMeaning& meaning) {
   const double scale = number_of(dataset, "scale_factor").value_or(1),
                offset = number_of(dataset, "add_offset").value_or(0);
   if (std::isfinite(scale) && std::isfinite(offset) && scale != 0 && (scale != 1 || offset != 0))
-    meaning.rescale = Rescale{scale, offset};
+    meaning.rescale = {{scale, offset}};
   for (const char* name : {"missing_value", "_FillValue"})
     if (const auto fill = number_of(dataset, name); fill && std::isfinite(*fill)) meaning.notes.fill = *fill;
   auto quantity = text_of(dataset, "long_name").value_or("");

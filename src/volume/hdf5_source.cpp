@@ -128,9 +128,9 @@ class DatasetSource final : public VolumeSource {
                 {"stored type", selection_.value.name},
                 {"first voxel", first},
                 {"chunks", chunk.empty() ? "none" : chunk}};
-    if (selection_.rescale)
-      facts.push_back({"rescale", fmt::format("{:.17g} {:.17g}", selection_.rescale->slope,
-                                              selection_.rescale->intercept)});
+    if (!selection_.rescale.empty())
+      facts.push_back({"rescale", fmt::format("{:.17g} {:.17g}", selection_.rescale.front().slope,
+                                              selection_.rescale.front().intercept)});
     add_facts_of(on_disk_, 0, on_disk_.size(), facts);
     return facts;
   }
@@ -149,14 +149,17 @@ class DatasetSource final : public VolumeSource {
   void read_slab(int begin, int end, std::span<std::byte> out) {
     on_disk_.require_unchanged();
     const Quiet quiet;
-    if (selection_.rescale) {
-      const Rescale& rescale = *selection_.rescale;
+    if (!selection_.rescale.empty()) {
       std::vector<double> values(out.size() / size_of(grid_.type));
       read_as(H5T_NATIVE_DOUBLE, begin, end, values.data());
       visit_type(grid_.type, [&](auto zero) {
         auto* result = reinterpret_cast<decltype(zero)*>(out.data());
-        for (const double value : values)
-          *result++ = decltype(zero)(rescale.slope * value + rescale.intercept);
+        const std::size_t slice = values.size() / std::size_t(end - begin);
+        for (std::size_t i = 0; i < values.size(); ++i) {
+          const auto z = selection_.rescale.size() > 1 ? std::size_t(begin) + i / slice : 0;
+          const Rescale& rescale = selection_.rescale[z];
+          *result++ = decltype(zero)(rescale.slope * values[i] + rescale.intercept);
+        }
       });
     } else if (selection_.value.wide) {
       read_wide(begin, end, out);

@@ -20,7 +20,7 @@ struct Selection {
   std::vector<hsize_t> first, size;  ///< the chosen frame and channel, and the whole of the others
   int slices = -1;                   ///< the dimension that z slices lie along; -1: there is one slice
   ValueType value = {};
-  std::optional<Rescale> rescale = std::nullopt;
+  std::vector<Rescale> rescale = {};  ///< none, one for all, or one a slice
 };
 
 /// Throws InputError, naming the reason, for voxels that the file does not hold itself or that need a filter

@@ -1,4 +1,6 @@
 // HDF5 datasets: layouts, types, choices, coordinates, and what is refused.
+#include <fmt/format.h>
+
 #include <atomic>
 #include <limits>
 
@@ -186,6 +188,8 @@ TEST_CASE("HDF5 is known by its signature, with any ending and behind a user's b
   CHECK(read_all(*open_volume(folder / "plain")) == samples<short>());
   write(folder / "classic.nc", "CDF\1" + std::string(100, '\0'));
   CHECK_THAT(refusal(folder / "classic.nc"), Contains("classic netCDF") && Contains("nccopy -k nc4"));
+  fs::rename(folder / "classic.nc", folder / "old.mnc");
+  CHECK_THAT(refusal(folder / "old.mnc"), Contains("MINC 1") && Contains("mincconvert -2"));
   write(folder / "old.hdf", "\x0e\x03\x13\x01" + std::string(100, '\0'));
   CHECK_THAT(refusal(folder / "old.hdf"), Contains("HDF4"));
   write(folder / "text.h5", "no HDF5 at all");
@@ -266,6 +270,50 @@ TEST_CASE("packed values are scaled, and their fill value with them") {
   CHECK(source->grid().type == ScalarType::float32);
   CHECK(source->notes().fill == 99.5);
   CHECK(read_all(*source) == bytes_of(105.0F) + bytes_of(99.5F));
+}
+
+TEST_CASE("MINC's slices have their own scales, its dimensions their directions") {
+  const Folder folder;
+  const auto minc = [&](const std::vector<hsize_t>& scaled, const std::string& order) {
+    return write_hdf5(folder / fmt::format("{}{}.mnc", scaled.size(), order), [&](hid_t file) {
+      add(file, {.name = "/minc-2.0/image/0/image", .attributes = [&](hid_t id) {
+                   put_text(id, "dimorder", order);
+                   put_numbers(id, "valid_range", {-1000, 1000});
+                 }});
+      const auto numbers = [&](const char* name, const std::vector<double>& values) {
+        Hdf5 made = axis(std::string("/minc-2.0/image/0/") + name, values, "");
+        made.dims = scaled;
+        add(file, made);
+      };
+      numbers("image-min", {0, -500, -1000});
+      numbers("image-max", {1, 500, 3000});
+      for (const char* name : {"xspace", "yspace", "zspace"}) {
+        add(file, axis(std::string("/minc-2.0/dimensions/") + name, {0}, "mm"));
+        const Id said(opened(file, std::string("/minc-2.0/dimensions/") + name));
+        put_numbers(said.get(), "step", {name[0] == 'y' ? -2.0 : 3.0});
+        put_numbers(said.get(), "start", {name[0] == 'z' ? 30.0 : 10.0});
+        if (name[0] == 'z') put_numbers(said.get(), "direction_cosines", {0, 0.6, 0.8});
+      }
+    });
+  };
+  const auto source = open_volume(minc({3}, "zspace,yspace,xspace"));
+  CHECK(source->grid().type == ScalarType::float32);
+  CHECK(source->grid().spacing == glm::dvec3(3, 2, 3));
+  CHECK(source->grid().origin == glm::dvec3(-10, -28, 24));
+  CHECK(source->grid().direction == glm::dmat3({-1, 0, 0}, {0, 1, 0}, {0, -0.6, 0.8}));
+  CHECK(source->notes().world == World::patient);
+  const double low[] = {0, -500, -1000}, slope[] = {1.0 / 2000, 0.5, 2};
+  for (int z : {2, 0, 1}) {
+    const auto bytes = read_slice(*source, z);
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x) {
+        const double value = low[z] + slope[z] * (sample<short>(x, y, z) + 1000.0);
+        CHECK(reinterpret_cast<const float*>(bytes.data())[y * nx + x] == Approx(value));
+      }
+  }
+  CHECK_THAT(refusal(minc({3, 1}, "zspace,yspace,xspace")), Contains("not scaled slice by slice"));
+  CHECK_THAT(refusal(minc({3}, "zspace,yspace")), Contains("dimorder does not name its 3 dimensions"));
+  CHECK_THAT(refusal(minc({3}, "zspace,yspace,xfrequency")), Contains("none of space"));
 }
 
 TEST_CASE("voxels that lie in other files are refused") {
