@@ -21,7 +21,6 @@
 #include "app/threads.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
-#include "frame/frame_geometry.hpp"
 #include "frame/frame_needs.hpp"
 #include "images/image_io.hpp"
 #include "model/charge.hpp"
@@ -101,7 +100,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   for (const Reduction& level : Browsing::levels(spec, o.progressive)) {
     spec.shown.reduction = level;
-    static_cast<void>(make_geometry(spec, grid));
+    check_frame(spec, grid);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/limits.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat::detail {
@@ -119,7 +120,7 @@ Grid interleaved_grid(const Grid& grid, int components, const std::string& where
                      "correct the sizes in the header");
   Grid interleaved = grid;
   interleaved.dims.x *= components;
-  check(interleaved, where);
+  check_lattice(interleaved, where);
   return interleaved;
 }
 

@@ -15,6 +15,7 @@
 #include "volume/dicom_stack.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/limits.hpp"
 #include "volume/slice_by_slice.hpp"
 #include "volume/text.hpp"
 #include "volume/whole_source.hpp"
@@ -162,7 +163,7 @@ void place(const DicomStack& stack, const std::filesystem::path& where, Grid& gr
     grid.spacing.z = glm::length(stack.step);
     grid.direction[2] = stack.step / grid.spacing.z;
   }
-  check(grid, where.string());
+  check_lattice(grid, where.string());
 }
 
 struct Opened {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -11,6 +12,7 @@
 #include <utility>
 
 #include "ringsplat/base/error.hpp"
+#include "volume/limits.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat {
@@ -69,7 +71,7 @@ ScalarType scalar_type_from(const std::string& name) {
                    "use one of " + detail::comma_list(type_names));
 }
 
-void check(const Grid& grid, const std::string& where) {
+void detail::check_lattice(const Grid& grid, const std::string& where) {
   const auto& d = grid.dims;
   if (d.x < 1 || d.y < 1 || d.z < 1)
     throw InputError(fmt::format("{}: dimensions {} x {} x {}", where, d.x, d.y, d.z),
@@ -79,10 +81,6 @@ void check(const Grid& grid, const std::string& where) {
     throw InputError(fmt::format("{}: {} x {} x {} voxels of {} overflow 64 bits", where, d.x, d.y, d.z,
                                  to_string(grid.type)),
                      "correct the sizes in the header");
-  const auto& s = grid.spacing;
-  if (!finite(s) || s.x <= 0 || s.y <= 0 || s.z <= 0)
-    throw InputError(fmt::format("{}: spacing {} {} {}", where, s.x, s.y, s.z),
-                     "give a positive spacing, for example with --spacing 1 1 1");
   if (!finite(grid.origin))
     throw InputError(fmt::format("{}: the origin is not finite", where), "correct the origin in the header");
   double lengths = 1;
@@ -93,6 +91,28 @@ void check(const Grid& grid, const std::string& where) {
   if (!std::isfinite(lengths) || !(volume > flattest * lengths))
     throw InputError(fmt::format("{}: the direction matrix is singular", where),
                      "correct the orientation in the header");
+}
+
+void check(const Grid& grid, const std::string& where) {
+  detail::check_lattice(grid, where);
+  const auto& s = grid.spacing;
+  const auto steps = s * glm::dvec3(glm::length(grid.direction[0]), glm::length(grid.direction[1]),
+                                    glm::length(grid.direction[2]));
+  const auto extents = steps * glm::dvec3(grid.dims);
+  const double finest = std::min({steps.x, steps.y, steps.z}),
+               longest = std::max({extents.x, extents.y, extents.z});
+  constexpr double least = 1e-300, most = 1e300, most_apart = 1e6;
+  const char* const hint = "give the distances between voxels, for instance --spacing 1x1x1";
+  if (!finite(s) || s.x <= 0 || s.y <= 0 || s.z <= 0 || !(finest >= least && longest <= most))
+    throw InputError(fmt::format("{}: spacing {} {} {}", where, s.x, s.y, s.z), hint);
+  // Nothing of the finer axes would be seen, and rays count voxels.
+  const int most_voxels = std::max({grid.dims.x, grid.dims.y, grid.dims.z});
+  if (longest > std::max(most_apart, double(most_voxels)) * finest)
+    throw InputError(
+        fmt::format("{}: spacing {} {} {}: the volume would be {:.2g} times as long as its finest "
+                    "voxel",
+                    where, s.x, s.y, s.z, longest / finest),
+        hint);
 }
 
 Facts facts_of(const Grid& grid) {

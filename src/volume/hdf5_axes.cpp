@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/log.hpp"
+#include "volume/limits.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat::detail::hdf5 {
@@ -127,7 +128,7 @@ Grid lattice_of(const DatasetMeaning& meaning, const std::string& where) {
   }
   if (meaning.direction) grid.direction = *meaning.direction;
   if (meaning.origin) grid.origin = *meaning.origin;
-  check(grid, where);
+  check_lattice(grid, where);
   return grid;
 }
 

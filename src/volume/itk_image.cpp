@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "volume/limits.hpp"
 #include "volume/volume_files.hpp"
 #include "volume/whole_source.hpp"
 
@@ -109,7 +110,7 @@ Grid lattice_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
     grid.origin[int(i)] = io.GetOrigin(i);
     grid.direction[int(i)] = vec3(io.GetDirection(i));
   }
-  check(grid, path.string());
+  check_lattice(grid, path.string());
   return grid;
 }
 
@@ -124,7 +125,7 @@ Grid grid_of(const itk::ImageIOBase& io, const std::filesystem::path& path) {
                        "extract one volume of the series");
   Grid grid = lattice_of(io, path);
   grid.type = type;
-  check(grid, path.string());
+  check_lattice(grid, path.string());
   return grid;
 }
 

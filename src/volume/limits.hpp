@@ -1,6 +1,9 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
+#include <string>
+
+#include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat::detail {
 
@@ -8,6 +11,9 @@ namespace ringsplat::detail {
 /// limits only refuse claims that no real file makes.
 inline constexpr std::uint64_t deflate_best_ratio = 1032;
 inline constexpr std::uint64_t any_best_ratio = 100'000;
+
+/// check() of a grid but for its spacing, which --spacing may replace: open_volume() checks that.
+void check_lattice(const Grid& grid, const std::string& where);
 
 /// The bytes of `count` volumes of `bytes` bytes, and `before` others before them. Throws InputError when
 /// they overflow 63 bits.

@@ -15,6 +15,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "volume/input_file.hpp"
+#include "volume/limits.hpp"
 #include "volume/text.hpp"
 
 namespace ringsplat::detail {
@@ -84,7 +85,7 @@ class Reader {
     header.channels = int(channels);
     header.dimensions = read_dimensions();
     header.grid = read_grid(std::size_t(header.dimensions), header.frames);
-    check(header.grid, path_.string());
+    check_lattice(header.grid, path_.string());
     return header;
   }
 

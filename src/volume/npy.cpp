@@ -106,7 +106,7 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   Grid grid;
   grid.dims = axes.dims;
   grid.type = header.type;
-  check(grid, path.string());
+  check_lattice(grid, path.string());
   const auto wide = interleaved_grid(grid, axes.components, path.string());
   const auto size = InputFile(path).size();
   const auto frame = std::uint64_t(std::clamp(choice.frame.value_or(0), 0, axes.frames - 1));

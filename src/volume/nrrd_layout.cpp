@@ -11,6 +11,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "volume/channels.hpp"
+#include "volume/limits.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -123,7 +124,7 @@ Grid grid_of(const Nrrd& nrrd, const std::vector<unsigned>& axes, const std::fil
              nrrdOriginStatusOkay) {
     for (int k = 0; k < int(count); ++k) grid.origin[k] = origin[std::size_t(k)];
   }
-  check(grid, path.string());
+  check_lattice(grid, path.string());
   return grid;
 }
 

@@ -41,7 +41,6 @@ class RespacedSource final : public ForwardingSource {
   RespacedSource(std::unique_ptr<VolumeSource> source, const glm::dvec3& spacing)
       : ForwardingSource(std::move(source)), grid_(ForwardingSource::grid()) {
     grid_.spacing = spacing;
-    check(grid_, "--spacing");
   }
   const Grid& grid() const override { return grid_; }
 
@@ -122,6 +121,7 @@ std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, con
                                           const VolumeChoice& choice) {
   try {
     auto source = open_existing(path, raw, choice);
+    check(source->grid(), raw.spacing ? "--spacing" : path.string());
     require_choice_there(source->notes(), choice, path);
     say_which_frame(source->notes(), choice, path);
     return source;

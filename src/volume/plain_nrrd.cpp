@@ -231,7 +231,7 @@ Grid grid_of(const Header& header, const Space& space) {
     if (!origin) header.fail("space origin");
     grid.origin = *origin * space.to_lps;
   }
-  check(grid, header.path().string());
+  check_lattice(grid, header.path().string());
   return grid;
 }
 

@@ -5,6 +5,7 @@
 #include "ringsplat/base/error.hpp"
 #include "volume/formats.hpp"
 #include "volume/input_file.hpp"
+#include "volume/limits.hpp"
 #include "volume/raw_name.hpp"
 #include "volume/stored_source.hpp"
 
@@ -37,7 +38,7 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
   grid.dims = raw.dims ? *raw.dims : named->dims;
   grid.type = raw.type ? *raw.type : named->type;
   if (raw.spacing) grid.spacing = *raw.spacing;
-  check(grid, path.string());
+  check_lattice(grid, path.string());
 
   const auto actual = InputFile(path).size(), offset = raw.offset.value_or(0);
   // Left-over bytes mean wrong dimensions, unless an offset shows that the user knows the file.

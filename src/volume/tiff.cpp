@@ -10,9 +10,10 @@
 #include "base/natural_order.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/config.hpp"
-#include "volume/left_out.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/left_out.hpp"
+#include "volume/limits.hpp"
 #include "volume/text.hpp"
 #include "volume/tiff_file.hpp"
 
@@ -187,7 +188,7 @@ std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const
   VolumeNotes notes;
   place(*first, grid, notes);
   count(*first, notes);
-  check(grid, path.string());
+  check_lattice(grid, path.string());
   return with_notes(tiff_source(grid, std::move(slices), taken.samples), notes);
 }
 

@@ -13,6 +13,7 @@
 #include "volume/channels.hpp"
 #include "volume/formats.hpp"
 #include "volume/forwarding_source.hpp"
+#include "volume/limits.hpp"
 #include "volume/text.hpp"
 #include "volume/text_source.hpp"
 #include "volume/vti_header.hpp"
@@ -106,7 +107,7 @@ Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesyst
   grid.direction = header.direction;
   grid.origin = header.origin + header.direction * (header.spacing * first);
   grid.type = type_of(array, path);
-  check(grid, path.string());
+  check_lattice(grid, path.string());
   return grid;
 }
 

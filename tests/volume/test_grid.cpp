@@ -50,6 +50,13 @@ TEST_CASE("a grid that cannot be rendered is refused with the place named", "[gr
   refused([](Grid& g) { g.spacing.x = 0; });
   refused([](Grid& g) { g.spacing.x = -1; });
   refused([](Grid& g) { g.spacing.z = std::numeric_limits<double>::quiet_NaN(); });
+  refused([](Grid& g) { g.spacing.z = 4.8e228; });
+  refused([](Grid& g) { g.spacing = glm::dvec3(1e-310); });
+  refused([](Grid& g) { g.spacing = glm::dvec3(1e308); });
+  for (const double scale : {1e-100, 1e-15, 1e24, 1e100}) {
+    good.spacing = scale * glm::dvec3(1, 1, 1e5);
+    CHECK_NOTHROW(check(good, "here"));
+  }
   refused([](Grid& g) { g.origin.z = std::numeric_limits<double>::infinity(); });
   refused([](Grid& g) { g.direction[1] = g.direction[0]; });
   refused([](Grid& g) { g.direction[1] = glm::dvec3(std::numeric_limits<double>::quiet_NaN()); });
@@ -61,7 +68,7 @@ TEST_CASE("a shear is judged by its angles, whatever the columns' lengths", "[gr
                       lengths.z * glm::dvec3(std::sqrt(1 - rise * rise), 0, rise));
   };
   for (const glm::dvec3& lengths :
-       {glm::dvec3(1.0), glm::dvec3(0.01, 0.01, 1), glm::dvec3(100, 100, 1), glm::dvec3(1, 1e-4, 1e4)}) {
+       {glm::dvec3(1.0), glm::dvec3(0.01, 0.01, 1), glm::dvec3(100, 100, 1), glm::dvec3(1, 1e-2, 1e3)}) {
     Grid grid;
     grid.dims = {2, 3, 4};
     grid.direction = direction(lengths, 0.002);

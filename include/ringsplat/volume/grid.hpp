@@ -63,8 +63,8 @@ struct Grid {
   std::size_t slice_bytes(Axis axis) const { return slice_voxels(axis) * size_of(type); }
 };
 
-/// Throws InputError (naming `where`) when a dimension is below 1, the spacing not positive and
-/// finite, the origin not finite, or the direction singular.
+/// Throws InputError (naming `where`) when a dimension is below 1, the spacing not one that can be
+/// drawn, the origin not finite, or the direction singular.
 void check(const Grid& grid, const std::string& where);
 
 /// Dimensions, type, spacing, origin and direction; doubles to the last bit.
