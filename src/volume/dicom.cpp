@@ -223,6 +223,9 @@ Opened open_frames(const DicomHeader& header, const VolumeChoice& choice) {
     place(stack, header.file, grid);
     slices = std::move(stack.slices);
     times = stack.frames;
+  } else if (grid.spacing.z < 0) {  // the frames go against the normal
+    grid.spacing.z = -grid.spacing.z;
+    grid.direction[2] = -grid.direction[2];
   }
   return {std::make_unique<MultiFrameSource>(grid, std::move(frames), std::move(slices)), times};
 }

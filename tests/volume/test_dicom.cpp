@@ -184,6 +184,34 @@ TEST_CASE("an enhanced multi-frame image lies where its groups say", "[dicom]") 
   CHECK((read_all(*source) == expected));
 }
 
+TEST_CASE("frames whose distance is negative lie where they say", "[dicom]") {
+  const auto distance = Dicom::element(0x18, 0x88, "DS", "-10");
+  const Folder folder;
+  for (const bool in_group : {false, true}) {
+    CAPTURE(in_group);
+    auto image = frames_at({{"0\\0\\30", "", 'a'}, {"0\\0\\20", "", 'b'}, {"0\\0\\10", "", 'c'}});
+    const std::string shared =
+        Dicom::sequence(0x20, 0x9116, {Dicom::element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0")}) +
+        Dicom::sequence(0x28, 0x9110,
+                        {(in_group ? distance : "") + Dicom::element(0x28, 0x30, "DS", "2\\1")});
+    std::vector<std::string> places;
+    for (const char* position : {"0\\0\\30", "0\\0\\20", "0\\0\\10"}) places.push_back(plane_at(position));
+    image.more = (in_group ? "" : distance) + groups(0x9229, {shared}) + groups(0x9230, places);
+    const auto source = open_volume(write(folder / "a.dcm", image.bytes()));
+    CHECK(source->grid().spacing == glm::dvec3(1, 2, 10));
+    CHECK(source->grid().origin == glm::dvec3(0, 0, 10));
+    CHECK(letters_of(*source) == "cba");
+  }
+  // Nuclear medicine has one position, and a distance against the normal.
+  Dicom stack = all_frames();
+  stack.storage_class = "1.2.840.10008.5.1.4.1.1.20";
+  stack.position = "0\\0\\30";
+  stack.more = distance;
+  const auto source = open_volume(write(folder / "b.dcm", stack.bytes()));
+  CHECK(source->grid().spacing == glm::dvec3(1, 2, 10));
+  CHECK(source->grid().direction[2] == glm::dvec3(0, 0, -1));
+}
+
 TEST_CASE("lossy DICOM is read with the codec's own error", "[dicom]") {
   constexpr int width = 64, height = 64;
   std::vector<std::uint8_t> pixels(width * height);
