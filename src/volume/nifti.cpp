@@ -74,18 +74,30 @@ NiftiHeader read_header(const std::filesystem::path& path) {
   return header;
 }
 
-/// ITK finds the orientation.
-NiftiImage read_nifti1(const std::filesystem::path& path) {
-  const auto header = read_header(path);
+/// Where the sform puts it; ITK, which drops a shear, finds other orientations.
+Grid grid_of(const nifti_image& header, const std::filesystem::path& path) {
+  if (header.sform_code > 0) {
+    Grid grid;
+    grid.dims = {header.nx, std::max(1, header.ny), std::max(1, header.nz)};
+    NiftiAffine affine{};
+    for (std::size_t column = 0; column < 4; ++column)
+      for (int row = 0; row < 3; ++row) affine[column][row] = double(header.sto_xyz.m[row][column]);
+    place_nifti(affine, header.xyz_units, path, grid);
+    return grid;
+  }
   auto io = itk::NiftiImageIO::New();
   io->SetFileName(path.string());
   io->ReadImageInformation();
+  Grid grid = lattice_of(*io, path);
+  grid.origin *= nifti_millimetres(header.xyz_units);  // ITK scales the spacing only
+  return grid;
+}
 
+NiftiImage read_nifti1(const std::filesystem::path& path) {
+  const auto header = read_header(path);
   NiftiImage image;
   const auto [type, colours] = nifti_type(header->datatype, nifti_datatype_string(header->datatype), path);
-  image.grid = lattice_of(*io, path);
-  // ITK scales the spacing only.
-  image.grid.origin *= nifti_millimetres(header->xyz_units);
+  image.grid = grid_of(*header, path);
   image.grid.type = image.stored.type = type;
   image.colours = colours;
   image.frames = std::max(1, header->nt);

@@ -85,13 +85,10 @@ class Header {
   std::filesystem::path path_;
 };
 
-/// Columns: where a step along x, y, z leads, and where voxel 0 is; in the header's unit, right, anterior,
-/// superior.
-using Affine = std::array<glm::dvec3, 4>;
 const glm::dvec3 to_lps(-1, -1, 1);
 
 /// NIfTI-1 standard, "method 2": a rotation by a unit quaternion, of which a is not stored.
-Affine affine_of_qform(const Header& header, const glm::dvec3& spacing) {
+NiftiAffine affine_of_qform(const Header& header, const glm::dvec3& spacing) {
   glm::dvec3 q(header.real(352), header.real(360), header.real(368));
   constexpr double least = 1e-7;  // as in nifti1_io.c
   double a = 1 - glm::dot(q, q);
@@ -110,11 +107,11 @@ Affine affine_of_qform(const Header& header, const glm::dvec3& spacing) {
 }
 
 /// "Method 3", else "method 2", else "method 1" of the standard.
-Affine affine_of(const Header& header) {
+NiftiAffine affine_of(const Header& header) {
   glm::dvec3 spacing(1);
   for (int axis = 0; axis < 3; ++axis)
     if (const double size = header.pixdim(1 + std::size_t(axis)); size > 0) spacing[axis] = size;
-  Affine affine{};
+  NiftiAffine affine{};
   if (header.at<std::int32_t>(348) > 0) {
     for (std::size_t row = 0; row < 3; ++row)
       for (std::size_t column = 0; column < 4; ++column)
@@ -130,16 +127,7 @@ Affine affine_of(const Header& header) {
 Grid grid_of(const Header& header) {
   Grid grid;
   grid.dims = {header.dim(1), header.dim(2), header.dim(3)};
-  const auto affine = affine_of(header);
-  const double unit = nifti_millimetres(header.at<std::int32_t>(500));
-  grid.origin = affine[3] * to_lps * unit;
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto& step = affine[std::size_t(axis)];
-    const double length = glm::length(step);
-    if (!(length > 0)) header.fail(fmt::format("a step along axis {} leads nowhere", axis));
-    grid.spacing[axis] = length * unit;
-    grid.direction[axis] = step / length * to_lps;
-  }
+  place_nifti(affine_of(header), header.at<std::int32_t>(500), header.path(), grid);
   return grid;
 }
 
@@ -183,6 +171,20 @@ NiftiImage image_of(const Header& header, bool single) {
 }
 
 }  // namespace
+
+void place_nifti(const NiftiAffine& affine, int xyzt_units, const std::filesystem::path& path, Grid& grid) {
+  const double unit = nifti_millimetres(xyzt_units);
+  grid.origin = affine[3] * to_lps * unit;
+  for (int axis = 0; axis < 3; ++axis) {
+    const auto& step = affine[std::size_t(axis)];
+    const double length = glm::length(step);
+    if (!(length > 0))
+      throw InputError(fmt::format("{}: a step along axis {} leads nowhere", path.string(), axis),
+                       "correct the orientation in the header");
+    grid.spacing[axis] = length * unit;
+    grid.direction[axis] = step / length * to_lps;
+  }
+}
 
 std::optional<NiftiImage> read_nifti2(const std::filesystem::path& path) {
   // Of a pair either file may be named.

@@ -1,4 +1,5 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -26,6 +27,12 @@ struct NiftiType {
 
 /// Of a datatype's code. Throws InputError for those that cannot be rendered, naming it `name`.
 NiftiType nifti_type(int code, const std::string& name, const std::filesystem::path& path);
+
+/// Columns: where a step along x, y, z leads, and where voxel 0 is; in the header's unit, right, anterior,
+/// superior. Sheared where the header says so.
+using NiftiAffine = std::array<glm::dvec3, 4>;
+/// Gives the grid its spacing, origin and direction. Throws InputError when a step leads nowhere.
+void place_nifti(const NiftiAffine& affine, int xyzt_units, const std::filesystem::path& path, Grid& grid);
 
 /// Of the header's unit of length; 1 when it names none.
 double nifti_millimetres(int xyzt_units);

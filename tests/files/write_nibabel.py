@@ -43,11 +43,21 @@ for version, kind in KINDS.items():
     image.set_sform(None, code=0)
     save(image, f"nibabel_{version}_qform.nii")
     case(f"nibabel_{version}_qform", f"nibabel_{version}_qform.nii", volume, **PLACE)
-    # (ITK refuses NIfTI-1's matrices of such small numbers as metres.)
-    for unit, millimetres in (("micron", 1e-3), ("meter", 1e3))[:1 if version == "nifti1" else 2]:
+    for unit, millimetres in (("micron", 1e-3), ("meter", 1e3)):
         name = f"nibabel_{version}_{unit}"
         save(kind(volume.T, affine(1 / millimetres)), f"{name}.nii", unit)
         case(name, f"{name}.nii", volume, **PLACE)
+
+    # A sheared lattice, and a quaternion beside it that says otherwise.
+    sheared = affine()
+    sheared[:3, 2] += 0.3 * sheared[:3, 0]
+    image = kind(volume.T, sheared)
+    image.set_sform(sheared, code=4)
+    image.set_qform(np.eye(4), code=1)
+    save(image, f"nibabel_{version}_sheared.nii")
+    lengths = np.linalg.norm(sheared[:3, :3], axis=0)
+    case(f"nibabel_{version}_sheared", f"nibabel_{version}_sheared.nii", volume, spacing=list(lengths),
+         origin=PLACE["origin"], direction=[list(c) for c in (sheared[:3, :3] / lengths * TO_LPS[:, None]).T])
 
     # Values are 0.5 * stored - 3.
     scaled = (volume.astype("float64") * 0.5 - 3).astype("float32")

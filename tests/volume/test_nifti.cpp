@@ -57,7 +57,7 @@ TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orde
 }
 
 TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation][itk]") {
-  std::vector<Nifti2> headers(7);
+  std::vector<Nifti2> headers(8);
   headers[1].sform = 0, headers[1].qform = 1;
   headers[1].quaternion[2] = 0.6, headers[1].shift[0] = 5, headers[1].shift[1] = -6, headers[1].shift[2] = 7;
   headers[2] = headers[1];
@@ -68,6 +68,8 @@ TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation][itk]
   const double turned[] = {0, -2, 0, 5, 0, 0, 3, 6, 1, 0, 0, 7};
   std::copy(turned, turned + 12, headers[5].rows);
   headers[6].qform = 1, headers[6].quaternion[1] = 1;  // the sform comes first
+  const double sheared[] = {1, 0, 0.5, 5, 0, 2, 0, 6, 0, 0, 3, 7};
+  std::copy(sheared, sheared + 12, headers[7].rows);
   const Folder folder;
   for (std::size_t i = 0; i < headers.size(); ++i)
     for (const int units : {0, 1, 2, 3}) {
@@ -81,6 +83,24 @@ TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation][itk]
       CHECK(two->grid().spacing.x == Approx(unit));
       CHECK(two->notes().unit == "mm");
     }
+}
+
+TEST_CASE("a sheared sform is kept, whatever the qform says", "[nifti][orientation][itk]") {
+  Nifti2 header;
+  header.qform = 1, header.sform = 4;
+  const double rows[] = {1, 0.1, 0.5, 5, 0, 2, -0.25, 6, 0.05, 0, 3, 7};
+  std::copy(rows, rows + 12, header.rows);
+  const Folder folder;
+  for (const bool version_2 : {false, true}) {
+    const auto source = open_volume(
+        write(folder / "a.nii", (version_2 ? header.header() : header.header_of_nifti1()) + little));
+    const glm::dvec3 voxel(3, 2, 1);
+    glm::dvec3 expected;
+    for (int row = 0; row < 3; ++row)
+      expected[row] = rows[4 * row] * 3 + rows[4 * row + 1] * 2 + rows[4 * row + 2] + rows[4 * row + 3];
+    CAPTURE(version_2);
+    CHECK(glm::distance(world(source->grid(), voxel), expected * glm::dvec3(-1, -1, 1)) < 1e-5);
+  }
 }
 
 TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti][itk]") {
