@@ -1,6 +1,9 @@
+#include <fmt/format.h>
+
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
+#include "volume/captured_log.hpp"
 #include "volume/files.hpp"
 #include "volume/raw_name.hpp"
 
@@ -28,6 +31,34 @@ TEST_CASE("a description completes and overrides the name", "[raw]") {
   CHECK(source->concurrent());
   CHECK(source->grid().spacing == glm::dvec3(1, 2, 3));
   CHECK((read_all(*source) == samples<short>()));
+}
+
+TEST_CASE("floats that make sense only in the other byte order are warned of", "[raw]") {
+  const Folder folder;
+  const auto of = [&](auto zero, bool stored_big, double scale) {
+    std::string bytes;
+    for (int i = 0; i < 60; ++i)
+      bytes += bytes_of(decltype(zero)(scale * (i % 7) * (1.0 + i / 61.0)), stored_big);
+    return write(folder / (sizeof(zero) == 4 ? "a_5x4x3_float32.raw" : "a_5x4x3_float64.raw"), bytes);
+  };
+  const auto told = [&](const fs::path& path, bool read_big) {
+    const CapturedLog log;
+    RawDescription raw;
+    raw.big_endian = read_big;
+    open_volume(path, raw);
+    return log.text();
+  };
+  for (const bool big : {false, true})
+    for (const double scale : {1.0, 1e4}) {
+      const std::string right = big ? "give --endian big" : "give --endian little";
+      CHECK(told(of(0.0F, big, scale), big).empty());
+      CHECK(told(of(0.0, big, scale), big).empty());
+      const auto other = folder / fmt::format("{}{}_5x4x3_float32.raw", big, scale);
+      fs::rename(of(0.0F, big, scale), other);
+      CHECK(says(told(other, !big), right));
+    }
+  // Densities in g/cm³, as cosmologists have them.
+  CHECK(told(of(0.0F, false, 1e-29), false).empty());
 }
 
 TEST_CASE("an offset allows bytes behind the voxels, none are allowed without", "[raw]") {
