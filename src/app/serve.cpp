@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 #include <signal.h>
-#include <spawn.h>
 
 #include <algorithm>
 #include <memory>
@@ -21,10 +20,10 @@
 #include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "ringsplat/base/error.hpp"
+#include "serve/opened_page.hpp"
 #include "serve/program.hpp"
 #include "serve/viewer.hpp"
-
-extern char** environ;
 
 namespace ringsplat::app {
 namespace {
@@ -157,11 +156,14 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   return v;
 }
 
-void open_in_browser(const std::string& url) {
-  const char* const arguments[] = {"xdg-open", url.c_str(), nullptr};
-  pid_t child = 0;
-  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, const_cast<char* const*>(arguments), environ) != 0)
-    log_warning("--open needs xdg-open, which could not be started; open the line above in a browser");
+/// Lasts as long as the job.
+std::unique_ptr<serve::OpenedPage> open_in_browser(const std::string& url) {
+  try {
+    return std::make_unique<serve::OpenedPage>(url);
+  } catch (const RunError& e) {
+    log_warning("--open: {}; open the line above in a browser", e.what());
+    return nullptr;
+  }
 }
 
 std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job,
@@ -176,7 +178,6 @@ std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const J
           options.address);
     fmt::print("{}\n", viewer->url());
     std::fflush(stdout);
-    if (options.open) open_in_browser(viewer->url());
   });
   return viewer;
 }
@@ -246,6 +247,7 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
                       progress, launch);
   Scene scene = loader.load(0);
   const std::unique_ptr<serve::Viewer> viewer = start_viewer(options, job, notes, scene, launch);
+  const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();
   try {
     show_series(loader, std::move(scene), job, viewer.get(), wiring, launch);

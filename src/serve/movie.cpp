@@ -1,11 +1,9 @@
 #include "serve/movie.hpp"
 
 #include <fmt/format.h>
-#include <stdlib.h>
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <fstream>
 #include <optional>
 #include <system_error>
@@ -60,28 +58,18 @@ std::string read_file(const std::filesystem::path& file) {
 
 }  // namespace
 
-Movie::Movie(std::filesystem::path ffmpeg, const MoviePlan& plan) : ffmpeg_(std::move(ffmpeg)), plan_(plan) {
+Movie::Movie(std::filesystem::path ffmpeg, const MoviePlan& plan)
+    : ffmpeg_(std::move(ffmpeg)), plan_(plan), folder_("movie") {
   std::error_code error;
-  std::string name = (std::filesystem::temp_directory_path(error) / "ringsplat-movie-XXXXXX").string();
-  if (error || mkdtemp(name.data()) == nullptr)
-    throw RunError(fmt::format("there is no temporary folder for a movie: {}",
-                               error ? error.message() : std::generic_category().message(errno)),
-                   "set TMPDIR to a folder on rank 0's machine");
-  folder_ = name;
-  const auto space = std::filesystem::space(folder_, error);
+  const auto space = std::filesystem::space(folder(), error);
   bytes_left_ = error ? most_frame_bytes : std::min(most_frame_bytes, space.available / 2);
-}
-
-Movie::~Movie() {
-  std::error_code ignored;
-  std::filesystem::remove_all(folder_, ignored);
 }
 
 void Movie::add(int index, const Bytes& png) {
   if (png.size() > bytes_left_)
     throw RunError("the movie's frames take too much of the disk", "make it smaller or shorter");
   bytes_left_ -= png.size();
-  std::ofstream file(folder_ / fmt::format("{:05}.png", index), std::ios::binary);
+  std::ofstream file(folder() / fmt::format("{:05}.png", index), std::ios::binary);
   file.write(reinterpret_cast<const char*>(png.data()), static_cast<std::streamsize>(png.size()));
   file.close();
   if (!file)
@@ -98,14 +86,14 @@ std::chrono::milliseconds Movie::patience() const {
 std::string Movie::encode(Clock::time_point deadline) {
   std::optional<int> code;
   for (const Arguments& codec : codecs()) {
-    code = run_program(ffmpeg_, arguments_for(plan_, codec), folder_, deadline, cancelled_);
+    code = run_program(ffmpeg_, arguments_for(plan_, codec), folder(), deadline, cancelled_);
     if (!code || code == 0) break;
   }
   if (!code)
     throw RunError(cancelled_ ? "the movie was cancelled" : "ffmpeg did not finish the movie in time",
                    "make it smaller or shorter");
   if (code != 0) throw RunError(fmt::format("ffmpeg failed with exit code {}", *code));
-  return read_file(folder_ / movie_name);
+  return read_file(folder() / movie_name);
 }
 
 }  // namespace ringsplat::serve

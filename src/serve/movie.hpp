@@ -6,6 +6,7 @@
 #include <string>
 
 #include "ringsplat/base/bytes.hpp"
+#include "serve/private_folder.hpp"
 
 namespace ringsplat::serve {
 
@@ -26,12 +27,9 @@ class Movie {
 
   /// Makes the folder, below TMPDIR. Throws RunError when it cannot.
   Movie(std::filesystem::path ffmpeg, const MoviePlan& plan);
-  ~Movie();
-  Movie(const Movie&) = delete;
-  Movie& operator=(const Movie&) = delete;
 
   const MoviePlan& plan() const { return plan_; }
-  const std::filesystem::path& folder() const { return folder_; }
+  const std::filesystem::path& folder() const { return folder_.path(); }
 
   /// Keeps frame `index`. Throws RunError when the disk is full, or its share of it.
   void add(int index, const Bytes& png);
@@ -49,7 +47,7 @@ class Movie {
  private:
   const std::filesystem::path ffmpeg_;
   const MoviePlan plan_;
-  std::filesystem::path folder_;
+  PrivateFolder folder_;
   std::uintmax_t bytes_left_ = 0;  ///< for frames
   std::atomic<bool> cancelled_ = false;
 };

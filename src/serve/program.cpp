@@ -51,21 +51,6 @@ class Surroundings {
   posix_spawnattr_t attributes_;
 };
 
-pid_t start(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-            const std::filesystem::path& folder) {
-  std::vector<char*> all{const_cast<char*>(program.c_str())};
-  for (const std::string& argument : arguments) all.push_back(const_cast<char*>(argument.c_str()));
-  all.push_back(nullptr);
-  const Surroundings surroundings(folder);
-  pid_t child = 0;
-  const int error = posix_spawn(&child, program.c_str(), surroundings.files(), surroundings.attributes(),
-                                all.data(), environ);
-  if (error != 0)
-    throw RunError(
-        fmt::format("{} cannot be started: {}", program.string(), std::generic_category().message(error)));
-  return child;
-}
-
 }  // namespace
 
 std::optional<std::filesystem::path> find_program(const std::string& name) {
@@ -81,11 +66,26 @@ std::optional<std::filesystem::path> find_program(const std::string& name) {
   return std::nullopt;
 }
 
+pid_t start_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
+                    const std::filesystem::path& folder) {
+  std::vector<char*> all{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) all.push_back(const_cast<char*>(argument.c_str()));
+  all.push_back(nullptr);
+  const Surroundings surroundings(folder);
+  pid_t child = 0;
+  const int error = posix_spawn(&child, program.c_str(), surroundings.files(), surroundings.attributes(),
+                                all.data(), environ);
+  if (error != 0)
+    throw RunError(
+        fmt::format("{} cannot be started: {}", program.string(), std::generic_category().message(error)));
+  return child;
+}
+
 std::optional<int> run_program(const std::filesystem::path& program,
                                const std::vector<std::string>& arguments, const std::filesystem::path& folder,
                                std::chrono::steady_clock::time_point deadline,
                                const std::atomic<bool>& cancelled) {
-  const pid_t child = start(program, arguments, folder);
+  const pid_t child = start_program(program, arguments, folder);
   int status = 0;
   pid_t ended = 0;
   while ((ended = waitpid(child, &status, WNOHANG)) == 0) {

@@ -80,6 +80,7 @@ try_server() {
     kill -0 "$pid" && ((SECONDS < deadline)) || die "$1 shows no page"
     sleep 0.2
   done
+  [[ $(stat -c %a out/serve.log) == 600 ]] || die "others may read the token in $1's log"
   kill -- "-$pid"
   wait "$pid" || true
   tried=$((tried + 1))

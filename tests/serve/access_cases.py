@@ -1,6 +1,8 @@
 """Tests of what a running `ringsplat serve` shows to whom."""
+import os, stat
+
 import viewer_client as vc
-from server_case import expect, is_alive, refused
+from server_case import expect, is_alive, refused, until
 
 
 def page(options, server):
@@ -47,3 +49,31 @@ def allowed(options, server):
         vc.Client(server.port, server.token, **how).close()
     refused(server, 403, origin="https://hub.example.org.evil")
     is_alive(server)
+
+
+def fake_browser(options):
+    """An xdg-open that writes down what it is started with."""
+    program = os.path.join(options.scratch, "bin", "xdg-open")
+    os.makedirs(os.path.dirname(program), exist_ok=True)
+    os.makedirs(os.path.join(options.scratch, "own"), exist_ok=True)
+    with open(program, "w") as f:
+        f.write(f"""#!/bin/sh
+echo "$*" > {options.scratch}/arguments.part
+mv {options.scratch}/arguments.part {options.scratch}/arguments
+""")
+    os.chmod(program, 0o755)
+
+
+def opens(options, server):
+    """The browser's command line, which every user of the machine can read, does not have the token."""
+    arguments = os.path.join(options.scratch, "arguments")
+    until("xdg-open is not started", lambda: os.path.exists(arguments))
+    with open(arguments) as f:
+        page = f.read().strip()
+    expect(server.token not in page and page.startswith(os.path.join(options.scratch, "own")), page)
+    expect(stat.S_IMODE(os.stat(page).st_mode) == 0o600, "others may read the file")
+    expect(stat.S_IMODE(os.stat(os.path.dirname(page)).st_mode) == 0o700, "others may look into the folder")
+    with open(page) as f:
+        expect(f'content="0; url={server.url}"' in f.read(), "the file does not lead to the page")
+    expect(server.stop() == 0, "the job failed: " + server.errors)
+    expect(not os.path.exists(os.path.dirname(page)), "the file is left behind")

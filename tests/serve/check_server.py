@@ -5,7 +5,7 @@
 import argparse, os, shutil, signal, socket, subprocess, sys, time
 
 import viewer_client as vc
-from access_cases import allowed, page, strangers
+from access_cases import allowed, fake_browser, opens, page, strangers
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
 from server_case import expect, is_alive, start, told
@@ -358,6 +358,7 @@ def returning(options, server):
 SERIES = ("--frames", "all", "--tf", "mr-soft")
 CASES = {"page": (page,), "strangers": (strangers,),
          "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
+         "opens": (opens, "--open", "XDG_RUNTIME_DIR={scratch}/own", "PATH={scratch}/bin:/usr/bin:/bin"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
          "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
          "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
@@ -385,12 +386,13 @@ if __name__ == "__main__":
     shutil.rmtree(given.scratch, ignore_errors=True)
     os.makedirs(given.scratch)
     fake_ffmpeg(given, "exit 1\n")
+    fake_browser(given)
     if "--frames" in more:
         given.volume = make_series(given)
     running = start(given, *(word.format(scratch=given.scratch) for word in more))
     try:
         test(given, running)
-        expect(running.process.poll() is None or given.case in ("ends", "killed_rank", "movie_failures"), "the server is gone")
+        expect(running.process.poll() is None or given.case in ("ends", "killed_rank", "movie_failures", "opens"), "the server is gone")
         if running.process.poll() is None:
             expect(running.stop() == 0, "the job failed: " + running.errors)
     except BaseException:

@@ -1,10 +1,20 @@
 """What the tests of a running `ringsplat serve` share."""
+import time
+
 import viewer_client as vc
 
 
 def expect(condition, what):
     if not condition:
         raise AssertionError(what)
+
+
+def until(what, condition, seconds=20):
+    """Waits for a condition."""
+    end = time.monotonic() + seconds
+    while not condition():
+        expect(time.monotonic() < end, what)
+        time.sleep(0.05)
 
 
 def start(options, *more):
