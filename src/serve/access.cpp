@@ -65,6 +65,8 @@ bool Access::origin_allowed(std::string_view origin, std::string_view host) cons
   return std::find(origins_.begin(), origins_.end(), origin) != origins_.end();
 }
 
+bool Access::is_token(std::string_view text) const { return same_in_constant_time(text, token_); }
+
 bool Access::may_connect(std::string_view offered) const {
   bool speaks = false, knows = false;
   while (!offered.empty()) {
@@ -72,8 +74,7 @@ bool Access::may_connect(std::string_view offered) const {
     const std::string_view word = trimmed(offered.substr(0, end));
     offered.remove_prefix(std::min(end + 1, offered.size()));
     speaks = speaks || word == subprotocol;
-    if (word.starts_with(token_prefix))
-      knows = same_in_constant_time(word.substr(token_prefix.size()), token_) || knows;
+    if (word.starts_with(token_prefix)) knows = is_token(word.substr(token_prefix.size())) || knows;
   }
   return speaks && knows;
 }

@@ -19,8 +19,10 @@ class Access {
   bool host_allowed(std::string_view host) const;
   /// `host`: of the same request.
   bool origin_allowed(std::string_view origin, std::string_view host) const;
+  /// Takes as long for every text of the right length.
+  bool is_token(std::string_view text) const;
   /// `offered`: a WebSocket request's list of subprotocols, which must have "ringsplat.v1" and
-  /// "token.TOKEN". Takes as long for every token of the right length.
+  /// "token.TOKEN".
   bool may_connect(std::string_view offered) const;
 
  private:

@@ -130,11 +130,10 @@ class WebServer::Impl {
   }
 
   void welcome(tcp::socket&& socket) {
-    if (shared_.connections >= 2 * shared_.limits.connections) return;  // closes it
+    if (shared_.visitors.size() >= shared_.limits.visitors) shared_.visitors.front()->give_way();
     error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
-    const bool one_too_many = shared_.connections >= shared_.limits.connections;
-    std::make_shared<Visitor>(shared_, std::move(socket), one_too_many)->read();
+    std::make_shared<Visitor>(shared_, std::move(socket))->read();
   }
 
   std::vector<std::shared_ptr<Client>> clients() const {

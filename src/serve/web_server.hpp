@@ -23,7 +23,8 @@ struct ServerOptions {
 
 /// What a client may use up.
 struct ServerLimits {
-  int connections = 32;  ///< one more is told 503; of further ones at most as many are answered at a time
+  int pages = 32;                                    ///< with the token; one more is told 503
+  std::size_t visitors = 64;                         ///< without: for one more the oldest gives way
   std::size_t message_bytes = std::size_t{1} << 16;  ///< of one that a client sends
   std::size_t header_bytes = std::size_t{1} << 13;
   /// A client that leaves more than this unread, behind the message that is being sent, is cut off when there

@@ -1,5 +1,6 @@
 #pragma once
 // The web server's parts, which only web_server.cpp includes: Beast takes half a minute to compile.
+#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -28,6 +29,7 @@ inline std::string_view view(beast::string_view text) { return {text.data(), tex
 inline beast::string_view view(std::string_view text) { return {text.data(), text.size()}; }
 
 class Client;
+class Visitor;
 
 /// What all connections share; only the server's thread uses it.
 struct Shared {
@@ -36,18 +38,20 @@ struct Shared {
   std::optional<Access> access;
   std::string frame_ancestors;  ///< a list of the Content-Security-Policy
   std::map<ClientId, std::weak_ptr<Client>> clients;
-  int connections = 0;
+  int pages = 0;  ///< connections that have shown the token
+  /// All others, in the order in which they came; each leaves the list when it goes.
+  std::list<Visitor*> visitors;
   ClientId last_client = 0;
   bool ending = false;
   asio::io_context io{1};  ///< goes first, with handlers that hold connections
 };
 
-/// A connection's place among those that are allowed.
+/// A page's place among those that are allowed.
 class Place {
  public:
-  explicit Place(Shared& shared) : shared_(&shared) { ++shared.connections; }
+  explicit Place(Shared& shared) : shared_(&shared) { ++shared.pages; }
   ~Place() {
-    if (shared_ != nullptr) --shared_->connections;
+    if (shared_ != nullptr) --shared_->pages;
   }
   Place(Place&& other) noexcept : shared_(std::exchange(other.shared_, nullptr)) {}
   Place(const Place&) = delete;

@@ -30,9 +30,19 @@ inline const PageFile* find_page_file(std::string_view target) {
 /// A connection while it asks for files, until it becomes a page's WebSocket.
 class Visitor : public std::enable_shared_from_this<Visitor> {
  public:
-  /// `one_too_many`: it is told so, whatever it asks.
-  Visitor(Shared& shared, tcp::socket&& socket, bool one_too_many)
-      : shared_(shared), one_too_many_(one_too_many), place_(shared), stream_(std::move(socket)) {}
+  Visitor(Shared& shared, tcp::socket&& socket)
+      : shared_(shared),
+        listed_(shared.visitors.insert(shared.visitors.end(), this)),
+        stream_(std::move(socket)) {}
+  ~Visitor() { leave_list(); }
+  Visitor(const Visitor&) = delete;
+  Visitor& operator=(const Visitor&) = delete;
+
+  /// Ends the connection, so that strangers who say nothing keep nobody out.
+  void give_way() {
+    leave_list();
+    stream_.close();
+  }
 
   void read() {
     parser_.emplace();
@@ -52,8 +62,6 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
   }
 
   void answer(const http::request<http::empty_body>& request) {
-    if (one_too_many_)
-      return reply(http::status::service_unavailable, "text/plain", "too many connections\n", false);
     const bool alive = request.keep_alive();
     const std::string_view host = view(request[http::field::host]);
     if (request.count(http::field::host) != 1 || !shared_.access->host_allowed(host))
@@ -62,10 +70,19 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     if (websocket::is_upgrade(request)) return upgrade(host);
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return reply(http::status::method_not_allowed, "text/plain", "only GET\n", false);
+    if (view(request.target()) == "/token") return judge_token(request);
     const PageFile* const file = find_page_file(view(request.target()));
     if (file == nullptr)
       return reply(http::status::not_found, "text/plain", "there is no such file\n", alive);
     reply(http::status::ok, content_type(file->name), file->bytes, alive);
+  }
+
+  /// A page learns nothing from a WebSocket that is refused: it asks here whether its token was wrong.
+  void judge_token(const http::request<http::empty_body>& request) {
+    if (shared_.access->is_token(view(request["Ringsplat-Token"])))
+      reply(http::status::no_content, "text/plain", "", request.keep_alive());
+    else
+      reply(http::status::forbidden, "text/plain", "the token is missing or wrong\n", request.keep_alive());
   }
 
   void upgrade(std::string_view host) {
@@ -80,9 +97,10 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     if (request.count(http::field::sec_websocket_protocol) != 1 ||
         !shared_.access->may_connect(view(request[http::field::sec_websocket_protocol])))
       return reply(http::status::forbidden, "text/plain", "the token is missing or wrong\n", false);
+    if (shared_.pages >= shared_.limits.pages)
+      return reply(http::status::service_unavailable, "text/plain", "too many pages\n", false);
     stream_.expires_never();
-    std::make_shared<Client>(shared_, stream_.release_socket(), std::move(place_))
-        ->accept(parser_->release());
+    std::make_shared<Client>(shared_, stream_.release_socket(), Place(shared_))->accept(parser_->release());
   }
 
   void reply(http::status status, const char* type, std::string_view body, bool keep_alive) {
@@ -114,9 +132,12 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
                       });
   }
 
+  void leave_list() {
+    if (listed_) shared_.visitors.erase(*std::exchange(listed_, std::nullopt));
+  }
+
   Shared& shared_;
-  const bool one_too_many_;
-  Place place_;
+  std::optional<std::list<Visitor*>::iterator> listed_;
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
   std::optional<http::request_parser<http::empty_body>> parser_;

@@ -24,6 +24,9 @@ def page(options, server):
 def strangers(options, server):
     port, host = server.port, f"127.0.0.1:{server.port}"
     refused(server, 403, protocols=[])
+    for token, status in (("", 403), ("0" * 32, 403), (server.token[:-1], 403), (server.token, 204)):
+        answer = vc.get(port, "/token", headers=[f"Ringsplat-Token: {token}"])
+        expect(answer.startswith(f"HTTP/1.1 {status}".encode()), answer[:40])
     refused(server, 403, protocols=["ringsplat.v1"])
     refused(server, 403, protocols=["ringsplat.v1", "token." + "0" * 32])
     refused(server, 403, protocols=["ringsplat.v1", "token." + server.token[:-1]])

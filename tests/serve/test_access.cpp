@@ -38,6 +38,13 @@ TEST_CASE("Only pages of the same host and those that were allowed may connect")
   CHECK(!rules.origin_allowed("http://evil.org:80", "evil.org:80"));
 }
 
+TEST_CASE("Only the token itself is the token") {
+  CHECK(rules.is_token(token));
+  for (const std::string& other :
+       std::vector<std::string>{"", token.substr(1), token + "0", std::string(32, '0')})
+    CHECK(!rules.is_token(other));
+}
+
 TEST_CASE("A client must offer both the subprotocol and the token") {
   CHECK(rules.may_connect("ringsplat.v1, token." + token));
   CHECK(rules.may_connect("token." + token + " ,\tringsplat.v1,other"));

@@ -25,8 +25,9 @@ def http(port, request, timeout=10):
             answer += part
 
 
-def get(port, target="/", host=None):
-    return http(port, f"GET {target} HTTP/1.1\r\nHost: {host or f'127.0.0.1:{port}'}\r\nConnection: close\r\n\r\n".encode())
+def get(port, target="/", host=None, headers=()):
+    lines = [f"GET {target} HTTP/1.1", f"Host: {host or f'127.0.0.1:{port}'}", "Connection: close", *headers]
+    return http(port, ("\r\n".join(lines) + "\r\n\r\n").encode())
 
 
 class Closed(Exception):
@@ -186,22 +187,7 @@ class Server:
         return client
 
     def ranks(self):
-        """Process ids of the ranks: the launcher's descendants that serve, or the server itself."""
-        children = {}
-        for pid in filter(str.isdigit, os.listdir("/proc")):
-            try:
-                with open(f"/proc/{pid}/stat") as f:
-                    name, rest = f.read().rsplit(")", 1)
-                children.setdefault(int(rest.split()[1]), []).append((int(pid), name.split("(", 1)[1]))
-            except OSError:
-                pass
-        found, todo = [], [self.process.pid]
-        while todo:
-            for pid, name in children.get(todo.pop(), []):
-                todo.append(pid)
-                if name.startswith("ringsplat"):
-                    found.append(pid)
-        return sorted(found) or [self.process.pid]
+        return ranks_of(self.process.pid)
 
     def stop(self, number=signal.SIGTERM, timeout=30):
         """Its exit code."""
@@ -218,6 +204,25 @@ class Server:
         if self.process.poll() is None:
             os.killpg(self.process.pid, signal.SIGKILL)
             self.process.wait()
+
+
+def ranks_of(job):
+    """Process ids of a job's ranks: the launcher's descendants that serve, or the server itself."""
+    children = {}
+    for pid in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{pid}/stat") as f:
+                name, rest = f.read().rsplit(")", 1)
+            children.setdefault(int(rest.split()[1]), []).append((int(pid), name.split("(", 1)[1]))
+        except OSError:
+            pass
+    found, todo = [], [job]
+    while todo:
+        for pid, name in children.get(todo.pop(), []):
+            todo.append(pid)
+            if name.startswith("ringsplat"):
+                found.append(pid)
+    return sorted(found) or [job]
 
 
 def memory_of(pid):

@@ -22,6 +22,7 @@ import { TransferPanel } from './transfer_panel.js';
 import { ViewPanel } from './view_panel.js';
 
 const lossesTold = 3;
+const waitTold = 1000;      // milliseconds without a picture
 const fragmentWait = 300;  // milliseconds; browsers limit how often the address may change
 
 export class App {
@@ -148,15 +149,30 @@ export class App {
     if (picture.seq !== this.latencyOf && this.driving) [this.latency, this.latencyOf] = [picture.latency, picture.seq];
     if (!this.driving || this.stage.frameOf(picture.seq) === this.series.frame) this.series.pictureShown();
     showFacts(picture, this.driving ? this.latency : NaN, this.hello);
+    this.awaitPicture(false);
+    this.awaitPicture(this.driving && !(picture.atRest && picture.seq === this.sender.seq));
     if (!this.driving) this.redraw();
   }
 
   linkChanged(status) {
+    this.awaitPicture(false);
     showLink(status);
+    if (status === 'refused')
+      this.refusal = showError(this.token ? 'The token of this address is not the server\'s.' : 'This address lacks its token.',
+                    'Open the whole address that ringsplat serve printed when it started.', true);
     if (status !== 'open') this.requests.failAll('the connection was lost');
     if (status === 'open') this.losses = 0;
+    if (status === 'open') this.refusal?.remove();
     if (status === 'lost' && ++this.losses === lossesTold)
       this.complain('The server does not answer.', 'If it was started anew, open the address that it printed then.');
+  }
+
+  /** Says so when the present view's final picture lets one wait. */
+  awaitPicture(waits) {
+    if (waits && this.waiting) return;
+    if (this.waiting) showLink(this.connection.status);
+    clearTimeout(this.waiting);
+    this.waiting = waits ? setTimeout(() => showLink('waiting'), waitTold) : 0;
   }
 
   ended(message) {
@@ -276,6 +292,7 @@ export class App {
     const { state } = this.scene, time = performance.now();
     const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
     if (sent) this.stage.remember(seq, this.scene.state.camera, this.scene.state.frame);
+    if (sent) this.awaitPicture(true);
     return sent;
   }
 

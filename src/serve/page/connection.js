@@ -19,9 +19,19 @@ export function readBinary(buffer) {
   };
 }
 
+/** Whether the server says so; a WebSocket that it refuses looks like one that nobody answers. */
+async function isWrong(token) {
+  try {
+    const headers = { 'Ringsplat-Token': token };
+    return (await fetch(new URL('token', document.baseURI), { headers, cache: 'no-store' })).status === 403;
+  } catch {
+    return false;
+  }
+}
+
 /**
  * Calls handlers.message(json), handlers.binary(head) and handlers.status('connecting' | 'open' | 'lost' |
- * 'ended'). `token` is asked for at each attempt.
+ * 'ended' | 'refused'). `token` is asked for at each attempt; without the right one there are no more.
  */
 export class Connection {
   constructor(token, handlers) {
@@ -36,6 +46,7 @@ export class Connection {
   open() {
     clearTimeout(this.timer);
     this.become('connecting');
+    if (!this.token()) return this.become('refused');
     const address = new URL('ws', document.baseURI);  // relative: works behind a path prefix
     address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
     address.hash = '';
@@ -44,9 +55,11 @@ export class Connection {
     socket.onmessage = ({ data }) => {
       if (socket === this.socket) this.take(data);
     };
-    socket.onclose = () => {
-      if (socket === this.socket && this.status !== 'ended') this.retry();
+    socket.onclose = async () => {
+      if (this.status === 'connecting' && (await isWrong(this.token())) && socket === this.socket) this.become('refused');
+      else if (socket === this.socket && this.status !== 'ended') this.retry();
     };
+    return undefined;
   }
 
   /** Drops the connection and makes a new one at once, as when a new token came. */

@@ -5,7 +5,8 @@ import { byId, element, show } from './dom.js';
 const errorStays = 15000;  // milliseconds
 
 export function showLink(status) {
-  const words = { connecting: 'connecting', open: 'connected', lost: 'connection lost, trying again', ended: 'ended' };
+  const words = { connecting: 'connecting', open: 'connected', lost: 'connection lost, trying again', ended: 'ended',
+                  refused: 'not connected', waiting: 'waiting for the ranks' };
   byId('link').dataset.status = status;
   byId('link').textContent = words[status];
 }
@@ -33,8 +34,8 @@ export function showDriver(driving, viewers) {
   document.body.classList.toggle('watching', !driving);
 }
 
-/** The same message is shown once, however often it comes. */
-export function showError(message, hint) {
+/** The same message is shown once, however often it comes. `stays`: until it is dismissed. */
+export function showError(message, hint, stays = false) {
   const box = byId('messages');
   const same = [...box.children].find((child) => child.dataset.text === message);
   same?.remove();
@@ -43,7 +44,8 @@ export function showError(message, hint) {
     element('button', { 'aria-label': 'Dismiss', onclick: () => note.remove() }, '✕'));
   box.append(note);
   while (box.children.length > 3) box.firstChild.remove();
-  setTimeout(() => note.remove(), errorStays);
+  if (!stays) setTimeout(() => note.remove(), errorStays);
+  return note;
 }
 
 export function showEnd(message, tryAgain) {
