@@ -1,9 +1,55 @@
-# Writes OUTPUT, a C++ source with the bytes of FILES (a list of names below FOLDER) as a table.
+# Writes OUTPUT, a C++ source with the bytes of FILES (a list of names below FOLDER) as a table. Its index.html has the
+# style sheet and all modules in it, so that a browser asks once.
+cmake_minimum_required(VERSION 3.19)
+set_property(GLOBAL PROPERTY script "")
+
+# Appends a module to the script, after those that it imports: a function that returns what it exports.
+function(add_module name)
+  get_property(added GLOBAL PROPERTY modules)
+  if(name IN_LIST added)
+    return()
+  endif()
+  set_property(GLOBAL APPEND PROPERTY modules ${name})
+  file(READ ${FOLDER}/${name}.js text)
+  string(REGEX MATCHALL "from '\\./[a-z_]+\\.js'" imports "${text}")
+  foreach(import IN LISTS imports)
+    string(REGEX REPLACE ".*/([a-z_]+)\\.js'" "\\1" needed ${import})
+    add_module(${needed})
+  endforeach()
+  string(REGEX MATCHALL "\nexport (class|const|function) [A-Za-z0-9_]+" exports "${text}")
+  list(TRANSFORM exports REPLACE ".* " "")
+  list(JOIN exports ", " exports)
+  string(REGEX REPLACE "import ({[^}]*}) from '\\./([a-z_]+)\\.js';" "const \\1 = in_\\2;" text "${text}")
+  string(REPLACE "\nexport " "\n" text "${text}")
+  set_property(GLOBAL APPEND_STRING PROPERTY script
+    "const in_${name} = (() => {\n${text}return { ${exports} };\n})();\n")
+endfunction()
+
+add_module(main)
+get_property(script GLOBAL PROPERTY script)
+file(READ ${FOLDER}/style.css style)
+file(READ ${FOLDER}/index.html page)
+foreach(part "<link rel=\"stylesheet\" href=\"style.css\">" "<script type=\"module\" src=\"main.js\"></script>")
+  string(FIND "${page}" "${part}" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "${FOLDER}/index.html has no ${part}")
+  endif()
+endforeach()
+string(REPLACE "<link rel=\"stylesheet\" href=\"style.css\">" "<style>${style}</style>" page "${page}")
+string(REPLACE "<script type=\"module\" src=\"main.js\"></script>" "<script type=\"module\">${script}</script>" page "${page}")
+foreach(text script style page)
+  string(SHA256 ${text}_hash "${${text}}")
+endforeach()
+
 set(arrays)
 set(rows)
 set(index 0)
 foreach(name IN LISTS FILES)
-  file(READ ${FOLDER}/${name} hex HEX)
+  if(name STREQUAL "index.html")
+    string(HEX "${page}" hex)
+  else()
+    file(READ ${FOLDER}/${name} hex HEX)
+  endif()
   string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
   string(APPEND arrays "constexpr unsigned char file_${index}[] = {${bytes}0};\n")
   string(APPEND rows "    {\"${name}\", {reinterpret_cast<const char*>(file_${index}), sizeof file_${index} - 1}},\n")
@@ -21,6 +67,10 @@ ${rows}};
 }  // namespace
 
 std::span<const PageFile> page_files() { return files; }
+
+PageHashes page_hashes() {
+  return {\"${script_hash}\", \"${style_hash}\", \"${page_hash}\"};
+}
 
 }  // namespace ringsplat::serve
 ")

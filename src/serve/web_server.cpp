@@ -41,6 +41,8 @@ class WebServer::Impl {
     bind(options);
     shared_.access.emplace(token_, hosts(options), options.allowed_origins);
     shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
+    shared_.packed_page = gzipped(find_page_file("/")->bytes);
+    shared_.page_tag = fmt::format("\"{}\"", page_hashes().page);
     accept();
     if (options.take_signals) {
       signals_.emplace(shared_.io, SIGINT, SIGTERM);

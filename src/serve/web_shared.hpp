@@ -37,6 +37,7 @@ struct Shared {
   ServerEvents events;
   std::optional<Access> access;
   std::string frame_ancestors;  ///< a list of the Content-Security-Policy
+  std::string packed_page, page_tag;
   std::map<ClientId, std::weak_ptr<Client>> clients;
   int pages = 0;  ///< connections that have shown the token
   /// All others, in the order in which they came; each leaves the list when it goes.

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 
+#include "serve/page_encoding.hpp"
 #include "serve/page_files.hpp"
 #include "serve/web_client.hpp"
 
@@ -74,7 +75,23 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     const PageFile* const file = find_page_file(view(request.target()));
     if (file == nullptr)
       return reply(http::status::not_found, "text/plain", "there is no such file\n", alive);
+    if (file->name == "index.html") return reply_with_page(file->bytes, alive);
     reply(http::status::ok, content_type(file->name), file->bytes, alive);
+  }
+
+  /// The page is asked for again only where it has changed, and compressed where that is understood.
+  void reply_with_page(std::string_view html, bool alive) {
+    const auto& request = parser_->get();
+    const bool known =
+        view(request[http::field::if_none_match]).find(shared_.page_tag) != std::string_view::npos;
+    const bool packed = view(request[http::field::accept_encoding]).find("gzip") != std::string_view::npos;
+    http::fields more;
+    more.set(http::field::etag, shared_.page_tag);
+    more.set(http::field::cache_control, "no-cache");
+    more.set(http::field::vary, "Accept-Encoding");
+    if (known) return reply(http::status::not_modified, content_type(".html"), "", alive, more);
+    if (packed) more.set(http::field::content_encoding, "gzip");
+    reply(http::status::ok, content_type(".html"), packed ? shared_.packed_page : html, alive, more);
   }
 
   /// A page learns nothing from a WebSocket that is refused: it asks here whether its token was wrong.
@@ -103,20 +120,24 @@ class Visitor : public std::enable_shared_from_this<Visitor> {
     std::make_shared<Client>(shared_, stream_.release_socket(), Place(shared_))->accept(parser_->release());
   }
 
-  void reply(http::status status, const char* type, std::string_view body, bool keep_alive) {
+  /// `more`: header fields besides those of all answers, or in their place.
+  void reply(http::status status, const char* type, std::string_view body, bool keep_alive,
+             const http::fields& more = {}) {
     const unsigned version = parser_ ? parser_->get().version() : 11;
     const bool head = parser_ && parser_->get().method() == http::verb::head;
     auto response = std::make_shared<http::response<http::string_body>>(status, version);
     response->set(http::field::content_type, type);
     response->set("Content-Security-Policy",
-                  "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-                  "connect-src 'self'; frame-ancestors " +
+                  "default-src 'none'; script-src 'self' " + policy_source(page_hashes().script) +
+                      "; style-src 'self' " + policy_source(page_hashes().style) +
+                      "; img-src 'self' blob: data:; connect-src 'self'; frame-ancestors " +
                       shared_.frame_ancestors + "; base-uri 'none'; form-action 'none'");
     response->set("X-Content-Type-Options", "nosniff");
     response->set("Referrer-Policy", "no-referrer");
     response->set("Cross-Origin-Resource-Policy", "same-origin");
     response->set("Cross-Origin-Opener-Policy", "same-origin");
     response->set(http::field::cache_control, "no-store");
+    for (const auto& field : more) response->set(field.name(), field.value());
     response->body() = std::string(body);
     response->keep_alive(keep_alive);
     response->prepare_payload();

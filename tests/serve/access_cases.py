@@ -1,5 +1,5 @@
 """Tests of what a running `ringsplat serve` shows to whom."""
-import os, stat
+import base64, gzip, hashlib, os, stat
 
 import viewer_client as vc
 from server_case import expect, is_alive, refused, until
@@ -10,7 +10,7 @@ def page(options, server):
     head = answer.split(b"\r\n\r\n")[0].decode().lower()
     expect(answer.startswith(b"HTTP/1.1 200"), answer[:80])
     for line in ("content-type: text/html; charset=utf-8", "x-content-type-options: nosniff",
-                 "referrer-policy: no-referrer", "cache-control: no-store",
+                 "referrer-policy: no-referrer", "cache-control: no-cache",
                  "cross-origin-resource-policy: same-origin"):
         expect(line in head, line + " is missing")
     policy = next(l for l in head.split("\r\n") if l.startswith("content-security-policy"))
@@ -19,6 +19,29 @@ def page(options, server):
     expect(b"text/javascript" in vc.get(server.port, "/main.js").split(b"\r\n\r\n")[0], "main.js")
     for target in ("/no", "/../etc/passwd", "/page/index.html", "//index.html", "/%2e%2e/x", "/style.css/"):
         expect(vc.get(server.port, target).startswith(b"HTTP/1.1 404"), target)
+
+
+def packed_page(options, server):
+    """One file has all of the page, is sent compressed, and once."""
+    def ask(*headers):
+        head, body = vc.get(server.port, headers=headers).split(b"\r\n\r\n", 1)
+        status, *lines = head.decode().lower().split("\r\n")
+        return int(status.split()[1]), dict(line.split(": ", 1) for line in lines), body
+
+    status, plain, html = ask()
+    expect(status == 200 and "content-encoding" not in plain, plain)
+    expect(b" src=" not in html and b"stylesheet" not in html and b"\nimport " not in html and b"\nexport " not in html,
+           "the page asks for more")
+    status, packed, body = ask("Accept-Encoding: gzip, deflate, br")
+    expect(packed["content-encoding"] == "gzip" and gzip.decompress(body) == html, packed)
+    expect(len(body) < len(html) / 3 and body[4:8] == bytes(4), "large, or has a time")
+    for part, tag in ((b"script", b'<script type="module">'), (b"style", b"<style>")):
+        inside = html.split(tag, 1)[1].split(b"</" + part + b">", 1)[0]
+        digest = base64.b64encode(hashlib.sha256(inside).digest()).decode()
+        expect(f"'sha256-{digest}'".lower() in packed["content-security-policy"], f"the policy forbids the {part}")
+    status, head, body = ask(f"If-None-Match: {packed['etag']}")
+    expect((status, body) == (304, b"") and head["etag"] == packed["etag"], head)
+    expect(ask('If-None-Match: "other"')[0] == 200, "another page is taken for this one")
 
 
 def strangers(options, server):

@@ -5,7 +5,7 @@
 import argparse, os, shutil, signal, socket, subprocess, sys, time
 
 import viewer_client as vc
-from access_cases import allowed, fake_browser, opens, page, strangers
+from access_cases import allowed, fake_browser, opens, packed_page, page, strangers
 from movie_cases import fake_ffmpeg, movie_failures, movies, no_ffmpeg
 from series_cases import make_series, series, series_failures, series_quickly
 from server_case import expect, is_alive, start, told
@@ -341,7 +341,7 @@ def returning(options, server):
 
 
 SERIES = ("--frames", "all", "--tf", "mr-soft")
-CASES = {"page": (page,), "strangers": (strangers,),
+CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers,),
          "allowed": (allowed, "--allow-host", "node7:9999", "--allow-origin", "https://hub.example.org"),
          "opens": (opens, "--open", "XDG_RUNTIME_DIR={scratch}/own", "PATH={scratch}/bin:/usr/bin:/bin"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
