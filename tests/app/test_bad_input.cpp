@@ -43,7 +43,7 @@ class Inputs {
     }());
     write_text(folder_ / "letter.txt", "Dear reader,\n");
     fs::create_directory(folder_ / "empty_folder");
-    const auto sparse = folder_ / "sparse_100000x10000x1000_uint8.raw";
+    const auto sparse = folder_ / "sparse_16000x12500x5000_uint8.raw";
     write_text(sparse, "");
     fs::resize_file(sparse, std::uintmax_t{1'000'000'000'000});
 
@@ -181,7 +181,7 @@ const std::vector<Case> volume_cases{
     {{"render", "{in}/nan_4x4x4_float32.raw", "-o", "{out}/x.png"}, "no finite value", true},
     {{"render", "{in}/letter.txt", "-o", "{out}/x.png"}, "letter.txt"},
     {{"render", "{in}/empty_folder", "-o", "{out}/x.png"}, "empty_folder"},
-    {{"render", "{in}/sparse_100000x10000x1000_uint8.raw", "-o", "{out}/x.png"}, "GiB", true},
+    {{"render", "{in}/sparse_16000x12500x5000_uint8.raw", "-o", "{out}/x.png"}, "GiB", true},
 };
 
 const std::vector<Case> small_file_cases{
