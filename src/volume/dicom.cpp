@@ -245,9 +245,10 @@ VolumeNotes notes_of(const DicomSeries& series, int frames) {
 std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice) {
   const bool folder = std::filesystem::is_directory(path);
   const auto all = folder ? find_series(path, true) : find_series_of(path);
-  if (all.empty())
-    throw InputError(fmt::format("{} holds no DICOM or TIFF images", path.string()),
-                     "give a folder with one series or stack, or a volume file");
+  if (all.empty()) {
+    if (folder) refuse_without_images(path);
+    throw InputError(fmt::format("{} holds no DICOM image", path.string()), "give a file that has pixels");
+  }
   const auto& series = choose_series(all, choice.series, path.string());
   const bool multi_frame = series.images.size() == 1 && series.images.front().frames > 1;
   auto opened = multi_frame ? open_frames(series.images.front(), choice) : open_series(series, choice, path);

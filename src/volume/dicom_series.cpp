@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 #include <set>
+#include <system_error>
 #include <utility>
 
 #include "base/log.hpp"
@@ -48,6 +49,7 @@ std::optional<DicomSeries> read_header(const fs::path& path) {
 class Walk {
  public:
   std::vector<fs::path> files(const fs::path& folder, bool deep) {
+    root_ = folder;
     visit(folder, deep ? deepest : 0);
     std::sort(files_.begin(), files_.end());
     return std::move(files_);
@@ -61,10 +63,10 @@ class Walk {
     if (!visited_.insert(fs::canonical(folder)).second) return;
     for (const auto& entry : fs::directory_iterator(folder)) {
       if (files_.size() >= most_files)
-        throw InputError(fmt::format("{} holds more than {} files", folder.string(), most_files),
+        throw InputError(fmt::format("{} holds more than {} files", root_.string(), most_files),
                          "give the folder of one study or series");
       std::error_code broken;  // a link that leads nowhere is no image
-      if (entry.is_regular_file(broken))
+      if (entry.is_regular_file(broken) && entry.file_size(broken) > 0)  // the kernel's own have none
         files_.push_back(entry.path());
       else if (depth > 0 && entry.is_directory(broken))
         visit_below(entry.path(), depth - 1);
@@ -76,10 +78,12 @@ class Walk {
     try {
       visit(folder, depth);
     } catch (const fs::filesystem_error& error) {
+      if (error.code() == std::errc::no_such_file_or_directory) return;  // gone since it was listed
       log_warning_once("left out: {}: {}", folder.string(), error.code().message());
     }
   }
 
+  fs::path root_;
   std::vector<fs::path> files_;
   std::set<fs::path> visited_;
 };
@@ -179,7 +183,10 @@ std::vector<DicomSeries> find_series(const fs::path& folder, bool deep) {
       problems.push_back(error);
     }
   }
-  if (series.empty() && !problems.empty()) throw InputError(problems.front());
+  if (series.empty() && problems.size() == 1) throw InputError(problems.front());
+  if (series.empty() && !problems.empty())
+    throw InputError(fmt::format("{} holds no image that can be read; of {} the first: {}", folder.string(),
+                                 problems.size(), problems.front().what()));
   tell(problems, folder);
   if (copies > 0) log_warning_once("{}: {} files are copies of others and left out", folder.string(), copies);
   std::vector<DicomSeries> found;

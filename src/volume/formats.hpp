@@ -36,6 +36,9 @@ bool is_hdf5(const std::filesystem::path& path);
 /// A file and what follows the colon behind its name. A path that exists as a whole has nothing behind.
 std::pair<std::filesystem::path, std::string> split_dataset(const std::filesystem::path& path);
 
+/// Throws InputError that says what a folder holds instead of DICOM or TIFF images.
+[[noreturn]] void refuse_without_images(const std::filesystem::path& folder);
+
 bool is_tiff(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

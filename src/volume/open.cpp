@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -90,16 +91,25 @@ void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
                               path.string(), notes.frames, notes.frames - 1));
 }
 
-bool has_tiff(const std::filesystem::path& folder) {
+/// A folder's volume is a stack of TIFF pages or DICOM images, unless the folder is a format of its own.
+Open format_of_folder(const std::filesystem::path& folder) {
+  const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
+  if (has(".zarray") || has(".zgroup") || has("zarr.json"))
+    throw InputError(fmt::format("{} is a Zarr store", folder.string()),
+                     fmt::format("save an array of it: numpy.save('x.npy', zarr.open('{}'){}[...])",
+                                 folder.string(), has(".zarray") ? "" : "['NAME']"));
+  if (has("Header") && has("Level_0"))
+    throw InputError(
+        fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),
+        "save one grid of it, for example yt's covering_grid, as a .npy");
   for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (detail::is_tiff(entry.path())) return true;
-  return false;
+    if (detail::is_tiff(entry.path())) return detail::open_tiff;
+  return detail::open_dicom;
 }
 
 std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, const RawDescription& raw,
                                             const VolumeChoice& choice) {
-  if (std::filesystem::is_directory(path))
-    return open_described(path, has_tiff(path) ? detail::open_tiff : detail::open_dicom, raw, choice);
+  if (std::filesystem::is_directory(path)) return open_described(path, format_of_folder(path), raw, choice);
   if (const auto [file, dataset] = detail::split_dataset(path); !dataset.empty())
     return open_described(path, detail::open_hdf5, raw, choice);
   { const detail::InputFile readable(path); }
@@ -116,6 +126,28 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
 }
 
 }  // namespace
+
+void detail::refuse_without_images(const std::filesystem::path& folder) {
+  std::set<std::filesystem::path> volumes, pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto ending = lower_case(entry.path().extension().string());
+    std::error_code broken;
+    if (!entry.is_regular_file(broken)) continue;
+    if (ending == ".png" || ending == ".jpg" || ending == ".jpeg" || ending == ".bmp" || ending == ".jp2")
+      pictures.insert(entry.path());
+    if (find_format(entry.path()) || ending == ".raw") volumes.insert(entry.path());
+  }
+  if (!volumes.empty())
+    throw InputError(fmt::format("{} holds volume files ({})", folder.string(), volumes.size()),
+                     fmt::format("name one of them, as {}", volumes.begin()->string()));
+  if (!pictures.empty())
+    throw InputError(
+        fmt::format("{} holds pictures ({} files, {})", folder.string(), pictures.size(),
+                    pictures.begin()->extension().string()),
+        "slices are read from TIFF and DICOM: convert them to .tif, for example with 'mogrify -format tif'");
+  throw InputError(fmt::format("{} holds no DICOM or TIFF images", folder.string()),
+                   "give a folder with one series or stack, or a volume file");
+}
 
 std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw,
                                           const VolumeChoice& choice) {

@@ -212,6 +212,41 @@ std::vector<Bad> bad_folders() {
          fs::create_directory(f / "a.nrrd");
          return f / "a.nrrd";
        }},
+      {"a Zarr array", "is a Zarr store; hint: save an array of it: numpy.save",
+       [](const Folder& f) {
+         fs::create_directory(f / "a.zarr");
+         write(f / "a.zarr/.zarray", "{}");
+         return f / "a.zarr";
+       }},
+      {"a Zarr group", "['NAME'][...]",
+       [](const Folder& f) {
+         write(f / "zarr.json", "{}");
+         return f.path();
+       }},
+      {"a plotfile", "is an AMReX plotfile",
+       [](const Folder& f) {
+         fs::create_directory(f / "Level_0");
+         write(f / "Header", "HyperCLaw-V1.1");
+         return f.path();
+       }},
+      {"a folder of pictures", "holds pictures (2 files, .png); hint: slices are read from TIFF and DICOM",
+       [](const Folder& f) {
+         write(f / "1.png", "x");
+         write(f / "2.PNG", "x");
+         return f.path();
+       }},
+      {"a folder of volumes", "holds volume files (2); hint: name one of them, as ",
+       [](const Folder& f) {
+         write(f / "b.nii.gz", "x");
+         write(f / "c.mha", "x");
+         return f.path();
+       }},
+      {"a folder of broken images", "holds no image that can be read; of 2 the first: ",
+       [](const Folder& f) {
+         write(f / "a.dcm", "x");
+         write(f / "b.dcm", "x");
+         return f.path();
+       }},
       {"a named pipe", "not a regular file",
        [](const Folder& f) {
          ::mkfifo((f / "a.nrrd").c_str(), 0600);
