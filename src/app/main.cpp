@@ -1,7 +1,9 @@
 #include "app/process_end.hpp"
 #include "app/program.hpp"
+#include "volume/hdf5_trial.hpp"
 
 int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();
+  ringsplat::detail::hdf5::leave_open_at_exit();
   return ringsplat::app::run_program(argc, argv);
 }

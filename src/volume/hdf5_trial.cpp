@@ -61,4 +61,6 @@ void try_first(const std::filesystem::path& file, const std::function<void()>& u
                    "the file is damaged: copy it again");
 }
 
+void leave_open_at_exit() { H5dont_atexit(); }
+
 }  // namespace ringsplat::detail::hdf5

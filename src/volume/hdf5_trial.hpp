@@ -10,4 +10,9 @@ namespace ringsplat::detail::hdf5 {
 /// no process can be made.
 void try_first(const std::filesystem::path& file, const std::function<void()>& use);
 
+/// Keeps HDF5 from closing what is open when the process ends, which it cannot of damaged files and says at
+/// length. For programs that are ours: another's files that it writes by HDF5 would not be finished. Call it
+/// first.
+void leave_open_at_exit();
+
 }  // namespace ringsplat::detail::hdf5

@@ -313,6 +313,15 @@ TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi][ope
   for (const auto& c : wrong) check_case(c, inputs, 3);
 }
 
+TEST_CASE("what HDF5 says of damaged files does not reach stderr") {
+  for (const auto& entry : fs::directory_iterator(fs::path(RINGSPLAT_TEST_DATA) / "../fuzz/crashes/hdf5")) {
+    const Ended ended = run_program({"info", entry.path().string()});
+    CAPTURE(entry.path(), ended.err);
+    CHECK(ended.code == 2);
+    CHECK(lines_with(ended.err, "").size() == lines_with(ended.err, "ringsplat: ").size());
+  }
+}
+
 TEST_CASE("a good volume is not refused") {
   // The common part of the cases above must work, or they would fail for the wrong reason.
   const Inputs inputs;
