@@ -17,6 +17,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "volume/synth.hpp"
 
@@ -47,6 +48,7 @@ void check_options(const ReferenceOptions& o) {
   if (!p.transfer_function_out.empty()) check_can_write_text(p.transfer_function_out, "--tf-out");
   refuse_clashes({{"-o", p.output}, {"--tf-out", p.transfer_function_out}},
                  {{"the volume", p.volume.path}, {"--path", p.path}, {"--tf", p.transfer_function}});
+  require_image_library();
 }
 
 }  // namespace

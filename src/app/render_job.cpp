@@ -22,6 +22,7 @@
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_needs.hpp"
+#include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
@@ -173,6 +174,9 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
   o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
   require_memory(job, launch);
+  launch.check_on_rank_0([&] {
+    if (!o.output.empty()) require_image_library();
+  });
   if (!job.view_note.empty()) log_info("{}", job.view_note);
   log_roles(job.layout, job.memory, launch);
   return job;

@@ -86,6 +86,14 @@ const ImageLibrary& image_library() {
 const ImageLibrary& image_library() { return *ringsplat_image_library(); }
 #endif
 
+void require_image_library() {
+  try {
+    static_cast<void>(image_library());
+  } catch (const RunError& e) {
+    throw InputError(e.what());
+  }
+}
+
 OpenedImageFile open_image_file(const std::filesystem::path& path) {
   return image_library().open(path.string());
 }

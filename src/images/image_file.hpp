@@ -40,6 +40,9 @@ class ImageFile {
   virtual std::string read(int image, int channels, SampleType type, void* samples) = 0;
 };
 
+/// Throws InputError when the library cannot be loaded: for before a picture is drawn that is to be written.
+void require_image_library();
+
 struct OpenedImageFile {
   std::unique_ptr<ImageFile> file;  ///< null: it is no image file
   std::string problem;              ///< why not, if it is none

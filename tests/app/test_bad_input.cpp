@@ -1,5 +1,8 @@
 // Wrong input ends soon with one clear line, a hint and exit code 2, and leaves nothing behind.
+#include <dlfcn.h>
+
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 #include <limits>
 #include <string>
@@ -311,6 +314,24 @@ TEST_CASE("options that do not fit the launcher's ranks are refused", "[mpi][ope
       {{"+", "--shuffle"}, "loopback"},
   };
   for (const auto& c : wrong) check_case(c, inputs, 3);
+}
+
+TEST_CASE("an image library that cannot be used is noticed before a voxel is read", "[openimageio]") {
+  const Inputs inputs;
+  const TemporaryFolder out;
+  Dl_info other;  // any library that has no images
+  REQUIRE(dladdr(reinterpret_cast<void*>(&std::puts), &other) != 0);
+  for (const auto& entry : fs::directory_iterator(fs::path(RINGSPLAT_PROGRAM).parent_path() / "src"))
+    if (const auto name = entry.path().filename().string(); name.starts_with("libringsplat_openimageio.so"))
+      fs::create_symlink(other.dli_fname, out / name);
+  const auto files = files_in(out.path());
+  const Ended ended =
+      run_command("env LD_LIBRARY_PATH=" + quoted(out.path().string()) + " " +
+                  command_of(RINGSPLAT_PROGRAM, {"render", inputs / "good.nrrd", "-o", out / "x.png"}));
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err,
+             Catch::Matchers::StartsWith("ringsplat: error: images can be neither read nor written"));
+  CHECK(files_in(out.path()) == files);
 }
 
 TEST_CASE("what HDF5 says of damaged files does not reach stderr") {
