@@ -31,3 +31,19 @@ function(ringsplat_room name)
     PRIVATE ${ROOM_PRIVATE_LIBRARIES})
   set_property(GLOBAL APPEND PROPERTY RINGSPLAT_ROOMS ringsplat_${name})
 endfunction()
+
+# ringsplat_run_path(TARGET folder...): the folders where an installed program or library looks for others, besides those
+# that it was linked in. They are the same in the build tree: a run path that installing rewrites is filled up with ':',
+# and the loader takes what is between two of them for the current folder.
+function(ringsplat_run_path target)
+  set_target_properties(${target} PROPERTIES INSTALL_RPATH "${ARGN}" INSTALL_RPATH_USE_LINK_PATH ON BUILD_WITH_INSTALL_RPATH ON)
+endfunction()
+
+# ringsplat_loads_images(TARGET folder...): in the build tree what it loads for images is beside it, too.
+function(ringsplat_loads_images target)
+  ringsplat_run_path(${target} "$ORIGIN" ${ARGN})
+  if(RINGSPLAT_WITH_OPENIMAGEIO)
+    add_custom_command(TARGET ${target} POST_BUILD VERBATIM COMMAND ${CMAKE_COMMAND} -E create_symlink
+      $<TARGET_FILE:ringsplat_openimageio> $<TARGET_FILE_DIR:${target}>/$<TARGET_SONAME_FILE_NAME:ringsplat_openimageio>)
+  endif()
+endfunction()
