@@ -20,10 +20,17 @@ struct BlockSession::Request {
 };
 
 BlockSession::BlockSession(Processes processes, const std::vector<std::string>& layout,
-                           const SessionOptions& options)
+                           const SessionOptions& options, const std::string& problem)
     : collectives_(processes.collectives()), session_([&] {
         const bool over_mpi = processes.transport() != nullptr;
-        const Layout nodes = parse_layout(layout, over_mpi, processes.ranks());
+        Layout nodes;
+        std::string error = problem;
+        try {
+          if (error.empty()) nodes = parse_layout(layout, over_mpi, processes.ranks());
+        } catch (const InputError& e) {
+          error = e.what();
+        }
+        agree(processes.collectives(), error);
         return Session(std::move(processes), nodes, options);
       }()) {}
 
@@ -43,6 +50,8 @@ void BlockSession::update_block(int block, const void* first_voxel, const Stride
 }
 
 void BlockSession::clear_blocks() { session_.clear_blocks(); }
+
+void BlockSession::note_problem(const std::string& problem) { SessionParts::note_problem(session_, problem); }
 
 void BlockSession::commit() {
   session_.commit();
@@ -75,8 +84,7 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
 }
 
 std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
-                                          const std::vector<app::ViewAngles>& views,
-                                          const std::string& problem, const Hooks& hooks) {
+                                          const std::vector<app::ViewAngles>& views, const Hooks& hooks) {
   const ValueStatistics& values = SessionParts::values(session_);
   Request wanted;
   std::string error;
@@ -84,7 +92,6 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
     if (values.range.empty())
       throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                        "check the blocks' values");
-    if (rank() == 0 && !problem.empty()) throw InputError(problem);
     if (rank() == 0) wanted = request(words, views, values);
   } catch (const InputError& e) {
     error = e.what();

@@ -12,8 +12,10 @@ namespace ringsplat::python {
 /// are.
 class BlockSession {
  public:
-  /// `layout`: words for parse_layout().
-  BlockSession(Processes processes, const std::vector<std::string>& layout, const SessionOptions& options);
+  /// `layout`: words for parse_layout(). Throws InputError on all ranks when one has a `problem` or wrong
+  /// words.
+  BlockSession(Processes processes, const std::vector<std::string>& layout, const SessionOptions& options,
+               const std::string& problem);
 
   int rank() const { return session_.rank(); }
   int ranks() const { return session_.ranks(); }
@@ -21,14 +23,14 @@ class BlockSession {
   int add_block(const VoxelBox& extent, const void* first_voxel, const Strides& strides);
   void update_block(int block, const void* first_voxel, const Strides& strides);
   void clear_blocks();
+  /// Has the next collective call throw it as InputError on all ranks.
+  void note_problem(const std::string& problem);
   void commit();
   ValueRange range() { return session_.range(); }
 
-  /// Rank 0's words and views count; a `problem` of rank 0 is thrown on all. The pictures are returned on
-  /// rank 0.
+  /// Rank 0's words and views count. The pictures are returned on rank 0.
   std::vector<Picture> render(const std::vector<std::string>& words,
-                              const std::vector<app::ViewAngles>& views, const std::string& problem,
-                              const Hooks& hooks);
+                              const std::vector<app::ViewAngles>& views, const Hooks& hooks);
 
  private:
   struct Request;

@@ -103,9 +103,12 @@ struct Session::State {
     return options;
   }
 
-  /// Begins a collective call: all must be in the same one, and all throw when one has an error.
+  /// Begins a collective call: all must be in the same one, and all throw when one has an error, now or from
+  /// a call before that was its own.
   void enter(const std::string& call, const std::string& error) {
-    const auto all = wiring.collectives.all_gather(block_of_text(call + '\n' + error));
+    const std::string before = std::exchange(problem, {});
+    const auto all =
+        wiring.collectives.all_gather(block_of_text(call + '\n' + (before.empty() ? error : before)));
     const std::string first = text_of(all.front());
     const std::string call_of_0 = first.substr(0, first.find('\n'));
     for (std::size_t rank = 0; rank < all.size(); ++rank)
@@ -133,6 +136,7 @@ struct Session::State {
   SharedVolume volume;
   std::optional<Grid> grid;  ///< the next commit's
   std::vector<VoxelBlock> blocks;
+  std::string problem;  ///< the first since the last collective call
 };
 
 Session::Session(Processes processes, const std::optional<Layout>& layout, const SessionOptions& options)
@@ -159,8 +163,10 @@ int Session::add_block(const VoxelBox& extent, const void* first_voxel,
 
 void Session::update_block(int block, const void* first_voxel, const std::optional<Strides>& strides) {
   if (block < 0 || block >= int(state_->blocks.size()))
-    throw InputError(fmt::format("there is no block {}; this rank has {}", block, state_->blocks.size()),
-                     "pass a number that add_block() returned after the last set_grid()");
+    return SessionParts::note_problem(
+        *this, fmt::format("there is no block {}; this rank has {}; hint: pass a number that add_block() "
+                           "returned after the last set_grid()",
+                           block, state_->blocks.size()));
   VoxelBlock& changed = state_->blocks[std::size_t(block)];
   changed.first_voxel = static_cast<const std::byte*>(first_voxel);
   changed.strides = strides.value_or(changed.strides);
@@ -174,6 +180,10 @@ void Session::commit() {
   s.enter("commit",
           s.grid ? "" : "the volume has no grid; hint: call set_grid() before add_block() and commit()");
   s.volume.replace(*s.grid, s.blocks);
+}
+
+void SessionParts::note_problem(Session& session, const std::string& problem) {
+  if (session.state_->problem.empty()) session.state_->problem = problem;
 }
 
 ValueRange Session::range() { return SessionParts::values(*this, "range").range; }

@@ -284,6 +284,9 @@ TEST_CASE("what one rank gets wrong is the same error on all, and the session is
   add_one_block_each(session, volume);
   if (culprit) session.add_block({{3, 3, 3}, {4, 4, 4}}, nullptr);
   refused("has no voxels: its pointer is null", [&] { session.commit(); });
+  if (culprit) session.update_block(7, volume.voxels.data());
+  refused("no block 7", [&] { session.render(spec); });
+  expect_picture();
   Volume other = volume;
   if (culprit) other.grid.spacing.y = std::numeric_limits<double>::quiet_NaN();
   add_one_block_each(session, other);

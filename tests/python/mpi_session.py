@@ -51,8 +51,26 @@ for dtype, layout in LAYOUTS.items():
     images = session.render(size=56, azimuth=[40.0, 0.0])
     assert images is None or len(images) == 2
     assert session.range == (volume.min(), volume.max())
+    # What one rank gets wrong by itself, too, is raised on all by the next collective call.
+    culprit = rank == ranks - 1
+    itself = TypeError if culprit else rs.InputError
+    for wrong, error, text in (
+        (lambda: session.add_block((0, 0, 0), volume.astype("complex64")), itself, "complex64"),
+        (lambda: session.add_block((0, 0, 0), volume.astype("float64")), itself, "float64"),
+        (lambda: session.add_block((0, 0), volume), itself, "start"),
+        (lambda: session.update_block(99, volume), rs.InputError, "no block 99"),
+        (lambda: session.set_grid((-1, 2, 3), dtype), rs.InputError, "dims"),
+        (lambda: session.set_grid((4, 4, 4), dtype, spacing=float("nan")), rs.InputError, "spacing"),
+        (lambda: session.set_grid((4, 4, 4), "complex64"), itself, "complex64"),
+    ):
+        if culprit:
+            wrong()
+        refused(session.commit, error, text)
+        assert session.range == (volume.min(), volume.max())
     if dtype == "uint8":
         session.close()
+for wrong, error in (({"layout": dict(gp=1)}, itself), ({"layout": (99, 99)}, rs.InputError), ({"threads": "two"}, itself)):
+    refused(lambda: rs.Session(comm=comm, **(wrong if culprit else {})), error, "")
 
 # The communicator is as it was, and its messages are its own.
 assert comm.allreduce(1) == ranks and comm.Get_errhandler() is not None

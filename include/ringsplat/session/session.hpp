@@ -35,8 +35,8 @@ struct SessionOptions {
 /// same volume in a file.
 ///
 /// commit(), values() and render() are collective: all processes make the same calls in the same order. What
-/// one of them gets wrong is thrown as the same InputError on all; the session can be used on, with the
-/// volume that was committed last. After a RunError (a rank is lost, or stalls) it cannot.
+/// one of them got wrong, in any call, they throw as the same InputError on all; the session can be used on,
+/// with the volume that was committed last. After a RunError (a rank is lost, or stalls) it cannot.
 ///
 /// Calls leave as they were: the communicator and its error handler, signal handlers, and the thread's
 /// floating point environment (rounding, traps, flags, denormals).
@@ -62,7 +62,7 @@ class Session {
   int add_block(const VoxelBox& extent, const void* first_voxel,
                 const std::optional<Strides>& strides = std::nullopt);
   /// Where the block's voxels of the next time step lie; without strides as before. Without it commit() reads
-  /// them again where they were. Throws InputError when there is no such block.
+  /// them again where they were. The next collective call throws InputError when there is no such block.
   void update_block(int block, const void* first_voxel, const std::optional<Strides>& strides = std::nullopt);
   /// Removes this process's blocks.
   void clear_blocks();

@@ -212,12 +212,14 @@ void bind_session(nb::module_& m) {
   nb::class_<BlockSession>(m, "BlockSession")
       .def(
           "__init__",
-          [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout) {
+          [](BlockSession* self, nb::handle capsule, const Words& layout, int threads, double stall_timeout,
+             const std::string& problem) {
             const SessionOptions options{
                 .threads_per_rank = threads, .stall_timeout = stall_timeout, .poll = poll_now_and_then()};
-            new (self) BlockSession(processes_of(capsule), layout, options);
+            new (self) BlockSession(processes_of(capsule), layout, options, problem);
           },
-          nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"))
+          nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"),
+          nb::arg("problem"))
       .def_prop_ro("rank", &BlockSession::rank)
       .def_prop_ro("ranks", &BlockSession::ranks)
       .def("set_grid", [](BlockSession& s, const ArrayVolume& like) { s.set_grid(like.grid, like.notes); })
@@ -233,6 +235,7 @@ void bind_session(nb::module_& m) {
             s.update_block(block, at_address(address), strides_of(strides));
           })
       .def("clear_blocks", &BlockSession::clear_blocks)
+      .def("note_problem", &BlockSession::note_problem)
       .def("commit", &BlockSession::commit, without_lock)
       .def(
           "range",
@@ -243,17 +246,16 @@ void bind_session(nb::module_& m) {
           without_lock)
       .def(
           "render",
-          [](BlockSession& s, const Words& words, const std::vector<Angles>& views, nb::handle told,
-             const std::string& problem) {
+          [](BlockSession& s, const Words& words, const std::vector<Angles>& views, nb::handle told) {
             const Hooks hooks = hooks_of(told);
             std::vector<Picture> pictures;
             {
               const nb::gil_scoped_release without;
-              pictures = s.render(words, views_of(views), problem, hooks);
+              pictures = s.render(words, views_of(views), hooks);
             }
             return to_list(std::move(pictures));
           },
-          nb::arg("words"), nb::arg("views"), nb::arg("told").none(), nb::arg("problem"));
+          nb::arg("words"), nb::arg("views"), nb::arg("told").none());
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
+import operator
 import sys
 import weakref
-from typing import TYPE_CHECKING, Any, Optional
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, TypeVar, cast
 
 import numpy as np
 
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
     from ._options import PictureOptions
+
+F = TypeVar("F", bound=Callable[..., Any])
 
 _NO_MPI = (
     "this ringsplat was built for one process; hint: build it for this machine's MPI: pip install . "
@@ -72,6 +76,29 @@ def _layout_words(layout: Any) -> list[str]:
     return words
 
 
+def _text(problem: Optional[Exception]) -> str:
+    return "" if problem is None else str(problem) or type(problem).__name__
+
+
+def _by_itself(method: F) -> F:
+    """For calls that a rank makes by itself. What goes wrong there among several ranks is raised by the next collective
+    call, on all, since the others would wait there for a rank that has ended."""
+
+    @functools.wraps(method)
+    def call(self: "Session", *args: Any, **options: Any) -> Any:
+        core = self._open()
+        try:
+            return method(self, *args, **options)
+        except Exception as problem:
+            if core.ranks == 1:
+                raise
+            self._problem = self._problem or problem
+            core.note_problem(_text(problem))
+            return len(self._blocks)
+
+    return cast(F, call)
+
+
 class Session:
     """Renders a volume that lies in blocks, as often as wanted.
 
@@ -82,8 +109,8 @@ class Session:
         image = session.render(tf="mr-soft", azimuth=30)     # on rank 0; None elsewhere
 
     comm : an mpi4py communicator, or None for this process alone
-        All its ranks create the session and make the same calls in the same order. What one of them gets wrong is raised
-        on all, and the session can be used on.
+        All its ranks create the session and make the same collective calls in the same order. What one of several gets
+        wrong, also in a call before that is its own, is raised by the next of them on all, and the session can be used on.
     layout : (gps, renderers) or dict(gps=, renderers=, slab=, roles=, topology=, mesh=, routing=)
         Which ranks hold slices and which draw, as the program's options. Without it every rank does both.
     threads : int
@@ -95,9 +122,17 @@ class Session:
     """
 
     def __init__(self, comm: Any = None, layout: Any = None, threads: int = 1, stall_timeout: float = 60.0) -> None:
-        words = _layout_words(layout)
+        words: list[str] = []
+        self._problem: Optional[Exception] = None
+        try:
+            words = _layout_words(layout)
+            threads, stall_timeout = operator.index(threads), float(stall_timeout)
+        except Exception as problem:
+            self._problem, threads, stall_timeout = problem, 1, 60.0
         connected = None if comm is None else _connect(comm)
-        self._cores = [_core.BlockSession(connected, words, threads, stall_timeout)]
+        self._cores: list[Any] = []
+        with self._together():
+            self._cores.append(_core.BlockSession(connected, words, threads, stall_timeout, _text(self._problem)))
         self._type: Optional[str] = None
         self._blocks: list[np.ndarray] = []
         # Before the interpreter ends, as MPI may be finalised when its last objects go.
@@ -113,6 +148,7 @@ class Session:
         """How many processes share the volume."""
         return self._open().ranks
 
+    @_by_itself
     def set_grid(
         self,
         shape: Any = None,
@@ -151,6 +187,7 @@ class Session:
         self._type = scalar
         self._blocks = []
 
+    @_by_itself
     def add_block(self, start: Any, array: Any) -> int:
         """Adds one of this process's blocks, without ghosts: `array` [z, y, x] of any strides, of the grid's type, whose
         first voxel is the volume's [start], in the same order. Returns the block's number, from 0. The array is read by
@@ -164,6 +201,7 @@ class Session:
         self._blocks.append(block)
         return number
 
+    @_by_itself
     def update_block(self, number: int, array: Any) -> None:
         """The block's values of the next time step, for the next commit(): an array of the same shape. Not needed where
         the array that was added has been changed in place."""
@@ -186,12 +224,14 @@ class Session:
     def commit(self) -> None:
         """Reads all blocks, which must cover the grid exactly once, and hands their voxels to the ranks that draw them.
         Collective."""
-        self._open().commit()
+        with self._together():
+            self._open().commit()
 
     @property
     def range(self) -> tuple[float, float]:
         """The smallest and the largest finite value of the committed volume. Collective."""
-        low, high = self._open().range()
+        with self._together():
+            low, high = self._open().range()
         return low, high
 
     def render(self, *, progress: bool = False, **options: "Unpack[PictureOptions]") -> "Image | list[Image] | None":
@@ -203,20 +243,15 @@ class Session:
         core = self._open()
         words: list[str] = []
         views: Optional[list] = None
-        problem: Optional[TypeError] = None
-        with contextlib.ExitStack() as stack:
+        with self._together(), contextlib.ExitStack() as stack:
             told = stack.enter_context(_progress.told(progress and core.rank == 0))
             if core.rank == 0:
                 try:
                     words, views = stack.enter_context(command_line(options, session=True))
-                except TypeError as error:  # the other ranks must learn of it
-                    problem = error
-            try:
-                pictures = core.render(words, views or [], told, str(problem or ""))
-            except InputError:
-                if problem is not None:
-                    raise problem from None
-                raise
+                except Exception as problem:  # the other ranks must learn of it
+                    self._problem = self._problem or problem
+                    core.note_problem(_text(problem))
+            pictures = core.render(words, views or [], told)
         if core.rank != 0:
             return None
         images = [Image(picture, None) for picture in pictures]
@@ -237,6 +272,18 @@ class Session:
         if not self._cores:
             raise InputError("the session is closed; hint: make another")
         return self._cores[0]
+
+    @contextlib.contextmanager
+    def _together(self) -> Iterator[None]:
+        """Around a collective call: the rank that caused its error raises its own exception."""
+        try:
+            yield
+        except InputError:
+            if self._problem is not None:
+                raise self._problem from None
+            raise
+        finally:
+            self._problem = None
 
     def _block(self, array: Any) -> np.ndarray:
         if self._type is None:
