@@ -289,8 +289,7 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   const auto cameras = views_of(picture);
   picture.frame.shown.clip = clip_box(picture.clip, source.grid());
   const FrameSpec& frame = picture.frame;
-  const auto axes =
-      needed_axes(cameras, source.grid(), frame.shown.width, frame.shown.height, frame.shown.clip);
+  const auto axes = needed_axes(frame, cameras, source.grid());
   const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
   Forecast f;
   if (!o.machine.empty()) f.machine = read_machine(o.machine);

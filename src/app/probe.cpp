@@ -249,8 +249,7 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
     frame.shown.camera = finely.shown.camera =
         fixed_to_world(camera, grid, frame.shown.width, frame.shown.height);
     // It may traverse another axis than the perspective view does.
-    const Axis axis = traversed_axis(frame.shown.camera, grid, frame.shown.width, frame.shown.height);
-    load.kept_axes[std::size_t(axis)] = true;
+    load.kept_axes[std::size_t(traversed_axis(frame, grid))] = true;
     whole.push_back(frame);
     cut.push_back(finely);
     cut.back().shown.clip.reset();

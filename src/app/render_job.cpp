@@ -91,7 +91,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
   if (launch.rank() == 0)
-    axes = needed_axes(plan.cameras, grid, o.frame.shown.width, o.frame.shown.height, o.frame.shown.clip);
+    axes = needed_axes(o.frame, plan.cameras, grid, o.budget.other_engine);
   const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
   return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }
@@ -223,7 +223,7 @@ namespace {
 Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
   RenderOptions& o = job.options;
   o.frame.how = Splats{};
-  job.load = load_options(o, job.load.kept_axes);
+  job.load = load_options(o, agree_on_axes(o, job.plan, job.volume.grid, launch));
   require_memory(job, launch);
   return reload(job, wiring, progress, launch);
 }

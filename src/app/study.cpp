@@ -61,11 +61,10 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const Wiring wiring{solo};
   const Layout layout{1, 1};
   OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
-  const auto& clip = spec.shown.clip;
-  const LoadOptions load{.kept_axes = needed_axes(list.views, volume.grid, list.width, list.height, clip),
+  const LoadOptions load{.kept_axes = needed_axes(spec, list.views, volume.grid),
                          .with_normals = needs_normals(spec),
                          .with_cell_ranges = needs_cell_ranges(spec),
-                         .clip = clip};
+                         .clip = spec.shown.clip};
   Scene scene = load_scene(volume, load, layout, wiring);
   std::vector<Timed> timed(list.views.size());
   std::size_t next = 0, done = 0;

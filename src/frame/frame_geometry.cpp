@@ -31,8 +31,12 @@ ViewTransform moved_view(ViewTransform view, const glm::ivec3& first) {
 }
 
 /// The traversal of a part of the volume: in perspective the eye must lie outside of the part only.
-Traversal traversal_of(const ViewTransform& view, const Grid& grid, const VoxelBox& box) {
-  return choose_traversal(moved_view(view, box.first), lattice_frame(clipped_grid(grid, box)));
+Traversal traversal_of(const ViewTransform& view, const Grid& grid, const VoxelBox& box, SliceRule rule) {
+  return choose_traversal(moved_view(view, box.first), lattice_frame(clipped_grid(grid, box)), rule);
+}
+
+SliceRule slice_rule(const Method& how) {
+  return std::holds_alternative<Sheets>(how) ? SliceRule::most_crossed : SliceRule::most_parallel;
 }
 
 /// The view of a reduced volume's lattice that shows it where the volume is.
@@ -44,9 +48,10 @@ ViewTransform reduced_view(ViewTransform view, const Reduction& reduction) {
   return view;
 }
 
-void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, double reach_in_voxels) {
+void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, double reach_in_voxels,
+                     double least = 0) {
   const SlicePlane plane = make_slice_plane(g.view, g.traversal.axis, g.grid.dims, samples, reach_in_voxels,
-                                            shown.width, shown.height);
+                                            shown.width, shown.height, least);
   g.view = plane.view;
   g.warp = plane.warp;
   g.width = plane.width;
@@ -54,18 +59,18 @@ void lay_into_slices(FrameGeometry& g, const Shown& shown, double samples, doubl
 }
 
 /// Geometry of the volume on the screen.
-FrameGeometry screen_geometry(const Shown& shown, const Grid& grid) {
+FrameGeometry screen_geometry(const Shown& shown, const Grid& grid, SliceRule rule) {
   FrameGeometry g;
   g.view = make_view(shown.camera, lattice_frame(grid), shown.width, shown.height);
   g.grid = grid;
   g.box = shown_box(shown.clip, grid);
-  g.traversal = traversal_of(g.view, grid, g.box);
+  g.traversal = traversal_of(g.view, grid, g.box, rule);
   if (shown.reduction.factor > 1) {
     g.grid = reduced_grid(grid, shown.reduction);
     g.box = shown.clip ? reduced_box(*shown.clip, grid, shown.reduction) : whole_box(g.grid);
     g.view = reduced_view(g.view, shown.reduction);
     // The reduced box may be larger, so that the eye lies among its slices. Only the whole's are loaded.
-    if (g.view.eye && traversal_of(g.view, g.grid, g.box).axis != g.traversal.axis)
+    if (g.view.eye && traversal_of(g.view, g.grid, g.box, rule).axis != g.traversal.axis)
       throw InputError("the eye is too near to the volume to see it undersampled",
                        "use a larger --distance or --undersample 1");
     g.traversal.slice_distance *= shown.reduction.factor;
@@ -106,7 +111,11 @@ double most_magnified(const ViewTransform& view, const glm::ivec3& dims) {
 
 /// A sheet's voxel is seen up to a lattice distance from its centre, or half of one beyond the box's faces.
 void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
-  if (sheets.image_plane == ImagePlane::slices) lay_into_slices(g, shown, sheets.plane_samples, 1.0);
+  // Sheets err more in that plane, so they go there where it saves pixels only.
+  constexpr double least = 1;
+  if (sheets.image_plane == ImagePlane::slices && !g.view.eye &&
+      plane_density(g.view, g.traversal.axis, sheets.plane_samples, least) <= 1)
+    lay_into_slices(g, shown, sheets.plane_samples, 1.0, least);
   const auto [u, v] = in_plane(g.traversal.axis);
   const int k = static_cast<int>(g.traversal.axis);
   for (int along = 0; along < 2; ++along)
@@ -117,15 +126,16 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
 
 }  // namespace
 
-Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height,
-                    const std::optional<VoxelBox>& clip) {
-  return traversal_of(make_view(camera, lattice_frame(grid), width, height), grid, shown_box(clip, grid))
+Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
+  const Shown& shown = spec.shown;
+  return traversal_of(make_view(shown.camera, lattice_frame(grid), shown.width, shown.height), grid,
+                      shown_box(shown.clip, grid), slice_rule(spec.how))
       .axis;
 }
 
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   check_projection(spec.shown.camera, spec.how);
-  FrameGeometry g = screen_geometry(spec.shown, grid);
+  FrameGeometry g = screen_geometry(spec.shown, grid, slice_rule(spec.how));
   std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
   lay_regions(g, spec.division,
               std::holds_alternative<Sheets>(spec.how) ? RegionForm::flat : RegionForm::square);

@@ -35,10 +35,9 @@ struct FrameGeometry {
   }
 };
 LatticeFrame lattice_frame(const Grid& grid);
-/// The axis of the slice set that a view of the volume, or of a part of it, traverses. Throws InputError when
-/// it can traverse none, or the part is none of the volume's.
-Axis traversed_axis(const Camera& camera, const Grid& grid, int width, int height,
-                    const std::optional<VoxelBox>& clip = std::nullopt);
+/// The axis of the slice set that a frame of the volume traverses. Throws InputError when it can traverse
+/// none, or its clip box is none of the volume's.
+Axis traversed_axis(const FrameSpec& spec, const Grid& grid);
 /// Throws InputError when a view cannot be drawn by the frame's method, or the clip box is none of the
 /// volume's.
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);

@@ -139,19 +139,6 @@ void check(const Sheets& sheets) {
     throw InputError(fmt::format("--light-points cannot be {}", sheets.light_points), "use 1 or 2");
 }
 
-void check_projection(const Splats&) {
-  throw InputError(
-      "splats cannot be drawn in perspective, where each voxel has another footprint: one serves all of an "
-      "orthographic view",
-      "use --engine sheets, or leave --fov out");
-}
-
-void check_projection(const Sheets& sheets) {
-  if (sheets.image_plane == ImagePlane::slices)
-    throw InputError("a perspective view has no image in the slices' plane: its rays are not parallel",
-                     "use --image-plane screen, or leave --fov out");
-}
-
 }  // namespace
 
 std::string name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
@@ -166,7 +153,11 @@ bool needs_normals(const FrameSpec& spec) {
 bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
 
 void check_projection(const Camera& camera, const Method& method) {
-  if (camera.fov != 0) std::visit([](const auto& how) { check_projection(how); }, method);
+  if (camera.fov != 0 && std::holds_alternative<Splats>(method))
+    throw InputError(
+        "splats cannot be drawn in perspective, where each voxel has another footprint: one serves all of an "
+        "orthographic view",
+        "use --engine sheets, or leave --fov out");
 }
 
 void check(const FrameSpec& spec) {

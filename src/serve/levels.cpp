@@ -37,10 +37,6 @@ FrameSpec at_level(FrameSpec spec, const Level& level) {
     spec.shown.width = (spec.shown.width + 1) / 2;
     spec.shown.height = (spec.shown.height + 1) / 2;
   }
-  if (spec.shown.camera.fov != 0) {
-    spec.as<Sheets>().image_plane = ImagePlane::screen;
-    spec.as<Sheets>().plane_samples = 1;
-  }
   return spec;
 }
 

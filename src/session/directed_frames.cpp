@@ -27,8 +27,7 @@ bool DirectedFrames::unwanted(std::int64_t frame) {
 void DirectedFrames::done(FrameStats&& stats) {
   auto [spec, image] = std::move(frames_.extract(stats.frame).mapped());
   if (stats.dropped) return;
-  const Axis axis =
-      traversed_axis(spec.shown.camera, grid_, spec.shown.width, spec.shown.height, spec.shown.clip);
+  const Axis axis = traversed_axis(spec, grid_);
   director_.frame_done({std::move(spec), std::move(image), std::move(stats), axis});
 }
 

@@ -81,16 +81,21 @@ void require_same_scene(const Grid& grid, const LoadOptions& options, const Layo
                "every process must pass the same grid, options and layout, and run the same build");
 }
 
-std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height,
-                                const std::optional<VoxelBox>& clip) {
+std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
+                                const std::optional<Method>& or_by) {
   std::array<bool, 3> needed{};
-  for (const Camera& camera : cameras)
-    needed[std::size_t(traversed_axis(camera, grid, width, height, clip))] = true;
+  for (const Method& how : {frame.how, or_by.value_or(frame.how)}) {
+    frame.how = how;
+    for (const Camera& camera : cameras) {
+      frame.shown.camera = camera;
+      needed[std::size_t(traversed_axis(frame, grid))] = true;
+    }
+  }
   return needed;
 }
 
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid) {
-  return {needed_axes({spec.shown.camera}, grid, spec.shown.width, spec.shown.height, spec.shown.clip),
+  return {needed_axes(spec, {spec.shown.camera}, grid),
           needs_normals(spec),
           {spec.shown.reduction.factor},
           spec.shown.reduction.prefilter,

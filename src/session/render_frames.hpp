@@ -8,9 +8,9 @@
 
 namespace ringsplat {
 
-/// Which slice sets a list of views of the volume, or of a part of it, traverses.
-std::array<bool, 3> needed_axes(const std::vector<Camera>& cameras, const Grid& grid, int width, int height,
-                                const std::optional<VoxelBox>& clip = std::nullopt);
+/// Which slice sets a list of views of the frame traverses, drawn by its method or by another one.
+std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
+                                const std::optional<Method>& or_by = std::nullopt);
 
 /// What has to be loaded for one frame.
 LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);

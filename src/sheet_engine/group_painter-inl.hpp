@@ -71,8 +71,8 @@ class GroupPainter {
   };
   /// A tile in the current slab.
   struct Work {
-    std::array<F, Sheets::most_slabs + 1> place;
-    std::array<typename Sampler::Sheet, Sheets::most_slabs + 1> sheet;  ///< from 1 on
+    std::array<F, Traversal::most_slabs + 1> place;
+    std::array<typename Sampler::Sheet, Traversal::most_slabs + 1> sheet;  ///< from 1 on
     typename Sampler::Plane front, back;
     Corner corner;
     M visible, split;
@@ -205,7 +205,7 @@ class GroupPainter {
   /// are small. Divides the tiles into those where it serves all and others.
   void divide() {
     whole_count_ = split_count_ = 0;
-    const bool may_be_whole = p_.adaptive && slab_->pieces > 1 && p_.places.even;
+    const bool may_be_whole = p_.adaptive && slab_->pieces > 1 && !slab_->face && p_.places.even;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
       const State& s = state_[t];
@@ -271,7 +271,7 @@ class GroupPainter {
   HWY_INLINE Gradient gradient_behind(const Work& w, int i) const {
     const Planes after = plane_of(slab_->after, w.corner);
     const auto& sheet = w.sheet[std::size_t(i)];
-    if (i < slab_->pieces)
+    if (i < slab_->pieces && !slab_->face)
       return Sampler::gradient_between(plane_of(slab_->before, w.corner), w.front, w.back, after, sheet, i,
                                        slab_->pieces, p_.pitch);
     const Planes last = slab_->face ? plane_of(slab_->before, w.corner) : w.front;
@@ -329,7 +329,7 @@ class GroupPainter {
     State& s = state_[t];
     const Work& w = work_[t];
     const int pieces = slab_->pieces;
-    std::array<Gradient, Sheets::most_slabs + 1> gradients;
+    std::array<Gradient, Traversal::most_slabs + 1> gradients;
     if (p_.lit) {
       gradients[0] = front_gradient(s, w);
       for (int i = 1; i <= pieces; ++i) gradients[std::size_t(i)] = gradient_behind(w, i);
@@ -338,7 +338,7 @@ class GroupPainter {
     }
     for (int i = 0; i < pieces; ++i) {
       const auto front = std::size_t(i), back = front + 1;
-      const bool may_be_whole = i == 0 && pieces > 1;
+      const bool may_be_whole = i == 0 && pieces > 1 && !slab_->face;
       const M here = i == 0 ? w.visible : w.split;
       const F end =
           may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)]) : w.place[back];
@@ -379,7 +379,7 @@ class GroupPainter {
 
   /// The length of the part of piece i that lies in the volume's box, in the table's lengths.
   HWY_INLINE F length_in_box(const State& s, const Work& w, int i) const {
-    const F length = mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F));
+    const F length = mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces / float(slab_->pieces) : 1.0F));
     if (!w.cut) return length;
     const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
     Way way{set(0.0F), set(1.0F)};

@@ -36,8 +36,9 @@ struct SheetSlab {
   bool face = false;             ///< a half slice beyond the first or last one
   int step = 0;                  ///< of its back
   int pieces = 1;                ///< slabs in it; its sheets are 0 ... pieces
-  std::array<std::int32_t, Sheets::most_slabs + 1> shift_u{}, shift_v{};  ///< of each sheet against slice 0
-  std::array<float, Sheets::most_slabs + 1> slice{};  ///< of each sheet, from the middle one, for EyeGrid
+  std::array<std::int32_t, Traversal::most_slabs + 1> shift_u{},
+      shift_v{};  ///< of each sheet against slice 0
+  std::array<float, Traversal::most_slabs + 1> slice{};  ///< of each sheet, from the middle one, for EyeGrid
 };
 
 /// The rays of an orthographic frame: a pixel's position in slice 0, as 2^-40 voxels.

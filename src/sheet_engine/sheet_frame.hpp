@@ -21,6 +21,8 @@ struct SheetFrame {
   double step_length() const {
     return shown.opacity_correction ? geometry.traversal.slice_distance : double(shown.reduction.factor);
   }
+  /// From slice to slice.
+  int slabs() const { return geometry.traversal.slabs_for(sheets.slabs); }
   /// Slices to either side that are drawn with a slice's voxels: those that the slabs at it lie between, and
   /// for gradients one more.
   int reach() const { return lit() ? 2 : 1; }

@@ -167,10 +167,10 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     ready_ = true;
     const Sheets& sheets = frame_->sheets;
     table_.set_function(frame_->shown.transfer_function, low_, high_);
-    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, table_.axis(), sheets.slabs);
+    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, table_.axis(), frame_->slabs());
     std::tie(code_.below, code_.above) = beyond_function();
     if (cut_) code_.least = low_, code_.most = high_;
-    table_.set_length(frame_->step_length() / sheets.slabs);
+    table_.set_length(frame_->step_length() / frame_->slabs());
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
         std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slots));
@@ -187,7 +187,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     paint_.adaptive = sheets.adaptive;
     paint_.light_points = sheets.light_points;
     paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
-    paint_.face_pieces = 0.5F * float(sheets.slabs);
+    paint_.face_pieces = 0.5F * float(frame_->slabs());
   }
 
   double largest_number() const { return std::max(std::abs(code_.of(low_)), std::abs(code_.of(high_))); }

@@ -25,11 +25,13 @@ struct SheetPlace {
 };
 
 std::vector<SheetPlace> sheet_places(int slices, int slabs) {
-  std::vector<SheetPlace> places{{-0.5, 0, 0.0}};
+  const int in_half = Traversal::slabs_in_half(slabs);
+  std::vector<SheetPlace> places;
+  for (int j = 0; j < in_half; ++j) places.push_back({-0.5 + 0.5 * j / in_half, 0, 0.0});
   for (int i = 0; i < slices; ++i)
     for (int j = 0; j < (i + 1 < slices ? slabs : 1); ++j)
       places.push_back({i + double(j) / slabs, i, double(j) / slabs});
-  places.push_back({slices - 0.5, slices - 1, 0.0});
+  for (int j = 1; j <= in_half; ++j) places.push_back({slices - 1 + 0.5 * j / in_half, slices - 1, 0.0});
   return places;
 }
 
@@ -53,9 +55,9 @@ class SheetTracer {
   explicit SheetTracer(const Scene& scene)
       : scene_(scene),
         rays_(scene),
-        traversal_(choose_traversal(rays_.view(), lattice_of(scene.grid))),
+        traversal_(choose_traversal(rays_.view(), lattice_of(scene.grid), SliceRule::most_crossed)),
         axis_(int(traversal_.axis)),
-        places_(sheet_places(scene.grid.dims[axis_], scene.sheets->slabs)),
+        places_(sheet_places(scene.grid.dims[axis_], traversal_.slabs_for(scene.sheets->slabs))),
         curve_(scene.transfer_function),
         phong_(scene, rays_.view()),
         gradients_(scene) {}

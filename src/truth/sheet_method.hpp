@@ -10,9 +10,10 @@ namespace ringsplat::truth {
 /// exactly, nothing left out or stopped early. Scene::sheets must have a value; InputError when its numbers
 /// make no sense. All cores.
 ///
-/// A pixel's ray meets q sheets a slice of the set that choose_traversal() takes, at i + j/q slices; the
-/// first is slice 0, the last slice n − 1. Two more, at −½ and n − ½, are the box's faces, so the outermost
-/// slabs are half a slice thick whatever q is. On a sheet the value and the central differences of the voxels
+/// A pixel's ray meets q sheets a slice of the set that it crosses most, at i + j/q slices, with
+/// q = Traversal::slabs_for(slabs); the first is slice 0, the last slice n − 1. Two more, at −½ and n − ½, are
+/// the box's faces, so the outermost slabs are half a slice thick, unless there are more of them
+/// (slabs_in_half). On a sheet the value and the central differences of the voxels
 /// (one-sided at the border) are trilinear at the ray's place, which is first moved into [0, n − 1] along
 /// each axis. Where a voxel of the cell is not a number, the sheet's value is none, and the slabs on both
 /// sides are transparent. On a sheet in a slice only that slice counts.

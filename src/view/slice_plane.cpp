@@ -19,12 +19,25 @@ constexpr double largest_side = 1 << 20;
 double to_multiple(double value, double unit) { return std::nearbyint(value / unit) * unit; }
 
 /// Pixels a voxel along an axis whose voxels are `screen_pixels` apart on the screen.
-double sampling(double screen_pixels, double samples) {
+double sampling(double screen_pixels, double samples, double least) {
   while (samples > 1 && samples > screen_pixels) samples = samples > 2 ? 0.5 * samples : 1;
-  if (samples <= screen_pixels) return samples;
+  if (samples <= std::max(screen_pixels, least)) return samples;
   // Rounded up to a number whose products with voxel indices are exact.
   const double unit = std::exp2(std::floor(std::log2(screen_pixels)) - 10);
   return std::ceil(screen_pixels / unit) * unit;
+}
+
+struct Scaled {
+  glm::dvec2 pixels_a_voxel;
+  glm::dmat2 from_screen;  ///< to the plane's pixels
+};
+
+Scaled scale(const ViewTransform& view, Axis axis, double samples, double least) {
+  const auto [u, v] = in_plane(axis);
+  const glm::dmat2 block(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]));
+  const glm::dvec2 pixels{sampling(glm::length(block[0]), samples, least),
+                          sampling(glm::length(block[1]), samples, least)};
+  return {pixels, glm::dmat2(pixels.x, 0, 0, pixels.y) * glm::inverse(block)};
 }
 
 struct Box {
@@ -56,15 +69,17 @@ Box screen_box(const PlaneWarp& warp, int width, int height) {
 
 }  // namespace
 
+double plane_density(const ViewTransform& view, Axis axis, double samples, double least) {
+  return std::abs(glm::determinant(scale(view, axis, samples, least).from_screen));
+}
+
 SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, double samples,
-                            double radius, int width, int height) {
+                            double radius, int width, int height, double least) {
   const auto [u, v] = in_plane(axis);
   const int k = static_cast<int>(axis);
-  const glm::dmat2 block(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]));
   SlicePlane plane;
-  plane.pixels_a_voxel = {sampling(glm::length(block[0]), samples), sampling(glm::length(block[1]), samples)};
-  const glm::dmat2 scale(plane.pixels_a_voxel.x, 0, 0, plane.pixels_a_voxel.y);
-  const glm::dmat2 from_screen = scale * glm::inverse(block);
+  const auto [pixels_a_voxel, from_screen] = scale(view, axis, samples, least);
+  plane.pixels_a_voxel = pixels_a_voxel;
   const glm::dvec2 exact_shear = from_screen * glm::dvec2(view.linear[k]);
   constexpr double unit = 1.0 / (1 << 30);
   const glm::dvec2 shear{to_multiple(exact_shear.x, unit), to_multiple(exact_shear.y, unit)};

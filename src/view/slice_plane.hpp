@@ -26,15 +26,18 @@ struct SlicePlane {
   static constexpr int border = 3;
 };
 
+/// Pixels of the plane for each pixel of the screen; `samples` and `least` as in make_slice_plane().
+double plane_density(const ViewTransform& view, Axis axis, double samples, double least);
+
 /// `view`: of the lattice to a screen of width × height pixels. `samples`: pixels a voxel along either axis
 /// of the slices. Where the screen has fewer it is halved, or, below 1, made the screen's, so
-/// that the warp never skips pixels. `radius`: of the kernels, in voxels.
+/// that the warp never skips pixels; but never made less than `least`. `radius`: of the kernels, in voxels.
 ///
 /// The shear is rounded to 2⁻³⁰ pixels a slice. Positions are then exact in double precision; where
 /// pixels_a_voxel are whole numbers, a slice's voxels are exactly whole pixels apart. The rounding moves the
 /// last of a thousand slices by less than 10⁻⁶ pixels. Throws InputError when the image would be larger than
 /// 2^20 pixels a side.
 SlicePlane make_slice_plane(const ViewTransform& view, Axis axis, const glm::ivec3& dims, double samples,
-                            double radius, int width, int height);
+                            double radius, int width, int height, double least = 0);
 
 }  // namespace ringsplat

@@ -30,47 +30,52 @@ SliceGeometry slice_geometry(const glm::dmat3& linear) {
   return geometry;
 }
 
-Axis most_parallel(const glm::dvec3& cos_angles) {
-  const double enough = largest_magnitude(cos_angles) * (1.0 - 1e-9);
+Axis largest(const glm::dvec3& suits) {
+  const double enough = largest_magnitude(suits) * (1.0 - 1e-9);
   for (const Axis axis : {Axis::z, Axis::y})
-    if (std::abs(cos_angles[int(axis)]) >= enough) return axis;
+    if (std::abs(suits[int(axis)]) >= enough) return axis;
   return Axis::x;
 }
 
 /// Zeros for the axes along which the eye lies among the slices: some of its rays would meet them in one
 /// order, some in the other.
-glm::dvec3 in_one_order(glm::dvec3 cos_angles, const glm::dvec3& eye, const glm::ivec3& dims) {
+glm::dvec3 in_one_order(glm::dvec3 suits, const glm::dvec3& eye, const glm::ivec3& dims) {
   bool outside = false;
   for (int k = 0; k < 3; ++k)
     if (eye[k] < -0.5 || eye[k] > dims[k] - 0.5)
       outside = true;
     else
-      cos_angles[k] = 0;
+      suits[k] = 0;
   if (!outside)
     throw InputError("the perspective camera's eye is inside the volume's box",
                      "move the --eye away, or use a larger --distance: above 1, in radii of the volume's "
                      "bounding sphere, the eye is outside from every side");
-  return cos_angles;
+  return suits;
 }
 
-/// World length of the ray between two neighbouring slices of the axis.
-double world_distance(const LatticeFrame& lattice, const glm::dvec3& ray, int axis) {
-  const glm::dvec3 steps = ray / std::abs(ray[axis]);
-  return safe_length(lattice.direction * (lattice.spacing * steps));
+/// The ray between two neighbouring slices of the axis, in the world.
+glm::dvec3 world_step(const LatticeFrame& lattice, const glm::dvec3& ray, int axis) {
+  return lattice.direction * (lattice.spacing * (ray / std::abs(ray[axis])));
 }
 
 }  // namespace
 
-Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice) {
+Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice, SliceRule rule) {
   const SliceGeometry geometry = slice_geometry(view.linear);
+  const glm::dvec3& suits = rule == SliceRule::most_parallel ? geometry.cos_angles : geometry.ray;
   Traversal traversal;
-  traversal.axis = most_parallel(view.eye ? in_one_order(geometry.cos_angles, *view.eye, lattice.dims)
-                                          : geometry.cos_angles);
+  traversal.axis = largest(view.eye ? in_one_order(suits, *view.eye, lattice.dims) : suits);
   const int k = int(traversal.axis);
   traversal.ascending = geometry.ray[k] > 0;
   traversal.cos_angle = std::abs(geometry.cos_angles[k]);
   const double unit_length = std::min({lattice.spacing.x, lattice.spacing.y, lattice.spacing.z});
-  traversal.slice_distance = world_distance(lattice, geometry.ray, k) / unit_length;
+  traversal.slice_distance = safe_length(world_step(lattice, geometry.ray, k)) / unit_length;
+  glm::dvec3 cells = geometry.ray / geometry.ray[k];
+  cells[k] = 0;
+  // Light changes along what does not bend.
+  constexpr double least_bend = 0.6;
+  const double bend = std::max(std::sqrt(largest_magnitude(cells)), least_bend);
+  traversal.between = std::max(1.0, traversal.slice_distance / std::sqrt(3.0) * bend);
   return traversal;
 }
 

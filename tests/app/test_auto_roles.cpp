@@ -204,7 +204,7 @@ TEST_CASE("slabs of a large volume stand for the whole") {
   frame.shown.opaque_threshold = 0;
   for (const double elevation : {0.0, 90.0}) {
     const std::vector<Camera> views{{.azimuth = 10, .elevation = elevation, .zoom = 1}};
-    const auto axes = needed_axes(views, grid, 64, 64);
+    const auto axes = needed_axes(frame, views, grid);
     const auto costs =
         app::measure_frame_costs(*source, frame, app::TransferFunctionChoice("grey"), views, {axes, false});
     CHECK(costs.slices == 288);

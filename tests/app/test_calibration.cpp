@@ -21,6 +21,13 @@ namespace {
 
 constexpr int width = 64, height = 48;
 
+FrameSpec frame_of_size() {
+  FrameSpec frame;
+  frame.shown.width = width;
+  frame.shown.height = height;
+  return frame;
+}
+
 Traversal traversal_of(const Camera& camera, const Grid& grid) {
   const LatticeFrame lattice = lattice_frame(grid);
   return choose_traversal(make_view(camera, lattice, width, height), lattice);
@@ -76,9 +83,7 @@ class Bench {
 }  // namespace
 
 TEST_CASE("a calibration looks at the straightest and the most oblique of the run's views of each slice set") {
-  FrameSpec frame;
-  frame.shown.width = width;
-  frame.shown.height = height;
+  const FrameSpec frame = frame_of_size();
   std::vector<Camera> run;
   for (const double lowest : {10.0, 60.0})
     for (double azimuth = 5; azimuth < 180; azimuth += 10)

@@ -81,7 +81,7 @@ TEST_CASE("bytes that are no frame announcement are refused, whatever their leng
   }
 }
 
-TEST_CASE("perspective is refused by the methods that cannot draw it") {
+TEST_CASE("splats refuse perspective") {
   FrameSpec spec;
   spec.shown.transfer_function = ramp(20, 255, 0.9);
   spec.shown.camera.fov = 40;
@@ -91,8 +91,6 @@ TEST_CASE("perspective is refused by the methods that cannot draw it") {
   check(spec);
   CHECK(make_geometry(spec, make_grid(glm::ivec3(8))).view.eye);
   CHECK(to_json_text(spec).find("\"fov\":40") != std::string::npos);
-  spec.as<Sheets>().image_plane = ImagePlane::slices;
-  CHECK(message_of([&] { check(spec); }).find("--image-plane screen") != std::string::npos);
 }
 
 TEST_CASE("a reduced volume in perspective is seen from the same place") {

@@ -43,16 +43,6 @@ TEST_CASE("A half-size level shows the same view in half the pixels, rounded up"
   CHECK(half.shown.reduction.factor == 2);
 }
 
-TEST_CASE("In perspective every level draws on the screen") {
-  FrameSpec full;
-  full.shown.camera.fov = 30;
-  for (const Level& level : make_levels(some, {256, 256, 256})) {
-    const FrameSpec spec = at_level(full, level);
-    CHECK(spec.as<Sheets>().image_plane == ImagePlane::screen);
-    CHECK(spec.as<Sheets>().plane_samples == 1);
-  }
-}
-
 TEST_CASE("Ten quick pictures make the next level finer, nine do not") {
   LevelController controller(7, target);
   move(controller, 0.5 * target, 9);

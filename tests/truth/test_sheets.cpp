@@ -29,6 +29,19 @@ double field_error(const Volume& volume, const FrameSpec& spec) {
   return truth::compare(rendered(volume, spec), field_image(volume, spec)).total.rmse;
 }
 
+/// At some pixels only.
+double sampled_field_error(const Volume& volume, const FrameSpec& spec, std::size_t count) {
+  const int width = spec.shown.width, height = spec.shown.height;
+  const auto pixels = random_pixels(width, height, count, 5);
+  const auto exact = truth::field_truth(scene_of(volume, spec), pixels);
+  const Image picture = rendered(volume, spec);
+  double sum = 0;
+  for (std::size_t k = 0; k < count; ++k)
+    for (int c = 0; c < 4; ++c)
+      sum += std::pow(255 * (picture.pixel(pixels[k].x, pixels[k].y)[c] - exact[k][c]), 2);
+  return std::sqrt(sum / (4.0 * double(count)));
+}
+
 double pattern(int x, int y, int z) { return double((x * 7 + y * 13 + z * 29) % 32) / 31; }
 
 bool all_finite(const Image& image) {
@@ -186,6 +199,44 @@ TEST_CASE("a narrow function of wide integers, and one outlier") {
     UNSCOPED_INFO(fmt::format("{:.3f}", error));
     CHECK(brightest(rendered(*volume, spec)) > 0.2F);
     CHECK(error < 1.5);
+  }
+}
+
+TEST_CASE("flat and long voxels err no more than cubes, from any side") {
+  const auto waves = [](glm::dvec3 p) {
+    return 120 + 60 * std::sin(0.35 * p.x) * std::cos(0.3 * p.y + 0.1 * p.z) +
+           60 * std::sin(0.25 * p.z + 0.2 * p.x);
+  };
+  for (const glm::dvec3 spacing : {glm::dvec3(1, 1, 4), {1, 1, 10}, {10, 1, 1}}) {
+    const glm::ivec3 dims(50.0 / spacing);
+    const Volume volume = make_volume(
+        dims, ScalarType::uint8, [&](int x, int y, int z) { return waves(glm::dvec3(x, y, z) * spacing); },
+        spacing);
+    for (const Shading shading : {Shading::none, Shading::phong})
+      for (int degrees = 0; degrees <= 90; degrees += 6) {
+        // From the flat side to the narrow one, whichever axis is long.
+        const Camera camera = spacing.z > 1 ? Camera{.azimuth = 25, .elevation = double(degrees)}
+                                            : Camera{.azimuth = double(degrees), .elevation = 15};
+        const FrameSpec spec = sheets_spec(head_preset("mr-soft"), shading, {}, camera, 128);
+        const double error = sampled_field_error(volume, spec, 500);
+        UNSCOPED_INFO(fmt::format("{} : {} : {}, {}, {} degrees: {:.3f}", spacing.x, spacing.y, spacing.z,
+                                  shading == Shading::none ? "unlit" : "lit", degrees, error));
+        CHECK(error < 0.5);
+      }
+  }
+}
+
+TEST_CASE("in a small picture an image in the slices' plane errs as in a large one") {
+  const Volume volume = head();
+  double large = 0;
+  for (const int size : {512, 128, 64}) {
+    const FrameSpec spec =
+        sheets_spec(head_preset("mr-soft"), Shading::phong,
+                    {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2}, {20, 10}, size);
+    const double error = sampled_field_error(volume, spec, 1500);
+    UNSCOPED_INFO(fmt::format("{}: {:.3f}", size, error));
+    if (size == 512) large = error;
+    CHECK(error < 1.5 * large);
   }
 }
 

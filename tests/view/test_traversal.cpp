@@ -109,6 +109,33 @@ TEST_CASE("anisotropic voxels: the angle is the world's, the distance is in smal
   REQUIRE(t.slice_distance == 1e12);
 }
 
+TEST_CASE("the set that a ray crosses most goes by spacing, and takes more slabs where they are long") {
+  const auto crossed = [](const Camera& camera, const LatticeFrame& lattice) {
+    return choose_traversal(make_view(camera, lattice, 256, 256), lattice, SliceRule::most_crossed);
+  };
+  const LatticeFrame flat{.dims = {64, 64, 20}, .spacing = {1, 1, 10}};
+  // z slices are crossed as often as y slices where the slope is 10, at 84.3 degrees.
+  for (const double degrees : {0.0, 30.0, 50.0, 75.0, 84.0})
+    CHECK(crossed({.elevation = degrees}, flat).axis == Axis::y);
+  for (const double degrees : {84.5, 90.0}) CHECK(crossed({.elevation = degrees}, flat).axis == Axis::z);
+  const LatticeFrame rods{.dims = {8, 64, 64}, .spacing = {10, 1, 1}};
+  CHECK(crossed({.azimuth = 84}, rods).axis == Axis::y);
+  CHECK(crossed({.azimuth = 85}, rods).axis == Axis::x);
+
+  CHECK(crossed({}, flat).slabs_for(3) == 3);
+  CHECK(crossed({.elevation = 60}, flat).slabs_for(3) == 3);
+  CHECK(crossed({.elevation = 84}, flat).slabs_for(3) == 8);
+  CHECK(crossed({.elevation = 84}, flat).slabs_for(1) == 6);
+  CHECK(crossed({.elevation = 90}, flat).slabs_for(1) == 4);
+  // Where spacings are equal both rules agree, and as many slabs are taken as are asked for.
+  for (double azimuth = 0; azimuth <= 90; azimuth += 7.5)
+    for (double elevation = 0; elevation <= 90; elevation += 7.5) {
+      const Traversal t = crossed({.azimuth = azimuth, .elevation = elevation}, cube);
+      CHECK(t.axis == traversal_of({.azimuth = azimuth, .elevation = elevation}).axis);
+      for (int slabs = 1; slabs <= 4; ++slabs) CHECK(t.slabs_for(slabs) == slabs);
+    }
+}
+
 TEST_CASE("slices of an oblique lattice are as far apart as their normal says") {
   LatticeFrame lattice{.dims = {64, 64, 20}, .spacing = {1.0, 0.8, 2.0}};
   lattice.direction[2] = glm::normalize(glm::dvec3(0.3, -0.4, 1.0));

@@ -64,9 +64,10 @@ struct Splats {
 struct Sheets {
   static constexpr const char* name = "sheets";
   static constexpr int most_slabs = 4;
+  /// Wherever the slices' plane would have more pixels than the screen, or rays are not parallel: the screen.
   ImagePlane image_plane = ImagePlane::screen;
-  double plane_samples = 1;  ///< in the slices' plane: most pixels a voxel along either axis
-  int slabs = 3;             ///< pre-integrated slabs from slice to slice
+  double plane_samples = 1;  ///< in the slices' plane: most pixels a voxel along either axis, at least 1
+  int slabs = 3;             ///< pre-integrated slabs from slice to slice, as by Traversal::slabs_for
   int light_points = 2;      ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
   /// Take one slab or one light point where two would hardly differ (docs/sheets.md).
   bool adaptive = true;

@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <array>
 #include <glm/mat3x3.hpp>
 #include <glm/vec2.hpp>
@@ -85,22 +86,36 @@ struct ViewTransform {
 /// singular matrix, an image without pixels, an invalid lattice, a field of view or a distance out of range.
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height);
 
-/// The slice set most parallel to the view plane and the order of its slices, front to back.
+/// Which slice set a view traverses. Where spacings are equal both rules mean the same one.
+enum class SliceRule {
+  most_parallel,  ///< to the view plane: footprints are least foreshortened
+  most_crossed    ///< by a ray: between two slices it crosses the fewest cells
+};
+
+/// The slice set that a view traverses, and the order of its slices, front to back.
 struct Traversal {
   Axis axis = Axis::z;
   bool ascending = true;
   double cos_angle = 1;       ///< |cos| of the angle between the view direction and the slices' normal
   double slice_distance = 1;  ///< along the ray from slice to slice, in unit lengths (the smallest spacing)
+  /// How many times as many slabs a ray's way from slice to slice needs as where spacings are equal. It goes
+  /// by its length and, as the field bends there, by the cells it crosses along the slices.
+  double between = 1;
+  static constexpr int most_slabs = 8;
+  int slabs_for(int slabs) const { return std::min(most_slabs, int(slabs * between + 0.75)); }
+  /// Of so many slabs a slice, beyond the first and the last slice's centre.
+  static int slabs_in_half(int slabs) { return slabs > 4 ? slabs / 2 : 1; }
   int slice_at(int step, int slices) const { return ascending ? step : slices - 1 - step; }
 };
 
-/// A pure function of the view. Ties (|cos| equal to 1e-9, relative) go to z before y before x. The view is
-/// never parallel to the chosen slices: the largest |cos| is at least 1/√3 when the lattice's axes are
+/// A pure function of the view. Ties (equal to 1e-9, relative) go to z before y before x. The view is never
+/// parallel to the chosen slices: of the most parallel ones |cos| is at least 1/√3 when the lattice's axes are
 /// orthogonal, and above zero when they are oblique.
 ///
 /// In a perspective view angle and distance are the central ray's. All rays must meet the slices in one
 /// order, so only axes count along which the eye lies outside of the box [−½, n − ½]. Throws InputError when
 /// the eye is inside the box.
-Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice);
+Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice,
+                           SliceRule rule = SliceRule::most_parallel);
 
 }  // namespace ringsplat
