@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <new>
 #include <span>
 
 #include "app/build_id.hpp"
 #include "app/machine_forecast.hpp"
 #include "app/option_values.hpp"
 #include "app/role_choice.hpp"
+#include "base/lack_of_memory.hpp"
 #include "model/charge.hpp"
 #include "net/same_facts.hpp"
 
@@ -50,10 +50,8 @@ Outcome guarded(const std::function<ExitCode()>& work) {
     return {e.exit_code(), one_line(e.what())};
   } catch (const Error& e) {
     return {e.exit_code(), e.what()};
-  } catch (const std::bad_alloc&) {
-    return {ExitCode::run_failed,
-            "out of memory; hint: use more ranks on more machines, a smaller --size or --axes needed"};
   } catch (const std::exception& e) {
+    if (is_lack_of_memory(e)) return {ExitCode::run_failed, lack_of_memory};
     return {ExitCode::run_failed,
             fmt::format("{}; hint: this should not happen, please report it", e.what())};
   }

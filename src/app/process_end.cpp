@@ -1,10 +1,15 @@
 #include "app/process_end.hpp"
 
 #include <signal.h>
+#include <unistd.h>
 
 #include <array>
+#include <cstdlib>
+#include <exception>
 
+#include "base/lack_of_memory.hpp"
 #include "base/output_file.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -19,7 +24,26 @@ extern "C" void remove_files_and_end(int number) {
   raise(number);
 }
 
+std::terminate_handler end_otherwise = nullptr;
+
+[[noreturn]] void end_by_exception() {
+  try {
+    if (std::current_exception()) throw;
+  } catch (const std::exception& error) {
+    if (is_lack_of_memory(error)) {
+      remove_unfinished_files();
+      say_lack_of_memory();
+      _exit(int(ExitCode::run_failed));
+    }
+  } catch (...) {
+  }
+  end_otherwise();
+  std::abort();
+}
+
 }  // namespace
+
+void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
 
 void prepare_for_signals() {
   signal(SIGXFSZ, SIG_IGN);

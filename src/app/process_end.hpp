@@ -7,4 +7,8 @@ namespace ringsplat::app {
 /// write error, not a signal.
 void prepare_for_signals();
 
+/// Has what ends the program where nobody can catch it, such as a thread without memory, end it with
+/// run_failed and a line when memory is what was lacking.
+void prepare_for_lack_of_memory();
+
 }  // namespace ringsplat::app

@@ -9,6 +9,7 @@
 #include "app/launch.hpp"
 #include "app/text_output.hpp"
 #include "base/huge_pages.hpp"
+#include "base/lack_of_memory.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 
@@ -65,11 +66,18 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
   return {launch.run_on_rank_0(work), true};
 }
 
+/// With rank 0's number if wanted, which its lines do not have.
+void say_error(const Outcome& outcome, bool name_rank_0 = false) {
+  if (outcome.error == lack_of_memory)
+    say_lack_of_memory();
+  else
+    log_error("{}{}", name_rank_0 ? "rank 0: " : "", outcome.error);
+}
+
 ExitCode finish(const Ending& ending, Launch& launch) {
   const auto& [outcome, on_all_ranks] = ending;
   if (!outcome.error.empty() && (launch.rank() == 0 || !on_all_ranks)) {
-    const bool name_rank = !on_all_ranks && launch.ranks() > 1 && launch.rank() == 0;
-    log_error("{}{}", name_rank ? "rank 0: " : "", outcome.error);
+    say_error(outcome, !on_all_ranks && launch.ranks() > 1 && launch.rank() == 0);
   }
   if (!on_all_ranks && launch.ranks() > 1) launch.abort(outcome.code);
   return outcome.code;
@@ -84,7 +92,7 @@ ExitCode after_printing(ExitCode code) {
     return ExitCode::done;
   });
   if (printed.code == ExitCode::done) return code;
-  log_error("{}", printed.error);
+  say_error(printed);
   return printed.code;
 }
 
@@ -99,18 +107,19 @@ TransportChoice transport_of(const CommandLine& line) {
 int run_program(int argc, char** argv) {
   keep_standard_descriptors();
   prefer_huge_pages_in_heap();
-  const CommandLine line = parse_command_line(argc, argv);
+  std::optional<CommandLine> line;
   std::optional<Launch> launch;
   const Outcome started = guarded([&] {
-    launch.emplace(argc, argv, transport_of(line));
+    line.emplace(parse_command_line(argc, argv));
+    launch.emplace(argc, argv, transport_of(*line));
+    set_log_rank(launch->rank(), line->verbose);
     return ExitCode::done;
   });
-  if (!launch) {
-    log_error("{}", started.error);
+  if (started.code != ExitCode::done) {
+    say_error(started);
     return static_cast<int>(started.code);
   }
-  set_log_rank(launch->rank(), line.verbose);
-  return static_cast<int>(after_printing(finish(dispatch(line, *launch), *launch)));
+  return static_cast<int>(after_printing(finish(dispatch(*line, *launch), *launch)));
 }
 
 }  // namespace ringsplat::app

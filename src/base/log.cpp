@@ -7,6 +7,7 @@
 #include <set>
 #include <utility>
 
+#include "base/lack_of_memory.hpp"
 #include "base/printable.hpp"
 
 namespace ringsplat {
@@ -47,8 +48,9 @@ spdlog::level::level_enum to_spdlog(LogLevel level) {
 
 void set_log_rank(int rank, bool verbose) {
   is_first_rank = rank == 0;
-  logger().set_pattern(rank == 0 && !verbose ? "ringsplat: %l: %v"
-                                             : fmt::format("ringsplat [rank {}]: %l: %v", rank));
+  const std::string named = rank == 0 && !verbose ? "" : fmt::format(" [rank {}]", rank);
+  logger().set_pattern(fmt::format("ringsplat{}: %l: %v", named));
+  name_in_lack_of_memory(named);
   logger().set_level(verbose ? spdlog::level::debug : rank == 0 ? spdlog::level::info : spdlog::level::warn);
 }
 

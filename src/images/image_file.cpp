@@ -5,6 +5,7 @@
 #include <link.h>
 
 #include <cstddef>
+#include <new>
 #include <string>
 #include <vector>
 
@@ -70,6 +71,10 @@ const ImageLibrary& image_library_of(const char* shared_library) {
   };
   // Never closed: objects that it made may live as long as the process.
   const OpenedLibrary opened = open_shared_library(shared_library);
+  const auto says = [&](const char* words) { return opened.problem.find(words) != std::string::npos; };
+  if (opened.handle == nullptr &&
+      (says("failed to map segment") || says("Cannot allocate memory") || says("cannot create")))
+    throw std::bad_alloc();
   if (opened.handle == nullptr) throw failed(opened.problem);
   void* const found = dlsym(opened.handle, "ringsplat_image_library");
   if (found == nullptr) throw failed(dlerror());

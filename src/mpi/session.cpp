@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "base/clock.hpp"
+#include "base/lack_of_memory.hpp"
 #include "model/charge.hpp"
 #include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
@@ -24,6 +25,9 @@ struct MpiSession::State {
 };
 
 MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>()) {
+  // With less MPI may fail without a word of ours, or ranks may wait for each other for ever.
+  constexpr std::size_t mpi_takes = std::size_t{240} << 20;
+  if (!simulated()) require_address_space(mpi_takes);
   int provided = 0;
   checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
   // SimGrid promises no thread level. Its ranks are contexts of one process, and threads that do not call MPI

@@ -1,0 +1,47 @@
+#include "base/lack_of_memory.hpp"
+
+#include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <new>
+#include <system_error>
+
+namespace ringsplat {
+namespace {
+
+struct Line {
+  explicit Line(const std::string& rank) {
+    const auto written = fmt::format_to_n(text.data(), text.size(),
+                                          "ringsplat{}: error: {}; hint: use more ranks on more machines, a "
+                                          "smaller --size or --axes needed\n",
+                                          rank, lack_of_memory);
+    size = std::min(text.size(), written.size);
+  }
+  std::array<char, 160> text{};
+  std::size_t size;
+};
+
+Line line{""};
+
+}  // namespace
+
+bool is_lack_of_memory(const std::exception& error) {
+  if (dynamic_cast<const std::bad_alloc*>(&error) != nullptr) return true;
+  const auto* system = dynamic_cast<const std::system_error*>(&error);
+  return system != nullptr && system->code() == std::errc::resource_unavailable_try_again;
+}
+
+void say_lack_of_memory() noexcept { static_cast<void>(!write(STDERR_FILENO, line.text.data(), line.size)); }
+
+void name_in_lack_of_memory(const std::string& rank) { line = Line(rank); }
+
+void require_address_space(std::size_t bytes) {
+  void* const space = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+  if (space == MAP_FAILED) throw std::bad_alloc();
+  munmap(space, bytes);
+}
+
+}  // namespace ringsplat
