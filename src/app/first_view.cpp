@@ -56,13 +56,18 @@ std::optional<glm::dvec3> extents_in_world(const Grid& grid) {
 /// The broad side of a volume whose front shows less than a third of it; of a patient, whom people expect to
 /// face them, less than a fifth. A few axial slices are seen from the feet, sagittal ones from the left, as
 /// radiologists do.
-std::optional<Side> broad_side(const Grid& grid, World world) {
-  const bool patient = world == World::patient;
+std::optional<Side> broad_side(const std::optional<glm::dvec3>& extents, bool patient) {
   const double flat = patient ? 5 : 3;
-  const auto extents = extents_in_world(grid);
   if (!extents || !(extents->y > flat * std::min(extents->x, extents->z))) return std::nullopt;
   if (extents->x <= extents->z) return patient ? Side::left : Side::right;
   return patient ? Side::bottom : Side::top;
+}
+
+/// Of a solid two sides and the top say more than one side, of a plate they do not.
+bool is_solid(std::optional<glm::dvec3> extents) {
+  if (!extents) return true;
+  std::sort(&extents->x, &extents->x + 3);
+  return 3 * extents->x >= extents->y;
 }
 
 const char* name(Side side) {
@@ -91,9 +96,14 @@ void settle_fit(const CLI::App& app, RenderOptions& o) {
 std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
   Camera& camera = o.frame.shown.camera;
   if (o.side) stand_at(camera, *o.side, notes.world);
-  if (o.direction_chosen || notes.world == World::microscope) return {};
-  const auto side = broad_side(grid, notes.world);
-  if (!side) return {};
+  if (o.direction_chosen) return {};
+  const bool patient = notes.world == World::patient;
+  const auto extents = extents_in_world(grid);
+  const auto side = notes.world == World::microscope ? std::nullopt : broad_side(extents, patient);
+  if (!side) {
+    if (!patient && is_solid(extents)) camera.azimuth = 30, camera.elevation = 20;
+    return {};
+  }
   stand_at(camera, *side, notes.world);
   return fmt::format("the volume is flat: it is seen from the {}, --view front shows its narrow side",
                      name(*side));

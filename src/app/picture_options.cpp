@@ -93,8 +93,8 @@ constexpr OptionRow<Render> render_output_rows[] = {
 
 constexpr OptionRow<Render> camera_rows[] = {
     {"--view", "SIDE", nullptr,
-     "Seen from the front, back, left, right, top or bottom; a flat volume without any such option from its "
-     "broad side",
+     "Seen from the front, back, left, right, top or bottom; without any such option a patient from the "
+     "front, a flat volume from its broad side, all else from azimuth 30 and elevation 20",
      [](Render& o) {
        return choice(o.side, {{"front", Side::front},
                               {"back", Side::back},

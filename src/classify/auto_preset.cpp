@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <optional>
 
@@ -32,13 +33,31 @@ std::string described(const Data& d) {
   return text;
 }
 
-const std::vector<glm::dvec3> warm{
-    {0.35, 0.12, 0.10}, {0.78, 0.40, 0.26}, {0.95, 0.76, 0.54}, {1.0, 0.96, 0.88}};
+/// Display colours from common values to rare ones.
+struct Ramp {
+  const char* name;
+  std::array<glm::dvec3, 4> colours;
+};
+
+/// Patients have the colours of tissue; of all else no colour may say what it is, so that brightness alone
+/// grows evenly: viridis from a quarter on, as darker colours are lost in front of black.
+const Ramp& ramp_for(World world) {
+  static const Ramp warm{"warm ramp",
+                         {{{0.35, 0.12, 0.10}, {0.78, 0.40, 0.26}, {0.95, 0.76, 0.54}, {1.0, 0.96, 0.88}}}};
+  static const Ramp neutral = [] {
+    Ramp ramp{"viridis", {}};
+    const auto points = colour_map(ramp.name).points;
+    for (std::size_t k = 0; k < 4; ++k) ramp.colours[k] = points[(k + 1) * (points.size() - 1) / 4].srgb;
+    return ramp;
+  }();
+  return world == World::patient ? warm : neutral;
+}
 
 AutoChoice even_haze(const ValueStatistics& s) {
   const DataRange range = range_of(s.histogram);
   TransferFunction tf;
-  tf.colours = {{range.low, warm[2]}, {range.high, warm[2]}};
+  const glm::dvec3 colour = ramp_for(s.world).colours[2];
+  tf.colours = {{range.low, colour}, {range.high, colour}};
   tf.opacities = {{range.low, haze}, {range.high, haze}};
   return {tf, fmt::format("every voxel is {:g}: an even haze", plain(s.range.low)), false, range};
 }
@@ -141,7 +160,7 @@ std::optional<AutoChoice> choose_signed(const Data& d) {
 // --- many decades
 // -------------------------------------------------------------------------------------------
 
-std::optional<AutoChoice> choose_logarithmic(const Data& d) {
+std::optional<AutoChoice> choose_logarithmic(const Data& d, const Ramp& ramp) {
   if (d.low() < 0) return std::nullopt;
   Bins positive = d.bins;
   std::erase_if(positive, [](const ValueBin& bin) { return !(bin.middle() > 0); });
@@ -156,16 +175,15 @@ std::optional<AutoChoice> choose_logarithmic(const Data& d) {
                   {upper_quantile(positive, 0.85), haze},
                   {upper_quantile(positive, 0.98), 0.3},
                   {top, 0.7}};
-  tf.colours = {
-      {median, warm[0]}, {tf.opacities[1].value, warm[1]}, {tf.opacities[2].value, warm[2]}, {top, warm[3]}};
+  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
+    tf.colours.push_back({tf.opacities[k].value, ramp.colours[k]});
   tf = at_logarithmic_steps(tf);
   balance(tf, d);
-  return AutoChoice{
-      tf,
-      fmt::format("{} over {:.0f} decades, mostly small: warm ramp at logarithmic steps from {:.3g}",
-                  described(d), std::log10(top / low), median),
-      false,
-      {median, top}};
+  return AutoChoice{tf,
+                    fmt::format("{} over {:.0f} decades, mostly small: {} at logarithmic steps from {:.3g}",
+                                described(d), std::log10(top / low), ramp.name, median),
+                    false,
+                    {median, top}};
 }
 
 // --- all else
@@ -185,7 +203,7 @@ void thin_out(TransferFunction& tf, const Plateau& plateau, const Data& d) {
   tf.opacities.insert(next, at);
 }
 
-AutoChoice choose_generic(const Data& d) {
+AutoChoice choose_generic(const Data& d, const Ramp& ramp) {
   Foreground f = find_foreground(d);
   const auto plateau = flatten_plateaus(f.bins, d.all);
   const double sign = f.upward ? 1 : -1, span = d.high() - d.low(), gap = 0.02 * span;
@@ -204,7 +222,8 @@ AutoChoice choose_generic(const Data& d) {
   const double common = away(share(0.5), edge, 0.3), rare = away(share(0.9), common, 0.5);
   TransferFunction tf;
   tf.opacities = {{behind, 0.0}, {edge, 0.0}, {common, haze}, {rare, 0.3}, {end, 0.7}};
-  tf.colours = {{edge, warm[0]}, {common, warm[1]}, {rare, warm[2]}, {end, warm[3]}};
+  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
+    tf.colours.push_back({tf.opacities[k + 1].value, ramp.colours[k]});
   if (!f.upward) {
     std::reverse(tf.opacities.begin(), tf.opacities.end());
     std::reverse(tf.colours.begin(), tf.colours.end());
@@ -216,7 +235,7 @@ AutoChoice choose_generic(const Data& d) {
   if (plateau)
     why +=
         fmt::format(", {} of the voxels at {:.4g}", percent(plateau->voxels / d.all), plain(plateau->value));
-  why += fmt::format(": warm ramp from {:.4g} to {:.4g}", plain(edge), plain(end));
+  why += fmt::format(": {} from {:.4g} to {:.4g}", ramp.name, plain(edge), plain(end));
   return {tf, why, false, f.upward ? DataRange{edge, end} : DataRange{end, edge}};
 }
 
@@ -272,12 +291,13 @@ AutoChoice choose_within(const ValueStatistics& s, const DataRange& window, bool
   TransferFunction tf;
   tf.name = "auto";
   tf.opacities = {{window.low, 0.0}, {value(common), haze}, {value(rare), 0.3}, {window.high, 0.7}};
-  tf.colours = {
-      {window.low, warm[0]}, {value(common), warm[1]}, {value(rare), warm[2]}, {window.high, warm[3]}};
+  const Ramp& ramp = ramp_for(s.world);
+  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
+    tf.colours.push_back({tf.opacities[k].value, ramp.colours[k]});
   if (logarithmic) tf = at_logarithmic_steps(tf);
   balance(tf, d);
   return {tf,
-          fmt::format("warm ramp from {:.4g} to {:.4g}{}", plain(window.low), plain(window.high),
+          fmt::format("{} from {:.4g} to {:.4g}{}", ramp.name, plain(window.low), plain(window.high),
                       logarithmic ? " at logarithmic steps" : ""),
           false, window};
 }
@@ -313,10 +333,10 @@ AutoChoice choose_function(const ValueStatistics& s) {
       choice = *ct;
     else if (const auto diverging = choose_signed(d))
       choice = *diverging;
-    else if (const auto logarithmic = choose_logarithmic(d))
+    else if (const auto logarithmic = choose_logarithmic(d, ramp_for(s.world)))
       choice = *logarithmic;
     else
-      choice = choose_generic(d);
+      choice = choose_generic(d, ramp_for(s.world));
     clear_outside(choice.function, d);
   }
   choice.function.name = "auto";

@@ -212,6 +212,7 @@ ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const Vo
   s.kind = kind;
   s.dims = dims;
   s.modality = notes.modality;
+  s.world = notes.world;
   s.noted_labels = notes.labels;
   ValueTally tally(kind);
   pass([&](std::span<const std::byte> rows, int) { tally.add(rows); });

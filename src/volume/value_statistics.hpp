@@ -39,7 +39,8 @@ struct ValueStatistics {
       labels;  ///< all values, ascending, when they are few different whole numbers; else empty
   std::optional<NeighbourCounts> neighbours;  ///< when `labels` are few enough to be looked at
   std::string modality = {};                  ///< as in VolumeNotes
-  bool noted_labels = false;                  ///< the file says that its values are labels
+  World world = World::lattice;
+  bool noted_labels = false;  ///< the file says that its values are labels
 
   std::uint64_t total() const;
   /// The value below which `share` of the voxels lie; exact to a bin.

@@ -26,9 +26,9 @@ struct Direction {
 
 Direction first_view(app::RenderOptions o, const Grid& grid, World world = World::lattice) {
   const std::string note = app::complete_view(o, grid, {.world = world});
-  const bool turned = !o.side && o.frame.shown.camera != app::RenderOptions().frame.shown.camera;
-  CHECK(note.empty() == (!turned || o.direction_chosen));
-  return {o.frame.shown.camera.azimuth, o.frame.shown.camera.elevation};
+  const Direction seen{o.frame.shown.camera.azimuth, o.frame.shown.camera.elevation};
+  CHECK(note.empty() == (seen == Direction{0, 0} || seen == Direction{30, 20} || o.direction_chosen));
+  return seen;
 }
 
 Direction from(app::Side side, World world = World::lattice) {
@@ -38,7 +38,7 @@ Direction from(app::Side side, World world = World::lattice) {
   return first_view(o, box(256, 256, 8), world);
 }
 
-constexpr Direction front{0, 0}, top{0, 90}, right{90, 0};
+constexpr Direction front{0, 0}, top{0, 90}, right{90, 0}, corner{30, 20};
 
 struct Files {
   TemporaryFolder folder;
@@ -66,12 +66,23 @@ TEST_CASE("a flat lattice is seen from its broad side, in world units") {
   CHECK(first_view({}, box(256, 256, 32)) == top);
   CHECK(first_view({}, box(32, 256, 256)) == right);
   CHECK(first_view({}, box(256, 32, 256)) == front);
-  CHECK(first_view({}, box(256, 256, 256)) == front);
-  CHECK(first_view({}, box(256, 256, 86)) == front);
   CHECK(first_view({}, box(256, 256, 85)) == top);
-  CHECK(first_view({}, box(256, 256, 32, {1, 1, 8})) == front);
+  CHECK(first_view({}, box(256, 85, 256)) == front);
   CHECK(first_view({}, box(64, 64, 64, {1, 1, 0.2})) == top);
   CHECK(first_view({}, box(20, 300, 20)) == right);
+}
+
+TEST_CASE("a solid that is no patient is seen from above and the right, unless some option says from where") {
+  CHECK(first_view({}, box(256, 256, 256)) == corner);
+  CHECK(first_view({}, box(256, 256, 86)) == corner);
+  CHECK(first_view({}, box(256, 86, 256)) == corner);
+  CHECK(first_view({}, box(256, 256, 32, {1, 1, 8})) == corner);
+  CHECK(first_view({}, box(300, 20, 20)) == corner);
+  CHECK(first_view({}, box(256, 256, 256), World::microscope) == corner);
+  CHECK(first_view({}, box(256, 256, 256), World::patient) == front);
+  app::RenderOptions chosen;
+  chosen.direction_chosen = true;
+  CHECK(first_view(chosen, box(256, 256, 256)) == front);
 }
 
 TEST_CASE("a patient is turned for a few slices only, as radiologists look at them") {
@@ -81,7 +92,7 @@ TEST_CASE("a patient is turned for a few slices only, as radiologists look at th
   CHECK(first_view({}, box(256, 1, 256), World::patient) == front);
 }
 
-TEST_CASE("a microscope's stack and a chosen direction are not turned") {
+TEST_CASE("a microscope's thin stack and a chosen direction are not turned") {
   const Grid flat = box(256, 256, 16);
   CHECK(first_view({}, flat, World::microscope) == front);
   app::RenderOptions chosen;

@@ -142,6 +142,25 @@ TEST_CASE("auto spreads over narrow ranges of floats and of few 16-bit values") 
   CHECK(made.function.evaluate(40003).opacity > made.function.evaluate(40001).opacity);
 }
 
+TEST_CASE("auto has the colours of tissue for patients alone, and shows the same of all else") {
+  for (const bool decades : {false, true}) {
+    Volume<float> volume([&](double x, double y, double z) {
+      return decades ? std::pow(10.0, 6 * (1 - radius(x, y, z))) : ball(x, y, z);
+    });
+    const auto sample = volume.choice();
+    volume.notes.world = World::patient;
+    const auto patient = volume.choice();
+    CHECK(says(sample.why, "viridis"));
+    CHECK(says(patient.why, "warm ramp"));
+    for (const double part : {0.2, 0.5, 0.9}) {
+      const double value = part * patient.range.high;
+      CHECK(sample.function.evaluate(value).opacity == patient.function.evaluate(value).opacity);
+      CHECK(patient.function.evaluate(value).colour.x > patient.function.evaluate(value).colour.z);
+    }
+    CHECK(sample.function.colours.front().srgb.z > sample.function.colours.front().srgb.x);
+  }
+}
+
 TEST_CASE("auto takes logarithmic steps over many decades") {
   const Volume<float> density([](double x, double y, double z) {
     return std::pow(10.0, 6 * (1 - radius(x, y, z) / 1.8) + std::sin(9 * x) * std::cos(7 * y) * 0.5);
