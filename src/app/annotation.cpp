@@ -229,11 +229,19 @@ std::optional<ValueSpan> visible_span(const TransferFunction& tf, const ValueRan
 }
 
 Annotation::Annotation(const Grid& grid, const VolumeNotes& notes,
-                       const std::optional<glm::dvec3>& background)
+                       const std::optional<glm::dvec3>& background, const std::optional<ValueWindow>& window)
     : grid_(grid), notes_(notes) {
   constexpr double middle_grey = 0.18;
   dark_ink_ = background && glm::dot(*background, glm::dvec3(0.2126, 0.7152, 0.0722)) > middle_grey;
   static_cast<void>(text_mask("0", 12));
+  if (!window) return;
+  bar_.emplace();
+  bar_->low = window->low;
+  bar_->high = window->high;
+}
+
+void Annotation::keep_range(const ValueRange& range) {
+  if (!bar_) bar_ = range;
 }
 
 Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) const {
@@ -247,7 +255,7 @@ Overlay Annotation::overlay(const FrameSpec& spec, const ValueRange& range) cons
     add_axes(sheet, view, grid_);
   if (!view.eye) add_scale_bar(sheet, pixels_per_unit(shown.camera, view), notes_, grid_);
   const double bottom = patient ? 0.5 * shown.height - 1.6 * sheet.letter() : 0.6 * shown.height;
-  if (const auto span = visible_span(shown.transfer_function, range))
+  if (const auto span = visible_span(shown.transfer_function, bar_.value_or(range)))
     add_colour_bar(sheet, bottom, shown.transfer_function, *span, quantity_of(notes_));
   return sheet.take();
 }

@@ -2,6 +2,7 @@
 #include <optional>
 #include <string>
 
+#include "app/colour_options.hpp"
 #include "images/drawing.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
@@ -15,9 +16,12 @@ namespace ringsplat::app {
 /// with the picture's shorter side; what has no room is left out.
 class Annotation {
  public:
-  /// `background` (linear light; none: transparent) decides between dark and light ink. Throws InputError
-  /// when there is no font that can be used.
-  Annotation(const Grid& grid, const VolumeNotes& notes, const std::optional<glm::dvec3>& background);
+  /// `background` (linear light; none: transparent) decides between dark and light ink; `window`: the colour
+  /// bars span what is visible of it. Throws InputError when there is no font that can be used.
+  Annotation(const Grid& grid, const VolumeNotes& notes, const std::optional<glm::dvec3>& background,
+             const std::optional<ValueWindow>& window = std::nullopt);
+  /// The colour bars of all pictures span what is visible of `range`, unless there is a window.
+  void keep_range(const ValueRange& range);
   /// Of a frame's picture; `range` is the volume's.
   Overlay overlay(const FrameSpec& spec, const ValueRange& range) const;
 
@@ -25,6 +29,7 @@ class Annotation {
   Grid grid_;
   VolumeNotes notes_;
   bool dark_ink_;
+  std::optional<ValueRange> bar_;
 };
 
 /// 1, 2 or 5 times a power of ten: the largest that is at most `most`, which is above 0.

@@ -168,7 +168,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     job.plan.cameras = views_of(o);
     if (o.frames) check_one_camera_each(job.plan, o, job.series.size());
     check_frames(o, job.plan, grid);
-    if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background);
+    if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range);
   });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
   if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);

@@ -26,7 +26,10 @@ class SeriesRun {
     Scene scene = loader_.load(0);
     frame_ = choose_frame(job_, scene, wiring_, progress_, launch_);
     FrameOutput output(job_.options, job_.layout, scene.values.range, job_.memory, progress_);
-    if (job_.annotation) output.annotate(*job_.annotation);
+    if (job_.annotation) {
+      job_.annotation->keep_range(scene.values.range);
+      output.annotate(*job_.annotation);
+    }
     say_what_comes(scene.values.range);
     progress_.begin("rendering", double(loader_.size()));
     last_ended_ = now_seconds();

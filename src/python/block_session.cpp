@@ -68,7 +68,7 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   o.frame.shown.clip = app::clip_box(o.clip, committed_);
   const std::string note = app::complete_view(o, committed_, committed_notes_);
   if (!note.empty()) log_info("{}", note);
-  if (o.annotate) made.annotation.emplace(committed_, committed_notes_, o.background);
+  if (o.annotate) made.annotation.emplace(committed_, committed_notes_, o.background, o.colour.range);
   const auto cameras = app::views_of(o);
   const app::MadeFunction function = app::TransferFunctionChoice(o.transfer_function, o.colour).make(values);
   check(function.function, o.transfer_function);

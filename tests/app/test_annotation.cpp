@@ -124,6 +124,26 @@ TEST_CASE("the colour bar spans the values that can be seen, within the volume's
   CHECK(visible_span(band, range(-7, 9))->low == -7);
 }
 
+TEST_CASE("the colour bars of a series keep the first volume's values, or those of --range",
+          "[openimageio]") {
+  const auto bars = [](const std::optional<app::ValueWindow>& window) {
+    app::Annotation annotation(cube(), {}, std::nullopt, window);
+    annotation.keep_range(range(0, 255));
+    std::vector<Overlay> drawn;
+    for (const double high : {255, 200, 900})
+      drawn.push_back(annotation.overlay(frame(512, 512), range(0, high)));
+    return drawn;
+  };
+  const auto same = [](const Overlay& a, const Overlay& b) {
+    return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Patch& one, const Patch& other) {
+      return one.x == other.x && one.y == other.y && one.rgba == other.rgba;
+    });
+  };
+  const auto first = bars({}), window = bars(app::ValueWindow{50, 150});
+  for (const auto& drawn : {first, window}) CHECK((same(drawn[0], drawn[1]) && same(drawn[0], drawn[2])));
+  CHECK_FALSE(same(first[0], window[0]));
+}
+
 TEST_CASE("all that is drawn lies in the picture, whatever its shape, and a tiny one has nothing",
           "[openimageio]") {
   for (const World world : {World::lattice, World::patient, World::microscope})
