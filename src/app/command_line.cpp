@@ -7,8 +7,8 @@
 #include "app/completion.hpp"
 #include "app/contradictions.hpp"
 #include "app/help.hpp"
+#include "app/likely_option.hpp"
 #include "app/man_page.hpp"
-#include "app/option_values.hpp"
 #include "app/program_texts.hpp"
 #include "app/settled_options.hpp"
 #include "app/version_text.hpp"
@@ -84,7 +84,7 @@ bool is_about_extras(const CLI::App& program, const CLI::ParseError& error) {
          (program.get_subcommands().empty() && program.remaining_size(true) > 0);
 }
 
-/// The hint: the help of the parsed subcommand, or an option that resembles the unknown one.
+/// The hint: the help of the parsed subcommand, or an option that the unknown one may mean.
 std::string hint_for(const CLI::App& program, const CLI::ParseError& error) {
   const auto chosen = program.get_subcommands();
   const std::string help =
@@ -95,8 +95,8 @@ std::string hint_for(const CLI::App& program, const CLI::ParseError& error) {
     auto known = chosen.empty() ? std::vector<std::string>() : option_names(*chosen.front());
     if (!extra.starts_with("-") && chosen.empty())
       for (const auto* subcommand : program.get_subcommands({})) known.push_back(subcommand->get_name());
-    const std::string alike = closest(extra.substr(0, extra.find('=')), known);
-    if (!alike.empty()) return fmt::format("did you mean {}? {}", alike, help);
+    const std::string likely = likely_option(extra.substr(0, extra.find('=')), known);
+    if (!likely.empty()) return fmt::format("{} {}", likely, help);
   }
   return help;
 }

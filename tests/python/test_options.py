@@ -20,6 +20,8 @@ SMALL = blob((6, 7, 8))
     "options, error, text",
     [
         (dict(azimut=3), TypeError, "did you mean azimuth"),
+        (dict(cmap="viridis"), TypeError, "did you mean colours"),
+        (dict(color_map="viridis"), TypeError, "did you mean colours"),
         (dict(output="x.png"), TypeError, "output"),
         (dict(azimuth="north"), rs.InputError, "azimuth"),
         (dict(tf="mr-skn"), rs.InputError, "mr-skin"),

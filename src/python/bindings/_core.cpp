@@ -7,7 +7,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "app/option_values.hpp"
+#include "app/likely_option.hpp"
 #include "app/process_end.hpp"
 #include "app/program.hpp"
 #include "base/clock.hpp"
@@ -284,7 +284,8 @@ NB_MODULE(_core, m) {
   m.def("picture_options_json", &picture_options_json);
   m.def("presets", [] { return named(preset_names()); });
   m.def("colour_maps", [] { return named(colour_map_names()); });
-  m.def("closest", &app::closest, "The known word most like this one, or an empty text.");
+  m.def("likely_option", &app::likely_option,
+        "\"did you mean size?\" for an unknown option, or an empty text.");
   m.def("set_log", &set_log, nb::arg("take").none());
   m.def("main", &run_main);
 }

@@ -92,10 +92,9 @@ def _refuse_unknown(name: str, session: bool) -> None:
     known = [option.name for option in options_for(session)]
     if name in known:
         return
-    alike = _core.closest(name, known)
-    hint = f"; did you mean {alike}?" if alike else "; help(ringsplat.render) lists the options"
+    hint = _core.likely_option(name, known) or "help(ringsplat.render) lists the options"
     what = "a session's picture" if session else "a picture"
-    raise TypeError(f"{name} is no option of {what}{hint}")
+    raise TypeError(f"{name} is no option of {what}; {hint}")
 
 
 def _views_of(options: dict[str, Any]) -> tuple[dict[str, Any], list[list[float | None]] | None]:
