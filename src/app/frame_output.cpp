@@ -157,11 +157,14 @@ void FrameOutput::warn(const std::string& label, const std::string& why, int& fr
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
   const auto& [result, file, volume, range] = frame;
   const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
-  const std::string label = written ? file.string() : fmt::format("frame {}", result.spec.frame);
-  if (written)
+  const std::string label =
+      written && !names_film(options_.output) ? file.string() : fmt::format("frame {}", result.spec.frame);
+  const Overlay overlay = written && annotation_ ? annotation_->overlay(result.spec, range) : Overlay{};
+  if (written && names_film(options_.output))
+    film_.add(result.image, options_.background, overlay);
+  else if (written)
     write_image(result.image, file, options_.background,
-                picture_settings(result.spec, volume, options_.annotate, error),
-                annotation_ ? annotation_->overlay(result.spec, range) : Overlay{});
+                picture_settings(result.spec, volume, options_.annotate, error), overlay);
   const NodeStats sum = result.stats.total();
   warn(label, drawn ? why_empty(result, range) : std::string(), empty_frames_);
   warn(label, drawn ? why_nearly_empty(result) : std::string(), nearly_empty_frames_);
@@ -220,6 +223,14 @@ void FrameOutput::finish() {
   if (seconds_.size() > 1) progress_.print(summary());
 }
 
+void FrameOutput::make_film() {
+  if (!names_film(options_.output)) return;
+  progress_.begin("making the film", 0);
+  film_.write(options_.output);
+  progress_.end();
+  progress_.print(options_.output);
+}
+
 /// Gives a rate, too, since frames overlap; but not where refinements may be dropped, whose time belongs to
 /// no picture.
 std::string FrameOutput::summary() const {
@@ -231,8 +242,8 @@ std::string FrameOutput::summary() const {
 }
 
 fs::path output_file(const RenderOptions& options, std::size_t view) {
-  return options.orbit > 0 || !options.path.empty() || options.frames ? numbered(options.output, view)
-                                                                      : fs::path(options.output);
+  const bool several = options.orbit > 0 || !options.path.empty() || options.frames;
+  return several && !names_film(options.output) ? numbered(options.output, view) : fs::path(options.output);
 }
 
 namespace {

@@ -8,6 +8,7 @@
 
 #include "app/annotation.hpp"
 #include "app/error_budget.hpp"
+#include "app/film.hpp"
 #include "app/frame_writer.hpp"
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
@@ -54,6 +55,8 @@ class FrameOutput {
   /// Waits for the last picture, writes --stats and prints the summary. Throws RunError when something cannot
   /// be written.
   void finish();
+  /// Has ffmpeg make the film, where -o names one. Takes long: after finish(), when no rank waits any more.
+  void make_film();
   /// Most pictures held at once by a run with `options` and `frames` frames in all.
   static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
@@ -88,6 +91,7 @@ class FrameOutput {
   ValueRange range_;
   SliceMemory memory_;
   std::optional<Annotation> annotation_;
+  Film film_;
   Progress& progress_;
   std::vector<KeptFrame> kept_;
   std::optional<truth::Scene> truth_;  ///< while errors are measured

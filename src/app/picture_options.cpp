@@ -71,8 +71,8 @@ constexpr OptionRow<Render> clip_rows[] = {
 
 constexpr OptionRow<Render> render_output_rows[] = {
     {"-o,--output", "FILE", nullptr,
-     "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; not needed with --stats or "
-     "--count-only",
+     "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; of many views also .mp4, a film by "
+     "ffmpeg; not needed with --stats or --count-only",
      [](Render& o) { return value(o.output); }},
     {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
      [](Render& o) { return parsed(o.background, parse_colour); }},

@@ -11,6 +11,7 @@
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/error_budget.hpp"
+#include "app/film.hpp"
 #include "app/first_view.hpp"
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
@@ -34,7 +35,7 @@ Plan make_plan(const RenderOptions& o) {
   Plan plan;
   plan.transfer_function.emplace(o.transfer_function, o.colour);
   if (!o.output.empty()) {
-    check_image_name(o.output, "-o", !o.background);
+    names_film(o.output) ? check_film(o) : check_image_name(o.output, "-o", !o.background);
     check_can_write(o.output, "-o");
   }
   if (!o.stats.empty()) check_can_write_text(o.stats, "--stats");

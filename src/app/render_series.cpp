@@ -46,6 +46,8 @@ class SeriesRun {
     }
     progress_.end();
     if (launch_.rank() == 0) output.finish();
+    launch_.take_leave(job_.options.run.protocol.stall_timeout);
+    if (launch_.rank() == 0) output.make_film();
   }
 
  private:
@@ -94,7 +96,6 @@ class SeriesRun {
 
 ExitCode render_series(Job& job, Progress& progress, Launch& launch) {
   SeriesRun(job, progress, launch).run();
-  launch.take_leave(job.options.run.protocol.stall_timeout);
   return ExitCode::done;
 }
 
