@@ -195,15 +195,21 @@ MadeFunction make_transfer_function(const RenderOptions& o, const Plan& plan, co
 }
 
 /// Says what has been chosen. Sheets interpolate values, so that labels between others appear.
-void tell(const MadeFunction& made, bool sheets, bool splats_instead, Progress& progress) {
+void tell(const MadeFunction& made, const RenderOptions& o, bool splats_instead, Progress& progress) {
   if (!made.said.empty() && !simulated())
     progress.print(made.said +
                    (splats_instead ? "; drawn with splats (--quality paper), which do not mix labels" : ""));
-  if (!made.labels || !sheets || splats_instead) return;
+  const bool sheets = std::holds_alternative<Sheets>(o.frame.how),
+             sheets_asked = o.method.slabs || o.method.light_points;
+  if (!made.labels || !sheets || (splats_instead && !sheets_asked)) return;
   progress.clear();
-  log_warning(
-      "sheets interpolate values: voxels between two labels get other labels' colours; hint: --quality paper "
-      "does not");
+  if (splats_instead)
+    log_warning("{} has no effect on labels, which splats draw; hint: --quality best draws them with sheets",
+                o.method.slabs ? "--slabs" : "--light-points");
+  else
+    log_warning(
+        "sheets interpolate values: voxels between two labels get other labels' colours; hint: --quality "
+        "paper does not");
 }
 
 }  // namespace
@@ -251,7 +257,7 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
     MadeFunction made = make_transfer_function(o, job.plan, scene);
     labels = made.labels;
     splats_instead = labels && sheets && splats_can_draw(o, job.plan.cameras);
-    tell(made, sheets, splats_instead, progress);
+    tell(made, o, splats_instead, progress);
     function = std::move(made.function);
   });
   if (launch.of_rank_0(splats_instead)) scene = reload_for_splats(job, wiring, progress, launch);

@@ -147,6 +147,9 @@ TEST_CASE("labels are found, drawn with splats and told; sheets are warned of", 
   const Ended sheets = files.render(files.labels, {"--quality", "best"});
   REQUIRE(sheets.code == 0);
   CHECK_THAT(sheets.err, Catch::Matchers::Contains("other labels' colours"));
+  const Ended slabs = files.render(files.labels, {"--slabs", "4"});
+  REQUIRE(slabs.code == 0);
+  CHECK_THAT(slabs.err, Catch::Matchers::Contains("--slabs has no effect on labels"));
   CHECK(files.render(files.usual, {"--labels"}).code == 2);
 }
 
