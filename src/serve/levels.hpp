@@ -1,5 +1,4 @@
 #pragma once
-#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +11,7 @@ namespace ringsplat::serve {
 struct Level {
   std::string name;
   int undersample = 1;
-  bool half_size = false;
+  double scale = 1;  ///< of the picture's sides
   Sheets sheets;
 };
 
@@ -28,43 +27,45 @@ std::vector<Level> make_levels(const Qualities& qualities, const glm::ivec3& dim
 /// image in the slices' plane, so those levels draw on the screen.
 FrameSpec at_level(FrameSpec full, const Level& level);
 
-/// Chooses the level for pictures of a view that moves: coarser when two in a row take longer than 1.2 times
-/// the target, finer when ten in a row take less than 0.7 times, but not to a level that lately took longer
-/// than the target. Knows no clock.
+/// About the seconds that a frame takes one core: a term for voxels, one for samples, one for pixels. What a
+/// machine, a transfer function and a number of ranks make of it is learnt; levels are as this to each other.
+double rough_seconds(const FrameSpec& spec, const glm::ivec3& dims);
+
+/// Chooses the level for pictures of a view that moves: the finest that is expected to take no longer than
+/// the target. Each picture's time tells of its own level, and in part of all others. Knows no clock.
 class LevelController {
  public:
-  LevelController(int levels, double target_seconds);
+  explicit LevelController(double target_seconds);
 
-  /// For the next picture of a view that moves.
-  int level() const { return level_; }
-  /// A picture of a moving view took so long.
-  void moved(double seconds);
-  /// A picture of a view at rest took so long at that level.
-  void rested(int level, double seconds);
-  /// A view begins to move: starts as fine as was lately quick enough.
-  void begin_motion();
-  /// Pictures will cost something else now, as another size does.
-  void forget();
-  /// Seconds that a level took lately.
-  std::optional<double> recent(int level) const;
+  /// By level, what the present view's pictures roughly cost. Call it first of all.
+  void expect(std::vector<double> rough_seconds);
+  /// A picture took so long.
+  void took(int level, double seconds);
+  /// For the next picture of a view that moves. It is left for a finer one only where that clearly fits.
+  int level();
+  /// Seconds that a picture is expected to take.
+  double expected(int level) const;
+  double target() const { return target_; }
+  int levels() const { return int(rough_.size()); }
 
  private:
-  struct Cost {
-    double seconds;
-    long at;  ///< in pictures
+  /// True over rough seconds, as logarithms; a level's own comes on top of what all have in common.
+  struct Own {
+    double factor = 0;
+    bool drawn = false;
   };
-  bool may_fit(int level) const;
 
   double target_;
-  int level_ = 0, slow_ = 0, quick_ = 0;
-  long pictures_ = 0;
-  std::vector<std::optional<Cost>> costs_;
+  std::vector<double> rough_;
+  std::vector<Own> own_;
+  std::optional<double> common_;  ///< nothing before the first picture
+  double last_error_ = 0;
+  std::optional<int> level_;
 };
 
 /// The level of a view's next picture when it rests; nothing when it has been shown as well as can be.
 /// `shown`: the finest that was shown of it. There are at most three: as for a moving view, a middle one when
 /// the best takes long, the best.
-std::optional<int> next_level_at_rest(const LevelController& controller, int levels, double target_seconds,
-                                      std::optional<int> shown);
+std::optional<int> next_level_at_rest(LevelController& controller, std::optional<int> shown);
 
 }  // namespace ringsplat::serve

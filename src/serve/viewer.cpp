@@ -28,7 +28,7 @@ Viewer::Viewer(ViewerOptions options)
       rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()), options_.largest_side,
              options_.largest_side},
       hello_(hello_text(options_, levels_)),
-      controller_(int(levels_.size()), options_.target_seconds),
+      controller_(options_.target_seconds),
       requests_(requests_host(), options_.volume.grid, options_.volume.range, int(levels_.size()),
                 options_.ffmpeg),
       server_(std::make_unique<WebServer>(options_.server, events())),
@@ -265,11 +265,16 @@ void Viewer::take_newest() {
   if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
   View view = *std::exchange(newest_, std::nullopt);
   if (current_ && current_->scene == view.scene) view.shown = current_->shown;
-  if (view.message.moving && current_ && !current_->message.moving) controller_.begin_motion();
-  if (current_ &&
-      (current_->message.width != view.message.width || current_->message.height != view.message.height))
-    controller_.forget();
   current_ = std::move(view);
+  expect_costs(current_->message);
+}
+
+void Viewer::expect_costs(const ViewMessage& view) {
+  const FrameSpec full = full_frame(view.scene, view.width, view.height);
+  std::vector<double> costs;
+  for (const Level& level : levels_)
+    costs.push_back(rough_seconds(at_level(full, level), options_.volume.grid.dims));
+  controller_.expect(std::move(costs));
 }
 
 std::optional<FrameSpec> Viewer::next_picture() {
@@ -282,7 +287,7 @@ std::optional<FrameSpec> Viewer::next_picture() {
   const bool rests = !view.message.moving || Clock::now() - view.came >= rest_begins;
   std::optional<int> level;
   if (rests)
-    level = next_level_at_rest(controller_, int(levels_.size()), options_.target_seconds, view.shown);
+    level = next_level_at_rest(controller_, view.shown);
   else if (!view.shown)
     level = controller_.level();
   if (!level) {
@@ -326,14 +331,6 @@ bool Viewer::unwanted(const FrameSpec& spec) {
   return true;
 }
 
-/// The mutex is held.
-void Viewer::measure(const Rendering& rendering, double seconds) {
-  if (rendering.at_rest)
-    controller_.rested(rendering.level, seconds);
-  else
-    controller_.moved(seconds);
-}
-
 void Viewer::take(FrameResult&& result) {
   if (requests_.renders(result.spec.frame)) {
     requests_.take(std::move(result));
@@ -347,11 +344,13 @@ void Viewer::take(FrameResult&& result) {
   --pictures_rendering_;
   ++pictures_encoding_;
   const double seconds = result.stats.seconds;
-  measure(rendering, seconds);
-  if (current_ && current_->scene == rendering.view.scene) current_->shown = rendering.level;
+  controller_.took(rendering.level, seconds);
   const ViewMessage& view = rendering.view.message;
   const int levels = int(levels_.size());
-  const bool at_rest = rendering.level + 1 == levels;
+  // What is drawn at best while the view moves is sent with less quality, and once more when it rests.
+  const bool at_rest = rendering.at_rest && rendering.level + 1 == levels;
+  if (current_ && current_->scene == rendering.view.scene)
+    current_->shown = at_rest ? rendering.level : std::min(rendering.level, levels - 2);
   auto picture = std::make_shared<RenderedPicture>();
   picture->image = std::move(result.image);
   picture->background = srgb_to_linear(view.scene.background);

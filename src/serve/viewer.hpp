@@ -120,7 +120,7 @@ class Viewer {
 
   FrameSpec full_frame(const SceneState& scene, int width, int height) const;
   FrameSpec best_frame(const SceneState& scene, int width, int height) const;
-  void measure(const Rendering& rendering, double seconds);
+  void expect_costs(const ViewMessage& view);
   void send_picture(RenderedPicture& picture, const View& view);
   void send_to_all(LastPicture&& picture);
   void send_to(ClientId client, const LastPicture& picture);
