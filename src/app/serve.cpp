@@ -2,7 +2,9 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -15,6 +17,7 @@
 #include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "base/log.hpp"
+#include "base/log_listener.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
 #include "frame/frame_needs.hpp"
@@ -24,6 +27,7 @@
 #include "serve/opened_page.hpp"
 #include "serve/program.hpp"
 #include "serve/viewer.hpp"
+#include "volume/label_names.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -118,6 +122,16 @@ int largest_side() {
   return side;
 }
 
+std::vector<serve::Label> labels_of(const std::vector<double>& values, const std::filesystem::path& file) {
+  const auto names = label_names(file);
+  std::vector<serve::Label> labels;
+  for (const double value : values) {
+    const auto name = names.find(value);
+    if (value != 0) labels.push_back({value, name == names.end() ? "" : name->second});
+  }
+  return labels;
+}
+
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
                                     const Scene& scene, const Launch& launch) {
   const RenderOptions& o = job.picture;
@@ -131,6 +145,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
               scene.grid,
               notes.world == World::patient,
               notes.unit,
+              choose_function(scene.values).function.name.starts_with("ct-"),
               scene.values.range,
               scene.values.histogram};
   v.frames.clear();
@@ -143,6 +158,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
     log_warning("the viewer interpolates values: voxels between two labels get other labels' colours");
   v.initial.transfer_function = std::move(made.function);
   check(v.initial.transfer_function, o.transfer_function);
+  if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.shading = o.frame.shown.shading;
   v.initial.light = o.frame.shown.light;
   v.initial.clip = o.frame.shown.clip;
@@ -165,6 +181,36 @@ std::unique_ptr<serve::OpenedPage> open_in_browser(const std::string& url) {
     return nullptr;
   }
 }
+
+/// Shows on the pages what the job warns of, also before there are any.
+class Warnings {
+ public:
+  Warnings() {
+    set_log_listener([this](const std::string& text) { take(text); });
+  }
+  ~Warnings() { set_log_listener({}); }
+  Warnings(const Warnings&) = delete;
+  Warnings& operator=(const Warnings&) = delete;
+
+  void show_on(serve::Viewer& viewer) {
+    const std::lock_guard lock(mutex_);
+    for (const std::string& text : early_) viewer.warn(text);
+    viewer_ = &viewer;
+  }
+
+ private:
+  void take(const std::string& text) {
+    const std::lock_guard lock(mutex_);
+    if (viewer_ != nullptr)
+      viewer_->warn(text);
+    else
+      early_.push_back(text);
+  }
+
+  std::mutex mutex_;
+  std::vector<std::string> early_;
+  serve::Viewer* viewer_ = nullptr;
+};
 
 std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job,
                                             const VolumeNotes& notes, const Scene& scene, Launch& launch) {
@@ -238,6 +284,8 @@ void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewe
 }  // namespace
 
 ExitCode run_serve(const ServeOptions& options, Launch& launch) {
+  std::unique_ptr<serve::Viewer> viewer;
+  Warnings warnings;
   Job job = prepare(options, launch);
   const RunOptions& run = job.picture.run;
   Progress progress(launch.rank() != 0, stderr);
@@ -246,7 +294,8 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   SeriesLoader loader(job.series, std::move(job.volume), {job.load, job.layout, wiring, job.ahead_bytes},
                       progress, launch);
   Scene scene = loader.load(0);
-  const std::unique_ptr<serve::Viewer> viewer = start_viewer(options, job, notes, scene, launch);
+  viewer = start_viewer(options, job, notes, scene, launch);
+  if (viewer) warnings.show_on(*viewer);
   const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();
   try {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/lack_of_memory.hpp"
+#include "base/log_listener.hpp"
 #include "base/printable.hpp"
 
 namespace ringsplat {
@@ -28,6 +29,11 @@ bool is_first_rank = true;
 std::function<void(LogLevel, const std::string&)>& log_sink() {
   static std::function<void(LogLevel, const std::string&)> sink;
   return sink;
+}
+
+std::function<void(const std::string&)>& log_listener() {
+  static std::function<void(const std::string&)> listener;
+  return listener;
 }
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
@@ -58,11 +64,16 @@ void set_log_sink(std::function<void(LogLevel level, const std::string& text)> s
   log_sink() = std::move(sink);
 }
 
+void set_log_listener(std::function<void(const std::string& text)> listener) {
+  log_listener() = std::move(listener);
+}
+
 void log_line(LogLevel level, const std::string& text) {
   if (log_sink())
     log_sink()(level, printable(text));
   else
     logger().log(to_spdlog(level), printable(text));
+  if (log_listener() && level >= LogLevel::warning) log_listener()(printable(text));
 }
 
 void log_line_once(LogLevel level, const std::string& text) {

@@ -12,8 +12,8 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double any = 1e300;  // leaves room for sums and differences
-constexpr std::size_t most_points = 512, longest_name = 200;
+constexpr double any = 1e300;                                  // leaves room for sums and differences
+constexpr std::size_t most_points = 1100, longest_name = 200;  // points: four for each of 256 labels
 
 glm::dvec3 vector_from(const json& j, const std::string& name, double low, double high) {
   list_from(j, name, 3, 3);

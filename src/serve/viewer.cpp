@@ -72,6 +72,14 @@ Director Viewer::director() {
           .pause = [this](std::chrono::nanoseconds most) { pause(most); }};
 }
 
+void Viewer::warn(const std::string& text) {
+  constexpr std::size_t most = 20;
+  const std::lock_guard lock(mutex_);
+  if (warnings_.size() >= most) return;
+  warnings_.push_back(warning_text(text));
+  for (const ClientId client : audience_.all()) say(client, warnings_.back());
+}
+
 void Viewer::end(const std::string& message) {
   {
     const std::lock_guard lock(mutex_);
@@ -145,6 +153,7 @@ void Viewer::opened(ClientId client) {
   const std::lock_guard lock(mutex_);
   audience_.add(client);
   say(client, hello_for(hello_, audience_.drives(client), audience_.size()));
+  for (const std::string& warning : warnings_) say(client, warning);
   say_driver();
   if (!audience_.drives(client) && last_.message) send_to(client, last_);
   wake();

@@ -24,14 +24,22 @@
 
 namespace ringsplat::serve {
 
+/// A value that is the number of something.
+struct Label {
+  double value;
+  std::string name;  ///< empty: the file has none
+};
+
 /// What a page is told of the volume and the job.
 struct ShownVolume {
   std::string name;
   Grid grid;
-  bool patient = false;  ///< the world's axes are a patient's: left, posterior, superior
-  std::string unit;      ///< of the spacing; empty: unknown
+  bool patient = false;     ///< the world's axes are a patient's: left, posterior, superior
+  std::string unit;         ///< of the spacing; empty: unknown
+  bool hounsfield = false;  ///< its values are a CT's
   ValueRange range;
   Histogram histogram;
+  std::vector<Label> labels = {};  ///< but 0, ascending; none: the values are no labels
 };
 
 struct ViewerOptions {
@@ -69,6 +77,8 @@ class Viewer {
   void loaded(int volume, const ValueRange& range);
   /// It cannot be loaded: whoever waits for it is told why. loaded() must follow.
   void not_loaded(int volume, const std::string& why);
+  /// Shows a warning of the job on all pages, also of those that come later.
+  void warn(const std::string& text);
   /// Tells all pages why there will be no more pictures, and ends the run.
   void end(const std::string& message);
 
@@ -138,6 +148,7 @@ class Viewer {
   std::condition_variable changed_;
   bool woken_ = false, ended_ = false;
   Audience audience_;
+  std::vector<std::string> warnings_;
   std::optional<View> newest_;  ///< not yet taken
   std::uint64_t scenes_ = 0, views_ = 0;
   std::optional<View> current_;

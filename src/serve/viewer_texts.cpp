@@ -26,6 +26,12 @@ json histogram_json(const Histogram& histogram) {
   return {{"low", histogram.low}, {"high", histogram.high}, {"counts", counts}};
 }
 
+json labels_json(const std::vector<Label>& labels) {
+  json all = json::array();
+  for (const Label& label : labels) all.push_back({{"value", label.value}, {"name", label.name}});
+  return all;
+}
+
 json volume_json(const ShownVolume& volume) {
   json direction = json::array();
   for (int column = 0; column < 3; ++column)
@@ -39,16 +45,29 @@ json volume_json(const ShownVolume& volume) {
           {"patient", volume.patient},
           {"range", {volume.range.low, volume.range.high}},
           {"type", to_string(volume.grid.type)},
+          {"labels", labels_json(volume.labels)},
           {"histogram", histogram_json(volume.histogram)}};
 }
 
-json presets(const Histogram& histogram) {
+/// Those for Hounsfield units show nothing of other values.
+json presets(const ShownVolume& volume) {
   json all = json::array();
-  for (const PresetName& preset_name : preset_names())
+  for (const PresetName& preset_name : preset_names()) {
+    if (preset_name.name.starts_with("ct-") && !volume.hounsfield) continue;
     all.push_back({{"name", preset_name.name},
                    {"description", preset_name.description},
-                   {"transfer_function", to_json(preset(preset_name.name, histogram))}});
+                   {"transfer_function", to_json(preset(preset_name.name, volume.histogram))}});
+  }
   return all;
+}
+
+/// `what`: a text "WHAT IS WRONG; hint: WHAT TO DO".
+json said(const char* type, std::string_view what) {
+  constexpr std::string_view between = "; hint: ";
+  const auto at = what.find(between);
+  return {{"type", type},
+          {"message", what.substr(0, at)},
+          {"hint", at == std::string_view::npos ? "" : what.substr(at + between.size())}};
 }
 
 }  // namespace
@@ -61,7 +80,7 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels)
                   {"volume", volume_json(o.volume)},
                   {"frames", o.frames},
                   {"state", to_json(o.initial)},
-                  {"presets", presets(o.volume.histogram)},
+                  {"presets", presets(o.volume)},
                   {"levels", names},
                   {"ranks", o.ranks},
                   {"layout", o.layout},
@@ -101,15 +120,13 @@ std::string movie_frame_text(std::uint32_t id, int index) {
 }
 
 std::string error_text(std::string_view what, const std::optional<Request>& request) {
-  constexpr std::string_view between = "; hint: ";
-  const auto at = what.find(between);
-  json error{{"type", "error"},
-             {"message", what.substr(0, at)},
-             {"hint", at == std::string_view::npos ? "" : what.substr(at + between.size())}};
+  json error = said("error", what);
   if (request) error["id"] = request->id;
   if (request && !request->type.empty()) error["request"] = request->type;
   return text_of(error);
 }
+
+std::string warning_text(std::string_view what) { return text_of(said("warning", what)); }
 
 std::string end_text(const std::string& message) { return text_of({{"type", "end"}, {"message", message}}); }
 

@@ -21,6 +21,8 @@ std::string probe_text(std::uint32_t id, const Probed& probed);
 std::string movie_frame_text(std::uint32_t id, int index);
 /// `what`: an error's text, "WHAT IS WRONG; hint: WHAT TO DO". `request`: that it answers.
 std::string error_text(std::string_view what, const std::optional<Request>& request);
+/// `what`: as of an error.
+std::string warning_text(std::string_view what);
 std::string end_text(const std::string& message);
 std::string ended_by_signal_text(int number);
 

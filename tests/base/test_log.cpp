@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/log_listener.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -18,4 +19,15 @@ TEST_CASE("log lines of every level go to a sink while there is one") {
   CHECK(lines[0] == std::pair(LogLevel::debug, std::string("1")));
   CHECK(lines[1].first == LogLevel::warning);
   CHECK(lines[1].second.find('\a') == std::string::npos);
+}
+
+TEST_CASE("a listener hears warnings and errors alone") {
+  std::vector<std::string> heard;
+  set_log_listener([&](const std::string& text) { heard.push_back(text); });
+  log_info("not this");
+  log_warning("a warning of a test");
+  log_error("an error of a test");
+  set_log_listener({});
+  log_warning("nobody listens to this test");
+  CHECK(heard == std::vector<std::string>{"a warning of a test", "an error of a test"});
 }

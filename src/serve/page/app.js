@@ -1,6 +1,6 @@
 // The page as a whole: what messages and controls do to the scene, the picture and each other.
 
-import { viewOf } from './camera.js';
+import { fillingZoom, viewOf } from './camera.js';
 import { ClipPanel, wholeBox } from './clip_panel.js';
 import { Connection, kinds } from './connection.js';
 import { Cube } from './cube.js';
@@ -8,8 +8,10 @@ import { byId } from './dom.js';
 import { FilmPanel } from './film_panel.js';
 import { FramePanel } from './frame_panel.js';
 import { Gestures } from './gestures.js';
+import { History } from './history.js';
 import { attachKeyboard } from './keyboard.js';
 import { drawOverlay } from './overlay.js';
+import { LabelsPanel } from './labels_panel.js';
 import { Probe } from './probe.js';
 import { Requests } from './requests.js';
 import { Scene, checkedState, readFragment } from './scene.js';
@@ -28,6 +30,7 @@ const fragmentWait = 300;  // milliseconds; browsers limit how often the address
 export class App {
   constructor() {
     this.scene = new Scene();
+    this.history = new History();
     this.hello = null;
     this.driving = true;
     this.viewers = 1;
@@ -45,6 +48,7 @@ export class App {
       status: (status) => this.linkChanged(status) });
     this.requests = new Requests((message) => this.connection.send(message));
     this.transfer = new TransferPanel(this);
+    this.labels = new LabelsPanel(this);
     this.viewPanel = new ViewPanel(this);
     this.clipPanel = new ClipPanel(this);
     this.film = new FilmPanel(this);
@@ -56,9 +60,12 @@ export class App {
     attachKeyboard(this);
     attachSettings();
     onSettings(() => this.redraw());
+    byId('undo').addEventListener('click', () => this.undo(false));
+    byId('redo').addEventListener('click', () => this.undo(true));
     byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
     this.scene.subscribe((keys) => this.sceneChanged(keys));
     window.addEventListener('hashchange', () => this.readAddress() && this.connection.reopen());
+    window.addEventListener('beforeunload', (event) => this.film.job && event.preventDefault());
     // A page that the browser keeps for "back" must not go on driving.
     window.addEventListener('pagehide', () => this.connection.close());
     window.addEventListener('pageshow', (event) => event.persisted && this.connection.reopen());
@@ -69,6 +76,7 @@ export class App {
   readAddress() {
     const { token, state } = readFragment(location.hash), key = 'ringsplat.token ' + location.pathname;
     if (token) sessionStorage.setItem(key, token);
+    this.visited = token === null;  // and loaded anew
     this.token = token ?? sessionStorage.getItem(key) ?? '';
     if (state === undefined) this.complain('The address holds a scene that cannot be read.');
     if (state) {
@@ -98,6 +106,7 @@ export class App {
       probe: () => this.requests.answer(message.id, message),
       movie_frame: () => this.requests.answer(message.id, message),
       error: () => this.requests.fail(message.id, message.message) || showError(message.message, message.hint),
+      warning: () => showError(message.message, message.hint, true),
       end: () => this.ended(message.message),
     };
     if (Object.hasOwn(acts, message.type)) acts[message.type]();
@@ -106,16 +115,21 @@ export class App {
   greet(hello) {
     this.hello = hello;
     const { volume } = hello, resumes = this.scene.state !== null && this.driving;
+    this.fills = hello.state.camera.zoom === 1;  // nobody chose another
     showVolume(volume);
     this.stage.forget();
     this.stage.setLargest(hello.largest);
     this.viewPanel.begin(volume.patient);
     const kept = resumes ? this.scene.state : hello.driver ? this.brought : {};
     this.brought = undefined;
+    this.fill();
     this.scene.begin(hello.state, this.withinSeries(kept));
+    if (!resumes) this.history.clear(this.scene.state);
     this.series.begin(hello.frames);
     this.transfer.begin(hello.presets);
+    this.labels.begin(volume.labels);
     this.film.begin(hello.ffmpeg);
+    if (!resumes) this.film.restore();
     this.snapshots.begin(hello.largest);
     this.setDriver(hello.driver, hello.viewers);
     this.refreshPanels();
@@ -136,7 +150,8 @@ export class App {
   follow(state) {
     if (this.driving || !this.hello) return;
     this.scene.begin(this.hello.state, state);
-    this.transfer.history.commit(this.scene.state.transfer_function);
+    this.history.clear(this.scene.state);
+    this.showUndo();
   }
 
   async takeBinary(head) {
@@ -196,9 +211,7 @@ export class App {
   }
 
   takeState(given) {
-    const state = this.withinSeries(given);
-    this.scene.change(state);
-    if (state.transfer_function) this.transfer.commit();
+    this.scene.change(this.withinSeries(given));
   }
   /** A scene may come from a longer series. */
   withinSeries(state) {
@@ -212,12 +225,25 @@ export class App {
   editTransfer(tf, whole) {
     this.transfer.edit(tf, whole);
   }
-  commitTransfer() {
-    this.transfer.commit();
+
+  /** A step of undo ends here. */
+  commit() {
+    if (this.mayEdit()) this.history.commit(this.scene.state);
+    this.showUndo();
   }
   undo(again) {
-    this.transfer.undo(again);
+    if (!this.mayEdit()) return;
+    this.commit();
+    this.stopFilm();
+    const state = again ? this.history.redo() : this.history.undo();
+    if (state) this.scene.change(state);
+    this.showUndo();
   }
+  showUndo() {
+    byId('undo').disabled = this.history.past.length === 0;
+    byId('redo').disabled = this.history.future.length === 0;
+  }
+
   valueSpan() {
     const { low, high } = this.volume.histogram;
     return high > low ? high - low : 1;
@@ -288,6 +314,7 @@ export class App {
 
   sendView({ seq, moving }) {
     if (!this.mayEdit()) return false;
+    if (!moving) this.commit();
     const { width, height } = this.stage.canvas;
     const { state } = this.scene, time = performance.now();
     const sent = this.connection.send({ type: 'view', seq, moving, width, height, time, state });
@@ -307,7 +334,19 @@ export class App {
     return { ...view, project, pixelsPerUnit: (view.pixelsPerUnit * scale) / each };
   }
 
+  /** Lets the first view fill the page, and a view that nobody has zoomed. */
+  fill() {
+    if (!this.fills) return;
+    const { camera } = this.hello.state, { width, height } = this.stage.canvas;
+    const untouched = this.scene.state?.camera.zoom === camera.zoom;
+    camera.zoom = Number(fillingZoom(camera, this.volume, width, height).toPrecision(4));
+    if (!untouched || !this.mayEdit()) return;
+    this.scene.change({ camera: { zoom: camera.zoom } });
+    this.history.replace(this.scene.state);
+  }
+
   resized() {
+    if (this.hello) this.fill();
     if (this.driving) this.sender.pulse();
     this.sender.request();
     this.redraw();
@@ -324,6 +363,7 @@ export class App {
       this.changed = undefined;
       if (!this.scene.state) return;
       if (keys.has('transfer_function')) this.transfer.refresh();
+      if (keys.has('transfer_function')) this.labels.refresh();
       if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
       if (keys.has('clip')) this.clipPanel.refresh();
       if (keys.has('frame')) this.series.refresh();

@@ -113,6 +113,15 @@ export function viewOf(camera, volume, width, height) {
   return { ...basis, pixelsPerUnit, centre, project };
 }
 
+/** The zoom at which the volume's box, as it is seen, fills 95 % of the picture's width or height. */
+export function fillingZoom(camera, volume, width, height) {
+  const { project, centre } = viewOf({ ...camera, zoom: 1 }, volume, width, height);
+  const corners = [0, 1, 2, 3, 4, 5, 6, 7].map((bits) =>
+    project(volume.dims.map((n, k) => ((bits >> k) & 1 ? n - 0.5 : -0.5))));
+  const reach = (k) => Math.max(...corners.map((corner) => Math.abs(corner[k] - centre[k])));
+  return 0.475 * Math.min(width / reach(0), height / reach(1));
+}
+
 /** Rotation of a basis as a unit quaternion [w, x, y, z], and back. */
 export function quaternionOf({ right, up, viewer }) {
   const m = [right, up, viewer];  // columns

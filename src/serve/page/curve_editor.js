@@ -9,7 +9,7 @@ const near = 9, top = 10, bottom = 4, side = 8;  // pixels
 const cssColour = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
 
 export class CurveEditor {
-  /** `app.editTransfer(tf)` shows a change, `app.commitTransfer()` ends it for undo. */
+  /** `app.editTransfer(tf)` shows a change, `app.commit()` ends it for undo. */
   constructor(app, onSelect) {
     this.app = app;
     this.onSelect = onSelect;
@@ -87,7 +87,7 @@ export class CurveEditor {
   up() {
     if (!this.dragging) return;
     this.dragging = false;
-    this.app.commitTransfer();
+    this.app.commit();
     this.app.sender.release();
   }
 
@@ -141,7 +141,7 @@ export class CurveEditor {
     const points = this.tf[which], at = Math.min(index, points.length - 2);
     const value = 0.5 * (points[at][0] + points[at + 1][0]);
     const added = this.add(which, [value, opacityAt(this.tf, value)]);
-    this.app.commitTransfer();
+    this.app.commit();
     this.select(which, added);
   }
 

@@ -2,6 +2,7 @@
 
 import { byId, download, element } from './dom.js';
 import { fileStem } from './files.js';
+import { checkedState } from './scene.js';
 import { sceneAt } from './spline.js';
 import { mostMembers, zip } from './zip.js';
 
@@ -18,9 +19,24 @@ export class FilmPanel {
     this.set([]);
   }
 
+  /** A reload in the same tab keeps key frames. */
+  get kept() {
+    return `ringsplat.film ${location.pathname} ${this.app.volume.name}`;
+  }
+  restore() {
+    const text = this.app.visited && sessionStorage.getItem(this.kept);
+    if (text) this.take(JSON.parse(text));
+  }
+
+  /** Key frames from outside. */
+  take(list) {
+    this.set(list.map((frame) => this.app.wholeState(checkedState(frame).state)));
+  }
+
   set(frames) {
     this.stop();
     this.frames = frames;
+    if (this.app.hello) sessionStorage.setItem(this.kept, JSON.stringify(frames));
     const act = (label, title, disabled, onclick) =>
       element('button', { 'aria-label': title, title, disabled, onclick }, label);
     byId('key-frames').replaceChildren(...frames.map((frame, i) => {

@@ -2,7 +2,7 @@
 
 import { movePicture, rollBall, turnTable } from './camera.js';
 import { settings } from './settings.js';
-import { stretched, windowOf } from './transfer_function.js';
+import { windowed, windowOf } from './transfer_function.js';
 
 const radiansEachSide = 2.2;  // how far a drag over the shorter side turns the volume
 
@@ -66,7 +66,6 @@ export class Gestures {
       this.mode = null;  // the finger that stays does not turn the volume
       return;
     }
-    if (this.mode === 'window') this.app.commitTransfer();
     this.mode = null;
     this.canvas.classList.remove('busy');
     this.app.sender.release();
@@ -103,7 +102,7 @@ export class Gestures {
     const { tf, at } = this.start;
     const factor = 4 ** ((now[0] - at[0]) / this.side);
     const shift = ((at[1] - now[1]) / this.side) * Math.max(windowOf(tf).width, this.app.valueSpan() * 0.1);
-    this.app.editTransfer(stretched(tf, factor, shift));
+    this.app.editTransfer(windowed(tf, factor, shift));
   }
 
   /** Two fingers: the points under them stay under them. */

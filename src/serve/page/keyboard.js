@@ -3,7 +3,7 @@
 import { movePicture, rollBall, sixViews, turnTable } from './camera.js';
 import { byId, clamp, element } from './dom.js';
 import { set, settings } from './settings.js';
-import { stretched } from './transfer_function.js';
+import { windowed } from './transfer_function.js';
 
 const step = (5 * Math.PI) / 180, panStep = 0.05, zoomStep = 1.1, rollStep = 5, crossStep = 8;
 
@@ -26,7 +26,7 @@ function actions(app) {
   };
   const transfer = (factor, shift) => {
     app.sender.pulse();
-    app.editTransfer(stretched(app.scene.state.transfer_function, factor, shift * 0.02 * app.valueSpan()), true);
+    app.editTransfer(windowed(app.scene.state.transfer_function, factor, shift * 0.02 * app.valueSpan()), true);
   };
   const toggle = (name) => () => set({ [name]: !settings[name] });
   return [
@@ -73,7 +73,7 @@ function fillHelp(list) {
     ...gestures.map(([name, text]) => row(element('th', { scope: 'row' }, name), text)),
     row(keys('←', '→', '↑', '↓'), 'turn'), row(keys('Shift', 'arrows'), 'pan'),
     row(keys('Ctrl', 'arrows'), 'move a cross to ask for values'),
-    row(keys('Ctrl', 'Z'), 'undo a change of the transfer function; with Shift: redo'));
+    row(keys('Ctrl', 'Z'), 'undo a change of the scene; with Shift: redo'));
   byId('help-views').append(...rows.slice(0, half));
   byId('help-keys').append(...rows.slice(half));
 }

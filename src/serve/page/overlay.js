@@ -113,7 +113,7 @@ export function drawOverlay({ state, volume, seen, cross }) {
     bar = scaleBar(seen.pixelsPerUnit, clamp(width * 0.25, 60, 200));
     drawScaleBar(context, colours, { bar, unit: volume.unit, perspective: state.camera.fov > 0, height });
   }
-  if (settings.colours)
+  if (settings.colours && !volume.labels.length)
     drawColourBar(context, colours, state.transfer_function, [volume.histogram.low, volume.histogram.high], height);
   if (cross) drawCross(context, colours, cross);
   return bar;

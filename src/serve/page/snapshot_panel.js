@@ -56,8 +56,7 @@ export class SnapshotPanel {
       const given = JSON.parse(file.text), { state, refused } = checkedState(given);
       if (refused.length) throw new Error(`it has an unfit ${refused.join(', ')}`);
       this.app.takeState(state);
-      if (Array.isArray(given.key_frames))
-        this.app.film.set(given.key_frames.map((frame) => this.app.wholeState(checkedState(frame).state)));
+      if (Array.isArray(given.key_frames)) this.app.film.take(given.key_frames);
     } catch (error) {
       this.app.complain(`${file.name} cannot be used: ${error.message}`, 'Give a scene that this page saved.');
     }

@@ -13,17 +13,17 @@ export function showLink(status) {
 
 /** `picture`: facts of the one on the canvas; `latency` in milliseconds of the view's first picture. */
 export function showFacts(picture, latency, hello) {
-  const level = hello.levels?.[picture.level]?.name ?? `level ${picture.level + 1}`;
-  const { ranks } = hello;
-  const facts = [
-    picture.rate > 0 ? `${picture.rate.toFixed(picture.rate < 10 ? 1 : 0)} frames/s` : null,
-    Number.isFinite(latency) ? `${latency.toFixed(0)} ms` : null,
-    `${level} (${picture.level + 1} of ${picture.levels})`,
-    Number.isFinite(picture.error) && !picture.atRest ? `error ${show(picture.error, 2)} of 255` : null,
+  const { ranks, layout, levels } = hello;
+  const quality = picture.atRest ? 'full quality' : 'coarser while it changes';
+  byId('facts').textContent = [Number.isFinite(latency) && `${latency.toFixed(0)} ms`, quality].filter(Boolean).join(', ');
+  const more = [
+    picture.rate > 0 && !picture.atRest && `${picture.rate.toFixed(picture.rate < 10 ? 1 : 0)} pictures a second`,
     `${picture.width} × ${picture.height}`,
-    `${ranks} ${ranks === 1 ? 'rank' : 'ranks'}${hello.layout ? ': ' + hello.layout : ''}`,
+    Number.isFinite(picture.error) && !picture.atRest && `error ${show(picture.error, 2)} of 255`,
+    `${ranks} ${ranks === 1 ? 'rank' : 'ranks'}`,
   ];
-  byId('facts').textContent = facts.filter(Boolean).join(' · ');
+  byId('more-facts').textContent = more.filter(Boolean).join(' · ');
+  byId('status').title = `${levels?.[picture.level]?.name ?? ''} (${picture.level + 1} of ${picture.levels}); ${layout}`;
 }
 
 export function showDriver(driving, viewers) {

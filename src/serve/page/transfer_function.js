@@ -67,6 +67,15 @@ export function stretched(tf, factor, shift) {
   return { ...tf, name: 'edited', colours: tf.colours.map(move), opacities: tf.opacities.map(move) };
 }
 
+/** The same, but the values below and above all that is visible stay transparent. */
+export function windowed(tf, factor, shift) {
+  const moved = stretched(tf, factor, shift), seen = tf.opacities.map((p) => p[1] > 0);
+  const first = seen.indexOf(true), last = seen.lastIndexOf(true);
+  const low = first > 0 ? tf.opacities[first - 1][0] : -Infinity;
+  const high = last >= 0 && last + 1 < seen.length ? tf.opacities[last + 1][0] : Infinity;
+  return { ...moved, opacities: moved.opacities.map(([value, opacity]) => [clamp(value, low, high), opacity]) };
+}
+
 /** A map's colours, evenly over the values that the function's colours cover now. */
 export function withMap(tf, map) {
   const low = tf.colours[0][0], high = tf.colours.at(-1)[0];
@@ -88,34 +97,3 @@ export const maps = [
   { name: 'skin', colours: fromDigits('b87a61 d69e80 f2c7a8 ffebd6') },
   { name: 'bone', colours: fromDigits('8c4026 ba734d e6d1a8 fffcf2') },
 ];
-
-const mostSteps = 200;
-
-/** Undo and redo. An edit that goes on (a drag) counts once: `commit` it at its end. */
-export class History {
-  constructor() {
-    this.clear(null);
-  }
-  clear(tf) {
-    this.past = [];
-    this.future = [];
-    this.present = tf;
-  }
-  commit(tf) {
-    if (tf === this.present) return;
-    if (this.present) this.past.push(this.present);
-    if (this.past.length > mostSteps) this.past.shift();
-    this.present = tf;
-    this.future = [];
-  }
-  undo() {
-    if (!this.past.length) return null;
-    this.future.push(this.present);
-    return (this.present = this.past.pop());
-  }
-  redo() {
-    if (!this.future.length) return null;
-    this.past.push(this.present);
-    return (this.present = this.future.pop());
-  }
-}

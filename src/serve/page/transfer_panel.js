@@ -5,12 +5,11 @@ import { byId, download, element, fromHex, onNumber, show, toHex } from './dom.j
 import { openText } from './files.js';
 import { fromParaView, toParaView } from './paraview.js';
 import { onSettings } from './settings.js';
-import { History, canLose, maps, stretched, windowOf, withMap, withPointAt } from './transfer_function.js';
+import { canLose, maps, stretched, windowOf, withMap, withPointAt } from './transfer_function.js';
 
 export class TransferPanel {
   constructor(app) {
     this.app = app;
-    this.history = new History();
     this.editor = new CurveEditor(app, () => this.refresh());
     const put = (change) => {
       const { which, index } = this.editor.selected;
@@ -24,7 +23,7 @@ export class TransferPanel {
       const { index } = this.editor.selected;
       this.edit(withPointAt(this.tf, 'colours', index, [this.editor.point[0], ...fromHex(target.value)]));
     });
-    byId('point-colour').addEventListener('change', () => this.commit());
+    byId('point-colour').addEventListener('change', () => app.commit());
     byId('point-delete').addEventListener('click', () => this.editor.remove());
     onNumber(byId('level'),
              (level) => this.edit(stretched(this.tf, 1, level - windowOf(this.tf).level), true), refresh);
@@ -42,8 +41,6 @@ export class TransferPanel {
       const preset = this.presets.find(({ name }) => name === target.value);
       if (preset) this.edit({ name: preset.name, ...preset.transfer_function }, true);
     });
-    byId('undo').addEventListener('click', () => this.undo(false));
-    byId('redo').addEventListener('click', () => this.undo(true));
     byId('import-tf').addEventListener('click', () => this.open());
     byId('export-tf').addEventListener('click', () =>
       download(`${this.tf.name}.json`, new Blob([toParaView(this.tf)], { type: 'application/json' })));
@@ -58,23 +55,13 @@ export class TransferPanel {
     this.presets = presets ?? [];
     byId('presets').replaceChildren(element('option', { value: '' }, '–'),
                                     ...this.presets.map(({ name }) => element('option', { value: name }, name)));
-    this.history.clear(this.tf);
   }
 
   /** Shows an edit; `whole` ones are steps of undo by themselves. */
   edit(tf, whole = false) {
     this.app.scene.change({ transfer_function: tf });
-    if (whole) this.commit();
+    if (whole) this.app.commit();
   }
-  commit() {
-    this.history.commit(this.tf);
-    this.refresh();
-  }
-  undo(again) {
-    const tf = again ? this.history.redo() : this.history.undo();
-    if (tf) this.app.scene.change({ transfer_function: tf });
-  }
-
   async open() {
     const file = await openText('.json');
     if (!file) return;
@@ -99,7 +86,5 @@ export class TransferPanel {
     byId('level').value = show(level, 5);
     byId('window').value = show(width, 5);
     byId('presets').value = this.presets?.some(({ name }) => name === this.tf.name) ? this.tf.name : '';
-    byId('undo').disabled = this.history.past.length === 0;
-    byId('redo').disabled = this.history.future.length === 0;
   }
 }
