@@ -114,8 +114,9 @@ Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
   return outcome;
 }
 
-void Launch::take_leave(double seconds) {
-  if (simulated()) return;
+void Launch::take_leave() {
+  const auto& [seconds, ends] = collectives_->patience();
+  if (simulated() || !ends) return;
   const std::vector<int> absent = collectives_->absent(seconds);
   if (absent.empty()) return;
   std::vector<std::string> ranks;

@@ -55,8 +55,8 @@ class Launch {
   /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);
   /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it
-  /// after `seconds`: MPI_Finalize would wait for it for ever.
-  void take_leave(double seconds);
+  /// when the collectives' patience is over: MPI_Finalize would wait for it for ever.
+  void take_leave();
   [[noreturn]] void abort(ExitCode code) { session_->abort(static_cast<int>(code)); }
 
  private:

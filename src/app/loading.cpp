@@ -10,6 +10,7 @@
 namespace ringsplat::app {
 
 OpenedVolume open(const VolumeOptions& volume, Launch& launch) {
+  const Watched watched(launch.collectives(), fmt::format("opening {}", volume.path));
   return open_everywhere(
       launch.collectives(), [&] { return open_volume(volume); }, volume.path);
 }
@@ -69,6 +70,7 @@ void check_memory(int width, int height, std::size_t pictures, const SliceMemory
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
            Progress& progress) {
   const KeptDenormals as_before_the_first_frame;
+  const Watched watched(wiring.collectives, fmt::format("reading {}", volume.name));
   progress.begin("loading", 1);
   LoadOptions told = options;
   told.told = [&](double part) {

@@ -118,8 +118,13 @@ constexpr OptionRow<Run> protocol_rows[] = {
     {"--send-ahead", nullptr, initial,
      "Payloads that a token leaves behind before it waits until one is accepted",
      [](Run& o) { return value(o.protocol.send_ahead); }},
-    {"--stall-timeout", "SECONDS", initial, "Seconds without any progress until a run is given up",
+    {"--stall-timeout", "SECONDS", initial,
+     "Seconds without any progress until it is said which rank is waited for",
      [](Run& o) { return value(o.protocol.stall_timeout); }},
+    {"--stall-action", nullptr, initial, "What then comes of the run: it is given up, or waits on",
+     [](Run& o) {
+       return choice(o.protocol.stall_ends, {{"end", true}, {"wait", false}});
+     }},
     {"--shuffle", nullptr, nullptr, "Loopback: messages overtake each other and ranks take turns at random",
      [](Run& o) { return flag(o.loopback.reorder); }},
     {"--max-delay", nullptr, initial, "Loopback: turns by which a message may be late",

@@ -71,7 +71,7 @@ void say_error(const Outcome& outcome, bool name_rank_0 = false) {
   if (outcome.error == lack_of_memory)
     say_lack_of_memory();
   else
-    log_error("{}{}", name_rank_0 ? "rank 0: " : "", outcome.error);
+    log_error("{}{}", name_rank_0 && !outcome.error.starts_with("rank ") ? "rank 0: " : "", outcome.error);
 }
 
 ExitCode finish(const Ending& ending, Launch& launch) {

@@ -79,7 +79,7 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   const auto replace = [&](FrameResult&& result) { output.replace(std::move(result)); };
   const bool held = !o.budget.max_error || hold_budget(job, {judge, replace}, wiring, progress, launch);
   if (launch.rank() == 0) output.finish();
-  launch.take_leave(protocol.stall_timeout);
+  launch.take_leave();
   if (launch.rank() == 0) output.make_film();
   if (!o.trace.empty()) write_trace(trace, o.trace, job.layout, launch);
   if (const std::string summary = browsing.summary(); !summary.empty()) progress.print(summary);

@@ -152,6 +152,7 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   prepare_simulation(o.run, launch);
   job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(o.run.protocol);
+  launch.collectives().set_patience({o.run.protocol.stall_timeout, o.run.protocol.stall_ends});
   check(o.run.engine);
   warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
   launch.check_on_rank_0([&] { job.plan = make_plan(o); });

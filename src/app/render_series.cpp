@@ -46,7 +46,7 @@ class SeriesRun {
     }
     progress_.end();
     if (launch_.rank() == 0) output.finish();
-    launch_.take_leave(job_.options.run.protocol.stall_timeout);
+    launch_.take_leave();
     if (launch_.rank() == 0) output.make_film();
   }
 

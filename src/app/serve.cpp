@@ -84,6 +84,7 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   o.run.choose_roles = run.choose_roles || (nothing_said && launch.over_mpi());
   job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
   check(run.protocol);
+  launch.collectives().set_patience({run.protocol.stall_timeout, run.protocol.stall_ends});
   check(run.engine);
   warn_of_shared_cores(run.engine.threads_per_rank, launch);
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
@@ -304,7 +305,7 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
     if (viewer) viewer->end(e.what());
     throw;
   }
-  launch.take_leave(run.protocol.stall_timeout);
+  launch.take_leave();
   return ExitCode::done;
 }
 

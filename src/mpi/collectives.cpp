@@ -1,13 +1,18 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <mutex>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <thread>
 
 #include "base/clock.hpp"
 #include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
+#include "mpi/stall_watch.hpp"
 
 namespace ringsplat {
 namespace {
@@ -24,12 +29,18 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     std::vector<std::uint64_t> out_sizes(peers), in_sizes(peers);
     for (std::size_t p = 0; p < peers; ++p) out_sizes[p] = out[p].size();
-    checked(MPI_Alltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get()),
-            "MPI_Alltoall");
+    if (!watched("MPI_Ialltoall", [&](MPI_Request* request) {
+          return MPI_Ialltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T,
+                               comm_.get(), request);
+        }))
+      checked(MPI_Alltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get()),
+              "MPI_Alltoall");
 
     // Point to point rather than MPI_Alltoallv: its counts and displacements are `int`.
     std::vector<Block> in(peers);
     std::vector<MPI_Request> requests;
+    std::unique_lock<std::mutex> calls;
+    if (watch_) calls = std::unique_lock(watch_->mpi());
     for (std::size_t p = 0; p < peers; ++p) {
       in[p].resize(in_sizes[p]);
       if (p == static_cast<std::size_t>(process()))
@@ -49,8 +60,13 @@ class MpiCollectives final : public Collectives {
                 "MPI_Isend");
       });
     }
-    checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
-            "MPI_Waitall (volume exchange)");
+    if (!watch_) {
+      checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+              "MPI_Waitall (volume exchange)");
+      return in;
+    }
+    calls.unlock();
+    watch_->finish(requests, "MPI_Testall (volume exchange)");
     return in;
   }
 
@@ -58,8 +74,12 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     const std::uint64_t my_size = mine.size();
     std::vector<std::uint64_t> sizes(peers);
-    checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()),
-            "MPI_Allgather");
+    if (!watched("MPI_Iallgather", [&](MPI_Request* request) {
+          return MPI_Iallgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get(),
+                                request);
+        }))
+      checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()),
+              "MPI_Allgather");
     std::uint64_t sum = 0;
     for (const std::uint64_t size : sizes) sum += size;
     if (sum > 0 && sum <= largest_part_) return all_gather_at_once(mine, sizes, sum);
@@ -72,11 +92,15 @@ class MpiCollectives final : public Collectives {
 
   Block broadcast(Block block, int root) override {
     std::uint64_t size = block.size();
-    checked(MPI_Bcast(&size, 1, MPI_UINT64_T, root, comm_.get()), "MPI_Bcast");
+    const auto share = [&](void* part, int count, MPI_Datatype type) {
+      if (!watched("MPI_Ibcast", [&](MPI_Request* request) {
+            return MPI_Ibcast(part, count, type, root, comm_.get(), request);
+          }))
+        checked(MPI_Bcast(part, count, type, root, comm_.get()), "MPI_Bcast");
+    };
+    share(&size, 1, MPI_UINT64_T);
     block.resize(size);
-    in_parts(block, [&](std::byte* part, int count) {
-      checked(MPI_Bcast(part, count, MPI_BYTE, root, comm_.get()), "MPI_Bcast");
-    });
+    in_parts(block, [&](std::byte* part, int count) { share(part, count, MPI_BYTE); });
     return block;
   }
 
@@ -98,7 +122,25 @@ class MpiCollectives final : public Collectives {
     }
   }
 
+  void begin_watch(const std::string& what, bool at_work) override {
+    if (std::isfinite(patience().seconds)) watch_.emplace(comm_.get(), what, patience(), at_work);
+  }
+  void end_watch() override { watch_.reset(); }
+
  private:
+  /// False without a watch. With one starts a call, which does not block, and waits for its end.
+  template <class Start>
+  bool watched(const char* call, Start&& start) {
+    if (!watch_) return false;
+    MPI_Request request = MPI_REQUEST_NULL;
+    {
+      const std::lock_guard lock(watch_->mpi());
+      checked(start(&request), call);
+    }
+    watch_->finish(std::span(&request, 1), call);
+    return true;
+  }
+
   /// Takes the presence message of process `from`, if it has come. One receive for each process: a fast one
   /// may already have sent its message for the next call.
   bool take_presence(int from) const {
@@ -114,13 +156,18 @@ class MpiCollectives final : public Collectives {
   /// For blocks whose `sum` fits into one message. Broadcasts from every process would need a message for
   /// each pair of processes.
   std::vector<Block> all_gather_at_once(const Block& mine, const std::vector<std::uint64_t>& sizes,
-                                        std::uint64_t sum) const {
+                                        std::uint64_t sum) {
     std::vector<int> counts(sizes.begin(), sizes.end()), offsets(sizes.size());
     std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
     Block joined(sum);
-    checked(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_BYTE, joined.data(), counts.data(),
-                           offsets.data(), MPI_BYTE, comm_.get()),
-            "MPI_Allgatherv");
+    const int size = static_cast<int>(mine.size());
+    if (!watched("MPI_Iallgatherv", [&](MPI_Request* request) {
+          return MPI_Iallgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
+                                 MPI_BYTE, comm_.get(), request);
+        }))
+      checked(MPI_Allgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
+                             MPI_BYTE, comm_.get()),
+              "MPI_Allgatherv");
     std::vector<Block> all;
     for (std::size_t p = 0; p < sizes.size(); ++p) {
       const auto first = joined.begin() + offsets[p];
@@ -137,6 +184,7 @@ class MpiCollectives final : public Collectives {
 
   OwnedComm comm_;
   std::size_t largest_part_;
+  std::optional<StallWatch> watch_;
 };
 
 }  // namespace

@@ -29,7 +29,8 @@ MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>
   constexpr std::size_t mpi_takes = std::size_t{240} << 20;
   if (!simulated()) require_address_space(mpi_takes);
   int provided = 0;
-  checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_FUNNELED, &provided), "MPI_Init_thread");
+  // Serialised, for the watch over ranks that read (stall_watch.hpp).
+  checked(MPI_Init_thread(&argc, &argv, MPI_THREAD_SERIALIZED, &provided), "MPI_Init_thread");
   // SimGrid promises no thread level. Its ranks are contexts of one process, and threads that do not call MPI
   // do not disturb it.
   if (provided < MPI_THREAD_FUNNELED && !simulated()) {

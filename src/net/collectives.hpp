@@ -1,11 +1,18 @@
 #pragma once
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
 namespace ringsplat {
 
 using Block = std::vector<std::byte>;
+
+/// What comes of waiting for a process that does not come to a collective call.
+struct Patience {
+  double seconds = std::numeric_limits<double>::infinity();  ///< until it is named
+  bool ends = true;                                          ///< then the job ends; else the others wait on
+};
 
 /// Collective calls outside frames, for reading a volume and agreeing on errors. Every process must make the
 /// same calls in the same order.
@@ -21,6 +28,34 @@ class Collectives {
   /// On process 0: waits up to `seconds` and returns the processes that have not made the call by then,
   /// ascending. Elsewhere: returns nothing, at once.
   virtual std::vector<int> absent(double seconds) = 0;
+
+  void set_patience(const Patience& patience) { patience_ = patience; }
+  const Patience& patience() const { return patience_; }
+  /// Until end_watch() processes that keep others waiting are named on stderr, as in "rank 3 has been reading
+  /// head.nrrd for 30 s", where `what` is "reading head.nrrd". `at_work`: processes work between the calls,
+  /// for how long nobody knows, and only who makes no headway is named. Not collective, but all make it.
+  virtual void begin_watch(const std::string& what, bool at_work) {
+    static_cast<void>(what), static_cast<void>(at_work);
+  }
+  virtual void end_watch() {}
+
+ private:
+  Patience patience_;
+};
+
+/// While it lives, processes that keep others waiting are named.
+class Watched {
+ public:
+  Watched(Collectives& collectives, const std::string& what, bool at_work = true)
+      : collectives_(collectives) {
+    collectives_.begin_watch(what, at_work);
+  }
+  ~Watched() { collectives_.end_watch(); }
+  Watched(const Watched&) = delete;
+  Watched& operator=(const Watched&) = delete;
+
+ private:
+  Collectives& collectives_;
 };
 
 /// One process alone.

@@ -105,6 +105,7 @@ void Host::take_announcement(const Message& message) {
     return;
   }
   const std::int64_t frame = message.header.frame;
+  told_stall_ = false;
   early_frames_.emplace(frame, Announcement{frame, Bytes(message.body().begin(), message.body().end())});
   // Announcements may overtake each other; nodes get frames in order.
   for (auto next = early_frames_.begin(); next != early_frames_.end() && next->first == next_frame_;
@@ -209,11 +210,11 @@ void Host::run() {
       // Between frames a wait of any length is normal: nobody may ask for a view.
       if (overdue && waiting_for().empty()) {
         last_progress = now_seconds();
-      } else if (overdue) {
+      } else if (overdue && (options_.stall_ends || !told_stall_)) {
         report_stall();
-        throw RunError(
-            fmt::format("rank {}: nothing moved for {} s: {}", rank(), options_.stall_timeout, waiting_for()),
-            "a rank may have died or be very slow; --stall-timeout sets the limit");
+        if (options_.stall_ends)
+          throw RunError(fmt::format("nothing moved for {} s: {}", options_.stall_timeout, waiting_for()),
+                         "a rank may have died or be very slow; --stall-timeout sets the limit");
       }
       wait();
     }

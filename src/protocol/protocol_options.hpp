@@ -12,7 +12,8 @@ struct ProtocolOptions {
   int look_ahead = 1;  ///< slices a GP prepares before their tokens have passed; 1 is the paper
   int send_ahead = 0;  ///< unaccepted payloads that a token may leave behind, as long as its Renderer has
                        ///< slots; 0 is the paper; rings only
-  double stall_timeout = 60;  ///< seconds without progress before the run fails
+  double stall_timeout = 60;  ///< seconds without progress before ranks say who waits for whom
+  bool stall_ends = true;     ///< then the run fails; else it waits on
   Trace* trace = nullptr;     ///< records what the nodes of this process do; must outlive them
 };
 

@@ -66,6 +66,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
                              const std::function<std::unique_ptr<VolumeSource>()>& open,
                              const std::string& name) {
   OpenedVolume volume;
+  volume.name = name;
   std::string error;
   const auto try_open = [&] {
     try {

@@ -39,6 +39,7 @@ struct OpenedVolume {
   Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
   VolumeNotes notes = {};  ///< on process 0; elsewhere the fill value at least
   int slab_depth = 1;      ///< the source's, on every process
+  std::string name = {};
 };
 
 /// Opens the volume on process 0, and on all processes when it can be read concurrently; then all must see

@@ -92,6 +92,7 @@ struct Session::State {
         volume(layout, wiring) {
     engine.threads_per_rank = options.threads_per_rank;
     protocol.stall_timeout = options.stall_timeout;
+    wiring.collectives.set_patience({options.stall_timeout, false});
     // Several processes would wait for one that ends a call by itself.
     if (wiring.transport == nullptr) wiring.loopback.poll = options.poll;
   }
@@ -107,8 +108,10 @@ struct Session::State {
   /// a call before that was its own.
   void enter(const std::string& call, const std::string& error) {
     const std::string before = std::exchange(problem, {});
-    const auto all =
-        wiring.collectives.all_gather(block_of_text(call + '\n' + (before.empty() ? error : before)));
+    const auto all = [&] {
+      const Watched watched(wiring.collectives, fmt::format("late for {}()", call), false);
+      return wiring.collectives.all_gather(block_of_text(call + '\n' + (before.empty() ? error : before)));
+    }();
     const std::string first = text_of(all.front());
     const std::string call_of_0 = first.substr(0, first.find('\n'));
     for (std::size_t rank = 0; rank < all.size(); ++rank)

@@ -1,15 +1,24 @@
 // Preloaded: does something to a file just before the program reads the part of it that begins at byte
-// FAULT_AT, while it is open. FAULT: truncate, change or remove.
+// FAULT_AT, while it is open. FAULT: truncate, change or remove; or, on rank FAULT_RANK, hang (as file
+// systems do) or stop.
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <csignal>
 #include <cstdlib>
 #include <cstring>
 #include <string>
 
 namespace {
+
+bool is_rank(const char* rank) {
+  for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK"})
+    if (const char* mine = std::getenv(name); mine != nullptr && rank != nullptr)
+      return std::strcmp(mine, rank) == 0;
+  return false;
+}
 
 void harm(int descriptor, const std::string& fault) {
   const std::string link = "/proc/self/fd/" + std::to_string(descriptor);
@@ -35,6 +44,11 @@ extern "C" ssize_t pread(int descriptor, void* bytes, size_t count, off_t offset
   static const auto really = reinterpret_cast<Pread>(dlsym(RTLD_NEXT, "pread"));
   const char* const at = std::getenv("FAULT_AT");
   const char* const fault = std::getenv("FAULT");
-  if (at != nullptr && fault != nullptr && std::atoll(at) == offset) harm(descriptor, fault);
+  if (at != nullptr && fault != nullptr && std::atoll(at) == offset) {
+    const bool hang = std::strcmp(fault, "hang") == 0, stop = std::strcmp(fault, "stop") == 0;
+    if (!hang && !stop) harm(descriptor, fault);
+    while (hang && is_rank(std::getenv("FAULT_RANK"))) pause();
+    if (stop && is_rank(std::getenv("FAULT_RANK"))) raise(SIGSTOP);
+  }
   return really(descriptor, bytes, count, offset);
 }

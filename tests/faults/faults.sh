@@ -120,6 +120,7 @@ stopped() {
   lose STOP "$1"
   must_end_with 3
   must_say 'rank [012] is stalled: .* waits for'
+  ! grep -qE 'rank ([0-9]):? rank \1|rank ([0-9])\]: error: rank \2: ' log || fail "a rank was named twice"
   check_pictures
 }
 
@@ -131,6 +132,27 @@ start_with_idle_rank() {
   # shellcheck disable=SC2086
   kill -KILL $launcher $everyone
   skip "no rank was left idle on this machine"
+}
+
+# read_while_rank_1 FAULT OPTION...: begins to render; rank 1 hangs or stops before it reads slice 24.
+read_while_rank_1() {
+  local fault=$1 slices=$((48 * 48 * 48))
+  shift
+  make_volume volume.nrrd
+  local at=$(($(stat -c %s volume.nrrd) - slices + slices / 2))
+  "$mpiexec" -n 3 env FAULT="$fault" FAULT_RANK=1 FAULT_AT=$at LD_PRELOAD="${LD_PRELOAD:+$LD_PRELOAD:}$library" "$program" \
+    render volume.nrrd --gps 2 --renderers 1 --slab 24 --size 64 -o pictures/f.exr --stall-timeout 3 "$@" >out 2>log </dev/null &
+  launcher=$!
+}
+
+# await_words WORDS: until somebody has said them.
+await_words() {
+  for _ in {1..600}; do
+    grep -qE "$1" log && everyone=$(descendants "$launcher") && return
+    kill -0 "$launcher" 2>/dev/null || break
+    sleep 0.1
+  done
+  fail "nobody said '$1'"
 }
 
 # read_while FAULT: renders while something is done to the volume's file before its slice 24 is read.
@@ -187,6 +209,32 @@ case $fault in
     await_end
     ((code != 0)) || fail "the exit code is 0"
     check_pictures
+    ;;
+  hanging_file)
+    read_while_rank_1 hang
+    await_end
+    must_end_with 3
+    must_say 'error: rank 1 has been reading volume.nrrd for 3 s; hint'
+    ;;
+  hanging_file_awaited)
+    read_while_rank_1 hang --stall-action wait
+    await_words 'warning: rank 1 has been reading volume.nrrd for 3 s; the others wait'
+    kill -TERM "$launcher"
+    await_end
+    ;;
+  stopped_reader)
+    read_while_rank_1 stop
+    await_end
+    must_end_with 3
+    must_say 'error: .*rank 1 has been reading volume.nrrd for [0-9]+ s and does not answer'
+    ;;
+  stopped_reader_awaited)
+    read_while_rank_1 stop --stall-action wait
+    await_words 'warning: rank 1 has been reading volume.nrrd for [0-9]+ s and does not answer; the others wait'
+    kill -CONT "$(rank_pid 1)"
+    await_end
+    must_end_with 0
+    [[ -s pictures/f.exr ]] || fail "there is no picture"
     ;;
   truncated_file)
     read_while truncate

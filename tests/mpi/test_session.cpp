@@ -10,6 +10,7 @@
 #include <fstream>
 #include <limits>
 
+#include "base/log.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/mpi/communicator.hpp"
 #include "ringsplat/ringsplat.hpp"
@@ -304,6 +305,32 @@ TEST_CASE("what one rank gets wrong is the same error on all, and the session is
   add_one_block_each(session, volume);
   session.commit();
   expect_picture();
+}
+
+TEST_CASE("a rank that is late is named, and waited for") {
+  if (world_ranks() == 1) return;
+  const Volume volume = jack({20, 22, 18});
+  Session session(MPI_COMM_WORLD, std::nullopt, {.stall_timeout = 0.5});
+  const int last = session.ranks() - 1;
+  add_one_block_each(session, volume);
+  std::vector<std::string> said;
+  if (session.rank() == 0)
+    set_log_sink([&](LogLevel, const std::string& text) {
+      said.push_back(text);
+      MPI_Send(nullptr, 0, MPI_BYTE, last, 0, MPI_COMM_WORLD);
+    });
+  if (session.rank() == last) MPI_Recv(nullptr, 0, MPI_BYTE, 0, 0, MPI_COMM_WORLD, MPI_STATUS_IGNORE);
+  session.commit();
+  set_log_sink({});
+  if (session.rank() == 0) {
+    REQUIRE(said.size() == 1);
+    INFO(said.front());
+    REQUIRE(says(said.front(), fmt::format("rank {} has been late for commit() for ", last)));
+    REQUIRE(says(said.front(), "does not answer; the others wait"));
+  }
+  const FrameSpec spec = view_from(33, sheets, volume);
+  const Image image = session.render(spec);
+  if (session.rank() == 0) REQUIRE(image == render_loopback(*volume.source(), spec, 1, 1).image);
 }
 
 TEST_CASE("a layout for another number of ranks is refused on all ranks") {

@@ -19,9 +19,9 @@ namespace {
 
 /// All GPs and Renderers of a layout, and the messages between them. Checks every message when a node posts
 /// it and when it is delivered, which is late and in any order.
-class Watched {
+class WatchedNodes {
  public:
-  Watched(const Layout& layout, const ProtocolOptions& protocol, std::uint64_t seed)
+  WatchedNodes(const Layout& layout, const ProtocolOptions& protocol, std::uint64_t seed)
       : layout_(layout), random_(seed), of_renderer_(std::size_t(layout.renderers)) {
     const Post post = [this](Message message) { take_posted(std::move(message)); };
     for (int gp = 0; gp < layout.gps; ++gp)
@@ -135,7 +135,7 @@ TEST_CASE("without sending ahead no token moves before its payload's accept has 
   for (const auto& layout : layouts)
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       INFO(fmt::format("{} GPs, {} Renderers, seed {}", layout.gps, layout.renderers, seed));
-      Watched nodes(layout, {.slots = 1 + int(seed % 4), .look_ahead = 1 + int(seed % 2), .send_ahead = 0},
+      WatchedNodes nodes(layout, {.slots = 1 + int(seed % 4), .look_ahead = 1 + int(seed % 2), .send_ahead = 0},
                     seed);
       nodes.run();
       CHECK(nodes.payloads() > 5 * layout.renderers);
@@ -152,7 +152,7 @@ TEST_CASE("a token leaves as many payloads behind as it may send ahead, and no m
         for (std::uint64_t seed = 0; seed < 6; ++seed) {
           INFO(fmt::format("{} GPs, {} Renderers, {} ahead, {} slots, seed {}", layout.gps, layout.renderers,
                            send_ahead, slots, seed));
-          Watched nodes(layout, {.slots = slots, .look_ahead = 2, .send_ahead = send_ahead}, seed);
+          WatchedNodes nodes(layout, {.slots = slots, .look_ahead = 2, .send_ahead = send_ahead}, seed);
           nodes.run();
           CHECK(nodes.most_not_accepted() <= slots);
           most = std::max(most, nodes.most_left_behind());
@@ -163,7 +163,7 @@ TEST_CASE("a token leaves as many payloads behind as it may send ahead, and no m
 
 TEST_CASE("in a mesh tokens wait for their accepts whatever may be sent ahead") {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
-    Watched nodes(mesh_layout(2, 2, 2), {.slots = 3, .send_ahead = 3}, seed);
+    WatchedNodes nodes(mesh_layout(2, 2, 2), {.slots = 3, .send_ahead = 3}, seed);
     nodes.run();
     CHECK(nodes.payloads() > 10);
     CHECK(nodes.most_not_accepted() == 0);

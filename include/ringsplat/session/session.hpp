@@ -18,7 +18,7 @@ namespace ringsplat {
 
 struct SessionOptions {
   int threads_per_rank = 1;   ///< threads that share a rank's work; they never call MPI
-  double stall_timeout = 60;  ///< seconds without progress before a frame fails
+  double stall_timeout = 60;  ///< seconds until a frame without progress fails, or a late rank is named
   /// In one process: called now and then while a frame is made; may throw to end it.
   std::function<void()> poll = {};
 };

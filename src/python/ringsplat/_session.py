@@ -116,7 +116,7 @@ class Session:
     threads : int
         That share a rank's work.
     stall_timeout : float
-        Seconds without progress before a frame fails.
+        Seconds until a frame without progress fails, or a rank that the others wait for is named on stderr.
 
     Blocks are kept until they are replaced. A picture has the same bits for any blocks, ranks and layout.
     """
