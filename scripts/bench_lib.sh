@@ -30,11 +30,12 @@ line() {
 }
 
 # render RANKS NAME OPTION...: appends one run's frames, drawn as in the paper or as $quality says, to NAME.jsonl; 0 ranks: in one process.
+# A rank has one thread, so that figures are of one core.
 render() {
   local ranks=$1 name=$2 launch=()
   shift 2
   if ((ranks > 0)); then launch=(run_ranks "$ranks"); fi
-  ("${launch[@]}" "$build/ringsplat" render --quality "${quality:-paper}" "$@" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
+  ("${launch[@]}" "$build/ringsplat" render --quality "${quality:-paper}" --threads-per-rank 1 "$@" --stats "$work/one.jsonl") >/dev/null 2>>"$work/log" ||
     { cat "$work/log" >&2; die "a run of $name failed"; }
   cat "$work/one.jsonl" >>"$work/$name.jsonl"
 }

@@ -67,13 +67,10 @@ Layout choose_on_machine(const RenderOptions& o, const std::vector<Camera>& came
 }  // namespace
 
 Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
-                    const LoadOptions& load, Launch& launch) {
+                    const LoadOptions& load, const std::vector<Place>& places, Launch& launch) {
   if (const auto& machine = o.run.engine.simulation.machine)
     return choose_on_machine(o, cameras, *machine, launch);
-  const Places places = count_places(launch.collectives());
-  // On several machines none may be idle: the last ranks could be all of one machine's.
-  const int cores = places.machines == 1 ? places.cores : 0;
-  auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), cores);
+  auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
   if (std::holds_alternative<Sheets>(o.frame.how))
     if (const auto ring = colocated_ring(layouts)) {
       if (launch.rank() == 0)
@@ -82,7 +79,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
       return *ring;
     }
   layouts = those_that_fit(std::move(layouts), grid, load);
-  RankCosts ranks = usual_rank_costs(launch.ranks(), places.cores);
+  RankCosts ranks = usual_rank_costs(launch.ranks(), shared_cores(places));
   ranks.hop = measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {
@@ -101,10 +98,10 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
   return value_of<Layout>(block, "a layout");
 }
 
-int drawing_renderers(const Layout& layout, Launch& launch) {
+int drawing_renderers(const Layout& layout, const std::vector<Place>& places, const Launch& launch) {
   // Dedicated Renderers have no other work; a simulated machine's cores are not this machine's.
   if (layout.placement != Placement::colocated || !launch.over_mpi() || simulated()) return layout.renderers;
-  const int cores = count_places(launch.collectives()).cores;
+  const int cores = shared_cores(places);
   return cores < layout.working_ranks() ? std::min(2 * cores, layout.renderers) : layout.renderers;
 }
 

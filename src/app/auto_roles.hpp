@@ -3,6 +3,7 @@
 
 #include "app/launch.hpp"
 #include "app/options.hpp"
+#include "app/places.hpp"
 #include "scene/load.hpp"
 
 namespace ringsplat::app {
@@ -13,10 +14,10 @@ namespace ringsplat::app {
 /// needed on rank 0 only; without any, the options' own view is measured. All ranks call it before the volume
 /// is loaded; all throw the same InputError.
 Layout choose_roles(const RenderOptions& options, const std::vector<Camera>& cameras, const Grid& grid,
-                    const LoadOptions& load, Launch& launch);
+                    const LoadOptions& load, const std::vector<Place>& places, Launch& launch);
 
 /// How many Renderers get regions: all, but two for each core when colocated ranks share cores. More would
-/// not draw faster, and each one's token passes all slices. All ranks call it.
-int drawing_renderers(const Layout& layout, Launch& launch);
+/// not draw faster, and each one's token passes all slices.
+int drawing_renderers(const Layout& layout, const std::vector<Place>& places, const Launch& launch);
 
 }  // namespace ringsplat::app

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <thread>
 
 #include "app/commands.hpp"
 #include "app/first_view.hpp"
@@ -17,6 +16,7 @@
 #include "app/watched_source.hpp"
 #include "base/log.hpp"
 #include "base/printable.hpp"
+#include "base/process.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "volume/clipped.hpp"
 #include "volume/slice_store.hpp"
@@ -290,7 +290,7 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   picture.frame.shown.clip = clip_box(picture.clip, source.grid());
   const FrameSpec& frame = picture.frame;
   const auto axes = needed_axes(frame, cameras, source.grid());
-  const int cores = o.cores > 0 ? o.cores : int(std::max(1U, std::thread::hardware_concurrency()));
+  const int cores = o.cores > 0 ? o.cores : int(allowed_cores().size());
   Forecast f;
   if (!o.machine.empty()) f.machine = read_machine(o.machine);
   const TransferFunctionChoice choice(o.picture.transfer_function, o.picture.colour);

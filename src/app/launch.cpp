@@ -170,14 +170,16 @@ int the_rest(int given, int ranks, Placement placement) {
   return placement == Placement::dedicated ? std::max(1, ranks - given) : ranks;
 }
 
-Layout layout_on_ranks(const RunOptions& o, int ranks) {
-  const bool nothing_said = !o.gps && !o.renderers;
+Layout layout_on_ranks(const RunOptions& o, int ranks, int cores) {
+  const bool no_count = !o.gps && !o.renderers;
   Layout layout = empty_layout(o);
-  if (!o.placement && ranks == 1 && nothing_said) layout.placement = Placement::colocated;
-  const bool dedicated = layout.placement == Placement::dedicated;
-  if (nothing_said) {
-    layout.renderers = dedicated ? std::max(1, ranks / 3) : ranks;
-    layout.gps = dedicated ? std::max(1, ranks - layout.renderers) : ranks;
+  if (no_count && o.placement == Placement::dedicated) {
+    layout.renderers = std::max(1, ranks / 3);
+    layout.gps = std::max(1, ranks - layout.renderers);
+  } else if (no_count) {
+    layout.gps = layout.renderers = cores > 0 && !o.placement ? std::min(ranks, cores) : ranks;
+    layout.placement = Placement::colocated;
+    layout.idle = ranks - layout.gps;
   } else {
     layout.gps = o.gps ? *o.gps : the_rest(*o.renderers, ranks, layout.placement);
     layout.renderers = o.renderers ? *o.renderers : the_rest(*o.gps, ranks, layout.placement);
@@ -215,7 +217,7 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   return layouts;
 }
 
-Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
+Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks, int cores) {
   constexpr int most_in_one_process = 4096;
   const RunOptions o = with_mesh_counts(options);
   // Check counts below 1 first: their own message is clearer than that of a wrong sum.
@@ -243,7 +245,7 @@ Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks) {
         "--shuffle, --max-delay and --in-step are for the loopback transport, but this run goes over MPI",
         "leave them out, or leave out mpirun");
   if (o.choose_roles) return layouts_to_choose_from(o, over_mpi, ranks).front();
-  const Layout layout = layout_on_ranks(o, ranks);
+  const Layout layout = layout_on_ranks(o, ranks, cores);
   check(layout);
   if (layout.ranks() != ranks)
     refuse(layout, ranks,

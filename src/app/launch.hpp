@@ -74,9 +74,10 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& options, bool over_
                                            int cores = 0);
 
 /// The run's nodes, from the options and the job's number of ranks (in loopback one process hosts any number
-/// of nodes). Without options, ranks are dedicated and a third of them draw; a single rank has one GP and one
-/// Renderer. A mesh's shape gives its number of GPs. With options.choose_roles, returns the first layout to
-/// choose from. Throws InputError when the options do not fit the number of ranks.
-Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks);
+/// of nodes). Without options each rank is GP and Renderer, those beyond `cores` (0: no limit) are idle.
+/// Dedicated ones of which no number is given draw with a third of them. A mesh's shape gives its number of
+/// GPs. With options.choose_roles, returns the first layout to choose from. Throws InputError when the
+/// options do not fit the number of ranks.
+Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks, int cores = 0);
 
 }  // namespace ringsplat::app

@@ -66,7 +66,7 @@ constexpr OptionRow<Volume> raw_rows[] = {
 using Run = RunOptions;
 constexpr OptionRow<Run> rank_rows[] = {
     {"--gps", "G|auto", nullptr,
-     "Ranks that hold slices and make splats; auto: as many as a measured frame needs",
+     "Ranks that hold slices and send what is visible; auto: as many as a measured frame needs",
      [](Run& o) { return count_or_auto(o.gps, o.choose_roles); }},
     {"--renderers", "R|auto", nullptr, "Ranks that draw; what is left out follows from the launcher's count",
      [](Run& o) { return count_or_auto(o.renderers, o.choose_roles); }},
@@ -93,9 +93,9 @@ constexpr OptionRow<Run> rank_rows[] = {
      [](Run& o) {
        return choice(o.routing, {{"manhattan", Routing::manhattan}, {"direct", Routing::direct}});
      }},
-    {"--threads-per-rank", "T", initial,
-     "Threads that share the work of a rank's GP and Renderer; they send no messages",
-     [](Run& o) { return value(o.engine.threads_per_rank); }},
+    {"--threads-per-rank", "T", nullptr,
+     "Threads that share a rank's work: its cores without it; ranks share their machine's cores evenly",
+     [](Run& o) { return value(o.threads_per_rank); }},
     {"--transport", nullptr, initial,
      "MPI, or all nodes in this process; auto: MPI when a launcher started it",
      [](Run& o) {

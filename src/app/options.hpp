@@ -54,7 +54,8 @@ struct RunOptions {
   std::optional<Size> mesh;              ///< columns and rows of GPs
   Routing routing = Routing::manhattan;  ///< in a mesh
   ProtocolOptions protocol;
-  EngineOptions engine;
+  std::optional<int> threads_per_rank;  ///< without it the rank's share of the cores
+  EngineOptions engine;                 ///< its threads are settled when the ranks' cores are known
   LoopbackOptions loopback;
   std::string machine;  ///< a file; empty: none. Read into engine.simulation.
 };

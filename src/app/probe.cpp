@@ -1,19 +1,13 @@
 #include "app/probe.hpp"
 
-#include <sched.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
-#include <map>
-#include <string>
 #include <utility>
 
 #include "base/clock.hpp"
 #include "frame/frame_geometry.hpp"
-#include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
 #include "volume/clipped.hpp"
@@ -295,33 +289,6 @@ double measure_hop(Transport& transport) {
   const double hop = (now_seconds() - begun) / rounds / ranks;
   while (!transport.sends_done()) transport.wait_next();
   return hop;
-}
-
-Places count_places(Collectives& collectives) {
-  struct Place {
-    std::array<char, 256> machine{};
-    cpu_set_t cores{};
-  } mine;
-  gethostname(mine.machine.data(), mine.machine.size() - 1);
-  // Launchers bind ranks to cores, so each rank sees only its own.
-  if (sched_getaffinity(0, sizeof(mine.cores), &mine.cores) != 0)
-    for (long core = 0; core < std::min<long>(sysconf(_SC_NPROCESSORS_ONLN), CPU_SETSIZE); ++core)
-      CPU_SET(std::size_t(core), &mine.cores);
-  struct Machine {
-    int ranks = 0;
-    cpu_set_t cores{};
-  };
-  std::map<std::string, Machine> machines;
-  for (const Block& one : collectives.all_gather(block_of_value(mine))) {
-    Place place = value_of<Place>(one, "its machine's name and cores");
-    place.machine.back() = '\0';
-    Machine& machine = machines[place.machine.data()];
-    ++machine.ranks;
-    CPU_OR(&machine.cores, &machine.cores, &place.cores);
-  }
-  int cores = 0;
-  for (const auto& [name, machine] : machines) cores += std::min(machine.ranks, CPU_COUNT(&machine.cores));
-  return {std::max(1, cores), int(machines.size())};
 }
 
 RankCosts usual_rank_costs(int ranks, int cores) {

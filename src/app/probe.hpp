@@ -4,7 +4,6 @@
 #include "app/role_choice.hpp"
 #include "app/transfer_function_option.hpp"
 #include "model/machine.hpp"
-#include "net/collectives.hpp"
 #include "net/transport.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
@@ -35,13 +34,6 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
 /// Seconds a message takes to the next rank, measured by one that goes round all ranks many times. All ranks
 /// call it, while no other message is on its way; the result is valid on rank 0. Zero with one rank.
 double measure_hop(Transport& transport);
-
-struct Places {
-  int cores = 1;  ///< cores of all machines that the job's ranks share; a machine counts at most one a rank
-  int machines = 1;
-};
-/// Where the job's ranks run. Collective.
-Places count_places(Collectives& collectives);
 
 /// Costs of this machine from docs/performance.md, for when there are no other ranks to measure with: a hop
 /// takes 2.5 µs with a core for each rank; ranks that share cores wait for one, and rendering takes longer.

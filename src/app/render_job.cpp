@@ -16,10 +16,10 @@
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
 #include "app/output_names.hpp"
+#include "app/places.hpp"
 #include "app/simulation_options.hpp"
 #include "app/steepness.hpp"
 #include "app/text_output.hpp"
-#include "app/threads.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_needs.hpp"
@@ -150,11 +150,11 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   Job job;
   RenderOptions& o = job.options = given;
   prepare_simulation(o.run, launch);
-  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
-  check(o.run.protocol);
   launch.collectives().set_patience({o.run.protocol.stall_timeout, o.run.protocol.stall_ends});
-  check(o.run.engine);
-  warn_of_shared_cores(o.run.engine.threads_per_rank, launch);
+  const std::vector<Place> places = places_of_ranks(launch.collectives());
+  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
+  check(o.run.protocol);
+  settle_threads(o.run, job.layout, places, launch);
   launch.check_on_rank_0([&] { job.plan = make_plan(o); });
   if (o.frames && simulated())
     throw InputError("--frames: the next volume is read by the clock on the wall, not the simulated one",
@@ -173,8 +173,8 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range);
   });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
-  if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, launch);
-  o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
+  if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, places, launch);
+  o.frame.division.dealt_to = drawing_renderers(job.layout, places, launch);
   require_memory(job, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty()) require_image_library();

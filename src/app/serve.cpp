@@ -12,9 +12,9 @@
 #include "app/commands.hpp"
 #include "app/first_view.hpp"
 #include "app/loading.hpp"
+#include "app/places.hpp"
 #include "app/role_choice.hpp"
 #include "app/series_loader.hpp"
-#include "app/threads.hpp"
 #include "app/transfer_function_option.hpp"
 #include "base/log.hpp"
 #include "base/log_listener.hpp"
@@ -80,13 +80,11 @@ Job prepare(const ServeOptions& options, Launch& launch) {
   const RunOptions& run = o.run;
   if (run.engine.simulation.machine || simulated())
     throw InputError("nobody can look at simulated ranks", "use ringsplat render");
-  const bool nothing_said = !run.gps && !run.renderers && !run.placement && run.topology == Topology::ring;
-  o.run.choose_roles = run.choose_roles || (nothing_said && launch.over_mpi());
-  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks());
-  check(run.protocol);
   launch.collectives().set_patience({run.protocol.stall_timeout, run.protocol.stall_ends});
-  check(run.engine);
-  warn_of_shared_cores(run.engine.threads_per_rank, launch);
+  const std::vector<Place> places = places_of_ranks(launch.collectives());
+  job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
+  check(run.protocol);
+  settle_threads(o.run, job.layout, places, launch);
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   job.series = find_series(o.volume, o.frames, launch);
   refuse_long_series(job.series);
@@ -101,8 +99,9 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     check_first_view(o.frame, grid);
   });
   job.load = load_for_levels(o.frame, grid);
-  if (o.run.choose_roles) job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, launch);
-  o.frame.division.dealt_to = drawing_renderers(job.layout, launch);
+  if (o.run.choose_roles)
+    job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, places, launch);
+  o.frame.division.dealt_to = drawing_renderers(job.layout, places, launch);
   const SliceMemory memory = predict_memory(grid, job.load, dealing_of(job.layout));
   constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
   launch.check_on_all_ranks(

@@ -15,7 +15,7 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
     if (simulation.step_seconds > 0 && !simulated())
       throw InputError("--step-seconds needs the clock that simulated ranks have in common",
                        "start it with scripts/simulate.sh, or use --in-step in one process");
-    if (simulated() && options.engine.threads_per_rank > 1)
+    if (simulated() && options.threads_per_rank.value_or(1) > 1)
       throw InputError(
           "--threads-per-rank has no meaning for simulated ranks, whose machine says what their work costs",
           "leave it out, and divide the costs in the machine's description by what threads would gain");

@@ -151,10 +151,10 @@ constexpr const char* render_examples =
 /// All others are below --help-all.
 constexpr const char* everyday_render =
     "--frame --frames --channel --clip --output --background --annotate --stats --view --azimuth --elevation "
-    "--zoom --orbit --size --tf --shading --quality --range --opacity --colours";
+    "--zoom --orbit --size --tf --shading --quality --range --opacity --colours --threads-per-rank";
 constexpr const char* everyday_serve =
     "--frame --frames --channel --clip --port --open --background --view --azimuth --elevation --zoom --size "
-    "--tf --shading --range --opacity --colours";
+    "--tf --shading --range --opacity --colours --threads-per-rank";
 constexpr const char* everyday_info =
     "--frame --channel --series --dims --type --offset --spacing --clip --gps --json --presets --ranks";
 constexpr const char* everyday_reference =

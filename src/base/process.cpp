@@ -7,7 +7,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <memory>
 
 #if defined(__SSE2__)
@@ -39,17 +41,55 @@ void keep_standard_descriptors() {
   if (descriptor > STDERR_FILENO) close(descriptor);
 }
 
-int allowed_cores() {
+namespace {
+
+/// Hardware threads that this process may run on.
+std::vector<int> allowed_threads() {
   // The kernel refuses a set smaller than its own and does not say how large its own is.
-  for (int cores = 1024; cores <= 1 << 20; cores *= 2) {
-    const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(cores),
+  for (int most = 1024; most <= 1 << 20; most *= 2) {
+    const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(most),
                                                                [](cpu_set_t* s) { CPU_FREE(s); });
     if (!set) break;
-    const std::size_t bytes = CPU_ALLOC_SIZE(cores);
-    if (sched_getaffinity(0, bytes, set.get()) == 0) return std::max(1, CPU_COUNT_S(bytes, set.get()));
+    const std::size_t bytes = CPU_ALLOC_SIZE(most);
+    if (sched_getaffinity(0, bytes, set.get()) == 0) {
+      std::vector<int> threads;
+      for (int thread = 0; thread < most; ++thread)
+        if (CPU_ISSET_S(std::size_t(thread), bytes, set.get())) threads.push_back(thread);
+      return threads;
+    }
     if (errno != EINVAL) break;
   }
-  return 1;
+  return {0};
+}
+
+/// The number of cores whose time this process's control group may use; infinite without a limit.
+double cores_of_control_group() {
+  std::string group;
+  std::ifstream groups("/proc/self/cgroup");
+  while (std::getline(groups, group) && !group.starts_with("0::")) continue;
+  double quota = 0, period = 0;
+  if (group.starts_with("0::") &&
+      std::ifstream("/sys/fs/cgroup" + group.substr(3) + "/cpu.max") >> quota >> period && period > 0)
+    return quota / period;
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+std::vector<int> allowed_cores() {
+  std::vector<int> cores;
+  for (const int thread : allowed_threads()) {
+    int first = thread;
+    std::ifstream("/sys/devices/system/cpu/cpu" + std::to_string(thread) +
+                  "/topology/thread_siblings_list") >>
+        first;
+    cores.push_back(first);
+  }
+  std::sort(cores.begin(), cores.end());
+  cores.erase(std::unique(cores.begin(), cores.end()), cores.end());
+  const double most = std::ceil(cores_of_control_group());
+  if (most < double(cores.size())) cores.resize(std::size_t(std::max(1.0, most)));
+  return cores;
 }
 
 namespace {

@@ -2,6 +2,7 @@
 #include <cfenv>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace ringsplat {
 
@@ -15,8 +16,9 @@ double machine_memory_bytes();
 /// same clock. Empty when it is not known.
 std::string clock_identity();
 
-/// Cores that this process may run on (Linux: its affinity mask, which launchers narrow), at least 1.
-int allowed_cores();
+/// Cores that this process may run on (Linux: its affinity mask, which launchers narrow, and no more than its
+/// control group's time is for). Each is named by the first of its hardware threads. At least one.
+std::vector<int> allowed_cores();
 
 /// Opens /dev/null in place of stdin, stdout and stderr where they are closed. Otherwise the next file opened
 /// would take their descriptor, and printed text would go into it.

@@ -298,7 +298,8 @@ class SlabPainter final : public FramePainter<SheetFrame> {
       next_group_ = 0;
       find_groups();
     }
-    threads_.run(threads_.size(), [this, groups](int) { paint_groups(groups); });
+    const auto lanes = std::min(std::size_t(threads_.size()), groups_.size() - next_group_);
+    threads_.run(int(lanes), [this, groups](int) { paint_groups(groups); });
     if (next_group_ < groups_.size()) return;
     for (std::size_t slot = 0; slot < images_.count(); ++slot)
       if (images_.image(slot).touched()) images_.image(slot).slices_composited(int(painting_));

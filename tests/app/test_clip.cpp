@@ -169,7 +169,7 @@ TEST_CASE("a budget, progressive views and stdin know the clip box", "[mpi][open
       run_program(files.render({"--max-error", "30", "--error", "field", "--error-pixels", "200"}));
   INFO(budget.err);
   CHECK(budget.code == 0);
-  const Ended streamed = run_program(files.render({"--progressive", "--engine", "sheets"}), 3);
+  const Ended streamed = run_program(files.render({"--progressive", "--engine", "sheets", "--gps", "2"}), 3);
   CHECK(streamed.code == 0);
   REQUIRE(fs::exists(files.folder / "x-u4.exr"));
   const std::string last = files.folder / "last.exr";

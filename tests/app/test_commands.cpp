@@ -88,17 +88,18 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit", "
   same({"--transport", "mpi"}, 0);
   same({}, 1);
   same({}, 2);
+  same({}, 5);
   same({"--gps", "2"}, 3);
   same({"--roles", "colocated"}, 3);
   same({"--roles", "colocated", "--look-ahead", "3", "--send-ahead", "4"}, 7);
-  same({"--slab", "5"}, 3);
+  same({"--slab", "5", "--gps", "2"}, 3);
   same({"--slab", "1000", "--gps", "3", "--renderers", "2", "--shuffle"}, 0);
 }
 
 TEST_CASE("an orbit makes numbered frames and a summary", "[mpi][openimageio]") {
   const Workshop w;
-  const Ended ended =
-      w.render("turn.png", {"--orbit", "3", "--quality", "paper", "--stats", w / "turn.json"}, 3);
+  const Ended ended = w.render(
+      "turn.png", {"--orbit", "3", "--quality", "paper", "--gps", "2", "--stats", w / "turn.json"}, 3);
   for (const char* name : {"turn-0000.png", "turn-0001.png", "turn-0002.png"}) CHECK(fs::exists(w / name));
   CHECK_FALSE(fs::exists(w / "turn.png"));
   // Frames overlap, so a frame takes longer than the time from one to the next.
@@ -134,8 +135,8 @@ TEST_CASE("an orbit's files and lines are those of one process, in order", "[mpi
     w.render(name, {"--orbit", "9"});
     std::vector<std::string> alone;
     for (int k = 0; k < 9; ++k) alone.push_back(read_text(frame(k)));
-    const Ended ended =
-        w.render(name, {"--orbit", "9", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
+    const Ended ended = w.render(
+        name, {"--orbit", "9", "--gps", "2", "--stats", w / "turn.json", "--frames-in-flight", "4"}, 3);
     const json stats = json::parse(read_text(w / "turn.json"));
     const auto lines = lines_with(ended.out, "visible voxels");
     REQUIRE(lines.size() == 9);

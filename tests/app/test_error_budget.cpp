@@ -324,7 +324,12 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
   std::vector<std::string> words{"render",  w.volume(), "--size",    "64x48",
                                  "--stats", w.stats(),  "--quality", "paper"};
   words.insert(words.end(), budget.begin(), budget.end());
-  const Ended first = run_program(words, 3);
+  const auto run = [&words](const char* gps, int ranks) {
+    std::vector<std::string> all = words;
+    all.insert(all.end(), {"--gps", gps});
+    return run_program(all, ranks);
+  };
+  const Ended first = run("2", 3);
   INFO(first.out << first.err);
   REQUIRE(first.code == 0);
   CHECK(calibrated(first));
@@ -336,12 +341,12 @@ TEST_CASE("ranks agree on a budget's choice and keep it from run to run", "[mpi]
     CHECK(frame.at("error").at("rmse").get<double>() <= 1);
   }
   const std::string picture = read_text(w / "turn-0001.exr");
-  const Ended second = run_program(words, 3);
+  const Ended second = run("2", 3);
   REQUIRE(second.code == 0);
   CHECK_FALSE(calibrated(second));
   CHECK((read_text(w / "turn-0001.exr") == picture));
   // Other ranks have other costs.
-  CHECK(calibrated(run_program(words, 2)));
+  CHECK(calibrated(run("1", 2)));
   CHECK(w.calibrations() == 2);
 }
 

@@ -21,15 +21,24 @@ RunOptions options(std::optional<int> gps, std::optional<int> renderers,
 
 }  // namespace
 
-TEST_CASE("without options every rank of a job has work") {
-  for (int ranks = 1; ranks <= 64; ++ranks) {
-    const Layout layout = choose_layout({}, true, ranks);
-    CHECK(layout.ranks() == ranks);
-    for (int rank = 0; rank < ranks; ++rank) CHECK_FALSE(layout.nodes_on(rank).empty());
-  }
-  CHECK(choose_layout({}, true, 6) == Layout{4, 2, Placement::dedicated, Topology::ring});
-  CHECK(choose_layout({}, true, 1) == Layout{1, 1, Placement::colocated, Topology::ring});
-  CHECK(choose_layout({}, false, 1) == Layout{1, 1, Placement::dedicated, Topology::ring});
+TEST_CASE("without options as many ranks as there are cores are GP and Renderer, and no other has work") {
+  for (int ranks = 1; ranks <= 64; ++ranks)
+    for (const int cores : {0, 1, 2, 16}) {
+      const Layout layout = choose_layout({}, true, ranks, cores);
+      CHECK(layout.placement == Placement::colocated);
+      CHECK(layout.ranks() == ranks);
+      CHECK(layout.gps == (cores == 0 ? ranks : std::min(ranks, cores)));
+      CHECK(layout.renderers == layout.gps);
+    }
+  CHECK(choose_layout({}, false, 1, 8) == Layout{1, 1, Placement::dedicated, Topology::ring});
+}
+
+TEST_CASE("roles that were asked for leave no rank idle") {
+  CHECK(choose_layout(options({}, {}, Placement::colocated), true, 5, 2) ==
+        Layout{5, 5, Placement::colocated, Topology::ring});
+  CHECK(choose_layout(options({}, {}, Placement::dedicated), true, 6, 2) ==
+        Layout{4, 2, Placement::dedicated, Topology::ring});
+  CHECK(choose_layout(options(4, {}), true, 6, 2) == Layout{4, 2, Placement::dedicated, Topology::ring});
 }
 
 TEST_CASE("one count follows from the other and the job's") {
@@ -37,8 +46,6 @@ TEST_CASE("one count follows from the other and the job's") {
   CHECK(choose_layout(options({}, 1), true, 6).gps == 5);
   CHECK(choose_layout(options(2, {}, Placement::colocated), true, 6) ==
         Layout{2, 6, Placement::colocated, Topology::ring});
-  CHECK(choose_layout(options({}, {}, Placement::colocated), true, 5) ==
-        Layout{5, 5, Placement::colocated, Topology::ring});
   CHECK(choose_layout(options(12, 4), false, 1) == Layout{12, 4, Placement::dedicated, Topology::ring});
 }
 

@@ -38,8 +38,9 @@ TEST_CASE(
   for (const int ranks : {0, 3}) {
     INFO(ranks << " ranks");
     const Files files;
-    const Ended ended = run_program(
-        files.render({"--azimuth", "30", "--progressive", "--prefilter", "--stats", files.stats}), ranks);
+    const Ended ended = run_program(files.render({"--azimuth", "30", "--progressive", "--prefilter", "--gps",
+                                                  "2", "--stats", files.stats}),
+                                    ranks);
     INFO(ended.err);
     REQUIRE(ended.code == 0);
     CHECK(files.same_as_alone("x.png", {"--azimuth", "30"}));

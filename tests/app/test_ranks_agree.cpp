@@ -186,7 +186,7 @@ TEST_CASE("ranks that were told other things than rank 0 are refused by the opti
       {{{"--no-opacity-correction"}, {}}, "--no-opacity-correction false, rank 0 has true"},
       {{{"--light", "0", "0", "1"}, {}}, "--light -0.4 0.6 0.7, rank 0 has 0 0 1"},
       {{{"--config", "set.toml"}, {"--config", "set.toml"}}, "--zoom 3, rank 0 has 2"},
-      {{{"--threads-per-rank", "2"}, {}}, "--threads-per-rank 1, rank 0 has 2"}};
+      {{{"--threads-per-rank", "2"}, {}}, "--threads-per-rank (none), rank 0 has 2"}};
   for (const auto& [options, fragment] : cases)
     check_refused(machines.run(render("a.nrrd", options.first), render("a.nrrd", options.second)), machines,
                   {"rank 1 was started with other options: " + fragment});

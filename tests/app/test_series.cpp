@@ -115,9 +115,12 @@ TEST_CASE("a range of frames goes from the first to before the last") {
 TEST_CASE("the pictures of a series are those of its volumes by themselves, on any number of ranks",
           "[mpi][openimageio]") {
   const Series series;
-  for (const int ranks : {0, 1, 4}) {
+  for (const auto& [ranks, roles] : std::vector<std::pair<int, std::vector<std::string>>>{
+           {0, {}}, {1, {}}, {4, {}}, {4, {"--gps", "3", "--renderers", "1"}}}) {
     INFO(ranks << " ranks");
-    const Ended ended = run_program(series.render("all", {"--stats", series.stats}), ranks);
+    std::vector<std::string> more{"--stats", series.stats};
+    more.insert(more.end(), roles.begin(), roles.end());
+    const Ended ended = run_program(series.render("all", more), ranks);
     INFO(ended.err);
     REQUIRE(ended.code == 0);
     for (int k = 0; k < 5; ++k) CHECK(series.same_as_alone("x-000" + std::to_string(k) + ".png", k));
@@ -138,7 +141,9 @@ TEST_CASE("reduced and unshaded volumes of a series are those of the volumes by 
   for (const std::vector<std::string>& more : std::vector<std::vector<std::string>>{
            {"--undersample", "2", "--prefilter"}, {"--clip", "2:20,3:15,4:18"}, {"--shading", "none"}}) {
     INFO(more.front());
-    const Ended ended = run_program(series.render("1:4", more), 3);
+    std::vector<std::string> on_ranks{"--gps", "2"};
+    on_ranks.insert(on_ranks.end(), more.begin(), more.end());
+    const Ended ended = run_program(series.render("1:4", on_ranks), 3);
     INFO(ended.err);
     REQUIRE(ended.code == 0);
     for (int k = 1; k < 4; ++k) CHECK(series.same_as_alone("x-000" + std::to_string(k) + ".png", k, more));

@@ -1,0 +1,37 @@
+#pragma once
+#include <string>
+#include <vector>
+
+#include "app/launch.hpp"
+
+/// Where a job's ranks run, and what follows from it.
+namespace ringsplat::app {
+
+struct Place {
+  std::string machine;
+  std::vector<int> cores;  ///< that the rank may use
+};
+
+/// By rank. Collective.
+std::vector<Place> places_of_ranks(Collectives& collectives);
+
+/// Cores of all machines that the ranks share; a machine counts at most one a rank.
+int shared_cores(const std::vector<Place>& places);
+
+/// How many ranks may work when no option says it: one for each core. On several machines, and simulated
+/// ones, all: the last ranks could be all of one machine's.
+int ranks_with_cores(const std::vector<Place>& places);
+
+/// The threads that this rank takes when no option says it: its machine's cores, shared evenly by those of
+/// the first `working` ranks that run there, but no more than it may use; at least 1.
+int fair_threads(const std::vector<Place>& places, int rank, int working);
+
+/// Settles the threads of this rank's engine. Warns on rank 0 when those that were asked for have to share
+/// cores.
+void settle_threads(RunOptions& options, const Layout& layout, const std::vector<Place>& places,
+                    const Launch& launch);
+
+/// The warning when ranks of `threads` threads have too few cores; empty when all is well.
+std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi);
+
+}  // namespace ringsplat::app
