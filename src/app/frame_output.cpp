@@ -14,6 +14,7 @@
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
+#include "record/stats_table.hpp"
 
 namespace ringsplat::app {
 
@@ -170,13 +171,12 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
   warn(label, drawn ? why_nearly_empty(result) : std::string(), nearly_empty_frames_);
   const std::string after =
       seconds_.empty() ? "" : fmt::format(", {:.4f} s after the one before", result.stats.period);
-  const char* items = std::holds_alternative<Sheets>(result.spec.how) ? "blocks" : "splats";
   const std::string shown =
       options_.frames
           ? fmt::format("  {}: {:g} to {:g}", fs::path(volume).filename().string(), range.low, range.high)
           : "";
   progress_.print(fmt::format("{}  {:.4f} s{}  {} visible voxels  {} {}{}", label, result.stats.seconds,
-                              after, sum.visible_voxels, sum.splats_sent, items, shown));
+                              after, sum.visible_voxels, sum.splats_sent, items_of(result.spec.how), shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
   if (!options_.stats.empty())
@@ -201,6 +201,11 @@ std::string FrameOutput::json_text(const FrameRecord& record) const {
 }
 
 std::string FrameOutput::stats_text() const {
+  if (options_.stats_as_table) {
+    StatsTable table(layout_);
+    for (const FrameRecord& record : records_) table.add(record.stats);
+    return table.text(items_of(records_.empty() ? options_.frame.how : records_.front().spec.how));
+  }
   std::vector<std::string> texts;
   texts.reserve(records_.size());
   for (const FrameRecord& record : records_) texts.push_back(json_text(record));

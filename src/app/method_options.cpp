@@ -118,6 +118,10 @@ Method method_for_other_engine(MethodOptions o) {
   return method_for(o);
 }
 
+const char* items_of(const Method& method) {
+  return std::holds_alternative<Sheets>(method) ? "blocks" : "splats";
+}
+
 bool engine_is_chosen(const CLI::App& app) {
   for (const CLI::Option* option : app.get_options())
     if (concerns_one_engine(*option)) return true;

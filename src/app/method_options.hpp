@@ -53,6 +53,9 @@ Method method_for(const MethodOptions& options);
 /// name neither engine nor quality, nor an option of one engine only.
 Method method_for_other_engine(MethodOptions options);
 
+/// What the method's payloads hold, for messages: "splats", or "blocks" of sheets.
+const char* items_of(const Method& method);
+
 /// True when the user of a parsed subcommand has chosen the engine, if only by an option of one engine.
 bool engine_is_chosen(const CLI::App& app);
 

@@ -86,6 +86,7 @@ struct RenderOptions {
   bool progressive = false;
   bool keep_all_axes = false;
   std::string output, stats, trace;
+  bool stats_as_table = false;
   ErrorOptions error;
   ErrorBudgetOptions budget;
   std::optional<glm::dvec3> background;  ///< linear light

@@ -79,9 +79,15 @@ constexpr OptionRow<Render> render_output_rows[] = {
     {"--annotate", nullptr, nullptr, "Draws orientation, a scale bar and a colour bar into the picture",
      [](Render& o) { return flag(o.annotate); }},
     {"--stats", "FILE", nullptr,
-     "What each node did in each frame, as JSON; one array, or lines in a .jsonl; of --stats, --trace and "
-     "--tf-out one may be -, stdout, and lines of results then go to stderr",
-     [](Render& o) { return value(o.stats); }},
+     "What each node did in each frame, as JSON; one array, or lines in a .jsonl; as a .txt, or the word "
+     "table for one on stdout, what each rank did in all; of --stats, --trace and --tf-out one may be -, "
+     "stdout, and lines of results then go to stderr",
+     [](Render& o) {
+       return handed<std::string>([&o](const std::string& file) {
+         o.stats_as_table = file == "table" || file.ends_with(".txt");
+         o.stats = file == "table" ? "-" : file;
+       });
+     }},
     {"--trace", "FILE", nullptr,
      "What each node did when, as Chrome trace-event JSON, which opens in Perfetto",
      [](Render& o) { return value(o.trace); }},

@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "app/method_options.hpp"
 #include "base/clock.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
@@ -228,6 +229,7 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
   load.clip.reset();
   FrameCosts costs;
   costs.slices = 0;
+  costs.items = items_of(frame.how);
   frame.shown.camera = views.front();
   FrameSpec finely = cut_finely(frame, grid);
   frame.division.dealt_to = 1;

@@ -179,12 +179,13 @@ std::string describe(const Layout& layout) {
 
 std::string describe(const FrameCosts& costs) {
   const auto each = [](double seconds, double count) { return count > 0 ? 1e9 * seconds / count : 0.0; };
+  const std::string drawing = costs.splats > 0
+                                  ? fmt::format("{:.0f} {} of {:.1f} ns", costs.splats, costs.items,
+                                                each(costs.renderer(), costs.splats))
+                                  : fmt::format("{:.2f} ms", 1e3 * costs.renderer());
   return fmt::format(
-      "{:.0f} visible voxels of {:.1f} ns on a GP, {:.0f} splats of {:.1f} ns on a Renderer, {:.2f} ms a "
-      "frame "
-      "on each GP",
-      costs.visible_voxels, each(costs.gp, costs.visible_voxels), costs.splats,
-      each(costs.renderer(), costs.splats), 1e3 * costs.frame);
+      "{:.0f} visible voxels of {:.1f} ns on a GP, {} on a Renderer, {:.2f} ms a frame on each GP",
+      costs.visible_voxels, each(costs.gp, costs.visible_voxels), drawing, 1e3 * costs.frame);
 }
 
 std::string to_table(const std::vector<Prediction>& predictions) {

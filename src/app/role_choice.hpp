@@ -17,7 +17,8 @@ struct FrameCosts {
   int columns = 1;             ///< regions in a row of the picture
   double frame = 0;            ///< each GP's setup before its first slice
   double visible_voxels = 0, splats = 0;
-  double renderer() const;  ///< the sum over all regions
+  const char* items = "splats";  ///< what `splats` counts: these, or sheets' blocks
+  double renderer() const;       ///< the sum over all regions
 };
 
 /// Where the ranks run.
@@ -76,7 +77,7 @@ std::optional<Layout> colocated_ring(const std::vector<Layout>& layouts);
 
 /// "4 GPs + 2 Renderers", "3 colocated ranks, 5 idle", "mesh of 4x3 + 6 Renderers".
 std::string describe(const Layout& layout);
-/// "668005 visible voxels of 39.5 ns on a GP, 725382 splats of 59.1 ns on a Renderer", for messages.
+/// "668005 visible voxels of 39.5 ns on a GP, 725382 splats of 59.1 ns on a Renderer, ...", for messages.
 std::string describe(const FrameCosts& costs);
 /// A line for each prediction, with a heading.
 std::string to_table(const std::vector<Prediction>& predictions);

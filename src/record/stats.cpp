@@ -79,15 +79,17 @@ json links_json(const FrameStats& stats, const Layout& layout) {
 
 }  // namespace
 
+NodeStats& NodeStats::operator+=(const NodeStats& other) {
+  for (const auto part : second_parts) this->*part += other.*part;
+  for (const auto& count : counts) this->*count.part += other.*count.part;
+  peak_memory = std::max(peak_memory, other.peak_memory);
+  return *this;
+}
+
 NodeStats FrameStats::total() const {
   NodeStats sum;
-  for (const auto* group : {&gps, &renderers}) {
-    for (const auto& stats : *group) {
-      for (const auto part : second_parts) sum.*part += stats.*part;
-      for (const auto& count : counts) sum.*count.part += stats.*count.part;
-      sum.peak_memory = std::max(sum.peak_memory, stats.peak_memory);
-    }
-  }
+  for (const auto* group : {&gps, &renderers})
+    for (const auto& stats : *group) sum += stats;
   return sum;
 }
 

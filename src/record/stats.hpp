@@ -26,6 +26,7 @@ struct NodeStats {
   std::uint64_t visible_voxels = 0, voxels_outside = 0;  ///< outside the image: not looked at, may be visible
   std::uint64_t peak_memory = 0;                         ///< bytes, of the process
   std::uint64_t slice_memory = 0;                        ///< bytes of slices held, GPs only
+  NodeStats& operator+=(const NodeStats& other);         ///< keeps the larger peak
 };
 
 struct FrameStats {

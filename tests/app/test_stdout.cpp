@@ -5,6 +5,7 @@
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;
+using Catch::Matchers::Contains;
 using nlohmann::json;
 
 namespace {
@@ -57,6 +58,21 @@ TEST_CASE("--stats - writes to stdout what it would write into a file, and nothi
   CHECK(timed.code == 0);
   CHECK(json::parse(timed.out).size() == 1);
   CHECK_FALSE(fs::exists("-"));
+}
+
+TEST_CASE("--stats table, or a .txt, says by rank who worked and who waited", "[mpi]") {
+  const Files files;
+  const Ended two = files.render({"--gps", "2", "--renderers", "1", "--orbit", "2", "--stats", "table"}, 3);
+  INFO(two.err << two.out);
+  REQUIRE(two.code == 0);
+  CHECK_THAT(two.out, Contains("2 frames, sums") && Contains("busy") && Contains("waiting") &&
+                          Contains("received MB") && Contains("blocks sent"));
+  CHECK(lines_with(two.out, "GP ").size() == 2);
+  CHECK(lines_with(two.out, "Renderer 0").size() == 1);
+  const std::string file = files.folder / "stats.txt";
+  REQUIRE(files.render({"--quality", "paper", "--stats", file}).code == 0);
+  CHECK_THAT(read_text(file), Contains("1 frame, sums") && Contains("splats drawn"));
+  CHECK_FALSE(fs::exists("table"));
 }
 
 TEST_CASE("a timeline and a transfer function can go to stdout, but one text only", "[mpi][openimageio]") {
