@@ -11,12 +11,12 @@ namespace ringsplat::truth {
 /// make no sense. All cores.
 ///
 /// A pixel's ray meets q sheets a slice of the set that it crosses most, at i + j/q slices, with
-/// q = Traversal::slabs_for(slabs); the first is slice 0, the last slice n − 1. Two more, at −½ and n − ½, are
-/// the box's faces, so the outermost slabs are half a slice thick, unless there are more of them
-/// (slabs_in_half). On a sheet the value and the central differences of the voxels
-/// (one-sided at the border) are trilinear at the ray's place, which is first moved into [0, n − 1] along
-/// each axis. Where a voxel of the cell is not a number, the sheet's value is none, and the slabs on both
-/// sides are transparent. On a sheet in a slice only that slice counts.
+/// q = Traversal::slabs_for(slabs); the first is slice 0, the last slice n − 1. Two more, at −½ and n − ½,
+/// are the box's faces, so the outermost slabs are half a slice thick, unless there are more of them
+/// (slabs_in_half). On a sheet the value and the central differences of the voxels (one-sided at the border)
+/// are trilinear at the ray's place, which is first moved into [0, n − 1] along each axis. Where a voxel of
+/// the cell is not a number, the sheet's value is none, and the slabs on both sides are transparent. On a
+/// sheet in a slice only that slice counts.
 ///
 /// Between two sheets the value is linear: integrate_slab() gives opacity, colour, centroid t and spread d.
 /// Where the ray enters or leaves the box through its sides, only part p of a slab lies inside: its

@@ -53,6 +53,17 @@ glm::dvec3 in_one_order(glm::dvec3 suits, const glm::dvec3& eye, const glm::ivec
   return suits;
 }
 
+/// Zeros for the axes whose slices a ray crosses clearly less often than others'.
+glm::dvec3 often_crossed(glm::dvec3 suits, const glm::dvec3& ray) {
+  constexpr double clearly = 0.8;
+  double most = 0;
+  for (int k = 0; k < 3; ++k)
+    if (suits[k] != 0) most = std::max(most, std::abs(ray[k]));
+  for (int k = 0; k < 3; ++k)
+    if (std::abs(ray[k]) < clearly * most) suits[k] = 0;
+  return suits;
+}
+
 /// The ray between two neighbouring slices of the axis, in the world.
 glm::dvec3 world_step(const LatticeFrame& lattice, const glm::dvec3& ray, int axis) {
   return lattice.direction * (lattice.spacing * (ray / std::abs(ray[axis])));
@@ -62,9 +73,11 @@ glm::dvec3 world_step(const LatticeFrame& lattice, const glm::dvec3& ray, int ax
 
 Traversal choose_traversal(const ViewTransform& view, const LatticeFrame& lattice, SliceRule rule) {
   const SliceGeometry geometry = slice_geometry(view.linear);
-  const glm::dvec3& suits = rule == SliceRule::most_parallel ? geometry.cos_angles : geometry.ray;
+  glm::dvec3 suits =
+      view.eye ? in_one_order(geometry.cos_angles, *view.eye, lattice.dims) : geometry.cos_angles;
+  if (rule == SliceRule::most_crossed) suits = often_crossed(suits, geometry.ray);
   Traversal traversal;
-  traversal.axis = largest(view.eye ? in_one_order(suits, *view.eye, lattice.dims) : suits);
+  traversal.axis = largest(suits);
   const int k = int(traversal.axis);
   traversal.ascending = geometry.ray[k] > 0;
   traversal.cos_angle = std::abs(geometry.cos_angles[k]);

@@ -86,10 +86,10 @@ struct ViewTransform {
 /// singular matrix, an image without pixels, an invalid lattice, a field of view or a distance out of range.
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height);
 
-/// Which slice set a view traverses. Where spacings are equal both rules mean the same one.
+/// Which slice set a view traverses. Where spacings are nearly equal both rules mean the same one.
 enum class SliceRule {
   most_parallel,  ///< to the view plane: footprints are least foreshortened
-  most_crossed    ///< by a ray: between two slices it crosses the fewest cells
+  most_crossed    ///< by a ray, so that it crosses few cells between two slices; of such sets the most parallel
 };
 
 /// The slice set that a view traverses, and the order of its slices, front to back.
