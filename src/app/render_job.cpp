@@ -236,12 +236,13 @@ Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Laun
   return reload(job, wiring, progress, launch);
 }
 
-/// Says on rank 0 what splats err, unless their error is measured.
+/// Says on rank 0 what the method errs, unless its error is measured.
 void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
                        Progress& progress, const Launch& launch) {
   const bool drawn = !o.run.engine.simulation.count_only;
-  if (launch.rank() != 0 || o.error.truth || !drawn || !std::holds_alternative<Splats>(frame.how)) return;
-  if (const std::string why = why_splats_err(frame.shown.transfer_function, range); !why.empty()) {
+  if (launch.rank() != 0 || o.error.truth || !drawn) return;
+  const auto why_it_errs = std::holds_alternative<Splats>(frame.how) ? why_splats_err : why_sheets_err;
+  if (const std::string why = why_it_errs(frame.shown.transfer_function, range); !why.empty()) {
     progress.clear();
     log_warning("{}", why);
   }

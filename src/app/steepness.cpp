@@ -64,4 +64,22 @@ std::string why_splats_err(const TransferFunction& tf, const ValueRange& range) 
       tf.name, change, expected_error(change));
 }
 
+std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) {
+  // One or two thin layers get nodes of their own.
+  constexpr int nodes = 1020, resolved = 2;
+  const double thin = (range.high / nodes) - (range.low / nodes);
+  int layers = 0;
+  for (std::size_t i = 1; i + 1 < tf.opacities.size(); ++i) {
+    const auto &before = tf.opacities[i - 1], &peak = tf.opacities[i], &behind = tf.opacities[i + 1];
+    if (peak.opacity > before.opacity && peak.opacity > behind.opacity && peak.value >= range.low &&
+        peak.value <= range.high && behind.value - before.value < thin)
+      ++layers;
+  }
+  if (layers <= resolved) return {};
+  return fmt::format(
+      "transfer function '{}' has {} layers thinner than 1/{} of the values' range, more than can be resolved: "
+      "they are drawn wider and fainter; hint: make them wider, or leave only {}",
+      tf.name, layers, nodes, resolved);
+}
+
 }  // namespace ringsplat::app

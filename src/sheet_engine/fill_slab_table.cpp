@@ -26,17 +26,10 @@ void RelativeTo(const std::vector<double>& all, int node, std::array<float, Curv
   for (std::size_t n = 0; n < out.size(); ++n) out[n] = static_cast<float>(all[n] - here);
 }
 
-/// 1 - exp(-x), x at least 0.
-HWY_INLINE F OpacityOf(F x) {
-  const F series = mul(x, fma(x, fma(x, set(1.0F / 6), set(-0.5F)), set(1.0F)));
-  const F through = exp2_of(mul(min(x, set(80.0F)), set(-1.44269504F)));
-  return choose(greater(set(1.0F / 64), x), series, sub(set(1.0F), through));
-}
-
 /// Entries front, back ... back + lanes - 1; `low` and `high` get their halves.
 HWY_INLINE void FillLanes(const CurveRow& row, int front, int back, float length, std::int32_t* low,
                           std::int32_t* high) {
-  constexpr int pieces = SlabTable::Curve::nodes_an_entry;
+  constexpr int pieces = SlabTable::nodes_an_entry;
   HWY_ALIGN std::int32_t way[lanes];
   for (int l = 0; l < lanes; ++l) way[l] = std::min(back + l, TableAxis::last) - front;
   const I step = load(way), first = set_int(front * pieces);
@@ -49,7 +42,7 @@ HWY_INLINE void FillLanes(const CurveRow& row, int front, int back, float length
     const I node = add(first, mul(step, set_int(piece)));
     const F next = mul(gather(row.value.data(), node), over),
             next_extinction = gather(row.extinction.data(), node);
-    const F opacity = OpacityOf(mul(next_extinction, density)), seen = max(sub(opacity, hidden), none);
+    const F opacity = opacity_of(mul(next_extinction, density)), seen = max(sub(opacity, hidden), none);
     const F change = sub(next_extinction, extinction);
     const F share = only(greater(abs(change), none), div(seen, change));
     const auto mix = [&](const auto& integral, F& before, F& sum) {
@@ -85,7 +78,7 @@ HWY_INLINE void FillLanes(const CurveRow& row, int front, int back, float length
 void FillSlabTable(const SlabTable::Curve& curve, double length, std::uint64_t* entries) {
   auto row = std::make_unique<CurveRow>();
   for (int front = 0; front < TableAxis::entries; ++front) {
-    const int node = front * SlabTable::Curve::nodes_an_entry;
+    const int node = front * SlabTable::nodes_an_entry;
     RelativeTo(curve.value, node, row->value);
     RelativeTo(curve.extinction, node, row->extinction);
     RelativeTo(curve.red, node, row->red);

@@ -131,15 +131,15 @@ class GroupPainter {
   /// Places of values along the table's axes.
   HWY_INLINE F place_of(F number) const {
     const PlaceMap& map = p_.places;
-    if (map.even) return fma(number, set(map.scale), set(map.offset));
     F place = set(0.0F);
-    for (int k = 0; k < map.count; ++k) {
+    if (map.even) place = fma(number, set(map.scale), set(map.offset));
+    for (int k = 0; !map.even && k < map.count; ++k) {
       const auto& ramp = map.ramps[std::size_t(k)];
       // Limits are second: a value that is not a number becomes one, and is found by itself.
       const F above = min(max(sub(number, set(ramp.from)), set(0.0F)), set(ramp.width));
       place = fma(above, set(ramp.rise), place);
     }
-    if (p_.floats) place = choose(equal(number, number), place, set(-1.0F));
+    if (p_.floats) place = choose(equal(number, number), place, set(no_place));
     return place;
   }
 
@@ -205,7 +205,8 @@ class GroupPainter {
   /// are small. Divides the tiles into those where it serves all and others.
   void divide() {
     whole_count_ = split_count_ = 0;
-    const bool may_be_whole = p_.adaptive && slab_->pieces > 1 && !slab_->face && p_.places.even;
+    const bool may_be_whole =
+        p_.adaptive && slab_->pieces > 1 && !slab_->face && p_.places.even && p_.depths == nullptr;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
       const State& s = state_[t];
@@ -343,12 +344,12 @@ class GroupPainter {
       const F end =
           may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)]) : w.place[back];
       const Slab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
-      F opacity = slab.opacity;
+      F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, w.place[front], end);
       if (!Rays::same_lengths || w.cut || slab_->face) opacity = Shortened(opacity, length_in_box(s, w, i));
       if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(s, slab));
       opacity = only(here, opacity);
       if (p_.floats)
-        opacity = only(both(greater(w.place[front], set(-0.5F)), greater(end, set(-0.5F))), opacity);
+        opacity = only(both(greater(w.place[front], set(no_place)), greater(end, set(no_place))), opacity);
       Reflected light = unlit();
       if (p_.lit) {
         Gradient change = difference(gradients[back], gradients[front]);
@@ -379,7 +380,8 @@ class GroupPainter {
 
   /// The length of the part of piece i that lies in the volume's box, in the table's lengths.
   HWY_INLINE F length_in_box(const State& s, const Work& w, int i) const {
-    const F length = mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces / float(slab_->pieces) : 1.0F));
+    const float pieces = slab_->face ? p_.face_pieces / float(slab_->pieces) : 1.0F;
+    const F length = mul(rays_.length(s.ray), set(pieces));
     if (!w.cut) return length;
     const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
     Way way{set(0.0F), set(1.0F)};

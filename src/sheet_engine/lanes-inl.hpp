@@ -207,6 +207,13 @@ HWY_INLINE F exp2_of(F y) {
   return mul(e, from_bits(up<23>(add(whole, set_int(127)))));
 }
 
+/// 1 - exp(-x), x at least 0.
+HWY_INLINE F opacity_of(F x) {
+  const F series = mul(x, fma(x, fma(x, set(1.0F / 6), set(-0.5F)), set(1.0F)));
+  const F through = exp2_of(mul(min(x, set(80.0F)), set(-1.44269504F)));
+  return choose(greater(set(1.0F / 64), x), series, sub(set(1.0F), through));
+}
+
 /// log2 of a normal number above zero, to 2e-7 of 1 + |log2|.
 HWY_INLINE F log2_of(F x) {
   const I bits = bits_of(x);

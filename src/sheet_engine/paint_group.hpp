@@ -56,6 +56,9 @@ struct SheetRays {
   std::optional<EyeGrid> eye;  ///< of a perspective view, instead
 };
 
+/// Before all places of an axis: that of values that are not a number.
+inline constexpr float no_place = -1e9F;
+
 /// A table's axis, what is transparent of it, and how planes' numbers become places.
 struct PlaceMap {
   struct Ramp {
@@ -92,6 +95,8 @@ struct SheetPaint {
   PlaceMap places;
   GradientLight light;
   const std::uint64_t* table = nullptr;  ///< SlabTable::entries()
+  const float* depths = nullptr;         ///< SlabTable::depths(), where opacities follow from these
+  float slab_length = 1;                 ///< of the table's slabs, in unit lengths
   std::ptrdiff_t pitch = 0;              ///< numbers from a plane's row to the next
   bool floats = false;                   ///< planes are floats, not 16-bit numbers
   bool lit = false, adaptive = false;

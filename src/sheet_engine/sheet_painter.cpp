@@ -181,6 +181,8 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     paint_.places = place_map();
     paint_.light = gradient_light(*frame_, code_.floats ? largest_number() : 4095);
     paint_.table = table_.entries();
+    paint_.depths = table_.depths().empty() ? nullptr : &table_.depths().front().whole;
+    paint_.slab_length = float(frame_->step_length() / frame_->slabs());
     paint_.pitch = planes_.pitch();
     paint_.floats = code_.floats;
     paint_.lit = frame_->lit();
@@ -196,7 +198,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     PlaceMap map;
     const TableAxis& axis = table_.axis();
     map.count = axis.count;
-    map.even = axis.even() && !code_.floats;
+    map.even = axis.coarse || (axis.even() && !code_.floats);
     for (int k = 0; k < axis.count; ++k) {
       const auto& ramp = axis.ramps[std::size_t(k)];
       map.ramps[std::size_t(k)] = {float(code_.of(ramp.from)), float(ramp.width * code_.scale),
@@ -204,7 +206,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
     }
     const double a_number = axis.ramps[0].rise / code_.scale;
     map.scale = float(a_number);
-    map.offset = float(-code_.of(low_) * a_number);
+    map.offset = float(-code_.of(axis.ramps[0].from) * a_number);
     set_transparent(map);
     return map;
   }
@@ -216,7 +218,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
       const double number = code_.of(std::clamp(value, low_, high_));
       return place_of_number(map, float(code_.floats ? number : double(std::lround(number))));
     };
-    constexpr float before_all = -1, after_all = TableAxis::last + 1;
+    constexpr float before_all = no_place, after_all = -no_place;
     map.visible_low = before_all;
     map.visible_high = after_all;
     for (const auto& i : transparent_.intervals()) {

@@ -8,6 +8,7 @@
 
 #include "sheet_engine/lanes-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/slab_table.hpp"
 
 /// Slabs of a table, and parts of them, a lane each.
 HWY_BEFORE_NAMESPACE();
@@ -39,6 +40,32 @@ HWY_INLINE Slab Unpack(const Entry& e) {
           mul(colour, to_float(both(down<4>(high), ten))),
           mul(set(1.0F / 255), to_float(both(down<14>(high), set_int(255)))),
           mul(set(1.0F / 127), to_float(both(down<22>(high), set_int(63))))};
+}
+
+/// What SlabTable::Depth says of a place: the depth as a sum, and how fast it grows with places.
+struct Reached {
+  F whole, rest, density;
+};
+HWY_INLINE Reached Reach(const float* depths, F place) {
+  constexpr float nodes = SlabTable::nodes_an_entry;
+  const F at = mul(place, set(nodes));
+  const F node = min(max(to_float(to_int(sub(at, set(0.5F)))), set(0.0F)), set(nodes * TableAxis::last - 1));
+  const F t = sub(at, node);
+  const I first = up<2>(to_int(node));
+  const F slope = gather(depths + 2, first), bend = gather(depths + 3, first), bent = mul(t, bend);
+  return {gather(depths, first), fma(t, add(slope, bent), gather(depths + 1, first)),
+          mul(set(nodes), add(slope, add(bent, bent)))};
+}
+
+/// The opacity between two places, which are those of values that are linear along a slab.
+HWY_NOINLINE F OpacityBetween(const SheetPaint& paint, F front, F back) {
+  const Reached a = Reach(paint.depths, front), b = Reach(paint.depths, back);
+  const F step = sub(back, front), depth = add(sub(b.whole, a.whole), sub(b.rest, a.rest));
+  // So near to each other that the depth's rounding would show.
+  const M near = greater(set(0.125F), abs(step));
+  const F mean = choose(near, mul(set(0.5F), add(a.density, b.density)),
+                        div(depth, choose(near, set(1.0F), step)));
+  return opacity_of(max(mul(mean, set(paint.slab_length)), set(0.0F)));
 }
 
 /// 1 - (1 - a)^w, to 1e-6; lanes with w = 1 keep their bits. Any part of what is opaque is.

@@ -14,17 +14,19 @@ double extinction(double opacity) {
   return opacity < 1 ? std::min(-std::log1p(-opacity), most) : most;
 }
 
+/// At a jump a value has the opacity behind it, also when its entry lies a rounding before.
+double jump_nudge(const TableAxis& axis) { return 0.5 * TableAxis::narrowest * axis.ramps[0].width; }
+
 SlabTable::Curve integrate(const TransferFunction& tf, const TableAxis& axis) {
   using Curve = SlabTable::Curve;
   constexpr int samples = 8;  // between two nodes
-  // At a jump a value has the opacity behind it, also when its entry lies a rounding before.
-  const double nudge = 0.5 * TableAxis::narrowest * axis.ramps[0].width;
+  const double nudge = jump_nudge(axis);
   Curve curve;
   const auto count = std::size_t(Curve::nodes);
   for (auto* integral : {&curve.extinction, &curve.red, &curve.green, &curve.blue})
     integral->resize(count, 0.0);
   for (int node = 0; node < Curve::nodes; ++node)
-    curve.value.push_back(axis.value_at(double(node) / Curve::nodes_an_entry));
+    curve.value.push_back(axis.value_at(double(node) / SlabTable::nodes_an_entry));
   for (std::size_t node = 1; node < count; ++node) {
     const double start = curve.value[node - 1], step = (curve.value[node] - start) / samples;
     double sums[4] = {};
@@ -40,11 +42,37 @@ SlabTable::Curve integrate(const TransferFunction& tf, const TableAxis& axis) {
     curve.blue[node] = curve.blue[node - 1] + sums[3];
   }
   for (int entry = 0; entry < TableAxis::entries; ++entry) {
-    const auto here = tf.evaluate(curve.value[std::size_t(entry) * Curve::nodes_an_entry] + nudge);
+    const auto here = tf.evaluate(curve.value[std::size_t(entry) * SlabTable::nodes_an_entry] + nudge);
     curve.at_entry.push_back(extinction(here.opacity));
     curve.colour.push_back(here.colour);
   }
   return curve;
+}
+
+/// Depths along an even axis. Between two nodes the curve is taken as a quadratic, or as linear: at a jump, so
+/// that it never falls, and at the ends, beyond which it goes on.
+std::vector<SlabTable::Depth> depths_of(const TransferFunction& tf, const SlabTable::Curve& curve,
+                                        double nudge) {
+  const double entry = curve.value[SlabTable::nodes_an_entry] - curve.value[0];
+  const auto quantum = std::exp2(std::ceil(std::log2(curve.extinction.back() / entry + 1)) - 24);
+  std::vector<SlabTable::Depth> depths;
+  const std::size_t last = curve.value.size() - 2;
+  for (std::size_t node = 0; node <= last; ++node) {
+    const double depth = curve.extinction[node] / entry,
+                 change = (curve.extinction[node + 1] - curve.extinction[node]) / entry,
+                 whole = std::nearbyint(depth / quantum) * quantum,
+                 here = extinction(tf.evaluate(curve.value[node] + nudge).opacity),
+                 tangent = here / SlabTable::nodes_an_entry;
+    const bool linear = tangent > 2 * change || node == 0 || node == last;
+    const double slope = linear ? change : tangent;
+    depths.push_back({float(whole), float(depth - whole), float(slope), float(change - slope)});
+  }
+  return depths;
+}
+
+/// A slab that no entry shows may have been rounded away: it keeps its colour.
+std::uint64_t faint_slab(const glm::dvec3& colour) {
+  return packed({0, colour.r, colour.g, colour.b, 0.5, std::sqrt(1.0 / 12)});
 }
 
 /// The slab of one value: a uniform medium.
@@ -87,6 +115,8 @@ void SlabTable::set_function(const TransferFunction& transfer_function, double l
   length_ = 0;
   axis_.emplace(transfer_function_, low, high);
   curve_ = integrate(transfer_function_, *axis_);
+  depths_.clear();
+  if (axis_->coarse) depths_ = depths_of(transfer_function_, curve_, jump_nudge(*axis_));
 }
 
 void SlabTable::set_length(double length) {
@@ -107,6 +137,9 @@ void SlabTable::set_length(double length) {
       if (front != back) entries_[back * size + front] |= bits;
     }
   }
+  if (!axis_->coarse) return;
+  for (std::size_t i = 0; i < size * size; ++i)
+    if ((entries_[i] & 0xffff) == 0) entries_[i] = faint_slab(curve_.colour[(i / size + i % size) / 2]);
 }
 
 }  // namespace ringsplat

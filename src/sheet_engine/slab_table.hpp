@@ -28,13 +28,23 @@ class SlabTable {
   /// For slabs of `length` unit lengths. Call set_function() first.
   void set_length(double length);
 
+  /// The optical depth of a unit length times entries, from the axis' lowest value on: at share t of the way
+  /// from a node to the next whole + rest + t (slope + t bend). `whole` has few digits, so that differences
+  /// are exact.
+  struct Depth {
+    float whole, rest, slope, bend;
+  };
+  static constexpr int nodes_an_entry = 4;
+
   const TableAxis& axis() const { return *axis_; }
+  /// By node, where the axis is coarse: from them opacities follow exactly, not by the nearest entry.
+  const std::vector<Depth>& depths() const { return depths_; }
   /// [front * TableAxis::entries + back].
   const std::uint64_t* entries() const { return entries_.data(); }
 
   /// The transfer function integrated over value, by quarters of entries; what a length does not change.
   struct Curve {
-    static constexpr int nodes_an_entry = 4, nodes = TableAxis::last * nodes_an_entry + 1;
+    static constexpr int nodes = TableAxis::last * nodes_an_entry + 1;
     std::vector<double> value;             ///< by node
     std::vector<double> extinction;        ///< integral up to each node
     std::vector<double> red, green, blue;  ///< integrals of extinction times straight colour
@@ -47,6 +57,7 @@ class SlabTable {
   double low_ = 0, high_ = 0, length_ = 0;
   std::optional<TableAxis> axis_;
   Curve curve_;
+  std::vector<Depth> depths_;
   std::vector<std::uint64_t> entries_;
 };
 

@@ -37,6 +37,19 @@ std::vector<Feature> features_of(const TransferFunction& tf, double low, double 
   return features;
 }
 
+/// An even axis over what is not constant of a function, with half an entry beyond either end; over all values
+/// where that is hardly less.
+TableAxis::Ramp over_changes(const TransferFunction& tf, double low, double high) {
+  double from = tf.opacities.front().value, end = tf.opacities.back().value;
+  if (tf.opacities.front().opacity > 0) from = std::min(from, tf.colours.front().value);
+  if (tf.opacities.back().opacity > 0) end = std::max(end, tf.colours.back().value);
+  from = std::clamp(from, low, high);
+  end = std::clamp(end, low, high);
+  if (end - from > 0.5 * (high - low)) return {low, high - low, TableAxis::last / (high - low)};
+  const double entry = (end - from) / (TableAxis::last - 1);
+  return {from - 0.5 * entry, end - from + entry, 1 / entry};
+}
+
 }  // namespace
 
 TableAxis::TableAxis(const TransferFunction& tf, double low, double high) {
@@ -44,13 +57,17 @@ TableAxis::TableAxis(const TransferFunction& tf, double low, double high) {
   // The most that opacities may change from one entry to the next.
   constexpr double finely_enough = 0.125;
   auto features = features_of(tf, low, high, finely_enough * last / (high - low));
-  std::sort(features.begin(), features.end(),
-            [](const Feature& a, const Feature& b) { return a.slope > b.slope; });
   // Slabs that only begin or end in a feature depend on how far from it their other end lies. So entries
   // become sparser with the distance.
   constexpr struct { double around, share; } rings[] = {{0, 0.5}, {2, 0.3}, {12, 0.2}};
   constexpr std::size_t most_features = (most_ramps - 1) / std::size(rings);
-  features.resize(std::min(features.size(), most_features));
+  coarse = features.size() > most_features;
+  if (coarse) {
+    features.clear();
+    ramps[0] = over_changes(tf, low, high);
+  }
+  std::sort(features.begin(), features.end(),
+            [](const Feature& a, const Feature& b) { return a.slope > b.slope; });
   if (!features.empty()) ramps[0].rise *= 0.5;
   for (const Feature& feature : features)
     for (const auto& [around, share] : rings) {

@@ -11,7 +11,8 @@ namespace ringsplat {
 
 /// Where values lie along an axis of the slab table, whose entries are at 0, 1 ... TableAxis::last: a rising,
 /// piecewise linear function. Evenly over the volume's range where that resolves the opacities; otherwise
-/// half of the entries are spent on the steepest parts of their curve and what lies near them.
+/// half of the entries are spent on the steepest parts of their curve and what lies near them. Where these
+/// are too many, entries lie evenly over what is not constant, and values may lie beyond the ends.
 struct TableAxis {
   static constexpr int entries = 256, last = entries - 1;
   static constexpr int most_ramps = 8;
@@ -22,10 +23,11 @@ struct TableAxis {
   };
   std::array<Ramp, most_ramps> ramps;
   int count = 1;
+  bool coarse = false;  ///< too many parts are steep: entries do not resolve the opacities
 
   /// Over values `low` < `high`.
   TableAxis(const TransferFunction& transfer_function, double low, double high);
-  bool even() const { return count == 1; }
+  bool even() const { return count == 1 && !coarse; }
   double place_of(double value) const;
   /// The smallest value at a place; the inverse of place_of().
   double value_at(double place) const;

@@ -57,6 +57,21 @@ TEST_CASE("steep surfaces and bone are said to err with splats, soft presets are
   CHECK(steepness_of("mr-surface", 0, 4095) == Approx(steepness_of("mr-surface", 0, 1)));
 }
 
+TEST_CASE("more thin layers than sheets resolve are said") {
+  const auto layers = [](int count, double half) {
+    std::vector<TransferFunction::OpacityPoint> points;
+    for (int k = 0; k < count; ++k)
+      for (const auto& [beside, opacity] : {std::pair{-half, 0.0}, {0.0, 0.7}, {half, 0.0}})
+        points.push_back({(k + 0.5) / count + beside, opacity});
+    return with_opacities(points);
+  };
+  const ValueRange unit = range_from(0, 1);
+  CHECK_THAT(why_sheets_err(layers(14, 0.0004), unit), Catch::Matchers::Contains("14 layers"));
+  CHECK(why_sheets_err(layers(14, 0.0006), unit) == "");
+  CHECK(why_sheets_err(layers(2, 0.0004), unit) == "");
+  CHECK(why_sheets_err(layers(14, 0.0004), range_from(0, 0.1)) == "");
+}
+
 TEST_CASE("a steep picture is warned of once, by rank 0, where splats draw it and nobody measures",
           "[mpi][openimageio]") {
   const TemporaryFolder folder;

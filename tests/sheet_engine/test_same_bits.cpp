@@ -22,6 +22,16 @@ TransferFunction two_bands(double scale = 1) {
   return tf;
 }
 
+/// More layers than the table has entries for.
+TransferFunction thin_layers(double scale) {
+  TransferFunction tf = two_bands(scale);
+  tf.opacities.clear();
+  for (int k = 0; k < 12; ++k)
+    for (const auto& [beside, opacity] : {std::pair{-1.0, 0.0}, {0.0, 0.7}, {1.0, 0.0}})
+      tf.opacities.push_back({(15 + 20 * k + beside) * scale, opacity});
+  return tf;
+}
+
 FrameSpec sheets_view(const Camera& camera, const Sheets& sheets = {}) {
   FrameSpec spec = oblique_view(90, 74, 0);
   spec.shown.camera = camera;
@@ -93,6 +103,7 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
     ScalarType type;
     double scale;
     Sheets sheets;
+    bool layered = false;
   } const cases[] = {{ScalarType::uint8, 1, {}},
                      {ScalarType::uint8, 1, {.slabs = 1, .light_points = 1}},
                      {ScalarType::uint8, 1, {.slabs = 2}},
@@ -101,12 +112,14 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
                      {ScalarType::uint16, 257, {}},
                      {ScalarType::int16, 3, {.slabs = 3}},
                      {ScalarType::float32, 1e-3, {}},
-                     {ScalarType::float64, 1e35, {.slabs = 4}}};
-  for (const auto& [type, scale, sheets] : cases)
+                     {ScalarType::float64, 1e35, {.slabs = 4}},
+                     {ScalarType::uint8, 1, {}, true},
+                     {ScalarType::float32, 1e-3, {}, true}};
+  for (const auto& [type, scale, sheets, layered] : cases)
     for (const Camera& camera : views) {
       const auto source = retyped("jack", {30, 34, 27}, type, scale, storage);
       FrameSpec spec = sheets_view(camera, sheets);
-      spec.shown.transfer_function = two_bands(scale);
+      spec.shown.transfer_function = layered ? thin_layers(scale) : two_bands(scale);
       const Image best = render_loopback(*source, spec, 1, 1).image;
       INFO(fmt::format("{} values, azimuth {}, {} slabs", to_string(type), camera.azimuth, sheets.slabs));
       REQUIRE(shows_something(best));

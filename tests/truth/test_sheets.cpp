@@ -226,6 +226,36 @@ TEST_CASE("flat and long voxels err no more than cubes, from any side") {
   }
 }
 
+TEST_CASE("layers far thinner than the table's entries") {
+  const auto wave = [](int x, int y, int z) {
+    return 127 + 120 * std::sin(0.045 * x + 0.3) * std::cos(0.04 * y) * std::sin(0.05 * z + 0.5);
+  };
+  for (const auto& [type, scale, first] : {std::tuple{ScalarType::uint8, 1.0, 0.0},
+                                           {ScalarType::float32, 1.0, 0.0},
+                                           // A hundredth of the range.
+                                           {ScalarType::uint16, 2.0, 30000.0}}) {
+    const double by = scale, from = first;
+    Volume volume =
+        make_volume({38, 34, 30}, type, [&](int x, int y, int z) { return from + by * wave(x, y, z); });
+    const std::uint16_t far = 60000;
+    if (type == ScalarType::uint16) std::memcpy(volume.bytes.data(), &far, sizeof far);
+    TransferFunction tf;
+    tf.colours = {{from, {0.9, 0.5, 0.2}}, {from + 255 * by, {0.3, 0.6, 1}}};
+    tf.opacities = {{from, 0.0}};
+    for (int k = 0; k < 14; ++k)
+      for (const auto& [beside, opacity] : {std::pair{-1.0, 0.0}, {0.0, 0.7}, {1.0, 0.0}})
+        tf.opacities.push_back({from + by * (9 + 17 * k + beside), opacity});
+    tf.opacities.push_back({from + 255 * by, 0.0});
+    for (int slabs = 1; slabs <= 4; ++slabs) {
+      const FrameSpec spec = sheets_spec(tf, Shading::none, {.slabs = slabs});
+      const double table = table_error(volume, spec), field = sampled_field_error(volume, spec, 2000);
+      UNSCOPED_INFO(fmt::format("{}, {} slabs: {:.3f}, {:.3f}", to_string(type), slabs, table, field));
+      CHECK(table < 0.2);
+      if (slabs >= 3) CHECK(field < 1.0);
+    }
+  }
+}
+
 TEST_CASE("in a small picture an image in the slices' plane errs as in a large one") {
   const Volume volume = head();
   double large = 0;
