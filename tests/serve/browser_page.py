@@ -29,6 +29,9 @@ class Keeping(WithPage):
         self.assertEqual(self.page.facts("keyFrames"), 2)
         self.page.show(self.server.url)
         self.assertEqual(self.page.facts("keyFrames"), 0)
+        self.page.driver.refresh()
+        self.page.settle()
+        self.assertEqual(self.page.facts("keyFrames"), 0)
 
     def test_leaving_asks_while_a_film_is_rendered(self):
         leave = ("const e = new Event('beforeunload', {cancelable: true}); dispatchEvent(e); return e.defaultPrevented")

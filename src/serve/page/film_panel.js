@@ -19,13 +19,22 @@ export class FilmPanel {
     this.set([]);
   }
 
-  /** A reload in the same tab keeps key frames. */
+  /** A reload keeps key frames, a new visit in the same tab does not. */
   get kept() {
     return `ringsplat.film ${location.pathname} ${this.app.volume.name}`;
   }
   restore() {
-    const text = this.app.visited && sessionStorage.getItem(this.kept);
-    if (text) this.take(JSON.parse(text));
+    const text = sessionStorage.getItem(this.kept);
+    if (text && this.app.visited) this.take(JSON.parse(text));
+    else this.keep();
+  }
+
+  keep() {
+    try {
+      if (this.app.hello) sessionStorage.setItem(this.kept, JSON.stringify(this.frames));
+    } catch {
+      // no storage in this window, or no room left
+    }
   }
 
   /** Key frames from outside. */
@@ -36,7 +45,7 @@ export class FilmPanel {
   set(frames) {
     this.stop();
     this.frames = frames;
-    if (this.app.hello) sessionStorage.setItem(this.kept, JSON.stringify(frames));
+    this.keep();
     const act = (label, title, disabled, onclick) =>
       element('button', { 'aria-label': title, title, disabled, onclick }, label);
     byId('key-frames').replaceChildren(...frames.map((frame, i) => {
