@@ -20,9 +20,9 @@ std::vector<PlacedBlock> placed(const std::vector<VoxelBox>& boxes) {
 }
 
 /// Collectives that note the most bytes sent and received in one exchange.
-class Watched final : public Collectives {
+class CountedCollectives final : public Collectives {
  public:
-  explicit Watched(Collectives& all) : all_(all) {}
+  explicit CountedCollectives(Collectives& all) : all_(all) {}
   int process() const override { return all_.process(); }
   int processes() const override { return all_.processes(); }
   std::vector<Block> all_to_all(std::vector<Block> out) override {
@@ -131,9 +131,9 @@ TEST_CASE("GPs get the slices of blocks of any shape, order and type, in rounds 
           std::map<int, SliceStore> stores;
           for (const int gp : gps_of_process[me])
             stores.emplace(gp, SliceStore(grid, gp, gps, {false, false, true}, false));
-          Watched watched(all);
-          deal_blocks(grid, mine, stores, gps, gps_of_process, round_bytes, watched);
-          most[me] = watched.most();
+          CountedCollectives counted(all);
+          deal_blocks(grid, mine, stores, gps, gps_of_process, round_bytes, counted);
+          most[me] = counted.most();
           const std::size_t slice = grid.slice_bytes(Axis::z);
           for (auto& [gp, store] : stores)
             for (int z = gp; z < grid.dims.z; z += gps)
