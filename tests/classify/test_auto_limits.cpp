@@ -119,7 +119,7 @@ TEST_CASE("a value at one end is a fill value from a gap on, a known one from a 
 TEST_CASE("a background's slope goes on over rises by less than a quarter, down to a twentieth of its peak") {
   const auto edge = [](std::uint64_t rise, std::uint64_t last) {
     std::vector<std::uint64_t> counts{1000, 600, 100, rise, 70, 60, last};
-    counts.resize(20, 40);
+    counts.resize(60, 40);  // too little for noise about an offset
     const Foreground f = find_foreground(data_of(statistics_of(values(counts))));
     CHECK(f.background);
     CHECK(f.upward);
