@@ -77,8 +77,8 @@ std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) 
   }
   if (layers <= resolved) return {};
   return fmt::format(
-      "transfer function '{}' has {} layers thinner than 1/{} of the values' range, more than can be resolved: "
-      "they are drawn wider and fainter; hint: make them wider, or leave only {}",
+      "transfer function '{}' has {} layers thinner than 1/{} of the values' range, more than can be "
+      "resolved: they are drawn wider and fainter; hint: make them wider, or leave only {}",
       tf.name, layers, nodes, resolved);
 }
 

@@ -12,7 +12,7 @@ double steepness(const TransferFunction& tf, const ValueRange& range);
 /// Why splats err with such a transfer function, by how much, and what to do; empty where it is gentle.
 std::string why_splats_err(const TransferFunction& tf, const ValueRange& range);
 
-/// The same of sheets, whose tables have more than a thousand nodes for all values; empty where these suffice.
+/// The same of sheets, whose tables have a thousand nodes for all values; empty where these suffice.
 std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range);
 
 }  // namespace ringsplat::app

@@ -49,8 +49,8 @@ SlabTable::Curve integrate(const TransferFunction& tf, const TableAxis& axis) {
   return curve;
 }
 
-/// Depths along an even axis. Between two nodes the curve is taken as a quadratic, or as linear: at a jump, so
-/// that it never falls, and at the ends, beyond which it goes on.
+/// Depths along an even axis. Between two nodes the curve is taken as a quadratic, or as linear: at a jump,
+/// so that it never falls, and at the ends, beyond which it goes on.
 std::vector<SlabTable::Depth> depths_of(const TransferFunction& tf, const SlabTable::Curve& curve,
                                         double nudge) {
   const double entry = curve.value[SlabTable::nodes_an_entry] - curve.value[0];

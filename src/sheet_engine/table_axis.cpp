@@ -37,8 +37,8 @@ std::vector<Feature> features_of(const TransferFunction& tf, double low, double 
   return features;
 }
 
-/// An even axis over what is not constant of a function, with half an entry beyond either end; over all values
-/// where that is hardly less.
+/// An even axis over what is not constant of a function, with half an entry beyond either end; over all
+/// values where that is hardly less.
 TableAxis::Ramp over_changes(const TransferFunction& tf, double low, double high) {
   double from = tf.opacities.front().value, end = tf.opacities.back().value;
   if (tf.opacities.front().opacity > 0) from = std::min(from, tf.colours.front().value);

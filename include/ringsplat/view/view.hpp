@@ -89,7 +89,8 @@ ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int w
 /// Which slice set a view traverses. Where spacings are nearly equal both rules mean the same one.
 enum class SliceRule {
   most_parallel,  ///< to the view plane: footprints are least foreshortened
-  most_crossed    ///< by a ray, so that it crosses few cells between two slices; of such sets the most parallel
+  /// Of the sets that a ray crosses most, so that it crosses few cells between two slices, the most parallel.
+  most_crossed
 };
 
 /// The slice set that a view traverses, and the order of its slices, front to back.
@@ -109,8 +110,8 @@ struct Traversal {
 };
 
 /// A pure function of the view. Ties (equal to 1e-9, relative) go to z before y before x. The view is never
-/// parallel to the chosen slices: of the most parallel ones |cos| is at least 1/√3 when the lattice's axes are
-/// orthogonal, and above zero when they are oblique.
+/// parallel to the chosen slices: of the most parallel ones |cos| is at least 1/√3 when the lattice's axes
+/// are orthogonal, and above zero when they are oblique.
 ///
 /// In a perspective view angle and distance are the central ray's. All rays must meet the slices in one
 /// order, so only axes count along which the eye lies outside of the box [−½, n − ½]. Throws InputError when
