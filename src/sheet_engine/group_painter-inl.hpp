@@ -164,7 +164,7 @@ class GroupPainter {
       w.cut = some_miss || leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
-      w.place[0] = s.sheet == slab_->step - 1 && !slab_->face ? s.place : front_place(s, w);
+      w.place[0] = s.sheet == slab_->step - 1 ? s.place : front_place(s, w);
       F low = w.place[0], high = w.place[0];
       for (int i = 1; i <= pieces; ++i) {
         w.sheet[std::size_t(i)] = sheet_at(s, w.at_faces, i, w.corner);
@@ -264,7 +264,7 @@ class GroupPainter {
   }
 
   HWY_INLINE Gradient front_gradient(const State& s, const Work& w) const {
-    if (s.gradient_sheet == slab_->step - 1 && !slab_->face) return s.gradient;
+    if (s.gradient_sheet == slab_->step - 1) return s.gradient;
     const Planes next = slab_->face ? plane_of(slab_->after, w.corner) : w.back;
     return Sampler::gradient(w.front, next - plane_of(slab_->before, w.corner),
                              sheet_at(s, w.at_faces, 0, w.corner), p_.pitch);
