@@ -1,12 +1,18 @@
 #include "volume/itk_image.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
+#include <exception>
 #include <limits>
 #include <utility>
 #include <vector>
 
+#include "base/log.hpp"
 #include "volume/limits.hpp"
 #include "volume/volume_files.hpp"
 #include "volume/whole_source.hpp"
@@ -48,16 +54,46 @@ class ItkSource final : public WholeSource {
   VolumeFiles files_;
 };
 
+/// Passes our own lines, which other threads may have logged meanwhile, on to stderr.
+std::string first_foreign_line(int caught) {
+  std::string text(std::size_t(std::max<off_t>(0, ::lseek(caught, 0, SEEK_END))), '\0');
+  text.resize(std::size_t(std::max<ssize_t>(0, ::pread(caught, text.data(), text.size(), 0))));
+  std::istringstream lines(text);
+  std::string first;
+  for (std::string line; std::getline(lines, line);)
+    if (line.starts_with("ringsplat"))
+      std::fprintf(stderr, "%s\n", line.c_str());
+    else if (first.empty())
+      first = line;
+  return first;
+}
+
 }  // namespace
 
-QuietItk::QuietItk()
+QuietItk::QuietItk(std::filesystem::path path)
     : out_(std::cout.rdbuf(sink_.rdbuf())),
       err_(std::cerr.rdbuf(sink_.rdbuf())),
-      warnings_(itk::Object::GetGlobalWarningDisplay()) {
+      warnings_(itk::Object::GetGlobalWarningDisplay()),
+      path_(std::move(path)),
+      exceptions_(std::uncaught_exceptions()) {
   itk::Object::SetGlobalWarningDisplay(false);
+  std::fflush(stderr);
+  stderr_ = ::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 0);
+  caught_ = ::memfd_create("stderr", MFD_CLOEXEC);
+  if (stderr_ >= 0 && caught_ >= 0) ::dup2(caught_, STDERR_FILENO);
 }
 
 QuietItk::~QuietItk() {
+  std::fflush(stderr);
+  std::string theirs;
+  if (stderr_ >= 0 && caught_ >= 0) {
+    ::dup2(stderr_, STDERR_FILENO);
+    theirs = first_foreign_line(caught_);
+  }
+  for (const int descriptor : {stderr_, caught_})
+    if (descriptor >= 0) ::close(descriptor);
+  if (!theirs.empty() && std::uncaught_exceptions() == exceptions_)
+    log_warning_once("{}: {}", path_.string(), theirs);
   itk::Object::SetGlobalWarningDisplay(warnings_);
   std::cout.rdbuf(out_);
   std::cerr.rdbuf(err_);

@@ -13,10 +13,11 @@
 namespace ringsplat::detail {
 
 /// Discards what ITK and its libraries print while it lives: errors come as exceptions, and stdout is for
-/// results. Not for several threads at once.
+/// results. Of what libraries in C write to stderr, as libjpeg does, the first line becomes a warning that
+/// names the file, unless an exception says more. Not for several threads at once.
 class QuietItk {
  public:
-  QuietItk();
+  explicit QuietItk(std::filesystem::path path);
   ~QuietItk();
   QuietItk(const QuietItk&) = delete;
   QuietItk& operator=(const QuietItk&) = delete;
@@ -25,6 +26,9 @@ class QuietItk {
   std::ostringstream sink_;
   std::streambuf *out_, *err_;
   bool warnings_;
+  std::filesystem::path path_;
+  int stderr_ = -1, caught_ = -1;  ///< descriptors: where stderr went before, where it goes now
+  int exceptions_;
 };
 
 /// The message in one line, without the class and the address that ITK puts in front.
@@ -35,7 +39,7 @@ template <class F>
 decltype(auto) with_itk(const std::filesystem::path& path, F&& f) {
   std::string problem;
   try {
-    const QuietItk quiet;
+    const QuietItk quiet(path);
     return f();
   } catch (const Error&) {
     throw;
