@@ -12,6 +12,7 @@
 
 #include "base/log.hpp"
 #include "base/process.hpp"
+#include "base/thread_team.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
 
@@ -90,7 +91,9 @@ void settle_threads(RunOptions& options, const Layout& layout, const std::vector
                     const Launch& launch) {
   int& threads = options.engine.threads_per_rank;
   if (!options.threads_per_rank) {
-    threads = simulated() ? 1 : fair_threads(places, launch.rank(), layout.working_ranks());
+    threads = simulated() ? 1
+                          : std::min(ThreadTeam::most_threads,
+                                     fair_threads(places, launch.rank(), layout.working_ranks()));
     return;
   }
   threads = *options.threads_per_rank;
