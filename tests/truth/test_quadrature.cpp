@@ -102,7 +102,7 @@ TEST_CASE("the field's truth ends where opacity reaches 1 steeply, to any tolera
     const auto scene = scene_of(*volume, plain_spec(tf, 8, {.azimuth = 31, .elevation = 17, .zoom = 1.1}));
     const std::vector<truth::Pixel> pixels{{4, 4}, {3, 4}, {4, 3}};
     const auto usual = truth::field_truth(scene, pixels, 1e-6);
-    for (const double tolerance : {1e-9, 1e-12, 1e-300, std::numeric_limits<double>::denorm_min()}) {
+    for (const double tolerance : {1e-9, 1e-12, 1e-300, std::numeric_limits<double>::min()}) {
       INFO("to " << tolerance);
       const auto fine = truth::field_truth(scene, pixels, tolerance);
       for (std::size_t p = 0; p < pixels.size(); ++p)
