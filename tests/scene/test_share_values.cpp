@@ -50,6 +50,7 @@ void require_same(const ValueStatistics& a, const ValueStatistics& b) {
   CHECK(a.range.low == b.range.low);
   CHECK(a.range.high == b.range.high);
   CHECK(a.range.finite == b.range.finite);
+  CHECK(a.range.not_finite == b.range.not_finite);
   CHECK(a.fill_voxels == b.fill_voxels);
   CHECK(a.histogram.low == b.histogram.low);
   CHECK(a.histogram.high == b.histogram.high);
@@ -103,6 +104,21 @@ TEST_CASE("a volume's statistics are the same on 1, 2, 3 and 5 processes") {
   grid.type = ScalarType::int32;
   const auto ints = odd_values<std::int32_t>(1320);
   check_all(std::as_bytes(std::span(ints)));
+}
+
+TEST_CASE("values that are not finite are counted on processes that have no others") {
+  Grid grid = make_grid({3, 3, 4});
+  grid.type = ScalarType::float32;
+  std::vector<float> voxels(36, std::numeric_limits<float>::quiet_NaN());
+  voxels[20] = std::numeric_limits<float>::infinity();
+  for (const int finite : {0, 1}) {
+    if (finite > 0) voxels[35] = 7;
+    for (const int processes : {1, 2, 4}) {
+      const auto all = statistics_of(grid, std::as_bytes(std::span(voxels)), {}, processes);
+      CHECK(all.range.finite == std::uint64_t(finite));
+      CHECK(all.range.not_finite == std::uint64_t(36 - finite));
+    }
+  }
 }
 
 TEST_CASE("labels are counted the same on any number of processes") {

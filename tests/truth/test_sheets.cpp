@@ -124,6 +124,40 @@ TEST_CASE("Marschner and Lobb's signal behind a steep function") {
   }
 }
 
+TEST_CASE("the lower face of a box belongs to it, the upper one does not") {
+  const Volume volume = make_volume({10, 11, 12}, ScalarType::uint8, [](int, int, int) { return 1; });
+  const VoxelBox parts[] = {{{0, 0, 0}, {10, 11, 12}}, {{2, 3, 4}, {7, 8, 9}}};
+  for (const VoxelBox& part : parts)
+    for (const bool clipped : {false, true}) {
+      if (!clipped && part.first.x > 0) continue;
+      // One pixel a voxel, seen along z: pixel centres lie on the voxels' faces.
+      const Camera camera{.matrix = std::array<double, 12>{1, 0, 0, 2, 0, 1, 0, 2, 0, 0, 1, 0}};
+      FrameSpec spec = sheets_spec(constant_opacity(0.3), Shading::none, {}, camera, 16);
+      if (clipped) spec.shown.clip = part;
+      for (const Image& image :
+           {rendered(volume, spec), method_image(volume, spec), field_image(volume, spec)})
+        for (int y = 0; y < 16; ++y)
+          for (int x = 0; x < 16; ++x) {
+            const bool inside = x - 1 >= part.first.x && x - 1 < part.end.x && y - 1 >= part.first.y &&
+                                y - 1 < part.end.y;
+            INFO(x << ' ' << y << (clipped ? " clipped" : ""));
+            REQUIRE((image.pixel(x, y)[3] > 0.5F) == inside);
+            if (!inside) REQUIRE(image.pixel(x, y)[3] == 0.0F);
+          }
+    }
+}
+
+TEST_CASE("a slab that adds a fiftieth or more to a pixel is lit at two points, others at one") {
+  const Volume volume = make_volume({16, 16, 8}, ScalarType::float32, pattern);
+  const auto drawn = [&](double opacity, bool adaptive) {
+    return rendered(volume, sheets_spec(constant_opacity(opacity), Shading::phong,
+                                        {.slabs = 1, .light_points = 2, .adaptive = adaptive},
+                                        {.elevation = 90}, 48));
+  };
+  CHECK(largest_difference(drawn(0.1, true), drawn(0.1, false)) == 0);
+  CHECK(largest_difference(drawn(0.012, true), drawn(0.012, false)) > 0);
+}
+
 TEST_CASE("more slabs come nearer to the field by the second power") {
   const Volume volume = head();
   double last = 0;

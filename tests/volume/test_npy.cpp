@@ -108,18 +108,22 @@ TEST_CASE("a NumPy array in Fortran order has the same axes", "[npy]") {
 
 TEST_CASE("NumPy's float16 becomes float32, its bool uint8", "[npy]") {
   const Folder folder;
-  // IEEE 754-2008, binary16: 1, -2, the smallest, 65504, infinity, 1/3 rounded.
-  const std::uint16_t halves[] = {0x3C00, 0xC000, 0x0001, 0x7BFF, 0x7C00, 0x3555};
+  // IEEE 754-2008, binary16: 1, -2, the smallest, 65504, infinity, 1/3 rounded; then the negative ones nearest
+  // to zero, with the most digits below the smallest normal one, the largest and infinity; both smallest normal
+  // ones.
+  const std::uint16_t halves[] = {0x3C00, 0xC000, 0x0001, 0x7BFF, 0x7C00, 0x3555,
+                                  0x8001, 0x83FF, 0xFBFF, 0xFC00, 0x0400, 0x8400};
   for (const bool big : {false, true}) {
     std::string data;
     for (const auto half : halves) data += bytes_of(half, big);
-    const auto source = open_volume(write(folder / "a.npy", npy(big ? ">f2" : "<f2", "(2, 1, 3)") + data));
+    const auto source = open_volume(write(folder / "a.npy", npy(big ? ">f2" : "<f2", "(2, 2, 3)") + data));
     REQUIRE(source->grid().type == ScalarType::float32);
     const auto bytes = read_all(*source);
-    std::vector<float> values(6);
+    std::vector<float> values(12);
     std::memcpy(values.data(), bytes.data(), bytes.size());
-    CHECK((values == std::vector<float>{1, -2, 0x1p-24F, 65504, INFINITY, 0x1.554p-2F}));
-    CHECK(read_slice(*source, 1) == bytes.substr(12));
+    CHECK((values == std::vector<float>{1, -2, 0x1p-24F, 65504, INFINITY, 0x1.554p-2F, -0x1p-24F, -0x1.ff8p-15F,
+                                        -65504, -INFINITY, 0x1p-14F, -0x1p-14F}));
+    CHECK(read_slice(*source, 1) == bytes.substr(24));
   }
   const auto mask = open_volume(write(folder / "a.npy", npy("|b1", "(1, 1, 3)") + std::string("\1\0\1", 3)));
   CHECK(mask->grid().type == ScalarType::uint8);
