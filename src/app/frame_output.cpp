@@ -4,17 +4,16 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "app/json_text.hpp"
 #include "app/option_values.hpp"
-#include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
-#include "record/stats_table.hpp"
 
 namespace ringsplat::app {
 
@@ -23,26 +22,10 @@ using nlohmann::json;
 
 namespace {
 
-/// All but the time, which differs from run to run.
-json to_json(const MeasuredError& m) {
-  return {{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
-          {"outside", m.error.outside},     {"seed", m.seed},
-          {"rmse", m.error.rmse},           {"rmse_low", m.error.rmse_low},
-          {"rmse_high", m.error.rmse_high}, {"largest", m.error.largest},
-          {"mean", m.error.mean},           {"unit", "1/255"}};
-}
-
 double median(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   const auto half = values.size() / 2;
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
-json to_json(const SliceMemory& memory) {
-  std::string axes;
-  for (const Axis axis : all_axes)
-    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
-  return {{"kept_axes", axes}, {"predicted_slice_bytes", memory.predicted}};
 }
 
 }  // namespace
@@ -87,11 +70,10 @@ std::string why_nearly_empty(const FrameResult& result) {
 FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range,
                          SliceMemory memory, Progress& progress)
     : options_(options),
-      layout_(layout),
       volume_(options.volume.path),
       range_(range),
-      memory_(std::move(memory)),
       progress_(progress),
+      stats_(options, layout, std::move(memory)),
       writer_([this](FinishedFrame&& frame) {
         write(frame, nullptr);
         progress_.at(double(seconds_.size()));
@@ -107,11 +89,14 @@ void FrameOutput::take(FrameResult&& result, std::size_t view, int factor) {
   fs::path file = output_file(options_, view);
   if (options_.progressive && factor > 1)
     file.replace_filename(fmt::format("{}-u{}{}", file.stem().string(), factor, file.extension().string()));
+  const bool whole = !options_.progressive || factor == 1;
+  FinishedFrame frame{std::move(result), std::move(file), volume_, range_, whole, {}};
+  if (whole) frame.refinements = std::exchange(refinements_, {});
   if (options_.error.truth) {
-    kept_.push_back({std::move(result), std::move(file), volume_, range_});
+    kept_.push_back({std::move(frame)});
     progress_.at(double(kept_.size()));
   } else {
-    writer_.put({std::move(result), std::move(file), volume_, range_});
+    writer_.put(std::move(frame));
   }
 }
 
@@ -156,7 +141,7 @@ void FrameOutput::warn(const std::string& label, const std::string& why, int& fr
 }
 
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
-  const auto& [result, file, volume, range] = frame;
+  const auto& [result, file, volume, range, whole, refinements] = frame;
   const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
   const std::string label =
       written && !names_film(options_.output) ? file.string() : fmt::format("frame {}", result.spec.frame);
@@ -179,38 +164,9 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                               after, sum.visible_voxels, sum.splats_sent, items_of(result.spec.how), shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
-  if (!options_.stats.empty())
-    records_.push_back({result.spec, result.stats, result.axis, written ? file.string() : std::string(),
-                        error == nullptr ? std::nullopt : std::optional(*error), volume});
-}
-
-std::string FrameOutput::json_text(const FrameRecord& record) const {
-  json j = json::parse(to_json_text(record.stats, layout_, to_json_text(record.spec), name(record.axis)));
-  if (!record.picture.empty()) j["file"] = record.picture;
-  j["volume"] = record.volume;
-  j["memory"] = to_json(memory_);
-  if (record.error) {
-    j["error"] = to_json(*record.error);
-    j["error"]["seconds"] = record.error->seconds;
-  }
-  if (const auto step = refinements_.find(record.spec.frame); step != refinements_.end()) {
-    const auto& [seconds, rmse, largest] = step->second;
-    j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
-  }
-  return plain_json_text(std::move(j));
-}
-
-std::string FrameOutput::stats_text() const {
-  if (options_.stats_as_table) {
-    StatsTable table(layout_);
-    for (const FrameRecord& record : records_) table.add(record.stats);
-    return table.text(items_of(records_.empty() ? options_.frame.how : records_.front().spec.how));
-  }
-  std::vector<std::string> texts;
-  texts.reserve(records_.size());
-  for (const FrameRecord& record : records_) texts.push_back(json_text(record));
-  const bool lines = fs::path(options_.stats).extension() == ".jsonl";
-  return lines ? fmt::format("{}\n", joined(texts, "\n")) : fmt::format("[\n{}\n]\n", joined(texts, ",\n"));
+  stats_.add({result.spec, result.stats, result.axis, written ? file.string() : std::string(),
+              error == nullptr ? std::nullopt : std::optional(*error), volume});
+  if (whole) stats_.write(refinements);
 }
 
 void FrameOutput::finish() {
@@ -221,7 +177,7 @@ void FrameOutput::finish() {
     progress_.print(to_text(error));
   }
   truth_.reset();
-  if (!options_.stats.empty()) write_text_output(options_.stats, stats_text());
+  stats_.finish();
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
   if (nearly_empty_frames_ > 1)
     log_warning("{} of {} frames are nearly empty", nearly_empty_frames_, seconds_.size());

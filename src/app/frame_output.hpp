@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,19 +12,14 @@
 #include "app/measured_error.hpp"
 #include "app/options.hpp"
 #include "app/progress.hpp"
+#include "app/stats_output.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "session/director.hpp"
 
 namespace ringsplat::app {
 
-/// The memory that --stats predicts.
-struct SliceMemory {
-  std::array<bool, 3> kept_axes{};
-  std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
-};
-
-/// Outputs finished frames: pictures, a line of results each, and the statistics file at the end. Lives on
-/// rank 0 and writes on a thread of its own.
+/// Outputs finished frames: pictures, a line of results each, and statistics. Lives on rank 0 and writes on a
+/// thread of its own.
 class FrameOutput {
  public:
   /// All that is passed by reference must outlive it.
@@ -42,17 +36,13 @@ class FrameOutput {
   void take(FrameResult&& result, std::size_t view, int factor);
   /// The next frames show another volume of a series.
   void show(const std::string& volume, const ValueRange& range);
-  /// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and
-  /// its error against the full picture.
-  struct RefinementStep {
-    double seconds, rmse, largest;  ///< errors in 1/255
-  };
+  /// For the statistics; before the full picture is taken.
   void add_refinement(std::int64_t frame, const RefinementStep& step) { refinements_[frame] = step; }
   /// Measures the kept pictures that were not measured yet. Coarse ones of --progressive are not judged.
   std::vector<Judged> judge();
   /// Takes the place of a kept picture that was drawn for the frame with the same number.
   void replace(FrameResult&& result);
-  /// Waits for the last picture, writes --stats and prints the summary. Throws RunError when something cannot
+  /// Waits for the last picture, completes --stats and prints the summary. Throws RunError when something cannot
   /// be written.
   void finish();
   /// Has ffmpeg make the film, where -o names one. Takes long: after finish(), when no rank waits any more.
@@ -61,16 +51,6 @@ class FrameOutput {
   static std::size_t most_held(const RenderOptions& options, std::size_t frames);
 
  private:
-  /// A frame's entry in --stats.
-  struct FrameRecord {
-    FrameSpec spec;
-    FrameStats stats;
-    Axis axis;
-    std::string picture;  ///< its file; empty when none was written
-    std::optional<MeasuredError> error;
-    std::string volume;  ///< its path
-  };
-
   /// A frame whose error is to be measured, or was.
   struct KeptFrame {
     FinishedFrame frame;
@@ -81,15 +61,11 @@ class FrameOutput {
   void warn(const std::string& label, const std::string& why, int& frames);
   void write(const FinishedFrame& frame, const MeasuredError* error);
   const MeasuredError& error_of(KeptFrame& kept);
-  std::string json_text(const FrameRecord& record) const;
-  std::string stats_text() const;
   std::string summary() const;
 
   const RenderOptions& options_;
-  const Layout& layout_;
   std::string volume_;  ///< path of the volume that is shown
   ValueRange range_;
-  SliceMemory memory_;
   std::optional<Annotation> annotation_;
   Film film_;
   Progress& progress_;
@@ -97,9 +73,8 @@ class FrameOutput {
   std::optional<truth::Scene> truth_;  ///< while errors are measured
   std::vector<double> seconds_;
   double period_sum_ = 0;
-  /// Turned into text at the end, when no frame waits for a core.
-  std::vector<FrameRecord> records_;
-  std::map<std::int64_t, RefinementStep> refinements_;  ///< by frame
+  StatsOutput stats_;
+  RefinementSteps refinements_;  ///< of the view whose full picture comes next
   int empty_frames_ = 0, nearly_empty_frames_ = 0;
   FrameWriter writer_;  ///< declared last: it uses all of the above
 };

@@ -8,6 +8,7 @@
 #include <string>
 #include <thread>
 
+#include "app/stats_output.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "session/director.hpp"
 
@@ -19,6 +20,8 @@ struct FinishedFrame {
   std::filesystem::path file;
   std::string volume;
   ValueRange range;  ///< of its values
+  bool whole;        ///< no better picture of the view comes
+  RefinementSteps refinements;
 };
 
 /// A thread that writes finished frames in the order they come, so that encoding pictures delays neither the

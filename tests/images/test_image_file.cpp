@@ -214,3 +214,29 @@ TEST_CASE("display values and linear light are OpenImageIO's, to the bit") {
     REQUIRE(srgb_of_linear(value) == OIIO::linear_to_sRGB(value));
   }
 }
+
+TEST_CASE("texts of pictures that were written are not kept") {
+  const auto write = [](int k) {
+    const std::array<std::uint8_t, 4> pixel{1, 2, 3, 4};
+    const std::string text = std::to_string(100'000 + k) + std::string(4000, 'x');
+    const auto bytes =
+        image_file_bytes(".png", {1, 1, 4, SampleType::uint8, pixel.data(), {{"ImageDescription", text}}});
+    return std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()).find(text) !=
+           std::string::npos;
+  };
+  const auto resident_pages = [] {
+    std::size_t all = 0, resident = 0;
+    std::ifstream("/proc/self/statm") >> all >> resident;
+    return resident;
+  };
+  REQUIRE(write(0));
+  const std::size_t before = resident_pages();
+  bool same = true;
+  for (int k = 1; k < 3000; ++k) same = write(k) && same;
+  CHECK(same);
+#ifndef __SANITIZE_ADDRESS__  // it keeps what was freed
+  CHECK(resident_pages() < before + 1000);  // 4 MiB; it would be 12
+#else
+  CHECK(before > 0);
+#endif
+}

@@ -2,13 +2,17 @@
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <exception>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "images/image_library.hpp"
@@ -70,10 +74,27 @@ class OpenedFile final : public ImageFile {
   std::unique_ptr<OIIO::ImageInput> input_;
 };
 
-OIIO::ImageSpec spec_of(const ImageData& image) {
+/// OpenImageIO keeps every text that it was ever given, and each picture of a film has its own. So its writer
+/// is given one that is the same for all texts of a length, whose place in the file the text then takes.
+struct StandIn {
+  StandIn() = default;
+  explicit StandIn(const ImageData& image) {
+    constexpr std::size_t worth_it = 64;
+    for (const auto& [name, value] : image.attributes)
+      if (const auto* said = std::get_if<std::string>(&value); said != nullptr && said->size() >= worth_it)
+        text = *said;
+    given.assign(text.size(), '~');
+  }
+  std::string text, given;  ///< empty: none
+};
+
+OIIO::ImageSpec spec_of(const ImageData& image, const StandIn& stand_in) {
   OIIO::ImageSpec spec(image.width, image.height, image.channels, type_desc(image.type));
   for (const auto& [name, value] : image.attributes)
-    std::visit([&, &attribute = name](const auto& v) { spec.attribute(attribute, v); }, value);
+    if (const auto* text = std::get_if<std::string>(&value))
+      spec.attribute(name, !text->empty() && *text == stand_in.text ? stand_in.given : *text);
+    else
+      spec.attribute(name, std::get<int>(value));
   return spec;
 }
 
@@ -88,12 +109,31 @@ class SinkProxy final : public OIIO::Filesystem::IOProxy {
     return written;
   }
   size_t pwrite(const void* bytes, size_t count, int64_t offset) override {
+    constexpr std::size_t most = std::size_t{1} << 20;  // metadata come before the pixels
+    if (std::size_t(offset) == head_.size() && head_.size() < most)
+      head_.append(static_cast<const char*>(bytes), count);
     return sink_.write_at(static_cast<std::uint64_t>(offset), bytes, count) ? count : 0;
   }
   size_t size() const override { return sink_.size(); }
 
+  /// `png`: the text ends a chunk, behind its type and a key, and a sum over all of it follows.
+  void put_text(const StandIn& stand_in, bool png) {
+    const std::size_t length = stand_in.text.size();
+    for (std::size_t at = 0; length > 0 && (at = head_.find(stand_in.given, at)) != std::string::npos;) {
+      head_.replace(at, length, stand_in.text);
+      pwrite(stand_in.text.data(), length, std::int64_t(at));
+      if (const std::size_t chunk = head_.rfind("tEXt", at); png && chunk != std::string::npos) {
+        const auto sum = crc32(0, reinterpret_cast<const Bytef*>(&head_[chunk]), uInt(at + length - chunk));
+        const std::array<std::uint8_t, 4> bytes{std::uint8_t(sum >> 24), std::uint8_t(sum >> 16),
+                                                std::uint8_t(sum >> 8), std::uint8_t(sum)};
+        pwrite(bytes.data(), bytes.size(), std::int64_t(at + length));
+      }
+    }
+  }
+
  private:
   ImageSink& sink_;
+  std::string head_;  ///< the file's first bytes
 };
 
 /// OpenImageIO 2.4's TIFF writer claims to, but it loses the first of two directories, since it cannot read
@@ -135,9 +175,13 @@ class OpenImageIo final : public ImageLibrary {
     const bool to_sink = writes_to_proxies(*output) && output->set_ioproxy(&proxy);
     const std::string name = to_sink ? path : sink.name_to_write_by();
     if (name.empty()) return "there is no file in memory";
-    const OIIO::ImageSpec spec = spec_of(image);
+    const std::string_view format = output->format_name();
+    const bool patched = to_sink && (format == "png" || format == "openexr");
+    const StandIn stand_in = patched ? StandIn(image) : StandIn();
+    const OIIO::ImageSpec spec = spec_of(image, stand_in);
     if (!output->open(name, spec) || !output->write_image(spec.format, image.samples) || !output->close())
       return output->geterror();
+    proxy.put_text(stand_in, format == "png");
     return to_sink ? std::string() : damage_of(output->format_name(), name, spec);
   } catch (const std::exception& error) {
     return error.what();

@@ -1,0 +1,74 @@
+#pragma once
+#include <array>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/measured_error.hpp"
+#include "app/options.hpp"
+#include "base/output_file.hpp"
+#include "record/stats.hpp"
+#include "record/stats_table.hpp"
+#include "ringsplat/base/axis.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+
+namespace ringsplat::app {
+
+/// The memory that --stats predicts.
+struct SliceMemory {
+  std::array<bool, 3> kept_axes{};
+  std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
+};
+
+/// All but the time, which differs from run to run.
+nlohmann::json to_json(const MeasuredError& error);
+
+/// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and its
+/// error against the full picture.
+struct RefinementStep {
+  double seconds, rmse, largest;  ///< errors in 1/255
+};
+using RefinementSteps = std::map<std::int64_t, RefinementStep>;  ///< by frame
+
+/// A frame's entry in --stats.
+struct FrameRecord {
+  FrameSpec spec;
+  FrameStats stats;
+  Axis axis;
+  std::string picture;  ///< its file; empty when none was written
+  std::optional<MeasuredError> error;
+  std::string volume;  ///< its path
+};
+
+/// The file of --stats, to which each frame goes as soon as all is known of it.
+class StatsOutput {
+ public:
+  /// No file where the options name none. What is passed by reference must outlive it.
+  StatsOutput(const RenderOptions& options, const Layout& layout, SliceMemory memory);
+
+  /// Throws RunError when the file cannot be written.
+  void add(FrameRecord&& record);
+  /// Writes the frames that were added since the last call.
+  void write(const RefinementSteps& steps);
+  void finish();
+
+ private:
+  std::string json_text(const FrameRecord& record, const RefinementSteps& steps) const;
+  void put(const std::string& text);
+
+  const std::string& file_;
+  const bool lines_;  ///< not an array
+  const Layout& layout_;
+  const SliceMemory memory_;
+  const char* items_;                ///< what payloads hold
+  std::optional<StatsTable> table_;  ///< in place of JSON
+  std::vector<FrameRecord> waiting_;
+  std::unique_ptr<OutputFile> output_;  ///< null before the first frame, or for stdout
+  bool begun_ = false;
+};
+
+}  // namespace ringsplat::app
