@@ -33,6 +33,7 @@ double median(std::vector<double> values) {
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
                              const MeasuredError* error) {
   json j = json::parse(to_json_text(spec));
+  j.erase("region");  // follows from the layout, and no pixel from it
   if (error != nullptr) j["error"] = to_json(*error);
   if (annotated) j["annotated"] = true;
   j["volume"] = fs::path(volume).filename().string();

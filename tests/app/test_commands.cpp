@@ -96,6 +96,21 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit", "
   same({"--slab", "1000", "--gps", "3", "--renderers", "2", "--shuffle"}, 0);
 }
 
+TEST_CASE("equal pictures are equal files, on any ranks and however they are divided", "[mpi][openimageio]") {
+  const Workshop w;
+  for (const std::string name : {"x.png", "x.exr"}) {
+    std::string one;
+    for (const int ranks : {0, 2, 3}) {
+      const std::string region = std::to_string(16 + 8 * ranks);
+      w.must({"render", w.volume(), "-o", w / name, "--size", "96x64", "--region", region}, ranks);
+      if (ranks == 0) one = read_text(w / name);
+      INFO(name << " on " << ranks << " ranks");
+      const bool same = read_text(w / name) == one;
+      CHECK(same);
+    }
+  }
+}
+
 TEST_CASE("an orbit makes numbered frames and a summary", "[mpi][openimageio]") {
   const Workshop w;
   const Ended ended = w.render(
