@@ -8,6 +8,7 @@
 #include "app/difference_image.hpp"
 #include "app/json_text.hpp"
 #include "app/output_names.hpp"
+#include "app/text_output.hpp"
 #include "base/output_file.hpp"
 #include "base/printable.hpp"
 #include "images/image_io.hpp"
@@ -103,7 +104,7 @@ ExitCode run_compare(const CompareOptions& o) {
                a.linear,
                false};
   c.failed = o.fail_above && !(c.error.total.rmse <= *o.fail_above);
-  fmt::print("{}", o.json ? to_json_text(o, c) + "\n" : to_text(o, c));
+  write_text_output("-", o.json ? to_json_text(o, c) + "\n" : to_text(o, c));
   if (!o.difference.empty()) write_difference(o, a.image, b.image);
   return c.failed ? ExitCode::comparison_failed : ExitCode::done;
 }

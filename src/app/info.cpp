@@ -13,6 +13,7 @@
 #include "app/probe.hpp"
 #include "app/progress.hpp"
 #include "app/role_choice.hpp"
+#include "app/text_output.hpp"
 #include "app/watched_source.hpp"
 #include "base/log.hpp"
 #include "base/printable.hpp"
@@ -379,7 +380,7 @@ nlohmann::json json_of_presets() {
 
 ExitCode run_info(const InfoOptions& o) {
   if (o.presets) {
-    fmt::print("{}", o.json ? plain_json_text(json_of_presets(), 2) + "\n" : list_of_presets());
+    write_text_output("-", o.json ? plain_json_text(json_of_presets(), 2) + "\n" : list_of_presets());
     return ExitCode::done;
   }
   Progress progress;
@@ -394,10 +395,10 @@ ExitCode run_info(const InfoOptions& o) {
     auto j = to_json(o, found);
     if (predicted) j["prediction"] = to_json(*predicted);
     if (const auto series = source.notes().series; !series.empty()) j["series"] = series;
-    fmt::print("{}\n", plain_json_text(std::move(j), 2));
+    write_text_output("-", plain_json_text(std::move(j), 2) + "\n");
   } else {
-    fmt::print("{}{}{}", to_text(o, found), predicted ? to_text(*predicted, o.ranks) : "",
-               list_of_series(source.notes().series));
+    write_text_output("-", to_text(o, found) + (predicted ? to_text(*predicted, o.ranks) : "") +
+                               list_of_series(source.notes().series));
   }
   return ExitCode::done;
 }

@@ -22,7 +22,7 @@ struct Overloaded : F... {
 };
 
 ExitCode say(const std::string& text) {
-  fmt::print("{}", text);
+  write_text_output("-", text);
   return ExitCode::done;
 }
 

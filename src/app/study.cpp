@@ -15,6 +15,7 @@
 #include "app/progress.hpp"
 #include "app/study_list.hpp"
 #include "app/study_pictures.hpp"
+#include "app/text_output.hpp"
 #include "app/transfer_function_option.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_needs.hpp"
@@ -247,7 +248,7 @@ std::string list_text(const StudyOptions& o) {
 
 ExitCode run_study(const StudyOptions& o) {
   if (o.show_list) {
-    fmt::print("{}", default_study_list);
+    write_text_output("-", default_study_list);
     return ExitCode::done;
   }
   const StudyList list = parse_study_list(list_text(o), o.list.empty() ? "the default list" : o.list);

@@ -4,6 +4,7 @@
 
 #include "app/commands.hpp"
 #include "app/progress.hpp"
+#include "app/text_output.hpp"
 #include "app/watched_source.hpp"
 #include "base/output_file.hpp"
 #include "volume/synth.hpp"
@@ -31,7 +32,8 @@ void check_room(const fs::path& file, const Grid& grid, bool compressed) {
   const std::string problem = fmt::format(
       "{} cannot be written: {} x {} x {} {} needs {} KiB, but the disk has {} KiB left", file.string(),
       grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type), needed >> 10, space.available >> 10);
-  if (needed > space.capacity) throw InputError(problem, "use smaller --dims");
+  const bool full = space.available < space.capacity / 100;
+  if (needed > space.capacity && !full) throw InputError(problem, "use smaller --dims");
   throw RunError(problem, "make room, or use smaller --dims");
 }
 
@@ -39,7 +41,7 @@ void check_room(const fs::path& file, const Grid& grid, bool compressed) {
 
 ExitCode run_synth(const SynthOptions& o) {
   if (o.list) {
-    fmt::print("{}", list_of_volumes());
+    write_text_output("-", list_of_volumes());
     return ExitCode::done;
   }
   if (o.name.empty())

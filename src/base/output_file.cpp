@@ -9,6 +9,7 @@
 #include <cstring>
 #include <system_error>
 
+#include "base/log.hpp"
 #include "base/temporary_file.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -42,10 +43,31 @@ int unusable(const fs::path& path) {
   return fs::exists(status) && !fs::is_regular_file(status) ? ENOTSUP : 0;
 }
 
+/// Where a link of this user's leads: to a file of this user's, or a new one. A link that is another's, or
+/// leads to another's file, may lead to what nobody wanted to replace: it is itself what the file replaces.
+fs::path behind_links(const fs::path& path) {
+  constexpr int most_links = 40;
+  fs::path at = path;
+  for (int links = 0; links < most_links; ++links) {
+    struct stat status {};
+    if (::lstat(at.c_str(), &status) != 0) return at;
+    if (status.st_uid != geteuid()) break;
+    if (!S_ISLNK(status.st_mode)) return at;
+    std::error_code error;
+    at = detail::folder_of(at) / fs::read_symlink(at, error);
+    if (error) break;
+  }
+  std::error_code ignored;
+  if (fs::is_symlink(path, ignored))
+    log_warning_once("{} is a link to what is not this user's: a file takes the link's place", path.string());
+  return path;
+}
+
 }  // namespace
 
 OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
   if (const int reason = unusable(path_)) fail(reason);
+  path_ = behind_links(path_);
   std::error_code error;
   file_ = std::make_unique<detail::TemporaryFile>(path_, error);
   if (error) fail(error.value());
@@ -121,7 +143,7 @@ void write_texts(const std::vector<std::pair<fs::path, std::string>>& files) {
 }
 
 void check_can_write(const fs::path& path, const std::string& option) {
-  const fs::path folder = detail::folder_of(path);
+  const fs::path file = behind_links(path), folder = detail::folder_of(file);
   std::error_code error;
   const int reason = unusable(path);
   if (reason == EISDIR)
@@ -131,7 +153,7 @@ void check_can_write(const fs::path& path, const std::string& option) {
   if (!fs::is_directory(folder, error))
     throw InputError(fmt::format("{}: there is no folder {}", option, folder.string()),
                      fmt::format("make it first: mkdir -p {}", folder.string()));
-  const detail::TemporaryFile probe(path, error);
+  const detail::TemporaryFile probe(file, error);
   if (!error) return;
   const std::string problem =
       fmt::format("{} {} cannot be written: {}", option, path.string(), error.message());

@@ -18,7 +18,7 @@ class TemporaryFile;
 /// A file that appears under its name only when all of it is on the disk. Until then its bytes are in a
 /// hidden file beside it (docs/formats.md, "Files"), and a file that had the name before stays as it was.
 /// That hidden file goes with this object, by remove_unfinished_files(), or, after a kill, when a process of
-/// the same user next writes into the folder.
+/// the same user next writes into the folder. The user's own symbolic links are followed.
 ///
 /// Every function may throw RunError, which names the file and the system's reason. One thread at a time.
 class OutputFile {

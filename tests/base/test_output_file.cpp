@@ -13,6 +13,7 @@
 #include <memory>
 #include <thread>
 
+#include "base/log.hpp"
 #include "base/temporary_file.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -84,6 +85,33 @@ TEST_CASE("a file gets its name when all of it is on the disk") {
   }
   CHECK(text_of(folder / "a.txt") == "new text");
   CHECK(only_name_in(folder.path()) == "a.txt");
+}
+
+TEST_CASE("a file is written where the user's links lead, and takes the place of others'") {
+  const TemporaryFolder folder, elsewhere;
+  make(elsewhere / "there.txt", "old");
+  fs::create_symlink(elsewhere / "there.txt", folder / "a.txt");
+  fs::create_symlink("a.txt", folder / "b.txt");
+  fs::create_symlink(elsewhere / "new.txt", folder / "c.txt");
+  for (const char* name : {"a.txt", "b.txt", "c.txt"}) {
+    check_can_write(folder / name, "-o");
+    write_text(folder / name, name);
+    CHECK(fs::is_symlink(folder / name));
+    CHECK(text_of(folder / name) == name);
+  }
+  CHECK(text_of(elsewhere / "there.txt") == "b.txt");
+  CHECK(text_of(elsewhere / "new.txt") == "c.txt");
+  CHECK(files_in(elsewhere.path()) == 2);
+  constexpr uid_t somebody = 12345;
+  if (lchown((folder / "a.txt").c_str(), somebody, gid_t(-1)) != 0) return;  // only root may
+  std::vector<std::string> said;
+  set_log_sink([&](LogLevel, const std::string& text) { said.push_back(text); });
+  write_text(folder / "a.txt", "mine");
+  set_log_sink({});
+  CHECK_FALSE(fs::is_symlink(folder / "a.txt"));
+  CHECK(text_of(elsewhere / "there.txt") == "b.txt");
+  REQUIRE(said.size() == 1);
+  CHECK(said.front().find("is a link") != std::string::npos);
 }
 
 TEST_CASE("a file that is given up leaves nothing") {
