@@ -82,7 +82,7 @@ class Bench {
 
 }  // namespace
 
-TEST_CASE("a calibration looks at the straightest and the most oblique of the run's views of each slice set") {
+TEST_CASE("a calibration looks at the run's straightest and most oblique view of each slice set") {
   const FrameSpec frame = frame_of_size();
   std::vector<Camera> run;
   for (const double lowest : {10.0, 60.0})

@@ -477,7 +477,9 @@ TEST_CASE("a budget and views on standard input are refused") {
 }
 
 TEST_CASE("what errs more than its setting should is drawn with one that is as much better") {
-  const auto radius = [](const std::optional<Shortcuts>& s) { return std::get<Splats>(s->how).kernel_radius; };
+  const auto radius = [](const std::optional<Shortcuts>& s) {
+    return std::get<Splats>(s->how).kernel_radius;
+  };
   const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5), measured(1.4, 2.0, 1.0),
                           measured(1.2, 1.0, 2.0)};
   CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, false)) == 1.4);    // 1.0 becomes 1.5

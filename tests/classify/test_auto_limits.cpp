@@ -36,7 +36,9 @@ Bins even_but_for(int low, int high, std::uint64_t count, int at, std::uint64_t 
   return bins;
 }
 
-bool chosen(const Bins& bins, const char* what) { return says(choose_function(statistics_of(bins)).why, what); }
+bool chosen(const Bins& bins, const char* what) {
+  return says(choose_function(statistics_of(bins)).why, what);
+}
 
 }  // namespace
 
