@@ -12,7 +12,7 @@ from viewer_page import wait_for_file
 
 
 class Controls(WithPage):
-    volume = staticmethod(jack)
+    volume, options = staticmethod(jack), ("--tf", "grey")  # not the labels that a mask has otherwise
 
     def tf(self):
         return self.page.facts("state.transfer_function")

@@ -12,7 +12,7 @@ LINK = "document.getElementById('link').textContent"
 
 
 class Link(WithPage):
-    volume = staticmethod(jack)
+    volume, options = staticmethod(jack), ("--tf", "grey")  # not the labels that a mask has otherwise
 
     def setUp(self):
         pass
