@@ -191,7 +191,9 @@ const std::vector<Case> volume_cases{
     {{"render", "{in}/nan_4x4x4_float32.raw", "-o", "{out}/x.png"}, "no finite value", true},
     {{"render", "{in}/letter.txt", "-o", "{out}/x.png"}, "letter.txt"},
     {{"render", "{in}/empty_folder", "-o", "{out}/x.png"}, "empty_folder"},
-    {{"render", "{in}/sparse_16000x12500x5000_uint8.raw", "-o", "{out}/x.png"}, "GiB", true},
+    {{"render", "{in}/sparse_16000x12500x5000_uint8.raw", "-o", "{out}/x.png", "--view", "front"},
+     "GiB",
+     true},
 };
 
 const std::vector<Case> small_file_cases{
