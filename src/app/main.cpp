@@ -6,5 +6,7 @@ int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();
   ringsplat::detail::hdf5::leave_open_at_exit();
   ringsplat::app::prepare_for_lack_of_memory();
-  return ringsplat::app::run_program(argc, argv);
+  const int code = ringsplat::app::run_program(argc, argv);
+  ringsplat::app::leave_if_libraries_lack_memory(code);
+  return code;
 }

@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <new>
 
 #include "base/lack_of_memory.hpp"
 #include "base/output_file.hpp"
@@ -24,17 +26,31 @@ extern "C" void remove_files_and_end(int number) {
   raise(number);
 }
 
+/// Whether a library's thread, of which OpenBLAS's want the most, might find no memory.
+bool lacks_address_space() {
+  try {
+    require_address_space(std::size_t{256} << 20);
+    return false;
+  } catch (const std::bad_alloc&) {
+    return true;
+  }
+}
+
+[[noreturn]] void end_for_lack_of_memory() {
+  remove_unfinished_files();
+  say_lack_of_memory();
+  _exit(int(ExitCode::run_failed));
+}
+
 std::terminate_handler end_otherwise = nullptr;
 
 [[noreturn]] void end_by_exception() {
   try {
     if (std::current_exception()) throw;
+    // What a library that could start only some of its threads makes of the others.
+    if (lacks_address_space()) end_for_lack_of_memory();
   } catch (const std::exception& error) {
-    if (is_lack_of_memory(error)) {
-      remove_unfinished_files();
-      say_lack_of_memory();
-      _exit(int(ExitCode::run_failed));
-    }
+    if (is_lack_of_memory(error)) end_for_lack_of_memory();
   } catch (...) {
   }
   end_otherwise();
@@ -44,6 +60,12 @@ std::terminate_handler end_otherwise = nullptr;
 }  // namespace
 
 void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
+
+void leave_if_libraries_lack_memory(int code) {
+  if (!lacks_address_space()) return;
+  std::fflush(nullptr);
+  _exit(code);
+}
 
 void prepare_for_signals() {
   signal(SIGXFSZ, SIG_IGN);
