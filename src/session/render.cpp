@@ -84,12 +84,16 @@ void require_same_scene(const Grid& grid, const LoadOptions& options, const Layo
 std::array<bool, 3> needed_axes(FrameSpec frame, const std::vector<Camera>& cameras, const Grid& grid,
                                 const std::optional<Method>& or_by) {
   std::array<bool, 3> needed{};
-  for (const Method& how : {frame.how, or_by.value_or(frame.how)}) {
-    frame.how = how;
+  const auto look = [&] {
     for (const Camera& camera : cameras) {
       frame.shown.camera = camera;
       needed[std::size_t(traversed_axis(frame, grid))] = true;
     }
+  };
+  look();
+  if (or_by) {
+    frame.how = *or_by;
+    look();
   }
   return needed;
 }
