@@ -53,6 +53,12 @@ const Ramp& ramp_for(World world) {
   return world == World::patient ? warm : neutral;
 }
 
+/// Gives the values of the function's opacities, from the `first` on, the ramp's colours.
+void lay(const Ramp& ramp, TransferFunction& tf, std::size_t first = 0) {
+  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
+    tf.colours.push_back({tf.opacities[first + k].value, ramp.colours[k]});
+}
+
 AutoChoice even_haze(const ValueStatistics& s) {
   const DataRange range = range_of(s.histogram);
   TransferFunction tf;
@@ -175,8 +181,7 @@ std::optional<AutoChoice> choose_logarithmic(const Data& d, const Ramp& ramp) {
                   {upper_quantile(positive, 0.85), haze},
                   {upper_quantile(positive, 0.98), 0.3},
                   {top, 0.7}};
-  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
-    tf.colours.push_back({tf.opacities[k].value, ramp.colours[k]});
+  lay(ramp, tf);
   tf = at_logarithmic_steps(tf);
   balance(tf, d);
   return AutoChoice{tf,
@@ -222,8 +227,7 @@ AutoChoice choose_generic(const Data& d, const Ramp& ramp) {
   const double common = away(share(0.5), edge, 0.3), rare = away(share(0.9), common, 0.5);
   TransferFunction tf;
   tf.opacities = {{behind, 0.0}, {edge, 0.0}, {common, haze}, {rare, 0.3}, {end, 0.7}};
-  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
-    tf.colours.push_back({tf.opacities[k + 1].value, ramp.colours[k]});
+  lay(ramp, tf, 1);
   if (!f.upward) {
     std::reverse(tf.opacities.begin(), tf.opacities.end());
     std::reverse(tf.colours.begin(), tf.colours.end());
@@ -292,8 +296,7 @@ AutoChoice choose_within(const ValueStatistics& s, const DataRange& window, bool
   tf.name = "auto";
   tf.opacities = {{window.low, 0.0}, {value(common), haze}, {value(rare), 0.3}, {window.high, 0.7}};
   const Ramp& ramp = ramp_for(s.world);
-  for (std::size_t k = 0; k < ramp.colours.size(); ++k)
-    tf.colours.push_back({tf.opacities[k].value, ramp.colours[k]});
+  lay(ramp, tf);
   if (logarithmic) tf = at_logarithmic_steps(tf);
   balance(tf, d);
   return {tf,
