@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <new>
 
 #include "base/lack_of_memory.hpp"
 #include "base/output_file.hpp"
@@ -27,14 +26,7 @@ extern "C" void remove_files_and_end(int number) {
 }
 
 /// Whether a library's thread, of which OpenBLAS's want the most, might find no memory.
-bool lacks_address_space() {
-  try {
-    require_address_space(std::size_t{256} << 20);
-    return false;
-  } catch (const std::bad_alloc&) {
-    return true;
-  }
-}
+bool lacks_address_space() { return !has_address_space(std::size_t{256} << 20); }
 
 [[noreturn]] void end_for_lack_of_memory() {
   remove_unfinished_files();

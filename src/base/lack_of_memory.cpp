@@ -38,10 +38,11 @@ void say_lack_of_memory() noexcept { static_cast<void>(!write(STDERR_FILENO, lin
 
 void name_in_lack_of_memory(const std::string& rank) { line = Line(rank); }
 
-void require_address_space(std::size_t bytes) {
+bool has_address_space(std::size_t bytes) {
   void* const space = mmap(nullptr, bytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-  if (space == MAP_FAILED) throw std::bad_alloc();
+  if (space == MAP_FAILED) return false;
   munmap(space, bytes);
+  return true;
 }
 
 }  // namespace ringsplat

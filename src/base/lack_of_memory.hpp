@@ -13,7 +13,7 @@ bool is_lack_of_memory(const std::exception& error);
 void say_lack_of_memory() noexcept;
 /// What say_lack_of_memory() writes behind the program's name, such as " [rank 3]".
 void name_in_lack_of_memory(const std::string& rank);
-/// Throws std::bad_alloc when this process cannot have so much more address space.
-void require_address_space(std::size_t bytes);
+/// Whether this process can have so much more address space.
+bool has_address_space(std::size_t bytes);
 
 }  // namespace ringsplat
