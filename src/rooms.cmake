@@ -1,7 +1,7 @@
-# ringsplat_room(NAME USES room... LIBRARIES target...)
+# ringsplat_room(NAME FOLDERS folder... USES room... LIBRARIES target... PRIVATE_LIBRARIES target...)
 #
-# A room is one static library made of src/NAME/*.cpp with its public headers in
-# include/ringsplat/NAME. USES lists the rooms it may include, which is also what it is
+# A room is one static library made of src/NAME/*.cpp and src/NAME/FOLDER/*.cpp for the FOLDERS given, with its public
+# headers in include/ringsplat/NAME. USES lists the rooms it may include, which is also what it is
 # linked with; tests/layering checks the include lines themselves.
 add_library(ringsplat_flags INTERFACE)
 add_library(ringsplat::flags ALIAS ringsplat_flags)
@@ -15,8 +15,12 @@ set(RINGSPLAT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-
     $<$<BOOL:${RINGSPLAT_WARNINGS_AS_ERRORS}>:-Werror>)
 
 function(ringsplat_room name)
-  cmake_parse_arguments(ROOM "" "" "USES;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
-  file(GLOB sources CONFIGURE_DEPENDS ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
+  cmake_parse_arguments(ROOM "" "" "FOLDERS;USES;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
+  set(patterns ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
+  foreach(folder IN LISTS ROOM_FOLDERS)
+    list(APPEND patterns ${PROJECT_SOURCE_DIR}/src/${name}/${folder}/*.cpp)
+  endforeach()
+  file(GLOB sources CONFIGURE_DEPENDS ${patterns})
   add_library(ringsplat_${name} STATIC ${sources})
   add_library(ringsplat::${name} ALIAS ringsplat_${name})
   set_target_properties(ringsplat_${name} PROPERTIES EXPORT_NAME ${name})

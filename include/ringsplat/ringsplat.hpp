@@ -3,9 +3,9 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/config.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "ringsplat/images/write_image.hpp"
 #include "ringsplat/session/session.hpp"
-#include "ringsplat/volume/source.hpp"
 #if RINGSPLAT_WITH_MPI
 #include "ringsplat/mpi/communicator.hpp"
 #endif

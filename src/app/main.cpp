@@ -1,6 +1,6 @@
 #include "app/process_end.hpp"
 #include "app/program.hpp"
-#include "volume/hdf5_trial.hpp"
+#include "formats/hdf5/trial.hpp"
 
 int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();

@@ -14,9 +14,9 @@
 #include "app/option_values.hpp"
 #include "app/truth_options.hpp"
 #include "net/loopback.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/net/layout.hpp"
-#include "ringsplat/volume/source.hpp"
 #include "session/render.hpp"
 
 /// Settings of the subcommands. option_tables.hpp has the options that set them.

@@ -20,6 +20,7 @@
 #include "base/log_listener.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
+#include "formats/label_names.hpp"
 #include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
@@ -27,7 +28,6 @@
 #include "serve/opened_page.hpp"
 #include "serve/program.hpp"
 #include "serve/viewer.hpp"
-#include "volume/label_names.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -7,8 +7,8 @@
 #include "app/text_output.hpp"
 #include "app/watched_source.hpp"
 #include "base/output_file.hpp"
+#include "formats/write.hpp"
 #include "volume/synth.hpp"
-#include "volume/write.hpp"
 
 namespace ringsplat::app {
 namespace {

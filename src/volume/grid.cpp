@@ -11,9 +11,9 @@
 #include <string_view>
 #include <utility>
 
+#include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
-#include "volume/limits.hpp"
-#include "volume/text.hpp"
+#include "volume/check_lattice.hpp"
 
 namespace ringsplat {
 namespace {

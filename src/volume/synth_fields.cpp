@@ -5,9 +5,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/synth.hpp"
-#include "volume/text.hpp"
 
 namespace ringsplat {
 namespace {

@@ -3,9 +3,9 @@
 #include <regex>
 
 #include "app/program_runner.hpp"
+#include "formats/files.hpp"
 #include "images/image_io.hpp"
 #include "support/catch.hpp"
-#include "volume/files.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::app_test;

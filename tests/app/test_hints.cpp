@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "app/program_runner.hpp"
+#include "formats/files.hpp"
+#include "formats/npy.hpp"
 #include "support/catch.hpp"
-#include "volume/files.hpp"
-#include "volume/npy.hpp"
 
 using namespace ringsplat::app_test;
 using Catch::Matchers::Contains;

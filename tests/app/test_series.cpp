@@ -6,10 +6,10 @@
 #include "app/frames_option.hpp"
 #include "app/program_runner.hpp"
 #include "app/series.hpp"
+#include "formats/npy.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
-#include "volume/npy.hpp"
 
 using namespace ringsplat::app_test;
 using nlohmann::json;

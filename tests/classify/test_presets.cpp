@@ -5,7 +5,7 @@
 #include "classify/classifier.hpp"
 #include "classify/find_visible.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
-#include "ringsplat/volume/source.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 

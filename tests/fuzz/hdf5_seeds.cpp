@@ -1,6 +1,6 @@
 #include "fuzz/hdf5_seeds.hpp"
 
-#include "volume/hdf5_files.hpp"
+#include "formats/hdf5_files.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

@@ -10,6 +10,7 @@
 #include "app/study_list.hpp"
 #include "app/views.hpp"
 #include "classify/classifier.hpp"
+#include "formats/files.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "fuzz/driver.hpp"
 #include "model/machine.hpp"
@@ -18,7 +19,6 @@
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
 #include "session/render_frames.hpp"
-#include "volume/files.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <map>
 
-#include "volume/files.hpp"
+#include "formats/files.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

@@ -7,16 +7,16 @@
 #include <tuple>
 
 #include "app/option_values.hpp"
+#include "formats/files.hpp"
+#include "formats/nifti2.hpp"
+#include "formats/npy.hpp"
+#include "formats/nrrd/plain_nrrd.hpp"
+#include "formats/raw/raw_name.hpp"
+#include "formats/vti.hpp"
 #include "fuzz/driver.hpp"
 #include "fuzz/hdf5_seeds.hpp"
 #include "fuzz/tiff_seeds.hpp"
-#include "ringsplat/volume/source.hpp"
-#include "volume/files.hpp"
-#include "volume/nifti2.hpp"
-#include "volume/npy.hpp"
-#include "volume/plain_nrrd.hpp"
-#include "volume/raw_name.hpp"
-#include "volume/vti.hpp"
+#include "ringsplat/formats/open.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

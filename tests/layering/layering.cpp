@@ -155,7 +155,8 @@ const Rules& house_rules() {
   static const Rules rules{
       {"base", {}},
       {"images", {"base"}},
-      {"volume", {"base", "images"}},
+      {"volume", {"base"}},
+      {"formats", {"base", "images", "volume"}},
       {"classify", {"base", "volume"}},
       {"view", {"base"}},
       {"screen", {"base"}},
@@ -183,11 +184,11 @@ const Rules& house_rules() {
       {"mpi", {"base", "net", "model"}},
       {"alone", {"base", "net", "mpi"}},
       {"app",
-       {"base", "images", "volume", "classify", "view", "screen", "splat", "net", "record", "protocol",
-        "frame", "scene", "session", "serve", "truth", "model", "mpi"}},
+       {"base", "images", "volume", "formats", "classify", "view", "screen", "splat", "net", "record",
+        "protocol", "frame", "scene", "session", "serve", "truth", "model", "mpi"}},
       {"python",
-       {"base", "images", "volume", "classify", "view", "net", "record", "frame", "scene", "session", "truth",
-        "app", "mpi"}},
+       {"base", "images", "volume", "formats", "classify", "view", "net", "record", "frame", "scene",
+        "session", "truth", "app", "mpi"}},
   };
   return rules;
 }

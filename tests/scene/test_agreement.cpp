@@ -1,12 +1,12 @@
 // Processes that see different volumes report it before any voxel is dealt.
 #include <utility>
 
+#include "formats/files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
-#include "volume/files.hpp"
 #include "volume/slice_ranges.hpp"
 
 using namespace ringsplat;

@@ -1,0 +1,50 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "ringsplat/volume/source.hpp"
+
+namespace ringsplat {
+
+/// The command line's description of a raw file; missing fields come from its name
+/// (`name_256x256x128_uint8.raw`).
+struct RawDescription {
+  std::optional<glm::ivec3> dims;
+  std::optional<ScalarType> type;
+  std::optional<bool> big_endian;
+  std::optional<std::uint64_t> offset;  ///< bytes before the first voxel
+  std::optional<glm::dvec3> spacing;
+  bool empty() const { return !dims && !type && !big_endian && !offset && !spacing; }
+};
+
+/// Which of the volumes in a file or a folder to take.
+struct VolumeChoice {
+  std::optional<int> frame = std::nullopt;  ///< the time point, from 0; without it the first
+  std::string channel = {};  ///< a number from 0, r, g, b or a, or a channel's name; empty: not chosen
+  std::string series = {};   ///< of a DICOM folder; empty: not chosen
+};
+
+/// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 and -2 (.nii, .nii.gz, .img/.hdr), a DICOM
+/// folder (or one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages),
+/// VTK (.vtk, .vti), NumPy (.npy), HDF5 (.h5, .nc and others, or any ending) or a raw file.
+/// "file.h5:/path/to/dataset" names one of an HDF5 file's datasets; netCDF-4, VTKHDF's ImageData and openPMD
+/// are HDF5, and their coordinates are followed. For files that describe themselves only `raw.spacing` may be
+/// given; it replaces theirs.
+///
+/// World coordinates are ITK's: patient left-posterior-superior if the file tells the orientation (DICOM;
+/// NIfTI, converted from right-anterior-superior; NRRD with a `space`; MetaImage); a microscope's for TIFF:
+/// columns along x, rows along -z, slices along y; the file's x, y and z for HDF5 (longitude, latitude and
+/// height upwards) and VTK; else the lattice's own axes (plain spacings, raw, NumPy).
+///
+/// Whole slices are decoded one after another, without holding the volume, except for text encodings, volumes
+/// in several NRRD files and multi-frame DICOM.
+///
+/// Checks that the file is as long as its header says before anything is allocated. Throws InputError: what
+/// is wrong, in which file and field, what to do.
+std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw = {},
+                                          const VolumeChoice& choice = {});
+
+}  // namespace ringsplat

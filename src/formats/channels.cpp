@@ -1,0 +1,132 @@
+#include "formats/channels.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/log.hpp"
+#include "base/text.hpp"
+#include "formats/limits.hpp"
+#include "ringsplat/base/error.hpp"
+#include "volume/forwarding_source.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+constexpr std::string_view colour_names = "rgba";
+
+std::string names_of(int components, bool colours) {
+  const auto numbers = fmt::format("a number from 0 to {}", components - 1);
+  if (!colours) return numbers;
+  return components > 3 ? "r, g, b, a or " + numbers : "r, g, b or " + numbers;
+}
+
+std::optional<int> index_of(const std::string& channel, int components, bool colours) {
+  if (const auto number = number_in<int>(channel)) return *number;
+  const auto letter = channel.size() == 1 && colours ? colour_names.find(channel[0]) : std::string_view::npos;
+  if (letter == std::string_view::npos || int(letter) >= components) return {};
+  return int(letter);
+}
+
+template <class T>
+T luminance(const T* colour) {
+  if constexpr (std::is_integral_v<T>) {
+    constexpr std::int64_t red = 2126, green = 7152, blue = 722, one = red + green + blue;
+    const auto sum = red * colour[0] + green * colour[1] + blue * colour[2];
+    return T((sum + (sum < 0 ? -one : one) / 2) / one);
+  } else {
+    return T(0.2126 * double(colour[0]) + 0.7152 * double(colour[1]) + 0.0722 * double(colour[2]));
+  }
+}
+
+class ChannelSource final : public ForwardingSource {
+ public:
+  ChannelSource(std::unique_ptr<VolumeSource> interleaved, const Grid& grid, int components,
+                ChannelChoice choice)
+      : ForwardingSource(std::move(interleaved)), grid_(grid), components_(components), choice_(choice) {}
+
+  const Grid& grid() const override { return grid_; }
+
+  /// Only a slab's interleaved voxels are held at a time.
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const int depth = slab_depth();
+    const auto bytes = grid_.slice_bytes(Axis::z);
+    std::vector<std::byte> slab;
+    for (int z = first; z < first + count;) {
+      const int end = std::min(first + count, (z / depth + 1) * depth);
+      const auto wanted = out.subspan(std::size_t(z - first) * bytes, std::size_t(end - z) * bytes);
+      slab.resize(wanted.size() * std::size_t(components_));
+      ForwardingSource::read_slices(z, end - z, slab);
+      take_channel(grid_.type, components_, choice_, slab, wanted);
+      z = end;
+    }
+  }
+
+  Facts facts() const override {
+    auto facts = ForwardingSource::facts();
+    facts.push_back({"channel", choice_.index ? fmt::format("{} of {}", *choice_.index, components_)
+                                              : fmt::format("luminance of {}", components_)});
+    return facts;
+  }
+
+ private:
+  Grid grid_;
+  int components_;
+  ChannelChoice choice_;
+};
+
+}  // namespace
+
+bool are_colours(ScalarType type, int components) {
+  return (components == 3 || components == 4) && (type == ScalarType::uint8 || type == ScalarType::uint16);
+}
+
+ChannelChoice choose_channel(const std::string& channel, int components, bool colours,
+                             const std::string& where) {
+  if (channel.empty()) {
+    if (!colours)
+      throw InputError(fmt::format("{}: a voxel is a vector of {} numbers", where, components),
+                       fmt::format("choose one with --channel: {}", names_of(components, colours)));
+    log_warning_once(
+        "{}: voxels are colours, their luminance is shown; --channel r, g or b shows one of them", where);
+    return {};
+  }
+  const auto index = index_of(channel, components, colours);
+  if (!index || *index < 0 || *index >= components)
+    throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
+                     fmt::format("its channels are {}", names_of(components, colours)));
+  return {index};
+}
+
+void take_channel(ScalarType type, int components, ChannelChoice choice, std::span<const std::byte> in,
+                  std::span<std::byte> out) {
+  visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    const auto* voxel = reinterpret_cast<const T*>(in.data());
+    auto* taken = reinterpret_cast<T*>(out.data());
+    auto* const end = taken + out.size() / sizeof(T);
+    for (; taken != end; voxel += components, ++taken)
+      *taken = choice.index ? voxel[*choice.index] : luminance(voxel);
+  });
+}
+
+Grid interleaved_grid(const Grid& grid, int components, const std::string& where) {
+  if (components < 1 || grid.dims.x > std::numeric_limits<int>::max() / components)
+    throw InputError(fmt::format("{}: rows of {} voxels of {} numbers", where, grid.dims.x, components),
+                     "correct the sizes in the header");
+  Grid interleaved = grid;
+  interleaved.dims.x *= components;
+  check_lattice(interleaved, where);
+  return interleaved;
+}
+
+std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
+                                             int components, ChannelChoice choice) {
+  return std::make_unique<ChannelSource>(std::move(interleaved), grid, components, choice);
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,34 @@
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "volume/check_lattice.hpp"
+
+namespace ringsplat::detail {
+
+/// The most bytes that one compressed byte can hold: 1032 with deflate (zlib's technical page). Other coders'
+/// limits only refuse claims that no real file makes.
+inline constexpr std::uint64_t deflate_best_ratio = 1032;
+inline constexpr std::uint64_t any_best_ratio = 100'000;
+
+/// The bytes of `count` volumes of `bytes` bytes, and `before` others before them. Throws InputError when
+/// they overflow 63 bits.
+std::uint64_t bytes_of_volumes(const std::filesystem::path& file, std::uint64_t bytes, std::uint64_t count,
+                               std::uint64_t before = 0);
+
+/// Throws InputError unless `bytes` bytes from `offset` on fit into a file of `size`.
+void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::uint64_t offset,
+                   std::uint64_t bytes);
+
+/// Throws InputError when `available` compressed bytes cannot hold `bytes` bytes.
+void require_compressed_bytes(const std::filesystem::path& file, std::uint64_t available, std::uint64_t bytes,
+                              std::uint64_t best_ratio);
+
+inline constexpr std::uint64_t file_end = ~std::uint64_t{0};
+/// Throws InputError unless `count` words separated by blanks follow in the text file from `offset` on,
+/// before byte `end`.
+void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
+                     std::uint64_t end = file_end);
+
+}  // namespace ringsplat::detail

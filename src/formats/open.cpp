@@ -1,0 +1,168 @@
+#include <fmt/format.h>
+
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "base/input_file.hpp"
+#include "base/log.hpp"
+#include "base/text.hpp"
+#include "formats/dicom/elements.hpp"
+#include "formats/formats.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/formats/open.hpp"
+#include "volume/forwarding_source.hpp"
+
+namespace ringsplat {
+namespace {
+
+using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&, const VolumeChoice&);
+
+constexpr std::pair<std::string_view, Open> formats[] = {
+    {".nrrd", detail::open_nrrd}, {".nhdr", detail::open_nrrd},   {".mha", detail::open_meta},
+    {".mhd", detail::open_meta},  {".nii", detail::open_nifti},   {".nii.gz", detail::open_nifti},
+    {".hdr", detail::open_nifti}, {".img", detail::open_nifti},   {".img.gz", detail::open_nifti},
+    {".tif", detail::open_tiff},  {".tiff", detail::open_tiff},   {".vtk", detail::open_vtk},
+    {".vti", detail::open_vti},   {".pvti", detail::refuse_pvti}, {".npy", detail::open_npy},
+    {".npz", detail::refuse_npz}, {".dcm", detail::open_dicom},   {".h5", detail::open_hdf5},
+    {".hdf5", detail::open_hdf5}, {".he5", detail::open_hdf5},    {".hdf", detail::open_hdf5},
+    {".nc", detail::open_hdf5},   {".nc4", detail::open_hdf5},    {".vtkhdf", detail::open_hdf5},
+    {".mnc", detail::open_hdf5}};
+
+Open find_format(const std::filesystem::path& path) {
+  const std::string name = detail::lower_case(path.filename().string());
+  for (const auto& [ending, open] : formats)
+    if (name.size() > ending.size() && name.ends_with(ending)) return open;
+  return nullptr;
+}
+
+/// Replaces the spacing of a source whose file has none, or a wrong one.
+class RespacedSource final : public ForwardingSource {
+ public:
+  RespacedSource(std::unique_ptr<VolumeSource> source, const glm::dvec3& spacing)
+      : ForwardingSource(std::move(source)), grid_(ForwardingSource::grid()) {
+    grid_.spacing = spacing;
+  }
+  const Grid& grid() const override { return grid_; }
+
+ private:
+  Grid grid_;
+};
+
+bool describes_encoding(const RawDescription& raw) {
+  return raw.dims || raw.type || raw.big_endian || raw.offset;
+}
+
+std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, Open open,
+                                             const RawDescription& raw, const VolumeChoice& choice) {
+  if (describes_encoding(raw))
+    throw InputError(
+        fmt::format("{} describes itself: dimensions, type, endianness and offset are for raw files",
+                    path.string()),
+        "leave them out; only --spacing may be given");
+  auto source = open(path, choice);
+  if (!raw.spacing) return source;
+  return std::make_unique<RespacedSource>(std::move(source), *raw.spacing);
+}
+
+/// A choice that nothing in the file answers must not be ignored. What a format has several of, its own
+/// function chooses.
+void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
+                          const std::filesystem::path& path) {
+  if (choice.frame && (*choice.frame < 0 || *choice.frame >= notes.frames))
+    throw InputError(
+        notes.frames == 1
+            ? fmt::format("--frame {}: {} holds one volume", *choice.frame, path.string())
+            : fmt::format("--frame {}: {} holds {} volumes", *choice.frame, path.string(), notes.frames),
+        fmt::format("frames are numbered from 0 to {}", notes.frames - 1));
+  if (!choice.channel.empty() && notes.channels == 1)
+    throw InputError(fmt::format("--channel {}: {} has one value a voxel", choice.channel, path.string()),
+                     "leave --channel out");
+  if (!choice.series.empty() && notes.modality.empty())
+    throw InputError(fmt::format("--series {}: {} is no DICOM series", choice.series, path.string()),
+                     "leave --series out");
+}
+
+void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
+                     const std::filesystem::path& path) {
+  if (notes.frames > 1 && !choice.frame)
+    log_line_once(LogLevel::info,
+                  fmt::format("{}: time point 1 of {} is shown; --frame N takes another, 0 to {}",
+                              path.string(), notes.frames, notes.frames - 1));
+}
+
+/// A folder's volume is a stack of TIFF pages or DICOM images, unless the folder is a format of its own.
+Open format_of_folder(const std::filesystem::path& folder) {
+  const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
+  if (has(".zarray") || has(".zgroup") || has("zarr.json"))
+    throw InputError(fmt::format("{} is a Zarr store", folder.string()),
+                     fmt::format("save an array of it: numpy.save('x.npy', zarr.open('{}'){}[...])",
+                                 folder.string(), has(".zarray") ? "" : "['NAME']"));
+  if (has("Header") && has("Level_0"))
+    throw InputError(
+        fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),
+        "save one grid of it, for example yt's covering_grid, as a .npy");
+  for (const auto& entry : std::filesystem::directory_iterator(folder))
+    if (detail::is_tiff(entry.path())) return detail::open_tiff;
+  return detail::open_dicom;
+}
+
+std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, const RawDescription& raw,
+                                            const VolumeChoice& choice) {
+  if (std::filesystem::is_directory(path)) return open_described(path, format_of_folder(path), raw, choice);
+  if (const auto [file, dataset] = detail::split_dataset(path); !dataset.empty())
+    return open_described(path, detail::open_hdf5, raw, choice);
+  { const detail::InputFile readable(path); }
+  if (const Open open = find_format(path)) return open_described(path, open, raw, choice);
+  const bool named_raw = detail::lower_case(path.extension().string()) == ".raw";
+  if (named_raw || raw.dims) return detail::open_raw(path, raw);
+  if (detail::is_hdf5(path)) return open_described(path, detail::open_hdf5, raw, choice);
+  // Scanners often name their files without an ending.
+  if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
+  throw InputError(
+      fmt::format("{} has no ending of a known volume format", path.string()),
+      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .tif .dcm .h5 .nc .npy .raw or a folder, or "
+      "describe a raw file with --dims and --type");
+}
+
+}  // namespace
+
+void detail::refuse_without_images(const std::filesystem::path& folder) {
+  std::set<std::filesystem::path> volumes, pictures;
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    const auto ending = lower_case(entry.path().extension().string());
+    std::error_code broken;
+    if (!entry.is_regular_file(broken)) continue;
+    if (ending == ".png" || ending == ".jpg" || ending == ".jpeg" || ending == ".bmp" || ending == ".jp2")
+      pictures.insert(entry.path());
+    if (find_format(entry.path()) || ending == ".raw") volumes.insert(entry.path());
+  }
+  if (!volumes.empty())
+    throw InputError(fmt::format("{} holds volume files ({})", folder.string(), volumes.size()),
+                     fmt::format("name one of them, as {}", volumes.begin()->string()));
+  if (!pictures.empty())
+    throw InputError(
+        fmt::format("{} holds pictures ({} files, {})", folder.string(), pictures.size(),
+                    pictures.begin()->extension().string()),
+        "slices are read from TIFF and DICOM: convert them to .tif, for example with 'mogrify -format tif'");
+  throw InputError(fmt::format("{} holds no DICOM or TIFF images", folder.string()),
+                   "give a folder with one series or stack, or a volume file");
+}
+
+std::unique_ptr<VolumeSource> open_volume(const std::filesystem::path& path, const RawDescription& raw,
+                                          const VolumeChoice& choice) {
+  try {
+    auto source = open_existing(path, raw, choice);
+    check(source->grid(), raw.spacing ? "--spacing" : path.string());
+    require_choice_there(source->notes(), choice, path);
+    say_which_frame(source->notes(), choice, path);
+    return source;
+  } catch (const std::filesystem::filesystem_error& error) {
+    throw InputError(fmt::format("cannot open {}: {}", path.string(), error.code().message()),
+                     "check the path and the permissions");
+  } catch (const std::bad_alloc&) {
+    throw InputError(fmt::format("{} needs more memory than there is", path.string()), "check its sizes");
+  }
+}
+
+}  // namespace ringsplat

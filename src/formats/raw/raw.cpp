@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/byte_order.hpp"
+#include "base/input_file.hpp"
+#include "base/log.hpp"
+#include "formats/formats.hpp"
+#include "formats/limits.hpp"
+#include "formats/raw/raw_name.hpp"
+#include "formats/stored_source.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+/// If x.raw has a header beside it, the user probably wants that.
+std::string hint_for(const std::filesystem::path& path) {
+  for (const char* ending : {".nhdr", ".mhd"}) {
+    auto header = path;
+    header.replace_extension(ending);
+    std::error_code ignored;
+    if (std::filesystem::exists(header, ignored)) return fmt::format("open {} instead", header.string());
+  }
+  return "name it like head_256x256x128_uint8.raw, or give --dims 256x256x128 --type uint8";
+}
+
+/// Part of the numbers other than 0 that have a size in which something is measured.
+template <class T>
+double usual_part(std::vector<std::byte> bytes, bool big_endian) {
+  to_native_order(bytes, sizeof(T), big_endian);
+  constexpr double least = 1e-12, most = 1e12;
+  std::size_t usual = 0, all = 0;
+  for (std::size_t at = 0; at + sizeof(T) <= bytes.size(); at += sizeof(T)) {
+    T number;
+    std::memcpy(&number, bytes.data() + at, sizeof number);
+    const double size = std::abs(double(number));
+    if (size >= least && size <= most) ++usual;
+    if (size != 0) ++all;
+  }
+  return all == 0 ? 1 : double(usual) / double(all);
+}
+
+/// Floats in the wrong order have any exponent.
+template <class T>
+void warn_of_byte_order(const InputFile& file, const StoredVoxels& voxels, std::uint64_t bytes) {
+  constexpr std::uint64_t runs = 64, run_bytes = 512;
+  std::vector<std::byte> some;
+  for (std::uint64_t k = 0; k < runs; ++k) {
+    const auto at = bytes / sizeof(T) * k / runs * sizeof(T), had = some.size();
+    some.resize(had + std::min<std::uint64_t>(run_bytes, bytes - at));
+    some.resize(had + file.read_some(voxels.offset + at, std::span(some).subspan(had)));
+  }
+  constexpr double few = 0.6, nearly_all = 0.98;
+  if (usual_part<T>(some, voxels.big_endian) > few) return;
+  if (usual_part<T>(some, !voxels.big_endian) < nearly_all) return;
+  log_warning_once("{}: its numbers make sense only in the other byte order: give --endian {}",
+                   file.path().string(), voxels.big_endian ? "little" : "big");
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw) {
+  const bool complete = raw.dims && raw.type;
+  const auto named = complete ? std::nullopt : parse_raw_name(path);
+  if (!complete && !named)
+    throw InputError(fmt::format("{}: a raw file's {} must be known", path.string(),
+                                 raw.dims   ? "type"
+                                 : raw.type ? "dimensions"
+                                            : "dimensions and type"),
+                     hint_for(path));
+  Grid grid;
+  grid.dims = raw.dims ? *raw.dims : named->dims;
+  grid.type = raw.type ? *raw.type : named->type;
+  if (raw.spacing) grid.spacing = *raw.spacing;
+  check_lattice(grid, path.string());
+
+  const auto actual = InputFile(path).size(), offset = raw.offset.value_or(0);
+  // Left-over bytes mean wrong dimensions, unless an offset shows that the user knows the file.
+  const bool fits = actual >= offset && actual - offset >= grid.bytes();
+  const bool exact = fits && actual - offset == grid.bytes();
+  if (raw.offset ? !fits : !exact)
+    throw InputError(fmt::format("{}: {} x {} x {} {} needs {} bytes after an offset of {}, the file has {}",
+                                 path.string(), grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type),
+                                 grid.bytes(), offset, actual > offset ? actual - offset : 0),
+                     "correct --dims, --type or --offset");
+  const StoredVoxels voxels{
+      .file = path, .offset = offset, .big_endian = raw.big_endian.value_or(false), .type = grid.type};
+  if (grid.type == ScalarType::float32) warn_of_byte_order<float>(InputFile(path), voxels, grid.bytes());
+  if (grid.type == ScalarType::float64) warn_of_byte_order<double>(InputFile(path), voxels, grid.bytes());
+  return stored_source(grid, voxels);
+}
+
+}  // namespace ringsplat::detail

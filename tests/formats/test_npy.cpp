@@ -1,0 +1,218 @@
+#include <fmt/format.h>
+
+#include "formats/bad_files.hpp"
+#include "formats/captured_log.hpp"
+#include "formats/npy.hpp"
+#include "formats/transposed_source.hpp"
+#include "support/catch.hpp"
+
+using namespace files;
+using Catch::Matchers::Contains;
+
+namespace {
+
+std::string voxels_of(const fs::path& path, const VolumeChoice& choice = {}) {
+  return read_all(*open_volume(path, {}, choice));
+}
+
+/// Every number of the sample volume, with `before` and `behind` it in its voxel.
+std::string with_neighbours(short before, short behind) {
+  std::string voxels;
+  for (int z = 0; z < nz; ++z)
+    for (int y = 0; y < ny; ++y)
+      for (int x = 0; x < nx; ++x)
+        voxels += bytes_of(before) + bytes_of(sample<short>(x, y, z)) + bytes_of(behind);
+  return voxels;
+}
+
+}  // namespace
+
+TEST_CASE("a NumPy array of z, y, x is read in all formats, types and byte orders", "[npy]") {
+  const Folder folder;
+  for (const int version : {1, 2, 3}) {
+    const auto source =
+        open_volume(write(folder / "a.npy", npy("<i2", "(3, 4, 5)", version) + samples<short>()));
+    CHECK(source->grid().dims == glm::ivec3(nx, ny, nz));
+    CHECK(source->grid().spacing == glm::dvec3(1));
+    CHECK(source->grid().type == ScalarType::int16);
+    CHECK(source->concurrent());
+    CHECK((read_all(*source) == samples<short>()));
+    for (const int z : {2, 0, 1})
+      CHECK((read_slice(*source, z) == samples<short>().substr(std::size_t(z) * 40, 40)));
+  }
+  const auto round = [&](auto zero, const std::string& name) {
+    using T = decltype(zero);
+    CAPTURE(name);
+    for (const bool big : {false, true}) {
+      const auto file = npy((big ? ">" : "<") + name, "(3, 4, 5)") + samples<T>(big);
+      CHECK((voxels_of(write(folder / "a.npy", file)) == samples<T>()));
+    }
+  };
+  round(std::int8_t{}, "i1");
+  round(std::uint8_t{}, "u1");
+  round(std::int16_t{}, "i2");
+  round(std::uint16_t{}, "u2");
+  round(std::int32_t{}, "i4");
+  round(std::uint32_t{}, "u4");
+  round(float{}, "f4");
+  round(double{}, "f8");
+}
+
+TEST_CASE("a NumPy header may be spelt as other writers do", "[npy]") {
+  const Folder folder;
+  for (const char* text : {"{'descr': '<i2', 'fortran_order': False, 'shape': (3, 4, 5), }          \n",
+                           "{\"shape\":(3L,4L,5L),\"descr\":\"<i2\",\"fortran_order\":False}",
+                           "  { 'fortran_order' : False , 'shape' : ( 3 , 4 , 5 , ) , 'descr' : '<i2' } "}) {
+    CAPTURE(text);
+    CHECK((voxels_of(write(folder / "a.npy", npy_of_text(text) + samples<short>())) == samples<short>()));
+  }
+}
+
+TEST_CASE("a NumPy array in Fortran order has the same axes", "[npy]") {
+  const auto in_fortran_order = [](int columns, int rows, int slices, const auto& voxel) {
+    std::string file;
+    for (int x = 0; x < columns; ++x)
+      for (int y = 0; y < rows; ++y)
+        for (int z = 0; z < slices; ++z) file += voxel(x, y, z);
+    return file;
+  };
+  const Folder folder;
+  for (const bool big : {false, true}) {
+    const auto data = in_fortran_order(
+        nx, ny, nz, [&](int x, int y, int z) { return bytes_of(sample<short>(x, y, z), big); });
+    const auto source =
+        open_volume(write(folder / "a.npy", npy(big ? ">i2" : "<i2", "(3, 4, 5)", 1, true) + data));
+    CHECK(source->grid().dims == glm::ivec3(nx, ny, nz));
+    CHECK((read_all(*source) == samples<short>()));
+    for (const int z : {2, 0, 1})
+      CHECK((read_slice(*source, z) == samples<short>().substr(std::size_t(z) * 40, 40)));
+  }
+  // More slices than are held at a time, and more columns than are read at a time.
+  constexpr int columns = 120, rows = 100, slices = 103;
+  const auto value = [](int x, int y, int z) { return char(x * 7 + y * 3 + z * 5); };
+  const auto data =
+      in_fortran_order(columns, rows, slices, [&](int x, int y, int z) { return value(x, y, z); });
+  Grid grid;
+  grid.dims = {columns, rows, slices};
+  const auto source =
+      detail::transposed_source(grid, write(folder / "b.raw", "123" + data), 3, false, 130000);
+  CHECK(source->slab_depth() == 10);
+  bool same = true;
+  for (int z = 0; z < slices; ++z) {
+    const auto slice = read_slice(*source, z);
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < columns; ++x) same &= slice[std::size_t(y * columns + x)] == value(x, y, z);
+  }
+  CHECK(same);
+}
+
+TEST_CASE("NumPy's float16 becomes float32, its bool uint8", "[npy]") {
+  const Folder folder;
+  // IEEE 754-2008, binary16: 1, -2, the smallest, 65504, infinity, 1/3 rounded; then the negative ones
+  // nearest to zero, with the most digits below the smallest normal one, the largest and infinity; both
+  // smallest normal ones.
+  const std::uint16_t halves[] = {0x3C00, 0xC000, 0x0001, 0x7BFF, 0x7C00, 0x3555,
+                                  0x8001, 0x83FF, 0xFBFF, 0xFC00, 0x0400, 0x8400};
+  for (const bool big : {false, true}) {
+    std::string data;
+    for (const auto half : halves) data += bytes_of(half, big);
+    const auto source = open_volume(write(folder / "a.npy", npy(big ? ">f2" : "<f2", "(2, 2, 3)") + data));
+    REQUIRE(source->grid().type == ScalarType::float32);
+    const auto bytes = read_all(*source);
+    std::vector<float> values(12);
+    std::memcpy(values.data(), bytes.data(), bytes.size());
+    CHECK((values == std::vector<float>{1, -2, 0x1p-24F, 65504, INFINITY, 0x1.554p-2F, -0x1p-24F,
+                                        -0x1.ff8p-15F, -65504, -INFINITY, 0x1p-14F, -0x1p-14F}));
+    CHECK(read_slice(*source, 1) == bytes.substr(24));
+  }
+  const auto mask = open_volume(write(folder / "a.npy", npy("|b1", "(1, 1, 3)") + std::string("\1\0\1", 3)));
+  CHECK(mask->grid().type == ScalarType::uint8);
+  CHECK(read_all(*mask) == std::string("\1\0\1", 3));
+}
+
+TEST_CASE("a NumPy array of two axes is one slice", "[npy]") {
+  const Folder folder;
+  const auto source = open_volume(write(folder / "a.npy", npy("|u1", "(2, 3)") + "abcdef"));
+  CHECK(source->grid().dims == glm::ivec3(3, 2, 1));
+  CHECK(read_all(*source) == "abcdef");
+}
+
+TEST_CASE("a NumPy array's leading axis is of frames, a short last one of channels", "[npy]") {
+  const Folder folder;
+  const auto other = std::string(120, 'x');
+  const auto frames = write(folder / "t.npy", npy("<i2", "(2, 3, 4, 5)") + other + samples<short>());
+  CHECK(open_volume(frames)->notes().frames == 2);
+  CHECK(voxels_of(frames) == other);
+  CHECK((voxels_of(frames, {.frame = 1}) == samples<short>()));
+  CHECK_THROWS_WITH(open_volume(frames, {}, {.frame = 2}), Contains("--frame 2") && Contains("2 volumes"));
+
+  const auto channels = write(folder / "c.npy", npy("<i2", "(3, 4, 5, 3)") + with_neighbours(7, 8));
+  CHECK((voxels_of(channels, {.channel = "1"}) == samples<short>()));
+  CHECK(open_volume(channels, {}, {.channel = "1"})->notes().channels == 3);
+  CHECK_THROWS_WITH(open_volume(channels), Contains("vector of 3 numbers") && Contains("--channel"));
+
+  const auto both =
+      write(folder / "b.npy", npy("<i2", "(2, 3, 4, 5, 3)") + std::string(360, 'x') + with_neighbours(7, 8));
+  CHECK((voxels_of(both, {.frame = 1, .channel = "1"}) == samples<short>()));
+
+  const auto single = write(folder / "s.npy", npy("<i2", "(1, 3, 4, 5, 1)") + samples<short>());
+  CHECK((voxels_of(single) == samples<short>()));
+}
+
+TEST_CASE("a NumPy array of colours is shown by its luminance, with a warning", "[npy]") {
+  const Folder folder;
+  const auto path =
+      write(folder / "colours.npy", npy("|u1", "(1, 1, 2, 3)") + std::string("\xff\0\0\7\7\7", 6));
+  const CapturedLog log;
+  CHECK(voxels_of(path) == "\x36\7");
+  CHECK(says(log.text(), "colours.npy: voxels are colours"));
+  CHECK(voxels_of(path, {.channel = "b"}) == std::string("\0\7", 2));
+}
+
+TEST_CASE("NumPy files that are damaged or cannot be a volume are refused", "[npy][bad]") {
+  const auto voxels = samples<short>();
+  const auto text = [&](const std::string& header) { return npy_of_text(header) + voxels; };
+  check_all({
+      file("empty", "no NumPy array file", "a.npy", ""),
+      file("other magic", "no NumPy array file", "a.npy", "\x93NUMPX\1" + std::string(200, '\0')),
+      file("format 9", "no NumPy array file of format 1 to 3", "a.npy", npy("<i2", "(3, 4, 5)", 9) + voxels),
+      file("header cut", "cut short", "a.npy", npy("<i2", "(3, 4, 5)").substr(0, 40)),
+      file("endless header", "cut short or endless", "a.npy",
+           std::string("\x93NUMPY\2\0\xff\xff\xff\x7f", 12) + std::string(300, ' ')),
+      file("voxels cut", "promises 120 bytes of voxels, the file holds 119", "a.npy",
+           npy("<i2", "(3, 4, 5)") + voxels.substr(1)),
+      file("frames cut", "promises 240 bytes of voxels, the file holds 120", "a.npy",
+           npy("<i2", "(2, 3, 4, 5)") + voxels),
+      file("overflowing", "overflow 64 bits", "a.npy",
+           npy("<i2", "(2147483647, 2147483647, 2147483647)") + voxels),
+      file("overflowing frames", "2147483647 volumes of 10000000000000 bytes overflow", "a.npy",
+           npy("<i2", "(2147483647, 1000000, 1000000, 5)") + voxels),
+      file("too large an axis", "(4294967296, 4, 5)", "a.npy", npy("<i2", "(4294967296, 4, 5)") + voxels),
+      file("no voxels", "(3, 0, 5)", "a.npy", npy("<i2", "(3, 0, 5)") + voxels),
+      file("one axis", "has the shape (60)", "a.npy", npy("<i2", "(60,)") + voxels),
+      file("six axes", "has the shape", "a.npy", npy("<i2", "(1, 1, 1, 3, 4, 5)") + voxels),
+      file("five axes without components", "has the shape", "a.npy", npy("<i2", "(1, 1, 3, 4, 5)") + voxels),
+      file("frames in Fortran order", "np.ascontiguousarray(a)", "a.npy",
+           npy("<i2", "(1, 3, 4, 5)", 1, true) + voxels),
+      file("Fortran order, cut", "promises 120 bytes", "a.npy",
+           npy("<i2", "(3, 4, 5)", 1, true) + voxels.substr(1)),
+      file("64 bits", "type '<i8' cannot", "a.npy", npy("<i8", "(3, 4, 5)") + voxels),
+      file("complex", "type '<c8' cannot", "a.npy", npy("<c8", "(3, 4, 5)") + voxels),
+      file("objects", "type '|O' cannot", "a.npy", npy("|O", "(3, 4, 5)") + voxels),
+      file("empty type", "type '' cannot", "a.npy", npy("", "(3, 4, 5)") + voxels),
+      file("fields", "named fields", "a.npy",
+           text("{'descr': [('a', '<i2')], 'fortran_order': False, 'shape': (3, 4, 5)}")),
+      file("no dictionary", "no readable NumPy header: '{' is missing", "a.npy", text("hello")),
+      file("no shape", "shape is missing", "a.npy", text("{'descr': '<i2', 'fortran_order': False}")),
+      file("shape twice", "given twice", "a.npy", text("{'shape': (3,), 'shape': (3,)}")),
+      file("negative size", "no list of sizes", "a.npy", npy("<i2", "(3, -4, 5)") + voxels),
+      file("size beyond 64 bits", "no list of sizes", "a.npy",
+           npy("<i2", "(99999999999999999999,)") + voxels),
+      file("maybe", "neither True nor False", "a.npy", text("{'fortran_order': Maybe}")),
+      file("text without an end", "text without an end", "a.npy", text("{'descr")),
+      file("unknown key", "unknown key 'more'", "a.npy", text("{'more': 1}")),
+      file("more behind", "more after", "a.npy",
+           text("{'descr': '<i2', 'fortran_order': False, 'shape': (3, 4, 5)} x")),
+      file("npz", "archive of arrays", "a.npz", "PK\3\4" + voxels),
+  });
+}
