@@ -2,8 +2,8 @@
 #include <optional>
 #include <string>
 
-#include "app/colour_options.hpp"
 #include "images/drawing.hpp"
+#include "options/colour_options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/statistics.hpp"

@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <iterator>
 
-#include "app/machine_forecast.hpp"
-#include "app/probe.hpp"
-#include "app/progress.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
+#include "forecast/machine_forecast.hpp"
+#include "forecast/probe.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "program/progress.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat::app {

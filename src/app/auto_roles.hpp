@@ -1,9 +1,9 @@
 #pragma once
 #include <vector>
 
-#include "app/launch.hpp"
-#include "app/options.hpp"
 #include "app/places.hpp"
+#include "options/options.hpp"
+#include "program/launch.hpp"
 #include "scene/load.hpp"
 
 namespace ringsplat::app {

@@ -1,7 +1,7 @@
 #pragma once
-#include "app/launch.hpp"
-#include "app/options.hpp"
-#include "app/reference_options.hpp"
+#include "options/options.hpp"
+#include "options/reference_options.hpp"
+#include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
 
@@ -16,9 +16,7 @@ LoadOptions load_options(const RenderOptions& options, std::array<bool, 3> axes)
 ExitCode run_serve(const ServeOptions& options, Launch& launch);
 // The others run on one process.
 ExitCode run_info(const InfoOptions& options);
-ExitCode run_compare(const CompareOptions& options);
 ExitCode run_synth(const SynthOptions& options);
 ExitCode run_reference(const ReferenceOptions& options);
-ExitCode run_study(const StudyOptions& options);
 
 }  // namespace ringsplat::app

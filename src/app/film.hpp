@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "app/options.hpp"
 #include "images/drawing.hpp"
+#include "options/options.hpp"
 #include "ringsplat/base/image.hpp"
 #include "serve/movie.hpp"
 

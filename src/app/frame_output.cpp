@@ -6,14 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/json_text.hpp"
-#include "app/option_values.hpp"
-#include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
+#include "options/option_values.hpp"
+#include "options/transfer_function_option.hpp"
+#include "program/json_text.hpp"
 
 namespace ringsplat::app {
 

@@ -6,15 +6,15 @@
 #include <vector>
 
 #include "app/annotation.hpp"
-#include "app/error_budget.hpp"
 #include "app/film.hpp"
 #include "app/frame_writer.hpp"
-#include "app/measured_error.hpp"
-#include "app/options.hpp"
-#include "app/progress.hpp"
 #include "app/stats_output.hpp"
+#include "options/options.hpp"
+#include "program/progress.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "session/director.hpp"
+#include "study/error_budget.hpp"
+#include "study/measured_error.hpp"
 
 namespace ringsplat::app {
 
@@ -42,8 +42,8 @@ class FrameOutput {
   std::vector<Judged> judge();
   /// Takes the place of a kept picture that was drawn for the frame with the same number.
   void replace(FrameResult&& result);
-  /// Waits for the last picture, completes --stats and prints the summary. Throws RunError when something cannot
-  /// be written.
+  /// Waits for the last picture, completes --stats and prints the summary. Throws RunError when something
+  /// cannot be written.
   void finish();
   /// Has ffmpeg make the film, where -o names one. Takes long: after finish(), when no rank waits any more.
   void make_film();

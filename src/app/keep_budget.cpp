@@ -4,12 +4,12 @@
 
 #include <memory>
 
-#include "app/calibration.hpp"
-#include "app/calibration_cache.hpp"
 #include "app/loading.hpp"
-#include "app/option_values.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
+#include "options/option_values.hpp"
+#include "study/calibration.hpp"
+#include "study/calibration_cache.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 #include "app/frame_output.hpp"
-#include "app/launch.hpp"
-#include "app/options.hpp"
-#include "app/progress.hpp"
+#include "options/options.hpp"
+#include "program/launch.hpp"
+#include "program/progress.hpp"
 #include "session/render_frames.hpp"
 
 /// What all runs do that render a volume: open it, see that it fits into memory, load and render it.

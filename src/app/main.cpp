@@ -1,6 +1,6 @@
-#include "app/process_end.hpp"
 #include "app/program.hpp"
 #include "formats/hdf5/trial.hpp"
+#include "program/process_end.hpp"
 
 int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();

@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "app/launch.hpp"
+#include "program/launch.hpp"
 
 /// Where a job's ranks run, and what follows from it.
 namespace ringsplat::app {

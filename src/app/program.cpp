@@ -4,14 +4,15 @@
 
 #include <functional>
 
-#include "app/command_line.hpp"
 #include "app/commands.hpp"
-#include "app/launch.hpp"
-#include "app/text_output.hpp"
 #include "base/huge_pages.hpp"
 #include "base/lack_of_memory.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
+#include "options/command_line.hpp"
+#include "program/launch.hpp"
+#include "program/text_output.hpp"
+#include "study/commands.hpp"
 
 namespace ringsplat::app {
 namespace {

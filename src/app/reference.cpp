@@ -4,14 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/commands.hpp"
-#include "app/first_view.hpp"
 #include "app/frame_output.hpp"
-#include "app/json_text.hpp"
-#include "app/measured_error.hpp"
-#include "app/option_values.hpp"
-#include "app/output_names.hpp"
-#include "app/text_output.hpp"
-#include "app/transfer_function_option.hpp"
 #include "app/views.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
@@ -19,6 +12,13 @@
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
+#include "options/first_view.hpp"
+#include "options/option_values.hpp"
+#include "options/transfer_function_option.hpp"
+#include "program/json_text.hpp"
+#include "program/text_output.hpp"
+#include "study/measured_error.hpp"
+#include "study/output_names.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {

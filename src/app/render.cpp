@@ -9,9 +9,9 @@
 #include "app/frame_output.hpp"
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
-#include "app/text_output.hpp"
 #include "base/log.hpp"
 #include "model/charge.hpp"
+#include "program/text_output.hpp"
 #include "record/trace_json.hpp"
 #include "session/render_frames.hpp"
 

@@ -10,16 +10,11 @@
 #include "app/auto_roles.hpp"
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
-#include "app/error_budget.hpp"
 #include "app/film.hpp"
-#include "app/first_view.hpp"
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
-#include "app/output_names.hpp"
 #include "app/places.hpp"
 #include "app/simulation_options.hpp"
-#include "app/steepness.hpp"
-#include "app/text_output.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_needs.hpp"
@@ -27,6 +22,11 @@
 #include "images/image_io.hpp"
 #include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "options/first_view.hpp"
+#include "program/text_output.hpp"
+#include "study/error_budget.hpp"
+#include "study/output_names.hpp"
+#include "study/steepness.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -91,8 +91,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, cons
                                   Launch& launch) {
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
-  if (launch.rank() == 0)
-    axes = needed_axes(o.frame, plan.cameras, grid, o.budget.other_engine);
+  if (launch.rank() == 0) axes = needed_axes(o.frame, plan.cameras, grid, o.budget.other_engine);
   const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
   return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }

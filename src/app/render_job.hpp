@@ -5,11 +5,11 @@
 
 #include "app/annotation.hpp"
 #include "app/frame_output.hpp"
-#include "app/launch.hpp"
-#include "app/options.hpp"
-#include "app/progress.hpp"
 #include "app/series.hpp"
-#include "app/transfer_function_option.hpp"
+#include "options/options.hpp"
+#include "options/transfer_function_option.hpp"
+#include "program/launch.hpp"
+#include "program/progress.hpp"
 #include "scene/scene.hpp"
 
 namespace ringsplat::app {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "app/frames_option.hpp"
-#include "app/launch.hpp"
-#include "app/options.hpp"
+#include "options/frames_option.hpp"
+#include "options/options.hpp"
+#include "program/launch.hpp"
 
 namespace ringsplat::app {
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "app/launch.hpp"
+#include "program/launch.hpp"
 
 namespace ringsplat::app {
 

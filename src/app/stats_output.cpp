@@ -5,11 +5,11 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "app/json_text.hpp"
-#include "app/method_options.hpp"
-#include "app/option_values.hpp"
-#include "app/text_output.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "options/method_options.hpp"
+#include "options/option_values.hpp"
+#include "program/json_text.hpp"
+#include "program/text_output.hpp"
 
 namespace ringsplat::app {
 

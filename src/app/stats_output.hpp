@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "app/measured_error.hpp"
-#include "app/options.hpp"
 #include "base/output_file.hpp"
+#include "options/options.hpp"
 #include "record/stats.hpp"
 #include "record/stats_table.hpp"
 #include "ringsplat/base/axis.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
+#include "study/measured_error.hpp"
 
 namespace ringsplat::app {
 

@@ -3,11 +3,11 @@
 #include <filesystem>
 
 #include "app/commands.hpp"
-#include "app/progress.hpp"
-#include "app/text_output.hpp"
-#include "app/watched_source.hpp"
 #include "base/output_file.hpp"
 #include "formats/write.hpp"
+#include "program/progress.hpp"
+#include "program/text_output.hpp"
+#include "program/watched_source.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {

@@ -10,7 +10,7 @@
 #include <cstring>
 #include <utility>
 
-#include "app/option_values.hpp"
+#include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {

@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
-#include "app/line_splitter.hpp"
 #include "app/views.hpp"
+#include "options/line_splitter.hpp"
 #include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {

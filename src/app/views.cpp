@@ -9,8 +9,8 @@
 #include <span>
 #include <sstream>
 
-#include "app/option_values.hpp"
 #include "base/printable.hpp"
+#include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {

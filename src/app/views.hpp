@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "app/line_splitter.hpp"
+#include "options/line_splitter.hpp"
 #include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {

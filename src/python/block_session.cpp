@@ -2,10 +2,10 @@
 
 #include <utility>
 
-#include "app/first_view.hpp"
 #include "app/render_job.hpp"
-#include "app/transfer_function_option.hpp"
 #include "base/log.hpp"
+#include "options/first_view.hpp"
+#include "options/transfer_function_option.hpp"
 #include "python/picture_options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/session_parts.hpp"

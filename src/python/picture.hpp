@@ -5,11 +5,11 @@
 #include <string>
 
 #include "app/annotation.hpp"
-#include "app/measured_error.hpp"
-#include "app/options.hpp"
+#include "options/options.hpp"
 #include "python/hooks.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "session/director.hpp"
+#include "study/measured_error.hpp"
 
 namespace ringsplat::python {
 

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <string_view>
 
-#include "app/contradictions.hpp"
-#include "app/launch.hpp"
-#include "app/option_tables.hpp"
-#include "app/subcommands.hpp"
+#include "options/contradictions.hpp"
+#include "options/option_tables.hpp"
+#include "options/subcommands.hpp"
+#include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::python {

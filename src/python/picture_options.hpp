@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "app/options.hpp"
+#include "options/options.hpp"
 
 /// The command line's options of a picture, from the same tables.
 namespace ringsplat::python {

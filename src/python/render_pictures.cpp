@@ -4,10 +4,10 @@
 
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
-#include "app/truth_scene.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "python/picture.hpp"
+#include "study/truth_scene.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::python {

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "app/probe.hpp"
 #include "app/program_runner.hpp"
+#include "forecast/probe.hpp"
 #include "session/render_frames.hpp"
 #include "support/catch.hpp"
 

@@ -5,11 +5,11 @@
 #include <glm/vec3.hpp>
 #include <map>
 
-#include "app/calibration.hpp"
-#include "app/calibration_cache.hpp"
 #include "app/program_runner.hpp"
 #include "frame/frame_geometry.hpp"
 #include "session/render.hpp"
+#include "study/calibration.hpp"
+#include "study/calibration_cache.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 
@@ -87,8 +87,7 @@ TEST_CASE("a calibration looks at the run's straightest and most oblique view of
   std::vector<Camera> run;
   for (const double lowest : {10.0, 60.0})
     for (double azimuth = 5; azimuth < 180; azimuth += 10)
-      run.push_back(
-          {.azimuth = azimuth, .elevation = lowest + azimuth / 10, .zoom = 0.5 + azimuth / 100});
+      run.push_back({.azimuth = azimuth, .elevation = lowest + azimuth / 10, .zoom = 0.5 + azimuth / 100});
   for (const glm::dvec3& spacing : {glm::dvec3(1.0), glm::dvec3(1, 0.5, 2)}) {
     const Grid grid = make_grid({32, 30, 28}, ScalarType::uint8, spacing);
     const auto views = calibration_views(run, frame, grid);

@@ -1,8 +1,8 @@
 // --clip: what people type, and the program itself, in one process and on ranks.
 #include <nlohmann/json.hpp>
 
-#include "app/clip_option.hpp"
 #include "app/program_runner.hpp"
+#include "options/clip_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

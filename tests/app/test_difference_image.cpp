@@ -1,4 +1,4 @@
-#include "app/difference_image.hpp"
+#include "study/difference_image.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -4,10 +4,10 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "app/calibration_cache.hpp"
-#include "app/error_budget.hpp"
 #include "app/program_runner.hpp"
 #include "images/image_io.hpp"
+#include "study/calibration_cache.hpp"
+#include "study/error_budget.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 
@@ -482,8 +482,8 @@ TEST_CASE("what errs more than its setting should is drawn with one that is as m
   };
   const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5), measured(1.4, 2.0, 1.0),
                           measured(1.2, 1.0, 2.0)};
-  CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, false)) == 1.4);    // 1.0 becomes 1.5
-  CHECK(radius(more_exact(table, table[3].shortcuts, 6, 2, false)) == 1.5);    // 1.0 becomes 3, 0.5 1.5
+  CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, false)) == 1.4);  // 1.0 becomes 1.5
+  CHECK(radius(more_exact(table, table[3].shortcuts, 6, 2, false)) == 1.5);  // 1.0 becomes 3, 0.5 1.5
   CHECK(radius(more_exact(table, table[3].shortcuts, 3, 2, true)) == 1.6);
   CHECK(radius(more_exact(table, table[3].shortcuts, 2000, 2, false)) == 1.6);
   CHECK_FALSE(more_exact(table, table[0].shortcuts, 3, 2, false).has_value());

@@ -3,8 +3,8 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
-#include "app/transfer_function_option.hpp"
 #include "images/image_io.hpp"
+#include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

@@ -1,5 +1,5 @@
 // From where a volume is seen, and how large, when options leave it open.
-#include "app/first_view.hpp"
+#include "options/first_view.hpp"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "app/launch.hpp"
+#include "program/launch.hpp"
 
 #include <algorithm>
 #include <new>

@@ -1,4 +1,4 @@
-#include "app/line_splitter.hpp"
+#include "options/line_splitter.hpp"
 
 #include <vector>
 

@@ -1,11 +1,11 @@
 // The manual page has all that --help has, in correct roff, and the rules that it lists hold.
 #include <sstream>
 
-#include "app/command_line.hpp"
-#include "app/contradictions.hpp"
-#include "app/method_options.hpp"
-#include "app/option_tables.hpp"
 #include "app/program_runner.hpp"
+#include "options/command_line.hpp"
+#include "options/contradictions.hpp"
+#include "options/method_options.hpp"
+#include "options/option_tables.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;

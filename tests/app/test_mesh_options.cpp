@@ -1,5 +1,5 @@
-#include "app/launch.hpp"
-#include "app/option_values.hpp"
+#include "options/option_values.hpp"
+#include "program/launch.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,4 +1,4 @@
-#include "app/option_values.hpp"
+#include "options/option_values.hpp"
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"

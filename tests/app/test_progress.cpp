@@ -1,4 +1,4 @@
-#include "app/progress.hpp"
+#include "program/progress.hpp"
 
 #include <stdexcept>
 #include <string>

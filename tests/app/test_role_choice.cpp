@@ -1,10 +1,10 @@
-#include "app/role_choice.hpp"
+#include "forecast/role_choice.hpp"
 
 #include <algorithm>
 #include <numeric>
 #include <set>
 
-#include "app/probe.hpp"
+#include "forecast/probe.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

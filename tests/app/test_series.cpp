@@ -3,10 +3,10 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
-#include "app/frames_option.hpp"
 #include "app/program_runner.hpp"
 #include "app/series.hpp"
 #include "formats/npy.hpp"
+#include "options/frames_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

@@ -1,5 +1,5 @@
 // Which transfer functions are too steep for splats, and that the program says so.
-#include "app/steepness.hpp"
+#include "study/steepness.hpp"
 
 #include "app/program_runner.hpp"
 #include "support/catch.hpp"

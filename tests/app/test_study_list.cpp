@@ -1,5 +1,5 @@
-#include "app/study_list.hpp"
 #include "ringsplat/base/error.hpp"
+#include "study/study_list.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "formats/files.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "ringsplat/volume/source.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/temporary_folder.hpp"
 
 namespace files {

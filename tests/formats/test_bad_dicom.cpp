@@ -1,4 +1,5 @@
 #include "formats/dicom_images.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 

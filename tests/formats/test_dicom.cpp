@@ -9,6 +9,7 @@
 
 #include "formats/captured_log.hpp"
 #include "formats/dicom_images.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 

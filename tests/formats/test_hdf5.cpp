@@ -7,6 +7,7 @@
 #include "formats/captured_log.hpp"
 #include "formats/hdf5_files.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 

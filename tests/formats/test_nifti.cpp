@@ -5,6 +5,7 @@
 #include "formats/bad_files.hpp"
 #include "formats/captured_log.hpp"
 #include "formats/nifti2.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 
 using namespace files;

@@ -4,6 +4,7 @@
 #include "formats/captured_log.hpp"
 #include "formats/npy.hpp"
 #include "formats/transposed_source.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 
 using namespace files;

@@ -5,20 +5,20 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "app/calibration_cache.hpp"
-#include "app/command_line.hpp"
-#include "app/study_list.hpp"
 #include "app/views.hpp"
 #include "classify/classifier.hpp"
 #include "formats/files.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "fuzz/driver.hpp"
 #include "model/machine.hpp"
+#include "options/command_line.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
 #include "session/render_frames.hpp"
+#include "study/calibration_cache.hpp"
+#include "study/study_list.hpp"
 
 namespace ringsplat::fuzz {
 namespace {

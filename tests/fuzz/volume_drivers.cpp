@@ -6,7 +6,6 @@
 #include <stdexcept>
 #include <tuple>
 
-#include "app/option_values.hpp"
 #include "formats/files.hpp"
 #include "formats/nifti2.hpp"
 #include "formats/npy.hpp"
@@ -16,6 +15,7 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/hdf5_seeds.hpp"
 #include "fuzz/tiff_seeds.hpp"
+#include "options/option_values.hpp"
 #include "ringsplat/formats/open.hpp"
 
 namespace ringsplat::fuzz {

@@ -183,12 +183,18 @@ const Rules& house_rules() {
       {"model", {"base"}},
       {"mpi", {"base", "net", "model"}},
       {"alone", {"base", "net", "mpi"}},
+      {"options",
+       {"base", "images", "volume", "formats", "classify", "net", "frame", "session", "serve", "mpi"}},
+      {"forecast",
+       {"base", "volume", "screen", "net", "protocol", "model", "frame", "scene", "session", "options"}},
+      {"program", {"base", "volume", "net", "model", "session", "mpi", "options", "forecast"}},
+      {"study", {"base", "images", "volume", "classify", "frame", "session", "truth", "options", "program"}},
       {"app",
-       {"base", "images", "volume", "formats", "classify", "view", "screen", "splat", "net", "record",
-        "protocol", "frame", "scene", "session", "serve", "truth", "model", "mpi"}},
+       {"base", "images", "volume", "formats", "classify", "view", "net", "record", "model", "frame", "scene",
+        "session", "serve", "truth", "mpi", "options", "forecast", "program", "study"}},
       {"python",
        {"base", "images", "volume", "formats", "classify", "view", "net", "record", "frame", "scene",
-        "session", "truth", "app", "mpi"}},
+        "session", "truth", "mpi", "options", "program", "study", "app"}},
   };
   return rules;
 }

@@ -16,6 +16,7 @@
 #include "images/image_io.hpp"
 #include "model/charge.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "sort_last/icet_communicator.hpp"
 #include "sort_last/slab_painter.hpp"
 

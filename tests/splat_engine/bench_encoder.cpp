@@ -13,6 +13,7 @@
 
 #include "classify/empty_space.hpp"
 #include "net/message.hpp"
+#include "ringsplat/formats/open.hpp"
 #include "session/render_frames.hpp"
 #include "splat_engine/splat_engine.hpp"
 

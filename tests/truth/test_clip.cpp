@@ -3,8 +3,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "app/measured_error.hpp"
 #include "ringsplat/base/error.hpp"
+#include "study/measured_error.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 #include "volume/synth.hpp"

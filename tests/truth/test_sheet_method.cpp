@@ -4,8 +4,8 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "app/measured_error.hpp"
 #include "ringsplat/base/error.hpp"
+#include "study/measured_error.hpp"
 #include "support/catch.hpp"
 #include "truth/shading.hpp"
 #include "truth/slab_integral.hpp"

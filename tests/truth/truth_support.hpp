@@ -7,7 +7,8 @@
 #include <set>
 #include <vector>
 
-#include "app/truth_scene.hpp"
+#include "ringsplat/formats/open.hpp"
+#include "study/truth_scene.hpp"
 #include "support/scenes.hpp"
 #include "truth/analytic.hpp"
 #include "truth/field.hpp"

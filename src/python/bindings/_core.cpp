@@ -7,13 +7,13 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "app/likely_option.hpp"
-#include "app/process_end.hpp"
 #include "app/program.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
+#include "options/likely_option.hpp"
+#include "program/process_end.hpp"
 #include "python/array_volume.hpp"
 #include "python/block_session.hpp"
 #include "python/picture.hpp"

@@ -1,0 +1,20 @@
+#pragma once
+#include <string>
+
+#include "options/subcommands.hpp"
+#include "ringsplat/base/fact.hpp"
+
+namespace ringsplat::app {
+
+struct CommandLine {
+  Command command;
+  bool verbose = false;
+  Facts options;      ///< what the user said (settled_options)
+  std::string error;  ///< one line with a hint, or empty
+};
+
+/// Reads the command line and the --config file it names. Does not throw: a rank cannot report an error
+/// before it knows whether it is rank 0.
+CommandLine parse_command_line(int argc, const char* const* argv);
+
+}  // namespace ringsplat::app

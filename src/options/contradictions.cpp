@@ -1,0 +1,267 @@
+#include "options/contradictions.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+
+#include "options/method_options.hpp"
+#include "options/option_values.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+using enum Relation;
+
+/// The options that choose an engine.
+std::vector<Which> choices_of(Engine engine) {
+  std::vector<Which> all{{.option = "--engine", .value = name(engine)}};
+  for (const Quality quality : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
+    if (engine_of(quality) == engine) all.push_back({.option = "--quality", .value = name(quality)});
+  return all;
+}
+
+const std::vector<Which> only_splats{{"--radius"},  {"--kernel"},        {"--phases"},   {"--qee-bits"},
+                                     {"--payload"}, {"--normalisation"}, {"--precision"}};
+const std::vector<Which> only_sheets{
+    {"--slabs"}, {"--light-points"}, {.option = "--samples", .value = "1.5"}};
+
+/// The rule for options of one engine: it must be the usual one, or be chosen.
+Rule rule_for(const std::vector<Which>& options, Engine engine, const char* way_out, const char* problem) {
+  if (engine_of(usual_quality) == engine)
+    return {options, excludes, choices_of(engine == Engine::splats ? Engine::sheets : Engine::splats),
+            way_out, problem};
+  return {options, needs, choices_of(engine), way_out, problem};
+}
+
+const Rule all_rules[] = {
+    {{{"--orbit"}}, excludes, {{"--path"}}, "each says what all frames are: keep one"},
+    {{{"--frames"}}, excludes, {{"--frame"}}, "each says which volumes: keep one"},
+    {{{"--frames"}},
+     excludes,
+     {{.option = "--path", .value = "-"}},
+     "a path on stdin has no end that could be told: put it into a file with a line for each frame"},
+    {{{"--max-error"}},
+     excludes,
+     {{.option = "--path", .value = "-"}},
+     "pictures are measured, and may be drawn again, before they are written: put the path into a file"},
+    {{{"--frames"}},
+     excludes,
+     {{"--progressive"}, {"--trace"}, {"--error"}, {"--max-error"}, {"--machine"}},
+     "leave it out, or render one of the volumes by itself",
+     "{0} renders many volumes, {1} is for one"},
+    {{{"--matrix"}},
+     excludes,
+     {{"--azimuth"}, {"--elevation"}, {"--roll"}},
+     "a matrix is the whole view: leave out the angle"},
+    {{{"--matrix"}}, excludes, {{"--zoom"}}, "a matrix is the whole view: scale its rows instead"},
+    {{{"--matrix"}},
+     excludes,
+     {{"--pan"}, {"--projection"}, {"--eye"}, {"--target"}},
+     "a matrix is the whole view: leave one out"},
+    {{{"--eye"}},
+     excludes,
+     {{"--azimuth"}, {"--elevation"}, {"--roll"}, {"--distance"}, {"--orbit"}},
+     "the eye's position is the whole view: leave one out"},
+    {{{"--view"}},
+     excludes,
+     {{"--azimuth"}, {"--elevation"}, {"--matrix"}, {"--eye"}, {"--path"}},
+     "each says from where the volume is seen: keep one"},
+    {{{"--fit"}},
+     excludes,
+     {{"--matrix"}, {"--distance"}},
+     "they say how large the volume is shown: leave out --fit"},
+    {{{"--annotate"}}, needs, {{"--output"}}, "add -o OUT.png"},
+    {{{"--fov"}, {"--distance"}},
+     needs,
+     {{.option = "--projection", .value = "perspective"}},
+     "add --projection perspective"},
+    {{{"--up"}}, needs, {{"--eye"}}, "add --eye, or turn the picture by --roll"},
+    {{{"--matrix"}},
+     excludes,
+     {{"--orbit"}},
+     "an orbit turns the azimuth: give --elevation, --roll and --zoom instead of a matrix"},
+    {{{"--matrix"}},
+     excludes,
+     {{"--path"}},
+     "a path gives each frame's view: put the matrix into its lines as JSON"},
+    {{{"--path"}}, excludes, {{"--azimuth"}}, "the path gives each frame's azimuth: leave it out"},
+    {{{"--path"}}, excludes, {{"--elevation"}}, "the path gives each frame's elevation: leave it out"},
+    {{{"--mesh"}}, excludes, {{"--gps"}}, "the mesh says how many GPs there are: leave out --gps"},
+    {{{"--mesh"}},
+     excludes,
+     {{"--send-ahead"}},
+     "in a mesh tokens wait, so that payloads do not meet: leave out --send-ahead"},
+    {{{"--progressive"}},
+     excludes,
+     {{"--undersample"}},
+     "progressive pictures begin with 4 anyway: leave out --undersample"},
+    {{{"--count-only"}}, excludes, {{"--output"}}, "nothing is drawn that could be written: leave out -o"},
+    {{{"--count-only"}},
+     excludes,
+     {{"--error"}},
+     "nothing is drawn whose error could be measured: leave out --error"},
+    {{{"--count-only"}},
+     excludes,
+     {{"--max-error"}},
+     "nothing is drawn that could have an error: leave out --max-error"},
+    {{{.option = "--engine", .value = "splats"}},
+     excludes,
+     {{.option = "--quality", .value = "draft"},
+      {.option = "--quality", .value = "normal"},
+      {.option = "--quality", .value = "best"}},
+     "only --quality paper draws splats: leave one out"},
+    {{{.option = "--engine", .value = "sheets"}},
+     excludes,
+     {{.option = "--quality", .value = "paper"}},
+     "--quality paper draws splats: leave one out"},
+    rule_for(only_splats, Engine::splats, "leave out {0} or use --quality paper",
+             "{0} has no effect on sheets"),
+    rule_for(only_sheets, Engine::sheets, "leave out {0} or use --quality best",
+             "{0} has no effect on splats"),
+    {{{"--presets"}},
+     excludes,
+     {{"volume"}, {"--gps"}, {"--ranks"}},
+     "the presets need no volume: ask for one thing at a time"},
+    {{{"--list"}}, excludes, {{"name"}}, "ask for the list, or make one volume of it"},
+    {{{"--list"}}, excludes, {{"list"}}, "ask for the default list, or run one"},
+    {{{"--list"}}, excludes, {{"--output"}}, "the list goes to standard output: redirect it"},
+    {{{"--list"}}, excludes, {{"--keep-images"}}, "a list has no pictures: leave out --keep-images"},
+    {{{"--machine"}},
+     excludes,
+     {{"--cores"}},
+     "the machine's file says how many there are: change platform.hosts and .cores there"},
+    {{{.value = ""}}, refused, {}, "give it a value or leave it out", "{0} is empty"},
+    {{{.option = "--error", .value = "analytic"}},
+     refused,
+     {},
+     "use ringsplat reference --truth analytic --formula NAME, then ringsplat compare",
+     "--error analytic needs a formula, which a picture's volume does not name"},
+    {{{"--error-pixels"}, {"--error-seed"}}, needs, {{"--error"}, {"--max-error"}}, "add --error method"},
+    {{{"--prefilter"}},
+     needs,
+     {{"--undersample"}, {"--progressive"}, {"--max-error"}},
+     "add --undersample 2"},
+    {{{"--link-slots"}}, needs, {{"--mesh"}}, "add --topology mesh and --mesh"},
+    {{{"--seed"}},
+     needs,
+     {{"--shuffle"}, {"--max-delay"}},
+     "add --shuffle; for the pixels of --error it is --error-seed"},
+    {{{"--voxel-weight"}},
+     needs,
+     {{"--count-only"}},
+     "add --count-only, or leave it out",
+     "--voxel-weight has no effect on pictures"},
+    {{{"--diff-scale"}}, needs, {{"--diff"}}, "add --diff FILE"},
+    {{{"--cores"}, {"--machine"}}, needs, {{"--ranks"}}, "add --ranks N"},
+    {{{"--labels"}},
+     excludes,
+     {{"--tf"}, {"--range"}, {"--colours"}, {"--log"}},
+     "labels have colours of their own: leave one out"},
+    {{{.heading = "View"}, {.heading = "Picture"}, {.heading = "Colours"}, {.heading = "Shortcuts"}},
+     needs,
+     {{"--ranks"}},
+     "add --ranks N to predict the time of such a frame"},
+    {{{"--phases"}},
+     needs,
+     {{.option = "--kernel", .value = "texture"}},
+     "leave out --phases or use --kernel texture",
+     "--phases has no effect on kernels that are computed"},
+    {{{"--samples"}},
+     needs,
+     {{.option = "--image-plane", .value = "slices"},
+      {.option = "--quality", .value = "draft"},
+      {.option = "--quality", .value = "normal"}},
+     "leave out --samples or use --image-plane slices",
+     "--samples has no effect on the screen, whose pixels --size counts"},
+    {{{"--samples"}},
+     excludes,
+     {{.option = "--image-plane", .value = "screen"}},
+     "leave out --samples or use --image-plane slices",
+     "--samples has no effect on the screen, whose pixels --size counts"},
+    {{{"--light"}, {"--light-points"}, {"--ambient"}, {"--diffuse"}, {"--specular"}, {"--exponent"}},
+     excludes,
+     {{.option = "--shading", .value = "none"}},
+     "leave out {0} or use --shading phong",
+     "{0} has no effect with --shading none"},
+    // "-" is standard output for texts only; these options would make a file of that name.
+    {{{.option = "--output", .value = "-"}, {.option = "--diff", .value = "-"}},
+     refused,
+     {},
+     "name a file",
+     "what {0} names cannot go to standard output"},
+    {{{.option = "--keep-images", .value = "-"}},
+     refused,
+     {},
+     "name a folder",
+     "what {0} names cannot go to standard output"},
+};
+
+bool given(const CLI::Option& option, const Which& which) {
+  const auto& values = option.results();
+  return means(which, option) && option.count() > 0 &&
+         (which.value == nullptr || std::find(values.begin(), values.end(), which.value) != values.end());
+}
+
+/// The given option that matches `which`, or null.
+const CLI::Option* find_given(const CLI::App& app, const Which& which) {
+  for (const CLI::Option* option : app.get_options())
+    if (given(*option, which)) return option;
+  return nullptr;
+}
+
+[[noreturn]] void refuse(const Rule& rule, const CLI::Option& option, const std::string& others) {
+  const char* const usual =
+      rule.relation == excludes ? "{0} and {1} contradict each other" : "{0} has no effect without {1}";
+  const std::string name = option.get_name();
+  throw InputError(fmt::format(fmt::runtime(rule.problem != nullptr ? rule.problem : usual), name, others),
+                   fmt::format(fmt::runtime(rule.way_out), name));
+}
+
+/// Throws InputError when `option`, which is given, breaks the rule.
+void apply(const Rule& rule, const CLI::App& app, const CLI::Option& option) {
+  if (rule.relation == refused) refuse(rule, option, {});
+  std::vector<std::string> names;
+  bool one_given = false, one_there = false;
+  for (const Which& other : rule.others) {
+    const CLI::Option* const found = find_given(app, other);
+    if (found != nullptr && rule.relation == excludes) refuse(rule, option, found->get_name());
+    one_given = one_given || found != nullptr;
+    one_there = one_there || has(app, other);
+    names.emplace_back(other.option);
+  }
+  if (rule.relation == needs && one_there && !one_given) refuse(rule, option, joined(names, " or "));
+}
+
+}  // namespace
+
+std::span<const Rule> rules() { return all_rules; }
+
+bool means(const Which& which, const CLI::Option& option) {
+  return (which.option == nullptr || option.check_name(which.option)) &&
+         (which.heading == nullptr || option.get_group() == which.heading);
+}
+
+bool has(const CLI::App& app, const Which& which) {
+  const auto options = app.get_options();
+  return std::any_of(options.begin(), options.end(),
+                     [&](const auto* option) { return means(which, *option); });
+}
+
+bool concerns_one_engine(const CLI::Option& option) {
+  static const std::vector<Which> naming{{"--engine"}, {"--quality"}};
+  for (const auto* all : {&naming, &only_splats, &only_sheets})
+    for (const Which& which : *all)
+      if (given(option, which)) return true;
+  return false;
+}
+
+void refuse_contradictions(const CLI::App& app) {
+  for (const Rule& rule : rules())
+    for (const Which& which : rule.options)
+      for (const CLI::Option* option : app.get_options())
+        if (given(*option, which)) apply(rule, app, *option);
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,112 @@
+#include "options/first_view.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+bool given(const CLI::App& app, const char* name) {
+  const CLI::Option* const option = app.get_option_no_throw(name);
+  return option != nullptr && option->count() > 0;
+}
+
+void stand_at(Camera& camera, Side side, World world) {
+  // A patient who faces the viewer has his left, world +x, at the picture's right.
+  const double at_x = 90, at_left = world == World::patient ? at_x : -at_x;
+  switch (side) {
+    case Side::front:
+      break;
+    case Side::back:
+      camera.azimuth = 180;
+      break;
+    case Side::left:
+      camera.azimuth = at_left;
+      break;
+    case Side::right:
+      camera.azimuth = -at_left;
+      break;
+    case Side::top:
+      camera.elevation = 90;
+      break;
+    case Side::bottom:
+      camera.elevation = -90;
+      break;
+  }
+}
+
+/// The lattice's extents along the world's axes; nothing when it lies askew.
+std::optional<glm::dvec3> extents_in_world(const Grid& grid) {
+  glm::dvec3 extents{0};
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 along = glm::abs(grid.direction[k]);
+    const int axis = along.x >= along.y && along.x >= along.z ? 0 : along.y >= along.z ? 1 : 2;
+    if (extents[axis] > 0) return std::nullopt;
+    extents[axis] = grid.dims[k] * grid.spacing[k];
+  }
+  return extents;
+}
+
+/// The broad side of a volume whose front shows less than a third of it; of a patient, whom people expect to
+/// face them, less than a fifth. A few axial slices are seen from the feet, sagittal ones from the left, as
+/// radiologists do.
+std::optional<Side> broad_side(const std::optional<glm::dvec3>& extents, bool patient) {
+  const double flat = patient ? 5 : 3;
+  if (!extents || !(extents->y > flat * std::min(extents->x, extents->z))) return std::nullopt;
+  if (extents->x <= extents->z) return patient ? Side::left : Side::right;
+  return patient ? Side::bottom : Side::top;
+}
+
+/// Of a solid two sides and the top say more than one side, of a plate they do not.
+bool is_solid(std::optional<glm::dvec3> extents) {
+  if (!extents) return true;
+  std::sort(&extents->x, &extents->x + 3);
+  return 3 * extents->x >= extents->y;
+}
+
+const char* name(Side side) {
+  return side == Side::top ? "top" : side == Side::bottom ? "bottom" : side == Side::left ? "left" : "right";
+}
+
+}  // namespace
+
+void note_direction(const CLI::App& app, RenderOptions& o) {
+  for (const char* const name :
+       {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path"})
+    o.direction_chosen = o.direction_chosen || given(app, name);
+}
+
+void settle_fit(const CLI::App& app, RenderOptions& o) {
+  note_direction(app, o);
+  Camera& camera = o.frame.shown.camera;
+  if (o.fit && camera.fov > 0 && camera.eye)
+    throw InputError("--fit has no effect in perspective with --eye, which is where it is",
+                     "leave out --fit, and use --zoom or --fov");
+  const bool has_its_size = camera.matrix || (camera.fov > 0 && (camera.eye || camera.distance > 0));
+  const bool turns = o.orbit > 0 || !o.path.empty() || !o.views.empty();
+  camera.fit = has_its_size ? Fit::sphere : o.fit.value_or(turns ? Fit::sphere : Fit::box);
+}
+
+std::string complete_view(RenderOptions& o, const Grid& grid, const VolumeNotes& notes) {
+  Camera& camera = o.frame.shown.camera;
+  if (o.side) stand_at(camera, *o.side, notes.world);
+  if (o.direction_chosen) return {};
+  const bool patient = notes.world == World::patient;
+  const auto extents = extents_in_world(grid);
+  const auto side = notes.world == World::microscope ? std::nullopt : broad_side(extents, patient);
+  if (!side) {
+    if (!patient && is_solid(extents)) camera.azimuth = 30, camera.elevation = 20;
+    return {};
+  }
+  stand_at(camera, *side, notes.world);
+  return fmt::format("the volume is flat: it is seen from the {}, --view front shows its narrow side",
+                     name(*side));
+}
+
+}  // namespace ringsplat::app

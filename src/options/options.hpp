@@ -1,0 +1,132 @@
+#pragma once
+#include <functional>
+#include <glm/vec3.hpp>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "net/loopback.hpp"
+#include "options/clip_option.hpp"
+#include "options/colour_options.hpp"
+#include "options/error_budget_options.hpp"
+#include "options/frames_option.hpp"
+#include "options/method_options.hpp"
+#include "options/option_values.hpp"
+#include "options/truth_options.hpp"
+#include "ringsplat/formats/open.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/net/layout.hpp"
+#include "session/render.hpp"
+
+/// Settings of the subcommands. option_tables.hpp has the options that set them.
+namespace ringsplat::app {
+
+/// The sides of --view. Left and right are the patient's where a file says that there is one, else those of
+/// the view from the front.
+enum class Side { front, back, left, right, top, bottom };
+
+enum class TransportChoice { automatic, mpi, loopback };
+
+/// The volume's file, the description of a raw file, and which of a file's volumes.
+struct VolumeOptions {
+  std::string path;
+  RawDescription raw;
+  VolumeChoice choice;
+  /// Opens it where it is no file; `path` is then its name for people.
+  std::function<std::unique_ptr<VolumeSource>()> opener = {};
+};
+
+inline std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume) {
+  if (volume.opener) return volume.opener();
+  return ringsplat::open_volume(volume.path, volume.raw, volume.choice);
+}
+
+/// Where the nodes run and how they talk.
+struct RunOptions {
+  TransportChoice transport = TransportChoice::automatic;
+  std::optional<int> gps, renderers;  ///< an omitted number follows from the number of ranks
+  bool choose_roles = false;          ///< one of them is "auto": chosen by the measured cost of a frame
+  std::optional<int> slab;   ///< without it 1, or what is chosen with the roles of a described machine
+  bool choose_slab = false;  ///< it is "auto"
+  std::optional<Placement> placement;
+  Topology topology = Topology::ring;
+  std::optional<Size> mesh;              ///< columns and rows of GPs
+  Routing routing = Routing::manhattan;  ///< in a mesh
+  ProtocolOptions protocol;
+  std::optional<int> threads_per_rank;  ///< without it the rank's share of the cores
+  EngineOptions engine;                 ///< its threads are settled when the ranks' cores are known
+  LoopbackOptions loopback;
+  std::string machine;  ///< a file; empty: none. Read into engine.simulation.
+};
+
+/// One of several views: what it says instead of the options' camera.
+struct ViewAngles {
+  std::optional<double> azimuth, elevation, roll, zoom;
+};
+
+struct RenderOptions {
+  VolumeOptions volume;
+  std::optional<FrameRange> frames;  ///< of a series of volumes
+  RunOptions run;
+  /// Without its transfer function, which may depend on the volume's histogram, and its clip box, which
+  /// follows from `clip` and the volume's grid. Its `how` follows from `method`.
+  FrameSpec frame;
+  std::optional<ClipText> clip;
+  MethodOptions method;
+  std::string transfer_function = "auto", transfer_function_out;
+  ColourOptions colour;
+  int orbit = 0;
+  std::string path;
+  std::vector<ViewAngles> views;  ///< of a caller in this process, instead of an orbit or a path
+  std::optional<Side> side;       ///< first_view.hpp makes angles of it
+  bool direction_chosen = false;  ///< some option says from where the volume is seen
+  std::optional<Fit> fit;         ///< empty: chosen by the other options
+  bool annotate = false;
+  bool progressive = false;
+  bool keep_all_axes = false;
+  std::string output, stats, trace;
+  bool stats_as_table = false;
+  ErrorOptions error;
+  ErrorBudgetOptions budget;
+  std::optional<glm::dvec3> background;  ///< linear light
+};
+
+struct ServeOptions {
+  /// The volume, the run, and the view that is shown first. Its method is the viewer's to choose.
+  RenderOptions picture;
+  double target_ms = 40;
+  std::string address = "127.0.0.1";
+  int port = 0;
+  std::vector<std::string> allowed_hosts, allowed_origins, allowed_frames;
+  bool open = false;
+};
+
+struct InfoOptions {
+  VolumeOptions volume;
+  int gps = 0;   ///< 0: several usual numbers
+  int slab = 1;  ///< slices of a slab
+  bool json = false, presets = false;
+  int ranks = 0;          ///< ranks to predict frame times for; 0: no prediction
+  int cores = 0;          ///< cores that the ranks share; 0: this machine's
+  std::string machine;    ///< a file: predict for it; empty: measure here
+  RenderOptions picture;  ///< the picture to predict for
+};
+
+struct CompareOptions {
+  std::string a, b, difference;
+  double threshold = 1;  ///< in 1/255
+  double difference_scale = 1;
+  std::optional<double> fail_above;  ///< RMSE in 1/255
+  bool json = false;
+};
+
+struct SynthOptions {
+  std::string name, output;
+  glm::ivec3 dims{64};
+  ScalarType type = ScalarType::uint8;
+  glm::dvec3 spacing{1.0};
+  bool no_compression = false, list = false;
+};
+
+}  // namespace ringsplat::app

@@ -1,0 +1,144 @@
+#include "options/transfer_function_option.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <utility>
+
+#include "base/printable.hpp"
+#include "classify/adjust.hpp"
+#include "options/option_values.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+std::vector<std::string> names_of_presets() {
+  std::vector<std::string> names;
+  for (const auto& preset : preset_names()) names.push_back(preset.name);
+  return names;
+}
+
+bool looks_like_a_file(const std::string& text) {
+  return text.find('/') != std::string::npos || std::filesystem::path(text).has_extension();
+}
+
+/// The range of values from where the opacity first leaves zero to where it last returns to it.
+std::string visible_range(const TransferFunction& tf) {
+  const auto visible = [](const TransferFunction::OpacityPoint& p) { return p.opacity > 0; };
+  const auto first = std::find_if(tf.opacities.begin(), tf.opacities.end(), visible);
+  if (first == tf.opacities.end()) return "nowhere";
+  const auto last = std::find_if(tf.opacities.rbegin(), tf.opacities.rend(), visible).base() - 1;
+  const double from = first == tf.opacities.begin() ? first->value : (first - 1)->value;
+  const double to = last + 1 == tf.opacities.end() ? last->value : (last + 1)->value;
+  return fmt::format("from {:g} to {:g}", plain(from), plain(to));
+}
+
+/// Voxels of the file's fill value are clear whatever the function says.
+void clear_noted_fill(TransferFunction& tf, const ValueStatistics& values) {
+  const auto& fill = values.kind.fill;
+  if (!fill || values.fill_voxels == 0 || !(tf.evaluate(*fill).opacity > 0)) return;
+  if (*fill < values.range.low)
+    clear_below(tf, std::lerp(*fill, values.range.low, 0.5));
+  else if (*fill > values.range.high)
+    clear_above(tf, std::lerp(values.range.high, *fill, 0.5));
+  else
+    clear_at(tf, *fill, values.kind.type != ScalarType::float32 && values.kind.type != ScalarType::float64);
+}
+
+}  // namespace
+
+TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const ColourOptions& colour)
+    : colour_(colour) {
+  if (!colour_.colours.empty()) map_ = colour_map(colour_.colours);
+  const auto presets = names_of_presets();
+  if (std::find(presets.begin(), presets.end(), text) != presets.end()) {
+    preset_ = text;
+    return;
+  }
+  std::error_code ignored;
+  if (std::filesystem::exists(text, ignored)) {
+    from_file_ = read_transfer_function(text, &ramp_);
+    return;
+  }
+  if (looks_like_a_file(text))
+    throw InputError(fmt::format("--tf {} is no file that can be read", text),
+                     "check the path, or use a preset: ringsplat info --presets");
+  const std::string alike = closest(text, presets);
+  throw InputError(fmt::format("--tf {} is neither a preset nor a file", text),
+                   (alike.empty() ? "" : fmt::format("did you mean {}? ", alike)) +
+                       fmt::format("the presets are {}", joined(presets, ", ")));
+}
+
+AutoChoice TransferFunctionChoice::base(const ValueStatistics& values) const {
+  if (colour_.labels) return choose_labels(values);
+  const bool is_auto = !from_file_ && preset_ == "auto";
+  if (is_auto && !colour_.range && !colour_.log) return choose_function(values);
+  DataRange window{0, 1};
+  if (colour_.log) window = positive_range(values);
+  if (colour_.range) window = {colour_.range->low, colour_.range->high};
+  if (is_auto) return choose_within(values, window, colour_.log);
+  AutoChoice made;
+  made.function = from_file_ ? *from_file_ : preset(preset_, values.histogram);
+  const auto [low, high] = ends_of(made.function);
+  made.range = colour_.range || colour_.log ? window : DataRange{low, high};
+  if (colour_.range || colour_.log) stretch(made.function, window.low, window.high);
+  if (colour_.log) made.function = on_logarithmic_axis(made.function);
+  return made;
+}
+
+MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
+  if (colour_.log && colour_.range && !(colour_.range->low > 0))
+    throw InputError(fmt::format("--log cannot show values from {:g}, as only positive ones have a logarithm",
+                                 colour_.range->low),
+                     "give --range a LO above 0");
+  AutoChoice made = base(values);
+  auto& tf = made.function;
+  if (map_) {
+    tf.colours = colours_over(*map_, made.range.low, made.range.high);
+    if (colour_.log) tf.colours = on_logarithmic_axis(tf.colours);
+  }
+  if (colour_.log) clear_below(tf, std::numeric_limits<double>::denorm_min());
+  if (colour_.opacity != 1) scale_opacity(tf, colour_.opacity);
+  clear_noted_fill(tf, values);
+  std::string said = made.why.empty() ? "" : fmt::format("--tf auto: {}", made.why);
+  if (ramp_)
+    said = fmt::format("--tf {}: the file has no opacities, so a ramp from clear at {:g} to opaque at {:g}",
+                       tf.name, plain(made.range.low), plain(made.range.high));
+  return {std::move(made.function), said, made.labels};
+}
+
+std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
+                                   std::uint64_t visible_voxels) {
+  const double low = plain(range.low), high = plain(range.high);
+  if (!tf.visible_within(range.low, range.high))
+    return fmt::format(
+        "the picture is empty: transfer function '{}' is opaque {}, but the volume's values run from {:g} to "
+        "{:g}; hint: try --tf auto",
+        tf.name, visible_range(tf), low, high);
+  if (visible_voxels == 0)
+    return fmt::format(
+        "the picture is empty: transfer function '{}' is opaque {}, and no voxel has such a value though the "
+        "volume's "
+        "run from {:g} to {:g}; hint: ringsplat info shows the histogram, or try --tf auto",
+        tf.name, visible_range(tf), low, high);
+  return fmt::format(
+      "the picture is empty: no visible voxel lies in it (values from {:g} to {:g}, transfer function '{}' "
+      "opaque {}); hint: check "
+      "--zoom or --matrix, or try --tf auto",
+      low, high, tf.name, visible_range(tf));
+}
+
+std::string why_hardly_anything_is_visible(double mean_opacity, const FrameSpec& spec) {
+  return fmt::format(
+      "the picture is nearly empty: its pixels stop {:.2g} of the light in the mean; hint: try --opacity {}, "
+      "a larger "
+      "--zoom{}",
+      mean_opacity, mean_opacity > 1e-6 ? 10 : 1000,
+      spec.shown.transfer_function.name == "auto" ? "" : " or --tf auto");
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,49 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "classify/auto_preset.hpp"
+#include "classify/colour_maps.hpp"
+#include "options/colour_options.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+
+namespace ringsplat::app {
+
+/// A transfer function, and what people are told of it.
+struct MadeFunction {
+  TransferFunction function;
+  std::string said;  ///< what "auto" has chosen and why, in one line; empty when nothing was chosen
+  bool labels = false;
+};
+
+/// The choice of --tf: a preset, fitted to the volume's values, or a file; changed as the colour options say.
+class TransferFunctionChoice {
+ public:
+  /// Reads a file immediately. Throws InputError when `text` is neither a preset nor a readable transfer
+  /// function, or when there is no such colour map.
+  explicit TransferFunctionChoice(const std::string& text, const ColourOptions& colour = {});
+  /// Throws InputError when the values do not allow what is asked: no positive one for --log, no whole
+  /// numbers for --labels.
+  MadeFunction make(const ValueStatistics& values) const;
+
+ private:
+  AutoChoice base(const ValueStatistics& values) const;
+
+  ColourOptions colour_;
+  std::optional<ColourMap> map_;
+  std::string preset_;
+  std::optional<TransferFunction> from_file_;
+  bool ramp_ = false;  ///< the file has no opacities
+};
+
+/// Explains why a frame without splats shows nothing, and what to do: the transfer function's visible values
+/// lie outside the volume's range, no voxel has such a value, or all `visible_voxels` (an upper bound) lie
+/// outside the picture.
+std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
+                                   std::uint64_t visible_voxels);
+
+/// The same for a frame of so little opacity that people take it for empty.
+std::string why_hardly_anything_is_visible(double mean_opacity, const FrameSpec& spec);
+
+}  // namespace ringsplat::app

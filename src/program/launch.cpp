@@ -1,0 +1,260 @@
+#include "program/launch.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <span>
+
+#include "base/lack_of_memory.hpp"
+#include "forecast/machine_forecast.hpp"
+#include "forecast/role_choice.hpp"
+#include "model/charge.hpp"
+#include "net/same_facts.hpp"
+#include "options/option_values.hpp"
+#include "program/build_id.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+Block to_block(const std::string& text) {
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+std::string to_text(const Block& block) {
+  return {reinterpret_cast<const char*>(block.data()), block.size()};
+}
+
+/// Puts an error on one line, whatever a library put into its message.
+std::string one_line(std::string text) {
+  std::replace(text.begin(), text.end(), '\n', ' ');
+  return text;
+}
+
+/// The InputError that `check` throws, or an empty text.
+std::string input_error_of(const std::function<void()>& check) {
+  try {
+    check();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return {};
+}
+
+}  // namespace
+
+Outcome guarded(const std::function<ExitCode()>& work) {
+  try {
+    return {work(), {}};
+  } catch (const InputError& e) {
+    return {e.exit_code(), one_line(e.what())};
+  } catch (const Error& e) {
+    return {e.exit_code(), e.what()};
+  } catch (const std::exception& e) {
+    if (is_lack_of_memory(e)) return {ExitCode::run_failed, lack_of_memory};
+    return {ExitCode::run_failed,
+            fmt::format("{}; hint: this should not happen, please report it", e.what())};
+  }
+}
+
+Launch::Launch(int& argc, char**& argv, TransportChoice choice)
+    : in_one_process_(choice == TransportChoice::loopback) {
+  const bool launched = MpiSession::launched();
+  if (launched || choice == TransportChoice::mpi) session_.emplace(argc, argv);
+  if (session_)
+    collectives_ = session_->make_collectives();
+  else
+    collectives_ = std::make_unique<SoloCollectives>();
+}
+
+Launch::Launch() : in_one_process_(true), collectives_(std::make_unique<SoloCollectives>()) {}
+
+Transport* Launch::transport() {
+  if (over_mpi() && !transport_) transport_ = session_->make_transport();
+  return transport_.get();
+}
+
+void Launch::require_same_build() const {
+  if (session_) app::require_same_build(session_->introductions(build_id()));
+}
+
+void Launch::require_same_options(const Facts& options) {
+  require_same(*collectives_, options, "was started with other options",
+               "start all ranks with the same command line and --config file; only --verbose may differ");
+}
+
+void Launch::settle(const std::string& error) {
+  const auto all = collectives_->all_gather(to_block(error));
+  const auto first = std::find_if(all.begin(), all.end(), [](const Block& b) { return !b.empty(); });
+  if (first == all.end()) return;
+  const bool same_everywhere =
+      std::all_of(all.begin(), all.end(), [&](const Block& b) { return b == *first; });
+  throw InputError(to_text(*first) + (same_everywhere || first == all.begin()
+                                          ? ""
+                                          : fmt::format(" (on rank {})", first - all.begin())));
+}
+
+void Launch::check_on_all_ranks(const std::function<void()>& check) { settle(input_error_of(check)); }
+
+void Launch::check_on_rank_0(const std::function<void()>& check) {
+  const std::string error = rank() == 0 ? input_error_of(check) : std::string();
+  const std::string agreed = to_text(collectives_->broadcast(to_block(error), 0));
+  if (!agreed.empty()) throw InputError(agreed);
+}
+
+bool Launch::of_rank_0(bool decision) {
+  return collectives_->broadcast(Block{std::byte(decision ? 1 : 0)}, 0).at(0) != std::byte(0);
+}
+
+Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
+  Outcome outcome;
+  if (rank() == 0) outcome = guarded(work);
+  const Block code = collectives_->broadcast(Block{std::byte(outcome.code)}, 0);
+  outcome.code = static_cast<ExitCode>(code.at(0));
+  return outcome;
+}
+
+void Launch::take_leave() {
+  const auto& [seconds, ends] = collectives_->patience();
+  if (simulated() || !ends) return;
+  const std::vector<int> absent = collectives_->absent(seconds);
+  if (absent.empty()) return;
+  std::vector<std::string> ranks;
+  for (const int rank : absent) ranks.push_back(std::to_string(rank));
+  throw RunError(
+      fmt::format("after the last frame rank {} did not answer for {} s; what was rendered is written",
+                  joined(ranks, ", "), seconds),
+      "a rank may have been stopped or be very slow; --stall-timeout sets the limit");
+}
+
+namespace {
+
+[[noreturn]] void refuse(const Layout& layout, int ranks, const std::string& hint) {
+  throw InputError(
+      fmt::format("{} GP(s) and {} Renderer(s) on {} ranks need {}, but the job has {}", layout.gps,
+                  layout.renderers, layout.placement == Placement::dedicated ? "dedicated" : "colocated",
+                  layout.ranks(), ranks),
+      hint);
+}
+
+/// A mesh's shape gives the number of GPs; unless told otherwise each row has a Renderer at its left end.
+RunOptions with_mesh_counts(RunOptions o) {
+  if (o.topology == Topology::mesh) {
+    if (!o.mesh)
+      throw InputError("--topology mesh needs the mesh's columns and rows", "for instance --mesh 4x4");
+    o.gps = o.mesh->width * o.mesh->height;
+    if (!o.renderers) o.renderers = o.mesh->height;
+    return o;
+  }
+  if (o.mesh) throw InputError("--mesh has no effect in a ring", "add --topology mesh, or leave it out");
+  if (o.routing != Routing::manhattan)
+    throw InputError("--routing has no effect in a ring", "add --topology mesh and --mesh, or leave it out");
+  return o;
+}
+
+/// The layout without its numbers of nodes.
+Layout empty_layout(const RunOptions& o) {
+  Layout layout{.placement = o.placement.value_or(Placement::dedicated),
+                .topology = o.topology,
+                .slab = o.slab.value_or(1)};
+  if (o.topology == Topology::mesh) {
+    layout.mesh_columns = o.mesh->width;
+    layout.mesh_rows = o.mesh->height;
+    layout.routing = o.routing;
+  }
+  return layout;
+}
+
+/// Nodes left for the other role when one role has `given`.
+int the_rest(int given, int ranks, Placement placement) {
+  return placement == Placement::dedicated ? std::max(1, ranks - given) : ranks;
+}
+
+Layout layout_on_ranks(const RunOptions& o, int ranks, int cores) {
+  const bool no_count = !o.gps && !o.renderers;
+  Layout layout = empty_layout(o);
+  if (no_count && o.placement == Placement::dedicated) {
+    layout.renderers = std::max(1, ranks / 3);
+    layout.gps = std::max(1, ranks - layout.renderers);
+  } else if (no_count) {
+    layout.gps = layout.renderers = cores > 0 && !o.placement ? std::min(ranks, cores) : ranks;
+    layout.placement = Placement::colocated;
+    layout.idle = ranks - layout.gps;
+  } else {
+    layout.gps = o.gps ? *o.gps : the_rest(*o.renderers, ranks, layout.placement);
+    layout.renderers = o.renderers ? *o.renderers : the_rest(*o.gps, ranks, layout.placement);
+  }
+  return layout;
+}
+
+}  // namespace
+
+std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks, int cores) {
+  if (o.choose_slab && !o.engine.simulation.machine)
+    throw InputError("--slab auto follows from a described machine's costs, but these ranks are real",
+                     "give a number, or leave it out: slices are then dealt one by one");
+  if (!over_mpi)
+    throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
+                     "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
+  if (simulated() && !o.engine.simulation.machine)
+    throw InputError(
+        "--gps auto and --renderers auto measure frames by this machine's clock, not the simulated one",
+        "name the machine that is simulated with --machine, whose costs then decide, or give both numbers");
+  if (o.topology == Topology::mesh)
+    throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
+                     "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
+  auto layouts = o.engine.simulation.machine
+                     ? rings_on_machine(ranks)
+                     : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
+  layouts = in_slabs(std::move(layouts), o.slab.value_or(1));
+  std::erase_if(layouts, [&](const Layout& l) {
+    return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
+           l.placement != o.placement.value_or(l.placement);
+  });
+  if (layouts.empty())
+    throw InputError(fmt::format("{} ranks cannot be given such roles", ranks),
+                     "use --gps auto alone, or give both numbers");
+  return layouts;
+}
+
+Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks, int cores) {
+  constexpr int most_in_one_process = 4096;
+  const RunOptions o = with_mesh_counts(options);
+  // Check counts below 1 first: their own message is clearer than that of a wrong sum.
+  check(Layout{.gps = o.gps.value_or(1), .renderers = o.renderers.value_or(1)});
+  if (std::max(o.gps.value_or(1), o.renderers.value_or(1)) > 1 << 24)
+    throw InputError("--gps or --renderers is far more than any machine has", "use one rank for each core");
+  if (o.choose_roles) static_cast<void>(layouts_to_choose_from(o, over_mpi, ranks));
+  if (!over_mpi) {
+    if (ranks > 1)
+      throw InputError(
+          fmt::format("--transport loopback runs in one process, but the launcher started {}", ranks),
+          "leave out mpirun, or the option");
+    Layout layout = empty_layout(o);
+    layout.gps = o.gps.value_or(1);
+    layout.renderers = o.renderers.value_or(1);
+    check(layout);
+    if (layout.ranks() > most_in_one_process)
+      throw InputError(
+          fmt::format("{} ranks are too many for one process", layout.ranks()),
+          fmt::format("start it with mpirun, or use at most {} GPs and Renderers", most_in_one_process));
+    return layout;
+  }
+  if (o.loopback.reorder || o.loopback.max_delay != 0 || o.loopback.in_step)
+    throw InputError(
+        "--shuffle, --max-delay and --in-step are for the loopback transport, but this run goes over MPI",
+        "leave them out, or leave out mpirun");
+  if (o.choose_roles) return layouts_to_choose_from(o, over_mpi, ranks).front();
+  const Layout layout = layout_on_ranks(o, ranks, cores);
+  check(layout);
+  if (layout.ranks() != ranks)
+    refuse(layout, ranks,
+           fmt::format("start it with mpirun -n {}, or change {}{}", layout.ranks(),
+                       o.topology == Topology::mesh ? "--mesh and --renderers" : "--gps and --renderers",
+                       std::max(layout.gps, layout.renderers) == ranks && o.topology == Topology::ring
+                           ? ", or add --roles colocated"
+                           : ""));
+  return layout;
+}
+
+}  // namespace ringsplat::app

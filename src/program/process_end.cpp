@@ -1,0 +1,74 @@
+#include "program/process_end.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <exception>
+
+#include "base/lack_of_memory.hpp"
+#include "base/output_file.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+constexpr std::array handled{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGPIPE};
+
+extern "C" void remove_files_and_end(int number) {
+  remove_unfinished_files();
+  // Ends the process with the signal's exit status. A library's earlier handler might return if called
+  // instead, as UCX's does.
+  signal(number, SIG_DFL);
+  raise(number);
+}
+
+/// Whether a library's thread, of which OpenBLAS's want the most, might find no memory.
+bool lacks_address_space() { return !has_address_space(std::size_t{256} << 20); }
+
+[[noreturn]] void end_for_lack_of_memory() {
+  remove_unfinished_files();
+  say_lack_of_memory();
+  _exit(int(ExitCode::run_failed));
+}
+
+std::terminate_handler end_otherwise = nullptr;
+
+[[noreturn]] void end_by_exception() {
+  try {
+    if (std::current_exception()) throw;
+    // What a library that could start only some of its threads makes of the others.
+    if (lacks_address_space()) end_for_lack_of_memory();
+  } catch (const std::exception& error) {
+    if (is_lack_of_memory(error)) end_for_lack_of_memory();
+  } catch (...) {
+  }
+  end_otherwise();
+  std::abort();
+}
+
+}  // namespace
+
+void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
+
+void leave_if_libraries_lack_memory(int code) {
+  if (!lacks_address_space()) return;
+  std::fflush(nullptr);
+  _exit(code);
+}
+
+void prepare_for_signals() {
+  signal(SIGXFSZ, SIG_IGN);
+  struct sigaction action {};
+  action.sa_handler = remove_files_and_end;
+  sigfillset(&action.sa_mask);
+  for (const int number : handled) {
+    struct sigaction before {};
+    sigaction(number, nullptr, &before);
+    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
+  }
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,18 @@
+#pragma once
+
+namespace ringsplat::app {
+
+/// Makes signals that end the process (hang-up, interrupt, quit, termination, processor time, a closed pipe)
+/// remove its unfinished files first; ignored signals stay ignored. A file over the file size limit becomes a
+/// write error, not a signal.
+void prepare_for_signals();
+
+/// Has what ends the program where nobody can catch it, such as a thread without memory, end it with
+/// run_failed and a line when memory is what was lacking.
+void prepare_for_lack_of_memory();
+
+/// Ends the process with `code`, without a usual exit's tidying, where memory is lacking: libraries wait
+/// there for threads that try for ever to get some, as OpenBLAS's do.
+void leave_if_libraries_lack_memory(int code);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,112 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "base/output_file.hpp"
+#include "base/printable.hpp"
+#include "images/image_io.hpp"
+#include "program/json_text.hpp"
+#include "program/text_output.hpp"
+#include "study/commands.hpp"
+#include "study/difference_image.hpp"
+#include "study/output_names.hpp"
+#include "truth/metrics.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+constexpr const char* channel_names[] = {"red", "green", "blue", "alpha"};
+
+/// The figures printed for two pictures.
+struct Comparison {
+  truth::ImageError error;
+  int channels;  ///< 3: neither picture has alpha
+  double over;   ///< fraction of the pixels over --threshold
+  std::uint64_t pixels;
+  bool linear, failed;
+};
+
+/// Infinite and undefined figures become null, as JSON has no such numbers.
+nlohmann::json to_json(const truth::ErrorFigures& f) {
+  return {{"rmse", f.rmse}, {"psnr", f.psnr()},   {"largest", f.largest},
+          {"mean", f.mean}, {"over_1", f.over_1}, {"over_2", f.over_2}};
+}
+
+std::string to_json_text(const CompareOptions& o, const Comparison& c) {
+  auto j = to_json(c.error.total);
+  j["a"] = o.a;
+  j["b"] = o.b;
+  j["values"] = c.linear ? "linear" : "display";
+  j["unit"] = "1/255";
+  j["largest_at"] = {c.error.worst.x, c.error.worst.y};
+  j["threshold"] = o.threshold;
+  j["pixels"] = c.pixels;
+  j["fraction_over"] = c.over;
+  for (int k = 0; k < c.channels; ++k)
+    j["channels"][channel_names[k]] = to_json(c.error.channels[std::size_t(k)]);
+  j["failed"] = c.failed;
+  return plain_json_text(std::move(j), 2);
+}
+
+std::string to_text(const CompareOptions& o, const Comparison& c) {
+  std::string text = fmt::format("{:<10}{:>12}{:>12}{:>12}{:>12}{:>12}{:>12}\n", "1/255", "RMSE", "PSNR dB",
+                                 "largest", "mean", "over 1, %", "over 2, %");
+  const auto row = [&](const char* name, const truth::ErrorFigures& f) {
+    text += fmt::format("{:<10}{:>12.6g}{:>12.4g}{:>12.6g}{:>+12.4g}{:>12.4g}{:>12.4g}\n", name, f.rmse,
+                        f.psnr(), f.largest, plain(f.mean), 100 * f.over_1, 100 * f.over_2);
+  };
+  row("all", c.error.total);
+  for (int k = 0; k < c.channels; ++k) row(channel_names[k], c.error.channels[std::size_t(k)]);
+  text += fmt::format(
+      "largest at ({}, {}); {:.4g} % of {} pixels differ by more than {:g}/255; {} premultiplied values\n",
+      c.error.worst.x, c.error.worst.y, 100 * c.over, c.pixels, o.threshold,
+      c.linear ? "linear" : "display (sRGB)");
+  return text;
+}
+
+void write_difference(const CompareOptions& o, const Image& a, const Image& b) {
+  const bool signed_values = std::filesystem::path(o.difference).extension() == ".exr";
+  // The difference is of the pictures' own values; an 8-bit file's transfer curve must not bend it.
+  Image picture = difference_image(a, b, o.difference_scale, !signed_values);
+  if (!signed_values)
+    picture =
+        to_linear({.image = std::move(picture), .linear = false, .has_alpha = false, .settings = {}}).image;
+  write_image(picture, o.difference, glm::dvec3(0.0), {});
+}
+
+}  // namespace
+
+ExitCode run_compare(const CompareOptions& o) {
+  if (!std::isfinite(o.difference_scale) || std::isnan(o.threshold) || std::isnan(o.fail_above.value_or(0)))
+    throw InputError("--diff-scale, --threshold and --fail-above must be numbers",
+                     "for instance --threshold 1");
+  if (!o.difference.empty()) {
+    check_image_name(o.difference, "--diff", false);
+    check_can_write(o.difference, "--diff");
+    refuse_clashes({{"--diff", o.difference}}, {{"a picture", o.a}, {"a picture", o.b}});
+  }
+  StoredImage a = read_image(o.a), b = read_image(o.b);
+  if (a.image.width != b.image.width || a.image.height != b.image.height)
+    throw InputError(fmt::format("{} has {}x{} pixels, but {} has {}x{}", o.a, a.image.width, a.image.height,
+                                 o.b, b.image.width, b.image.height),
+                     "compare pictures of the same size");
+  if (a.linear != b.linear) {
+    a = to_linear(std::move(a));
+    b = to_linear(std::move(b));
+  }
+  const int channels = a.has_alpha || b.has_alpha ? 4 : 3;
+  Comparison c{truth::compare(a.image, b.image, channels),
+               channels,
+               truth::fraction_over(a.image, b.image, o.threshold, channels),
+               std::uint64_t(a.image.width) * std::uint64_t(a.image.height),
+               a.linear,
+               false};
+  c.failed = o.fail_above && !(c.error.total.rmse <= *o.fail_above);
+  write_text_output("-", o.json ? to_json_text(o, c) + "\n" : to_text(o, c));
+  if (!o.difference.empty()) write_difference(o, a.image, b.image);
+  return c.failed ? ExitCode::comparison_failed : ExitCode::done;
+}
+
+}  // namespace ringsplat::app

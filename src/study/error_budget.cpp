@@ -1,0 +1,200 @@
+#include "study/error_budget.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <variant>
+
+namespace ringsplat::app {
+namespace {
+
+/// Left out are table and fixed-point kernels and other normalisations: none is ever both cheaper and nearer
+/// to the requested method's truth (docs/accuracy.md, "Speed against error").
+constexpr double opaque_thresholds[] = {0, 1.0 / 512, 1.0 / 128, 1.0 / 32};
+constexpr Precision precisions[] = {Precision::float32, Precision::half, Precision::u8};
+/// On the screen only: in the slices' plane a smaller kernel reaches as many pixels.
+constexpr double smaller_radii[] = {1.5, 1.4, 1.2};
+constexpr int samples_of_splats[] = {2, 1};
+constexpr double samples_of_sheets[] = {2, 1.5, 1};
+constexpr int undersampling[] = {2, 4};
+/// More than these are below what light points err, and in the slices' plane below what the warp errs.
+constexpr int exact_slabs = 4, slabs_in_slices_plane = 2;
+
+constexpr double same_time = 1.03;
+
+const char* word(Precision precision) {
+  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
+}
+
+/// `how` as it is, with smaller kernels, and in coarser planes.
+std::vector<Splats> shapes(const Splats& how, const Shown&, const ErrorBudgetOptions& o) {
+  std::vector<Splats> all{how};
+  if (!o.fixed_radius && how.image_plane == ImagePlane::screen) {
+    for (const double radius : smaller_radii) {
+      if (radius >= how.kernel_radius) continue;
+      all.push_back(how);
+      all.back().kernel_radius = radius;
+    }
+  }
+  for (const int samples : samples_of_splats) {
+    if (o.fixed_image_plane) break;
+    all.push_back(how);
+    all.back().image_plane = ImagePlane::slices;
+    all.back().plane_samples = samples;
+  }
+  return all;
+}
+
+/// `how` as it is, then with two slabs, with one light point, and with one slab. Only the field's truth has
+/// an error that more slabs lessen; and only on the screen, as a warp errs more.
+std::vector<Sheets> fewer_slabs(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
+  std::vector<Sheets> all{how};
+  const auto add = [&](int slabs, int light_points) {
+    Sheets other = how;
+    if (!o.fixed_slabs) other.slabs = slabs;
+    if (!o.fixed_light_points && shown.shading == Shading::phong) other.light_points = light_points;
+    if (std::find(all.begin(), all.end(), other) == all.end()) all.push_back(other);
+  };
+  if (o.to_field && how.image_plane == ImagePlane::screen)
+    add(std::max(exact_slabs, how.slabs), how.light_points);
+  constexpr int few = 2;
+  add(std::min(few, how.slabs), how.light_points);
+  add(std::min(few, how.slabs), 1);
+  add(1, 1);
+  return all;
+}
+
+/// `how` as it is and with other slabs, also in coarser planes; the coarsest comes last.
+std::vector<Sheets> shapes(const Sheets& how, const Shown& shown, const ErrorBudgetOptions& o) {
+  std::vector<Sheets> all = fewer_slabs(how, shown, o);
+  for (const double samples : samples_of_sheets) {
+    if (o.fixed_image_plane) break;
+    Sheets flat = how;
+    flat.image_plane = ImagePlane::slices;
+    flat.plane_samples = samples;
+    if (!o.fixed_slabs) flat.slabs = std::min(slabs_in_slices_plane, how.slabs);
+    for (const Sheets& s : fewer_slabs(flat, shown, o))
+      if (std::find(all.begin(), all.end(), s) == all.end()) all.push_back(s);
+  }
+  return all;
+}
+
+/// The shape to undersample. On the screen splats keep their kernel, whose ripple grows with the voxels.
+const Splats& coarsest(const std::vector<Splats>& all) {
+  return all.back().image_plane == ImagePlane::slices ? all.back() : all.front();
+}
+const Sheets& coarsest(const std::vector<Sheets>& all) { return all.back(); }
+
+std::vector<Splats> with_precisions(const Splats& how, const ErrorBudgetOptions& o) {
+  std::vector<Splats> all{how};
+  if (o.fixed_precision || how.payload != PayloadForm::runs) return all;
+  all.clear();
+  for (const Precision precision : precisions) {
+    all.push_back(how);
+    all.back().precision = precision;
+  }
+  return all;
+}
+std::vector<Sheets> with_precisions(const Sheets& how, const ErrorBudgetOptions&) { return {how}; }
+
+/// Appends all that there is to choose from with one engine.
+template <class How>
+void add_candidates(const How& how, const FrameSpec& frame, const ErrorBudgetOptions& o,
+                    std::vector<Shortcuts>& all) {
+  std::vector<double> thresholds{frame.shown.opaque_threshold};
+  if (!o.fixed_opaque_threshold)
+    thresholds.assign(std::begin(opaque_thresholds), std::end(opaque_thresholds));
+  const auto add = [&](const How& shape, int undersample) {
+    for (const How& precise : with_precisions(shape, o))
+      for (const double threshold : thresholds) all.push_back({threshold, precise, undersample});
+  };
+  const std::vector<How> some = shapes(how, frame.shown, o);
+  for (const How& shape : some) add(shape, frame.shown.reduction.factor);
+  if (o.fixed_undersample) return;
+  for (const int factor : undersampling) add(coarsest(some), factor);
+}
+
+std::string plane_text(ImagePlane plane, double samples) {
+  return plane == ImagePlane::slices ? fmt::format(" --image-plane slices --samples {}", samples) : "";
+}
+
+std::string method_text(const Splats& s) {
+  return fmt::format("--engine splats --precision {} --radius {}", word(s.precision), s.kernel_radius) +
+         plane_text(s.image_plane, s.plane_samples);
+}
+
+std::string method_text(const Sheets& s) {
+  return fmt::format("--engine sheets --slabs {} --light-points {}", s.slabs, s.light_points) +
+         plane_text(s.image_plane, s.plane_samples);
+}
+
+}  // namespace
+
+FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts) {
+  frame.shown.opaque_threshold = shortcuts.opaque_threshold;
+  frame.how = shortcuts.how;
+  frame.shown.reduction.factor = shortcuts.undersample;
+  return frame;
+}
+
+Shortcuts shortcuts_of(const FrameSpec& frame) {
+  return {frame.shown.opaque_threshold, frame.how, frame.shown.reduction.factor};
+}
+
+std::vector<int> levels_to_choose_from() {
+  std::vector<int> factors{1};
+  factors.insert(factors.end(), std::begin(undersampling), std::end(undersampling));
+  return factors;
+}
+
+std::string to_text(const Shortcuts& s) {
+  std::string text = fmt::format("--opaque-threshold {} ", s.opaque_threshold) +
+                     std::visit([](const auto& how) { return method_text(how); }, s.how);
+  if (s.undersample > 1) text += fmt::format(" --undersample {}", s.undersample);
+  return text;
+}
+
+std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& o) {
+  std::vector<Shortcuts> all;
+  const auto add = [&](const auto& how) { add_candidates(how, frame, o, all); };
+  std::visit(add, frame.how);
+  if (o.other_engine) std::visit(add, *o.other_engine);
+  return all;
+}
+
+std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> measured, double max_error) {
+  std::optional<double> least;
+  for (const auto& m : measured)
+    if (m.rmse_high <= max_error) least = std::min(least.value_or(m.seconds), m.seconds);
+  if (!least) return std::nullopt;
+  std::optional<std::size_t> best;
+  for (std::size_t k = 0; k < measured.size(); ++k) {
+    const auto& m = measured[k];
+    if (!(m.rmse_high <= max_error && m.seconds <= *least * same_time)) continue;
+    if (!best || m.rmse_high < measured[*best].rmse_high) best = k;
+  }
+  return best;
+}
+
+std::size_t most_exact(std::span<const MeasuredShortcuts> measured) {
+  const auto best = std::min_element(measured.begin(), measured.end(), [](const auto& a, const auto& b) {
+    return a.rmse_high != b.rmse_high ? a.rmse_high < b.rmse_high : a.seconds < b.seconds;
+  });
+  return std::size_t(best - measured.begin());
+}
+
+std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured, const Shortcuts& used,
+                                    double rmse, double max_error, bool last) {
+  const auto before =
+      std::find_if(measured.begin(), measured.end(), [&](const auto& m) { return m.shortcuts == used; });
+  if (before == measured.end()) return std::nullopt;
+  std::vector<MeasuredShortcuts> others;
+  for (const auto& m : measured)
+    if (m.rmse_high < before->rmse_high) others.push_back(m);
+  if (others.empty()) return std::nullopt;
+  const auto within = last ? std::nullopt : cheapest_within(others, max_error * before->rmse_high / rmse);
+  return others[within.value_or(most_exact(others))].shortcuts;
+}
+
+}  // namespace ringsplat::app

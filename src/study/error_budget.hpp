@@ -1,0 +1,64 @@
+#pragma once
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "options/error_budget_options.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+
+namespace ringsplat::app {
+
+/// What an error budget may trade for speed (docs/accuracy.md, "An error budget").
+struct Shortcuts {
+  double opaque_threshold = 0;
+  Method how;  ///< engine, image plane, and what only this engine has
+  int undersample = 1;
+  bool operator==(const Shortcuts&) const = default;
+};
+
+/// The frame as `shortcuts` would render it.
+FrameSpec with(FrameSpec frame, const Shortcuts& shortcuts);
+
+/// The other way round.
+Shortcuts shortcuts_of(const FrameSpec& frame);
+
+/// All undersampling factors among the candidates when the user has fixed none.
+std::vector<int> levels_to_choose_from();
+
+/// The command-line options that set these shortcuts.
+std::string to_text(const Shortcuts& shortcuts);
+
+/// All combinations to choose from, those of the frame's engine first, for each engine as it was asked for
+/// first. Settings that the user has fixed, or that `frame` leaves no choice of (words carry only float),
+/// stay as in `frame`.
+std::vector<Shortcuts> candidates(const FrameSpec& frame, const ErrorBudgetOptions& options);
+
+struct MeasuredShortcuts {
+  Shortcuts shortcuts;
+  double seconds = 0;              ///< a frame: mean over the views of each view's median
+  double rmse = 0, rmse_high = 0;  ///< the worst view's, in 1/255; upper end of the 95 % interval
+};
+
+/// A picture and its measured error.
+struct Judged {
+  FrameSpec spec;
+  std::string name;
+  double rmse;  ///< in 1/255
+};
+
+/// Index of the cheapest setting whose interval's upper end is within `max_error`. Times within 3 % of the
+/// least count as equal, which is how well they are measured; among those the least error wins. Nothing when
+/// none keeps the budget.
+std::optional<std::size_t> cheapest_within(std::span<const MeasuredShortcuts> measured, double max_error);
+
+/// Index of the setting with the least upper end, the fastest among equals. `measured` must not be empty.
+std::size_t most_exact(std::span<const MeasuredShortcuts> measured);
+
+/// What to draw a picture with that errs `rmse` with `used`, more than `max_error`: of the more exact
+/// settings the cheapest within the budget, should all err as much more than measured as this one; the most
+/// exact where there is none, and at the `last` attempt. Nothing when `used` is the most exact.
+std::optional<Shortcuts> more_exact(std::span<const MeasuredShortcuts> measured, const Shortcuts& used,
+                                    double rmse, double max_error, bool last);
+
+}  // namespace ringsplat::app

@@ -1,0 +1,57 @@
+#pragma once
+#include <span>
+#include <string>
+#include <vector>
+
+#include "options/options.hpp"
+#include "study/truth_scene.hpp"
+#include "truth/sampling.hpp"
+#include "volume/value_statistics.hpp"
+
+namespace ringsplat::app {
+
+/// A whole volume in one process, as truths need it: 8 bytes a voxel.
+struct WholeVolume {
+  Grid grid;
+  std::vector<double> values;
+  ValueStatistics statistics;  ///< the same as load_scene's, so that presets are the same
+};
+/// Throws InputError when the volume is unreadable, has no finite value or exceeds this machine's memory.
+WholeVolume read_whole(VolumeSource& source);
+
+/// Moves the volume's values into the scene, where they stay from frame to frame; set_frame
+/// (app/truth_scene.hpp) changes the rest.
+truth::Scene make_scene(WholeVolume&& volume);
+
+struct Evaluation {
+  TruthKind truth = TruthKind::field;
+  double tolerance = 1e-6;
+  std::string formula = {};
+};
+std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
+                                  std::span<const truth::Pixel> pixels);
+
+/// The pixels where the truth may be visible.
+truth::ScreenBounds bounds_of(const truth::Scene& scene, TruthKind truth);
+
+/// A sample of a picture's pixels and the truth there; it serves other pictures of the scene, too.
+struct SampledTruth {
+  truth::PixelSample sample;
+  std::vector<truth::Rgba> colours;
+};
+/// Samples where `picture` differs most (truth::draw_sample) and evaluates the truth there.
+SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
+                          std::size_t pixels, std::uint64_t seed);
+
+struct MeasuredError {
+  TruthKind truth;
+  std::uint64_t seed;
+  truth::SampledError error;
+  double seconds;  ///< spent on the truth
+};
+MeasuredError measure(const Image& image, const truth::Scene& scene, const ErrorOptions& options);
+
+/// "error against the method's truth: 0.0021/255 rms (95 %: 0.0019 to 0.0023), …".
+std::string to_text(const MeasuredError& error);
+
+}  // namespace ringsplat::app

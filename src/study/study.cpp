@@ -1,0 +1,278 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <tuple>
+
+#include "base/output_file.hpp"
+#include "frame/frame_needs.hpp"
+#include "options/option_values.hpp"
+#include "options/transfer_function_option.hpp"
+#include "program/json_text.hpp"
+#include "program/progress.hpp"
+#include "program/text_output.hpp"
+#include "session/render_frames.hpp"
+#include "study/commands.hpp"
+#include "study/measured_error.hpp"
+#include "study/study_list.hpp"
+#include "study/study_pictures.hpp"
+#include "volume/synth.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// One setting's frames of one view: the last picture, and all frames' seconds.
+struct Timed {
+  Image image;
+  FrameStats stats;
+  Axis axis = Axis::z;
+  std::vector<double> seconds;
+};
+
+std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
+  if (s.synth.empty()) return open_volume(s.volume);
+  Grid grid;
+  grid.dims = s.dims;
+  grid.type = s.type;
+  return synth_source(s.synth, grid);
+}
+
+FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, const TransferFunction& tf) {
+  FrameSpec spec;
+  spec.shown.width = list.width;
+  spec.shown.height = list.height;
+  spec.shown.transfer_function = tf;
+  spec.how = setting.how;
+  spec.shown.opacity_correction = setting.opacity_correction;
+  spec.shown.shading = setting.shading;
+  spec.division.region_size = setting.region_size;
+  check(spec);
+  return spec;
+}
+
+/// Renders every view as often as the list says, one frame at a time, in this process.
+std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s, const FrameSpec& spec) {
+  SoloCollectives solo;
+  const Wiring wiring{solo};
+  const Layout layout{1, 1};
+  OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
+  const LoadOptions load{.kept_axes = needed_axes(spec, list.views, volume.grid),
+                         .with_normals = needs_normals(spec),
+                         .with_cell_ranges = needs_cell_ranges(spec),
+                         .clip = spec.shown.clip};
+  Scene scene = load_scene(volume, load, layout, wiring);
+  std::vector<Timed> timed(list.views.size());
+  std::size_t next = 0, done = 0;
+  const std::size_t frames = list.views.size() * std::size_t(list.repetitions);
+  Director director{[&]() -> std::optional<FrameSpec> {
+                      if (next == frames) return std::nullopt;
+                      FrameSpec frame = spec;
+                      frame.shown.camera = list.views[next++ % list.views.size()];
+                      return frame;
+                    },
+                    [&](FrameResult&& result) {
+                      Timed& t = timed[done++ % list.views.size()];
+                      t.seconds.push_back(result.stats.seconds);
+                      t.stats = std::move(result.stats);
+                      t.axis = result.axis;
+                      t.image = std::move(result.image);
+                    }};
+  ProtocolOptions protocol;
+  protocol.frames_in_flight = 1;  // so that a frame's time is its own
+  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  return timed;
+}
+
+double median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  const auto half = values.size() / 2;
+  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
+}
+
+/// A row's columns that say how it is drawn; what only the other engine has is null.
+nlohmann::ordered_json columns_of(const Method& method) {
+  const auto* splats = std::get_if<Splats>(&method);
+  const auto* sheets = std::get_if<Sheets>(&method);
+  nlohmann::ordered_json j{{"engine", name(method)}};
+  for (const char* column :
+       {"radius", "kernel", "phases", "qee_bits", "normalisation", "slabs", "light_points"})
+    j[column] = nullptr;
+  if (splats != nullptr) {
+    j["radius"] = splats->kernel_radius;
+    j["kernel"] = name(splats->kernel.method);
+    j["phases"] = splats->kernel.phases;
+    j["qee_bits"] = splats->kernel.qee_bits;
+    j["normalisation"] = name(splats->kernel.normalisation);
+  }
+  if (sheets != nullptr) {
+    j["slabs"] = sheets->slabs;
+    j["light_points"] = sheets->light_points;
+  }
+  std::visit(
+      [&](const auto& how) {
+        j["image_plane"] = name(how.image_plane);
+        j["plane_samples"] = how.plane_samples;
+      },
+      method);
+  return j;
+}
+
+nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
+                              const Camera& camera, const Timed& timed, TruthKind truth,
+                              const truth::SampledError& error, const KeptPictures& kept) {
+  const NodeStats sum = timed.stats.total();
+  nlohmann::ordered_json row{{"scene", s.name}, {"setting", setting.name}};
+  row.update(columns_of(setting.how));
+  row.update({{"opacity_correction", setting.opacity_correction},
+              {"phong", setting.shading == Shading::phong},
+              {"azimuth", camera.azimuth},
+              {"elevation", camera.elevation},
+              {"roll", camera.roll},
+              {"zoom", camera.zoom},
+              {"axis", std::string(1, name(timed.axis))},
+              {"seconds", median(timed.seconds)},
+              {"frames", timed.seconds.size()},
+              {"splats", sum.splats_sent},
+              {"bytes", sum.payload_bytes_sent},
+              {"truth", to_string(truth)},
+              {"pixels", error.pixels},
+              {"rmse", error.rmse},
+              {"rmse_low", error.rmse_low},
+              {"rmse_high", error.rmse_high},
+              {"largest", error.largest},
+              {"mean", error.mean},
+              {"picture", kept.picture},
+              {"truth_picture", kept.truth}});
+  return row;
+}
+
+std::string to_csv(const nlohmann::ordered_json& rows) {
+  std::vector<std::string> lines, names;
+  for (const auto& [key, value] : rows.at(0).items()) names.push_back(key);
+  lines.push_back(joined(names, ","));
+  for (const auto& row : rows) {
+    std::vector<std::string> cells;
+    for (const auto& value : row)
+      cells.push_back(value.is_string() ? value.get<std::string>()
+                      : value.is_null() ? ""
+                                        : plain_json_text(value));
+    lines.push_back(joined(cells, ","));
+  }
+  return joined(lines, "\n") + "\n";
+}
+
+/// One scene under all settings. The field's and the formula's truths do not depend on the kernel, so they
+/// are evaluated once for each view and shading, where the first setting's picture differs most. The method's
+/// truth is evaluated for each setting.
+class SceneStudy {
+ public:
+  SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
+      : list_(list), scene_list_(s), pictures_(pictures) {
+    WholeVolume volume = read_whole(*open_scene(s));
+    transfer_function_ =
+        TransferFunctionChoice(s.transfer_function, s.colour).make(volume.statistics).function;
+    scene_ = make_scene(std::move(volume));
+  }
+
+  void run(const StudyList::Setting& setting, nlohmann::ordered_json& rows) {
+    FrameSpec spec = frame_of(list_, setting, transfer_function_);
+    spec.shown.clip = clip_box(scene_list_.clip, scene_.grid);
+    const auto timed = render_views(list_, scene_list_, spec);
+    for (std::size_t v = 0; v < list_.views.size(); ++v)
+      for (const TruthKind kind : list_.truths) {
+        const auto truth = truth_of(timed[v].image, kind, spec, v);
+        const auto error = truth::sampled_error(timed[v].image, truth->sample, truth->colours);
+        rows.push_back(row_of(scene_list_, setting, list_.views[v], timed[v], kind, error,
+                              keep(setting, spec, timed[v], kind, v)));
+      }
+  }
+
+ private:
+  Evaluation show(TruthKind kind, FrameSpec spec, std::size_t view) {
+    spec.shown.camera = list_.views[view];
+    set_frame(scene_, spec);
+    return {.truth = kind, .formula = scene_list_.synth};
+  }
+
+  /// Pictures of a measurement for --keep-images. The method's truth looks like the picture itself, so it is
+  /// not kept.
+  KeptPictures keep(const StudyList::Setting& setting, const FrameSpec& spec, const Timed& timed,
+                    TruthKind kind, std::size_t view) {
+    if (!pictures_.kept() || kind == TruthKind::method) return {};
+    const bool lit = spec.shown.shading == Shading::phong;
+    return {pictures_.keep(scene_list_.name, setting.name, view, timed.image),
+            pictures_.keep_truth(scene_list_.name, to_string(kind) + (lit ? "-phong" : ""), view, [&] {
+              const Evaluation whole = show(kind, spec, view);
+              const auto all = truth::all_pixels(list_.width, list_.height);
+              return truth::to_image(list_.width, list_.height, evaluate(scene_, whole, all));
+            })};
+  }
+
+  std::shared_ptr<const SampledTruth> truth_of(const Image& image, TruthKind kind, const FrameSpec& spec,
+                                               std::size_t view) {
+    const auto sampled = [&] {
+      const Evaluation evaluation = show(kind, spec, view);
+      return std::make_shared<const SampledTruth>(
+          sample_truth(image, scene_, evaluation, list_.error_pixels, list_.seed));
+    };
+    if (kind == TruthKind::method) return sampled();
+    auto& known = known_[std::tuple(kind, spec.shown.shading, view)];
+    if (!known) known = sampled();
+    return known;
+  }
+
+  const StudyList& list_;
+  const StudyList::Scene& scene_list_;
+  StudyPictures& pictures_;
+  TransferFunction transfer_function_;
+  truth::Scene scene_;
+  std::map<std::tuple<TruthKind, Shading, std::size_t>, std::shared_ptr<const SampledTruth>> known_;
+};
+
+std::string list_text(const StudyOptions& o) {
+  if (o.list.empty()) return default_study_list;
+  std::ifstream in(o.list, std::ios::binary);
+  if (!in)
+    throw InputError(fmt::format("there is no list {}", o.list),
+                     "ringsplat study --list shows one that works");
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+}  // namespace
+
+ExitCode run_study(const StudyOptions& o) {
+  if (o.show_list) {
+    write_text_output("-", default_study_list);
+    return ExitCode::done;
+  }
+  const StudyList list = parse_study_list(list_text(o), o.list.empty() ? "the default list" : o.list);
+  if (fs::path(o.output).extension() != ".csv")
+    throw InputError(fmt::format("-o '{}' does not name a .csv file", o.output), "for instance -o study.csv");
+  const fs::path json_file = fs::path(o.output).replace_extension(".json");
+  check_can_write(o.output, "-o");
+  check_can_write(json_file, "-o's JSON");
+  StudyPictures pictures(o.pictures);
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+  Progress progress;
+  progress.begin("measuring", double(list.scenes.size() * list.settings.size()));
+  std::size_t done = 0;
+  for (const auto& s : list.scenes) {
+    SceneStudy study(list, s, pictures);
+    for (const auto& setting : list.settings) {
+      study.run(setting, rows);
+      progress.at(double(++done));
+    }
+  }
+  progress.end();
+  write_texts({{o.output, to_csv(rows)}, {json_file, plain_json_text(rows, 1) + "\n"}});
+  progress.print(fmt::format("{}  {} measurements", o.output, rows.size()));
+  return ExitCode::done;
+}
+
+}  // namespace ringsplat::app
