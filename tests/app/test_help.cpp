@@ -1,8 +1,8 @@
 // Each subcommand's help, and that its examples work.
 #include <sstream>
 
+#include "app/command_line.hpp"
 #include "app/program_runner.hpp"
-#include "options/command_line.hpp"
 #include "options/subcommands.hpp"
 #include "support/catch.hpp"
 

@@ -1,8 +1,8 @@
 // The manual page has all that --help has, in correct roff, and the rules that it lists hold.
 #include <sstream>
 
+#include "app/command_line.hpp"
 #include "app/program_runner.hpp"
-#include "options/command_line.hpp"
 #include "options/contradictions.hpp"
 #include "options/method_options.hpp"
 #include "options/option_tables.hpp"

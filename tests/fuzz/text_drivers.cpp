@@ -5,13 +5,13 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "app/command_line.hpp"
 #include "app/views.hpp"
 #include "classify/classifier.hpp"
 #include "formats/files.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "fuzz/driver.hpp"
 #include "model/machine.hpp"
-#include "options/command_line.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 #include "serve/client_message.hpp"

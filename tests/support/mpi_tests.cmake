@@ -17,7 +17,7 @@ function(add_mpi_test_program target)
   cmake_parse_arguments(ARG "" "" "SOURCES;LIBRARIES" ${ARGN})
   add_executable(${target} ${ARG_SOURCES})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  target_compile_options(${target} PRIVATE ${RINGSPLAT_WARNINGS})
+  target_compile_options(${target} PRIVATE ${RINGSPLAT_WARNINGS} ${RINGSPLAT_TEST_OPTIMISATION})
   target_link_libraries(${target} PRIVATE mpi_test_main ${ARG_LIBRARIES})
 endfunction()
 

@@ -1,9 +1,10 @@
-#include "options/command_line.hpp"
+#include "app/command_line.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "app/version_text.hpp"
 #include "options/completion.hpp"
 #include "options/contradictions.hpp"
 #include "options/help.hpp"
@@ -11,7 +12,6 @@
 #include "options/man_page.hpp"
 #include "options/program_texts.hpp"
 #include "options/settled_options.hpp"
-#include "options/version_text.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {

@@ -1,4 +1,4 @@
-#include "options/version_text.hpp"
+#include "app/version_text.hpp"
 
 #include <vector>
 
