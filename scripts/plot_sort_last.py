@@ -55,9 +55,9 @@ def print_table(best):
     print("|---|---|---|---|---|---|---|---|---|---|")
     for study, _, _ in PANELS:
         for machine in NAMES:
-            ring, slabs = best[study][machine, "ring"], best[study][machine, "sort-last"]
-            for x in sorted(set(ring) & set(slabs)):
-                r, s = ring[x], slabs[x]
+            ring, sections = best[study][machine, "ring"], best[study][machine, "sort-last"]
+            for x in sorted(set(ring) & set(sections)):
+                r, s = ring[x], sections[x]
                 if r["study"] != study:
                     continue  # in another panel's rows already
                 print(f"| {study} | {NAMES[machine]} | {r['ranks']} | {r['picture']}² | {r['voxels_a_slice']} | {1e3 * r['seconds']:.1f} | {r['setting']} "

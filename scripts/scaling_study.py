@@ -11,7 +11,7 @@ Writes FOLDER/scaling.csv, a row for each simulated frame as it comes; scripts/p
     edges    1,020 hosts in a mesh: Renderers at its edge, or every rank a Renderer as well as a GP
     tokens   1024 slices of fewer and fewer voxels, down to none that is visible
     remedies what helps where tokens are the limit
-    slabs    slices that travel together, on a slow network and on a fast one
+    bundles    slices that travel together, on a slow network and on a fast one
 
 A volume of n³ voxels is rendered by the counts of one of 128 × 128 × n, from 1024³ on of 256 × 256 × n, whose voxels stand for several
 of their slice (docs/simulation.md). With 1,024 ranks a row takes one to two minutes, of 4096³ ten and more, and up to 6 GB.
@@ -187,11 +187,11 @@ class Study:
             more = more | {"machine": os.path.join(MACHINES, SLOW_NETWORK)}
             self.row("remedies", SMALL[0], 1024, 128, setting, more=more, frames=frames)
 
-    def slabs(self):
+    def bundles(self):
         for machine in (SLOW_NETWORK, MACHINE["ring"]):
             for layout in (SMALL[0], ring(64)):
-                for slab in (1, 2, 4, 8, 16, "auto"):
-                    self.row("slabs", layout, 1024, 128, f"slabs of {slab}", more={"machine": os.path.join(MACHINES, machine), "slab": slab})
+                for bundle in (1, 2, 4, 8, 16, "auto"):
+                    self.row("bundles", layout, 1024, 128, f"bundles of {bundle}", more={"machine": os.path.join(MACHINES, machine), "bundle": bundle})
 
     def large(self):
         for layout, method in [(ring(1024), "sheets"), *((layout, "splats") for layout in reversed(LARGEST))]:
@@ -203,7 +203,7 @@ class Study:
             self.row("edges", everywhere(1020), 1024, setting="everywhere", more={"machine": os.path.join(MACHINES, "torus.toml")}, method=method)
 
 
-STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.slabs, Study.large, Study.edges]
+STUDIES = [Study.strong, Study.weak, Study.tokens, Study.remedies, Study.bundles, Study.large, Study.edges]
 
 
 def main():

@@ -8,7 +8,7 @@ Writes FOLDER/sort_last.csv, a row for each run as it comes; scripts/plot_sort_l
     pictures the same on 64 ranks with smaller and larger pictures
     slices   1024 slices of fewer and fewer voxels on 64 ranks
 
-Both draw splats with the same painter. Sort-last: slabs with as many slices each or with the same cost, binary swap and radix-k. The
+Both draw splats with the same painter. Sort-last: sections with as many slices each or with the same cost, binary swap and radix-k. The
 ring: what the program chooses on simulated ranks; on real ones as many GPs as Renderers on ranks of their own, three of four ranks
 GPs, and every rank both. What IceT itself costs a byte and
 a pixel is measured on two real ranks first (IceT's own clocks). `real` counts what all ranks send, and their largest memory.
@@ -91,14 +91,14 @@ class Study:
             program("render", HEAD, "-o", self.path("x.exr"), "--quality", "paper", "--size", 16, "--tf", "mr-soft", "--tf-out", curve)
         return [HEAD, "--tf", curve, "--size", 512]
 
-    def slabs(self, ranks, strategy, even):
+    def sections(self, ranks, strategy, even):
         arguments = [*self.head(), "--azimuth", 30, "--elevation", 75, "--strategy", strategy, "--frames", REAL_FRAMES, *(["--even"] if even else [])]
         return [json.loads(line) for line in on_ranks(ranks, os.path.join(BUILD, "sort_last"), *arguments).splitlines()]
 
     def costs_of_icet(self):
         """Seconds a received byte and a looked-at pixel of an own picture, once measured."""
         if self.icet is None:
-            frames = self.slabs(2, "bswap", True)[1:]
+            frames = self.sections(2, "bswap", True)[1:]
             self.icet = [statistics.median(f["blending"] / f["bytes"] for f in frames), statistics.median(f["compressing"] / f["pixels"] for f in frames)]
             print(f"IceT takes {1e9 * self.icet[0]:.3f} ns a byte and {1e9 * self.icet[1]:.3f} ns a pixel", file=sys.stderr, flush=True)
         return self.icet
@@ -107,7 +107,7 @@ class Study:
         for ranks in (1, 2, 3, 4, 6, 8):
             common = {"study": "real", "machine": "here", "ranks": ranks, "picture": 512, "voxels_a_slice": 128 * 128}
             for strategy, even in STRATEGIES:
-                frames = self.slabs(ranks, strategy, even)[1:]
+                frames = self.sections(ranks, strategy, even)[1:]
                 middle = {key: statistics.median(f[key] for f in frames)
                           for key in ("seconds", "painting_mean", "painting_most", "bytes", "messages", "memory_most", "memory_sum")}
                 self.note(**common, program="sort-last", setting=strategy + (", even" if even else ""), **middle, hash=frames[-1]["picture"])
@@ -153,7 +153,7 @@ class Study:
         common = {"study": study, "machine": network, "ranks": ranks, "picture": size, "voxels_a_slice": width**2}
         voxels = ["--voxel-weight", f"{(width / 128) ** 2:g}"]
         for strategy, even in STRATEGIES:
-            self.note(**common, program="sort-last", setting=strategy + (", even" if even else ""), **self.simulated_slabs(network, ranks, size, voxels, strategy, even))
+            self.note(**common, program="sort-last", setting=strategy + (", even" if even else ""), **self.simulated_sections(network, ranks, size, voxels, strategy, even))
         frame = simulate({"machine": os.path.join(MACHINES, network), "frames-in-flight": 1, "gps": "auto"}, *self.ball(), *voxels, "--fit", "sphere",
                          "--size", f"{size}x{size}", "--count-only", monitors={"ranks": str(ranks)})[0]
         chosen, total, drawing = frame["layout"], frame["total"], [n["seconds"]["drawing"] for n in simulation.nodes(frame, "Renderer")]
@@ -161,7 +161,7 @@ class Study:
                   seconds=frame["seconds"], bytes=total["payload_bytes_sent"], messages=total["payloads_sent"],
                   painting_mean=statistics.mean(drawing), painting_most=max(drawing))
 
-    def simulated_slabs(self, network, ranks, size, voxels, strategy, even):
+    def simulated_sections(self, network, ranks, size, voxels, strategy, even):
         weight = (size // DRAWN) ** 2
         machine = slower(os.path.join(MACHINES, network), weight, self.path(f"{weight}-{network}"))
         config = self.path("ranks.toml")

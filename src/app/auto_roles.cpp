@@ -57,7 +57,7 @@ Layout choose_on_machine(const RenderOptions& o, const std::vector<Camera>& came
                                    probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras),
                                    machine, o.run.engine.simulation.voxel_weight, launch.ranks(),
                                    o.run.protocol);
-    const auto predictions = o.run.slab ? forecast.predict_all(layouts) : forecast.predict_slabs(layouts);
+    const auto predictions = o.run.bundle ? forecast.predict_all(layouts) : forecast.predict_bundles(layouts);
     chosen = predictions.front().layout;
     say_choice(predictions);
   });

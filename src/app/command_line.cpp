@@ -7,6 +7,7 @@
 #include "app/version_text.hpp"
 #include "options/completion.hpp"
 #include "options/contradictions.hpp"
+#include "options/former_names.hpp"
 #include "options/help.hpp"
 #include "options/likely_option.hpp"
 #include "options/man_page.hpp"
@@ -44,20 +45,23 @@ struct CallForCompletion {
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
  public:
-  explicit SubcommandToml(const CLI::App& program) : program_(program) {}
+  SubcommandToml(const CLI::App& program, FormerNames& former) : program_(program), former_(former) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     auto read = CLI::ConfigTOML::from_config(in);
     const auto chosen = program_.get_subcommands();
-    for (auto& item : read)
+    for (auto& item : read) {
+      item.name = former_.renamed(item.name);
       if (item.parents.empty() && !chosen.empty() &&
           program_.get_option_no_throw("--" + item.name) == nullptr)
         item.parents = {chosen.front()->get_name()};
+    }
     return read;
   }
 
  private:
   const CLI::App& program_;
+  FormerNames& former_;
 };
 
 std::string one_line(std::string text) {
@@ -116,7 +120,7 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
   return error.what();
 }
 
-void add_program_options(CLI::App& program, bool& verbose) {
+void add_program_options(CLI::App& program, bool& verbose, FormerNames& former) {
   program.set_version_flag("--version", version_text);
   program.set_help_flag("-h,--help", "Print this help");
   program.set_help_all_flag("--help-all", "Print the help of all options");
@@ -133,7 +137,7 @@ void add_program_options(CLI::App& program, bool& verbose) {
       ->configurable(false);
   program.add_flag("--verbose", verbose, "Say more, on every rank");
   program.set_config("--config", "", "A TOML file with options")->type_name("FILE");
-  program.config_formatter(std::make_shared<SubcommandToml>(program));
+  program.config_formatter(std::make_shared<SubcommandToml>(program, former));
   program.allow_config_extras(CLI::config_extras_mode::error);
 }
 
@@ -146,12 +150,12 @@ void add_subcommands(CLI::App& program, AllOptions& options) {
   }
 }
 
-void prepare(CLI::App& program, bool& verbose, AllOptions& options) {
+void prepare(CLI::App& program, bool& verbose, FormerNames& former, AllOptions& options) {
   program.formatter(std::make_shared<HelpFormatter>());
   program.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", texts.examples, texts.exit_codes));
   program.fallthrough();
   program.require_subcommand(1);
-  add_program_options(program, verbose);
+  add_program_options(program, verbose, former);
   add_subcommands(program, options);
 }
 
@@ -171,9 +175,13 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
   CommandLine line;
   AllOptions options;
   CLI::App program(fmt::format("{}: {}", texts.summary, texts.description), "ringsplat");
-  prepare(program, line.verbose, options);
+  FormerNames former;
+  prepare(program, line.verbose, former, options);
+  const auto words = former.renamed(argc, argv);
+  std::vector<const char*> with_names_of_today;
+  for (const auto& word : words) with_names_of_today.push_back(word.c_str());
   try {
-    program.parse(argc, argv);
+    program.parse(argc, with_names_of_today.data());
     line.options = settled_options(program);
     line.command = command_of(program, options);
   } catch (const CallForMan&) {
@@ -197,6 +205,7 @@ CommandLine parse_command_line(int argc, const char* const* argv) {
     line.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
                            "--help shows the options");
   }
+  line.notes = former.notes();
   return line;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 #include <string>
+#include <vector>
 
 #include "options/subcommands.hpp"
 #include "ringsplat/base/fact.hpp"
@@ -9,8 +10,9 @@ namespace ringsplat::app {
 struct CommandLine {
   Command command;
   bool verbose = false;
-  Facts options;      ///< what the user said (settled_options)
-  std::string error;  ///< one line with a hint, or empty
+  Facts options;                   ///< what the user said (settled_options)
+  std::vector<std::string> notes;  ///< what the user should know of it, however it ends
+  std::string error;               ///< one line with a hint, or empty
 };
 
 /// Reads the command line and the --config file it names. Does not throw: a rank cannot report an error

@@ -96,10 +96,10 @@ Memory memory_of(const Grid& grid, SliceDealing dealing) {
   return {dealing.gps, most(true, true), most(true, false), most(false, true), most(false, false)};
 }
 
-std::vector<Memory> memory_table(const Grid& grid, int gps, int slab) {
+std::vector<Memory> memory_table(const Grid& grid, int gps, int bundle) {
   std::vector<Memory> table;
   for (const int count : gps > 0 ? std::vector{gps} : std::vector{1, 2, 4, 8, 16})
-    table.push_back(memory_of(grid, {count, slab}));
+    table.push_back(memory_of(grid, {count, bundle}));
   return table;
 }
 
@@ -212,9 +212,9 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   if (!values.range.empty()) text += quantiles_text(values) + histogram_text(values);
   text += fmt::format(
       "\nslices held by a GP{} (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n",
-      o.slab > 1 ? fmt::format(", in slabs of {}", o.slab) : "", "--gps", "all axes, lit", "all axes, unlit",
-      "one axis, lit", "one axis, unlit");
-  for (const auto& m : memory_table(whole, o.gps, o.slab))
+      o.bundle > 1 ? fmt::format(", in bundles of {}", o.bundle) : "", "--gps", "all axes, lit",
+      "all axes, unlit", "one axis, lit", "one axis, unlit");
+  for (const auto& m : memory_table(whole, o.gps, o.bundle))
     text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
                         human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain));
   return text;
@@ -261,9 +261,9 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
                     {"below", histogram.below},
                     {"above", histogram.above}};
   j["notes"] = to_json(notes, values);
-  for (const auto& m : memory_table(whole, o.gps, o.slab))
+  for (const auto& m : memory_table(whole, o.gps, o.bundle))
     j["slice_memory_of_a_gp"].push_back({{"gps", m.gps},
-                                         {"slab", o.slab},
+                                         {"bundle", o.bundle},
                                          {"all_axes_lit", m.all_lit},
                                          {"all_axes_unlit", m.all_plain},
                                          {"one_axis_lit", m.one_lit},
@@ -307,13 +307,14 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
     const MachineForecast forecast(source, frame, choice, views, *f.machine, 1, o.ranks,
                                    picture.run.protocol);
     if (sketched) f.costs = forecast.costs();
-    f.predictions = forecast.predict_all(in_slabs(rings_on_machine(o.ranks), o.slab));
-    for (const Layout& layout : in_slabs(possible_layouts(o.ranks, true), o.slab))
+    f.predictions = forecast.predict_all(in_bundles(rings_on_machine(o.ranks), o.bundle));
+    for (const Layout& layout : in_bundles(possible_layouts(o.ranks, true), o.bundle))
       if (layout.topology == Topology::mesh) f.predictions.push_back(forecast.predict(layout));
     std::stable_sort(f.predictions.begin(), f.predictions.end(),
                      [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; });
   } else {
-    f.predictions = predict_all(f.costs, f.ranks, in_slabs(possible_layouts(o.ranks, true, cores), o.slab));
+    f.predictions =
+        predict_all(f.costs, f.ranks, in_bundles(possible_layouts(o.ranks, true, cores), o.bundle));
   }
   progress.end();
   return f;
@@ -332,7 +333,7 @@ nlohmann::json to_json(const Forecast& f) {
                        {"gps", p.layout.gps},
                        {"renderers", p.layout.renderers},
                        {"idle", p.layout.idle},
-                       {"slab", p.layout.slab},
+                       {"bundle", p.layout.bundle},
                        {"roles", p.layout.placement == Placement::colocated ? "colocated" : "dedicated"},
                        {"mesh", {p.layout.mesh_columns, p.layout.mesh_rows}},
                        {"topology", p.layout.topology == Topology::mesh ? "mesh" : "ring"},

@@ -114,6 +114,7 @@ int run_program(int argc, char** argv) {
     line.emplace(parse_command_line(argc, argv));
     launch.emplace(argc, argv, transport_of(*line));
     set_log_rank(launch->rank(), line->verbose);
+    for (const std::string& note : line->notes) log_warning_once("{}", note);
     return ExitCode::done;
   });
   if (started.code != ExitCode::done) {

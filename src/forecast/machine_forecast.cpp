@@ -184,7 +184,7 @@ void MachineForecast::deal(const View& view, const Layout& layout, FrameGeometry
   if (layout.placement == Placement::colocated)
     busy = busy_gps(view.whole, dealing_of(layout), layout.renderers, layout.renderers);
   WorkCosts costs = view.costs;
-  costs.payload -= payload_message_seconds(machine_) * (1 - 1.0 / layout.slab);
+  costs.payload -= payload_message_seconds(machine_) * (1 - 1.0 / layout.bundle);
   deal_by_work(g, view.whole, costs, division, form, layout.renderers, busy);
 }
 
@@ -206,13 +206,14 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
                      .painting_piece = painting_piece(machine_),
                      .hops = mean_hops(layout)});
   const SliceDealing dealing = dealing_of(layout);
-  int slabs = 0;
+  int bundles = 0;
   std::vector<std::size_t> layers;
-  for (int step = 0; step < g.slices; ++slabs) {
+  for (int step = 0; step < g.slices; ++bundles) {
     const int first = view.whole.slice_of(step);
     double encoding = 0;
     layers.clear();
-    for (; step < g.slices && dealing.slab_of(view.whole.slice_of(step)) == dealing.slab_of(first); ++step) {
+    for (; step < g.slices && dealing.bundle_of(view.whole.slice_of(step)) == dealing.bundle_of(first);
+         ++step) {
       layers.push_back(std::size_t(view.whole.layer_of(step)));
       encoding += machine_.gp.slice + view.whole.slice_seconds(step);
     }
@@ -227,7 +228,7 @@ Prediction MachineForecast::predict(const View& view, const Layout& layout) cons
   }
   p.seconds = std::max(p.seconds, link_seconds(view, layout));
   p.gp = tokens.busiest_gp();
-  p.tokens = 3 * hop * slabs;
+  p.tokens = 3 * hop * bundles;
   return p;
 }
 
@@ -264,13 +265,13 @@ std::vector<Prediction> MachineForecast::predict_all(const std::vector<Layout>& 
   return all;
 }
 
-std::vector<Prediction> MachineForecast::predict_slabs(const std::vector<Layout>& layouts) const {
+std::vector<Prediction> MachineForecast::predict_bundles(const std::vector<Layout>& layouts) const {
   constexpr int most = 64;
   constexpr double too_slow = 1.02, as_fast = 1.01;
   std::vector<std::vector<Prediction>> tried;
   double least = INFINITY;
-  for (int slab = 1; slab <= most; slab *= 2) {
-    tried.push_back(predict_all(in_slabs(layouts, slab)));
+  for (int bundle = 1; bundle <= most; bundle *= 2) {
+    tried.push_back(predict_all(in_bundles(layouts, bundle)));
     const double seconds = tried.back().front().seconds;
     least = std::min(least, seconds);
     if (seconds > too_slow * least) break;

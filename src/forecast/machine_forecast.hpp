@@ -30,8 +30,9 @@ class MachineForecast {
   Prediction predict(const Layout& layout) const;
   /// The fastest first. Of many it first looks at some, then at those next to the fastest.
   std::vector<Prediction> predict_all(const std::vector<Layout>& layouts) const;
-  /// The same with slabs of 1, 2, 4 … slices: of the fewest with which the fastest is within 1 % of the best.
-  std::vector<Prediction> predict_slabs(const std::vector<Layout>& layouts) const;
+  /// The same with bundles of 1, 2, 4 … slices: of the fewest with which the fastest is within 1 % of the
+  /// best.
+  std::vector<Prediction> predict_bundles(const std::vector<Layout>& layouts) const;
 
  private:
   struct View;

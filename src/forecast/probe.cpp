@@ -18,7 +18,7 @@ namespace ringsplat::app {
 namespace {
 
 constexpr std::int64_t most_voxels = std::int64_t{1} << 24;
-constexpr int slabs_of_large_volumes = 3;
+constexpr int sections_of_large_volumes = 3;
 constexpr int repetitions = 3;
 constexpr double patience = 2;  ///< seconds after which no measurement is repeated
 constexpr int most_renderers = 1024;
@@ -32,47 +32,47 @@ double thread_seconds() {
 }
 
 /// Some z slices as a volume of their own, and their place in the whole.
-struct Slab {
+struct Section {
   Grid grid;
   std::vector<std::byte> voxels;
 };
 
-Slab read_slab(VolumeSource& source, int first, int count) {
-  Slab slab{source.grid(), {}};
-  slab.grid.dims.z = count;
-  slab.grid.origin += slab.grid.direction * glm::dvec3(0, 0, slab.grid.spacing.z * first);
-  slab.voxels.resize(slab.grid.bytes());
-  source.read_slices(first, count, slab.voxels);
-  return slab;
+Section read_section(VolumeSource& source, int first, int count) {
+  Section section{source.grid(), {}};
+  section.grid.dims.z = count;
+  section.grid.origin += section.grid.direction * glm::dvec3(0, 0, section.grid.spacing.z * first);
+  section.voxels.resize(section.grid.bytes());
+  source.read_slices(first, count, section.voxels);
+  return section;
 }
 
-std::vector<Slab> read_slabs(VolumeSource& source) {
+std::vector<Section> read_sections(VolumeSource& source) {
   const Grid& grid = source.grid();
-  std::vector<Slab> slabs;
+  std::vector<Section> sections;
   if (grid.voxels() <= most_voxels) {
-    slabs.push_back(read_slab(source, 0, grid.dims.z));
-    return slabs;
+    sections.push_back(read_section(source, 0, grid.dims.z));
+    return sections;
   }
   const auto in_slice = std::int64_t(grid.slice_voxels(Axis::z));
-  const int wanted = int(std::max<std::int64_t>(1, most_voxels / slabs_of_large_volumes / in_slice));
-  const int thick = std::min(wanted, std::max(1, grid.dims.z / slabs_of_large_volumes));
-  const int count = std::min(slabs_of_large_volumes, grid.dims.z);
+  const int wanted = int(std::max<std::int64_t>(1, most_voxels / sections_of_large_volumes / in_slice));
+  const int thick = std::min(wanted, std::max(1, grid.dims.z / sections_of_large_volumes));
+  const int count = std::min(sections_of_large_volumes, grid.dims.z);
   for (int k = 0; k < count; ++k) {
     const int middle = int((2 * std::int64_t(k) + 1) * grid.dims.z / (2 * count));
-    slabs.push_back(read_slab(source, std::clamp(middle - thick / 2, 0, grid.dims.z - thick), thick));
+    sections.push_back(read_section(source, std::clamp(middle - thick / 2, 0, grid.dims.z - thick), thick));
   }
-  return slabs;
+  return sections;
 }
 
-/// Of slabs of the volume, whose dimensions are `dims`.
-TransferFunction make_for(const std::vector<Slab>& slabs, glm::ivec3 dims, const VolumeNotes& notes,
+/// Of sections of the volume, whose dimensions are `dims`.
+TransferFunction make_for(const std::vector<Section>& sections, glm::ivec3 dims, const VolumeNotes& notes,
                           const TransferFunctionChoice& choice) {
   const Pass pass = [&](const RowVisitor& visit) {
-    for (const Slab& slab : slabs) visit(slab.voxels, slab.grid.dims.x);
+    for (const Section& section : sections) visit(section.voxels, section.grid.dims.x);
   };
   Merging alone;
   const ValueStatistics values =
-      describe_values({slabs.front().grid.type, notes.fill}, dims, notes, pass, alone);
+      describe_values({sections.front().grid.type, notes.fill}, dims, notes, pass, alone);
   if (values.range.empty())
     throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                      "check the file's --type and --endian");
@@ -99,7 +99,7 @@ Camera fixed_to_world(const Camera& camera, const Grid& grid, int width, int hei
   return fixed;
 }
 
-/// What one view of one slab costs: the quickest of several repetitions.
+/// What one view of one section costs: the quickest of several repetitions.
 struct ViewCosts {
   double gp = 0, rest = 0, visible_voxels = 0, splats = 0;
   std::vector<double> renderers;
@@ -145,12 +145,12 @@ ViewCosts costs_of(const FrameStats& stats, const Machine& machine, const Grid& 
 
 /// Renders the frames one after another in this process and measures each, or counts what a described machine
 /// would charge.
-std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpec>& frames,
+std::vector<ViewCosts> render_views(const Section& section, const std::vector<FrameSpec>& frames,
                                     const LoadOptions& load, int renderers, const Machine* machine) {
   SoloCollectives solo;
   const Wiring wiring{solo};
   const Layout layout{.gps = 1, .renderers = renderers};
-  OpenedVolume volume{slab.grid, true, memory_source(slab.grid, slab.voxels)};
+  OpenedVolume volume{section.grid, true, memory_source(section.grid, section.voxels)};
   Scene scene = load_scene(volume, load, layout, wiring);
   std::vector<ViewCosts> costs(frames.size());
   const double until = now_seconds() + patience;
@@ -167,8 +167,8 @@ std::vector<ViewCosts> render_views(const Slab& slab, const std::vector<FrameSpe
       },
       [&](FrameResult&& result) {
         const double share = std::min(1.0, (thread_seconds() - cpu) / std::max(1e-9, now_seconds() - wall));
-        ViewCosts measured =
-            machine == nullptr ? costs_of(result.stats, share) : costs_of(result.stats, *machine, slab.grid);
+        ViewCosts measured = machine == nullptr ? costs_of(result.stats, share)
+                                                : costs_of(result.stats, *machine, section.grid);
         ViewCosts& best = costs[(announced - 1) % frames.size()];
         if (measured.busy < best.busy) best = std::move(measured);
       }};
@@ -209,7 +209,7 @@ FrameSpec cut_finely(FrameSpec frame, const Grid& grid) {
 }  // namespace
 
 TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice) {
-  return make_for(read_slabs(source), source.grid().dims, source.notes(), choice);
+  return make_for(read_sections(source), source.grid().dims, source.notes(), choice);
 }
 
 std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
@@ -220,12 +220,12 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras) {
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
                                const std::vector<Camera>& views, LoadOptions load, const Machine* machine) {
   const Grid grid = source.grid();
-  std::vector<Slab> slabs = read_slabs(source);
-  frame.shown.transfer_function = make_for(slabs, grid.dims, source.notes(), choice);
+  std::vector<Section> sections = read_sections(source);
+  frame.shown.transfer_function = make_for(sections, grid.dims, source.notes(), choice);
   check(frame);
-  // What is rendered are slabs of the clipped part, as volumes of their own.
+  // What is rendered are sections of the clipped part, as volumes of their own.
   const std::optional<VoxelBox> clip = frame.shown.clip;
-  if (clip) slabs = read_slabs(*clipped_source(source, *clip));
+  if (clip) sections = read_sections(*clipped_source(source, *clip));
   load.clip.reset();
   FrameCosts costs;
   costs.slices = 0;
@@ -251,19 +251,19 @@ FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const Tran
     cut.back().shown.clip.reset();
   }
   int slices_read = 0;
-  for (const Slab& slab : slabs) slices_read += slab.grid.dims.z;
+  for (const Section& section : sections) slices_read += section.grid.dims.z;
   const int slices = clip ? clip->dims().z : grid.dims.z;
   const double scale = double(slices) / slices_read / double(views.size());
-  const double mean = 1.0 / double(slabs.size()) / double(views.size());
-  for (const Slab& slab : slabs) {
-    const auto together = render_views(slab, whole, load, 1, machine);
-    const auto apart = render_views(slab, cut, load, std::min(regions, most_renderers), machine);
+  const double mean = 1.0 / double(sections.size()) / double(views.size());
+  for (const Section& section : sections) {
+    const auto together = render_views(section, whole, load, 1, machine);
+    const auto apart = render_views(section, cut, load, std::min(regions, most_renderers), machine);
     for (std::size_t k = 0; k < cut.size(); ++k) {
       costs.gp += scale * together[k].gp;
       costs.frame += mean * together[k].rest;
       costs.visible_voxels += scale * together[k].visible_voxels;
       costs.splats += scale * together[k].splats;
-      add_regions(costs, make_geometry(cut[k], slab.grid), apart[k].renderers,
+      add_regions(costs, make_geometry(cut[k], section.grid), apart[k].renderers,
                   scale * together[k].renderers.front());
     }
   }

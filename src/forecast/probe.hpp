@@ -22,11 +22,11 @@ std::vector<Camera> probe_views(const std::vector<Camera>& cameras);
 /// and takes the quickest of a few repetitions. Counts this thread's processor seconds, so that other users
 /// of the machine change little.
 ///
-/// A volume of more than 2²⁴ voxels is sampled by three slabs of z slices, whose costs stand for the others'.
-/// This bounds memory, but a file that must be decoded in order is decoded once more up to the last slab.
-/// With a `machine` nothing is measured: the frames' counts are charged at its nodes' costs. `frame` is what
-/// all frames share; its transfer function is made from the voxels read. Throws InputError when the volume is
-/// unreadable or has no finite value.
+/// A volume of more than 2²⁴ voxels is sampled by three sections of z slices, whose costs stand for the
+/// others'. This bounds memory, but a file that must be decoded in order is decoded once more up to the last
+/// section. With a `machine` nothing is measured: the frames' counts are charged at its nodes' costs. `frame`
+/// is what all frames share; its transfer function is made from the voxels read. Throws InputError when the
+/// volume is unreadable or has no finite value.
 FrameCosts measure_frame_costs(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
                                const std::vector<Camera>& views, LoadOptions load,
                                const Machine* machine = nullptr);

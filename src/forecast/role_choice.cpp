@@ -24,9 +24,9 @@ std::vector<double> by_renderer(const FrameCosts& costs, int renderers) {
 
 /// Seconds of GP `gp` for its slices: the largest share or one less.
 double gp_seconds(const FrameCosts& costs, int gp, const Layout& layout) {
-  const double slabs = std::ceil(costs.slices / layout.slab),
-               own = std::max(0.0, std::ceil((slabs - gp) / layout.gps)),
-               slices = std::min(own * layout.slab, std::ceil(costs.slices));
+  const double bundles = std::ceil(costs.slices / layout.bundle),
+               own = std::max(0.0, std::ceil((bundles - gp) / layout.gps)),
+               slices = std::min(own * layout.bundle, std::ceil(costs.slices));
   return costs.frame + costs.gp * slices / std::max(1.0, costs.slices);
 }
 
@@ -106,14 +106,15 @@ Prediction predict(const FrameCosts& costs, const RankCosts& ranks, const Layout
   p.limit = p.shared > longest * (1 + 1e-9) ? Limit::cores
             : p.gp >= p.renderer            ? Limit::gps
                                             : Limit::renderers;
-  // A token passes a slab by payload, accept and token.
+  // A token passes a bundle by payload, accept and token.
   const MeanHops mean = mean_hops(layout);
-  const double slabs = costs.slices / layout.slab, hops = slabs * (mean.token + mean.payload + mean.accept);
+  const double bundles = costs.slices / layout.bundle,
+               hops = bundles * (mean.token + mean.payload + mean.accept);
   p.tokens =
       layout.working_ranks() == 1
           ? 0
           : hops * std::max(hop_seconds(ranks, layout), layout.renderers * ranks.message_software / cores) +
-                slabs * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
+                bundles * ranks.token * std::max(1.0, double(layout.renderers) / layout.gps);
   p.seconds = std::max(longest, p.shared) + p.tokens;
   if (layout.working_ranks() > ranks.cores) p.seconds *= ranks.sharing;
   return p;
@@ -135,8 +136,8 @@ std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores) {
   return layouts;
 }
 
-std::vector<Layout> in_slabs(std::vector<Layout> layouts, int slab) {
-  for (Layout& layout : layouts) layout.slab = slab;
+std::vector<Layout> in_bundles(std::vector<Layout> layouts, int bundle) {
+  for (Layout& layout : layouts) layout.bundle = bundle;
   return layouts;
 }
 
@@ -165,16 +166,16 @@ std::string describe(const Layout& layout) {
   const auto some = [](int count, const char* what) {
     return fmt::format("{} {}{}", count, what, count == 1 ? "" : "s");
   };
-  const std::string slabs = layout.slab > 1 ? fmt::format(", slabs of {}", layout.slab) : "";
+  const std::string bundles = layout.bundle > 1 ? fmt::format(", bundles of {}", layout.bundle) : "";
   if (layout.topology == Topology::mesh)
     return fmt::format("mesh of {}x{} + {}{}", layout.mesh_columns, layout.mesh_rows,
-                       some(layout.renderers, "Renderer"), slabs);
+                       some(layout.renderers, "Renderer"), bundles);
   const std::string working =
       layout.placement == Placement::colocated
           ? some(layout.working_ranks(), "colocated rank") +
                 (layout.renderers < layout.gps ? fmt::format(", {} of them drawing", layout.renderers) : "")
           : fmt::format("{} + {}", some(layout.gps, "GP"), some(layout.renderers, "Renderer"));
-  return working + slabs + (layout.idle > 0 ? fmt::format(", {} idle", layout.idle) : "");
+  return working + bundles + (layout.idle > 0 ? fmt::format(", {} idle", layout.idle) : "");
 }
 
 std::string describe(const FrameCosts& costs) {

@@ -62,8 +62,8 @@ MeanHops mean_hops(const Layout& layout);
 /// the others idle.
 std::vector<Layout> possible_layouts(int ranks, bool meshes, int cores = 0);
 
-/// These layouts with slabs of so many slices.
-std::vector<Layout> in_slabs(std::vector<Layout> layouts, int slab);
+/// These layouts with bundles of so many slices.
+std::vector<Layout> in_bundles(std::vector<Layout> layouts, int bundle);
 
 /// Predictions for these layouts, the fastest first. Among equals fewer Renderers come first, then fewer GPs,
 /// then dedicated, then a ring.

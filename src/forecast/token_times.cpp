@@ -53,7 +53,7 @@ void TokenTimes::pass(std::size_t gp, const std::vector<std::size_t>& layers, do
 
 double TokenTimes::busiest_gp() const { return *std::max_element(gp_busy_.begin(), gp_busy_.end()); }
 
-/// When the slab is ready. A Renderer on the same rank first draws the payload that it has begun.
+/// When the bundle is ready. A Renderer on the same rank first draws the payload that it has begun.
 double TokenTimes::encode(std::size_t gp, double seconds) {
   double begun = gp_free_[gp];
   gp_busy_[gp] += seconds;
@@ -80,7 +80,7 @@ TokenTimes::Work TokenTimes::work_of(std::size_t renderer, const std::vector<std
   return work;
 }
 
-/// When the token that is with a prepared slab leaves it.
+/// When the token that is with a prepared bundle leaves it.
 double TokenTimes::pass_on(std::size_t gp, std::size_t renderer, double here,
                            const std::vector<std::size_t>& layers) {
   Drawer& d = drawers_[renderer];
@@ -115,7 +115,7 @@ double TokenTimes::wait_for_renderer(std::size_t renderer, double now) const {
   return d.owed > 0 ? 0.5 * costs_.painting_piece : 0;
 }
 
-/// The same for a GP that encodes its next slab beside a Renderer.
+/// The same for a GP that encodes its next bundle beside a Renderer.
 double TokenTimes::wait_for_gp(std::size_t gp, double now) const {
   const bool encodes =
       colocated_ && gp < gp_free_.size() && now >= gp_free_[gp] && now < gp_free_[gp] + encoding_[gp];

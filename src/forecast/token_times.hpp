@@ -47,7 +47,7 @@ class TokenTimes {
   /// `shares` must outlive it.
   TokenTimes(const Machine& machine, const Layout& layout, int slots, const Shares& shares,
              const TokenCosts& costs);
-  /// All tokens pass a slab, whose GP needs so many seconds to encode it. `layers`: those of its slices.
+  /// All tokens pass a bundle, whose GP needs so many seconds to encode it. `layers`: those of its slices.
   void pass(std::size_t gp, const std::vector<std::size_t>& layers, double encoding);
 
   const std::vector<Drawer>& drawers() const { return drawers_; }
@@ -68,7 +68,7 @@ class TokenTimes {
   TokenCosts costs_;
   bool colocated_;
   std::vector<Drawer> drawers_;
-  std::vector<double> gp_free_, gp_busy_, encoding_;  ///< by GP; the last slab's encoding
+  std::vector<double> gp_free_, gp_busy_, encoding_;  ///< by GP; the last bundle's encoding
 };
 
 }  // namespace ringsplat::app

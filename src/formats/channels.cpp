@@ -51,17 +51,17 @@ class ChannelSource final : public ForwardingSource {
 
   const Grid& grid() const override { return grid_; }
 
-  /// Only a slab's interleaved voxels are held at a time.
+  /// Only a layer's interleaved voxels are held at a time.
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    const int depth = slab_depth();
+    const int depth = layer_depth();
     const auto bytes = grid_.slice_bytes(Axis::z);
-    std::vector<std::byte> slab;
+    std::vector<std::byte> layer;
     for (int z = first; z < first + count;) {
       const int end = std::min(first + count, (z / depth + 1) * depth);
       const auto wanted = out.subspan(std::size_t(z - first) * bytes, std::size_t(end - z) * bytes);
-      slab.resize(wanted.size() * std::size_t(components_));
-      ForwardingSource::read_slices(z, end - z, slab);
-      take_channel(grid_.type, components_, choice_, slab, wanted);
+      layer.resize(wanted.size() * std::size_t(components_));
+      ForwardingSource::read_slices(z, end - z, layer);
+      take_channel(grid_.type, components_, choice_, layer, wanted);
       z = end;
     }
   }

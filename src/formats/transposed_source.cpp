@@ -29,7 +29,7 @@ class TransposedSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return false; }
-  int slab_depth() const override { return depth_; }
+  int layer_depth() const override { return depth_; }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
     const auto bytes = grid_.slice_bytes(Axis::z);
@@ -47,15 +47,15 @@ class TransposedSource final : public VolumeSource {
   }
 
  private:
-  /// Reads all columns along z within a slab, many at once where they are short.
-  void hold(int slab) {
-    if (slab == held_slab_) return;
+  /// Reads all columns along z within a layer, many at once where they are short.
+  void hold(int layer) {
+    if (layer == held_layer_) return;
     const auto size = size_of(grid_.type);
-    const int first = slab * depth_, count = std::min(depth_, grid_.dims.z - first);
+    const int first = layer * depth_, count = std::min(depth_, grid_.dims.z - first);
     const auto column = std::uint64_t(grid_.dims.z) * size;
     const auto columns = std::uint64_t(grid_.dims.x) * std::uint64_t(grid_.dims.y);
     const auto step = std::clamp<std::uint64_t>(most_read / column, 1, columns);
-    held_slab_ = -1;
+    held_layer_ = -1;
     held_.resize(std::size_t(count) * grid_.slice_bytes(Axis::z));
     std::vector<std::byte> window;
     for (std::uint64_t begin = 0; begin < columns; begin += step) {
@@ -67,7 +67,7 @@ class TransposedSource final : public VolumeSource {
     }
     file_.require_unchanged();
     to_native_order(held_, size, big_endian_);
-    held_slab_ = slab;
+    held_layer_ = layer;
   }
 
   /// `number`: y + dims.y * x.
@@ -83,7 +83,7 @@ class TransposedSource final : public VolumeSource {
   InputFile file_;
   std::uint64_t offset_;
   bool big_endian_;
-  int depth_ = 1, held_slab_ = -1;
+  int depth_ = 1, held_layer_ = -1;
   std::vector<std::byte> held_;
 };
 

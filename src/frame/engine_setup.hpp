@@ -18,7 +18,7 @@ using TakePicture = std::function<void(std::int64_t frame, Image&& picture)>;
 struct EngineSetup {
   Grid grid;
   int gps = 1, renderers = 1;
-  int slab = 1;            ///< consecutive slices that a GP gets together
+  int bundle = 1;          ///< consecutive slices that a GP gets together
   bool colocated = false;  ///< Renderer r is on GP r's rank
   /// What dealing foresees the work from; null: regions are dealt in turn. The same on every rank.
   std::shared_ptr<const VolumeSketch> sketch = {};
@@ -32,7 +32,7 @@ struct EngineSetup {
   bool timed = false;       ///< measure seconds by stage
   TakePicture take = {};    ///< called on the frame buffer's rank
 
-  SliceDealing dealing() const { return {gps, slab}; }
+  SliceDealing dealing() const { return {gps, bundle}; }
 };
 
 }  // namespace ringsplat

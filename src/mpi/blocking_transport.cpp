@@ -92,7 +92,7 @@ class BlockingTransport final : public Transport {
       throw RunError(
           fmt::format("a message of {} bytes is too long for a simulated run, which takes up to {}",
                       block.size(), largest_),
-          "use more Renderers, smaller regions or a smaller --slab");
+          "use more Renderers, smaller regions or a smaller --bundle");
     checked(MPI_Isend(block.data(), static_cast<int>(block.size()), MPI_BYTE, destination, message_tag,
                       comm_.get(), &sending.request),
             "MPI_Isend");

@@ -78,9 +78,9 @@ void check(const Layout& layout) {
     throw InputError(
         fmt::format("--renderers is {}, but a frame needs at least one Renderer", layout.renderers),
         "use --renderers 1 or more");
-  if (layout.slab < 1 || layout.slab > most_slices_of_slab)
-    throw InputError(fmt::format("--slab is {}", layout.slab),
-                     fmt::format("a slab has 1 to {} slices", most_slices_of_slab));
+  if (layout.bundle < 1 || layout.bundle > most_slices_of_bundle)
+    throw InputError(fmt::format("--bundle is {}", layout.bundle),
+                     fmt::format("a bundle has 1 to {} slices", most_slices_of_bundle));
   if (layout.idle < 0) throw InputError(fmt::format("{} ranks cannot be idle", layout.idle));
   if (layout.topology == Topology::mesh) check_mesh(layout);
 }

@@ -19,13 +19,13 @@ Binding count_or_auto(std::optional<int>& count, bool& choose) {
 }
 
 /// A number of slices, or "auto", which is chosen together with the roles.
-Binding slab_or_auto(RunOptions& run) {
+Binding bundle_or_auto(RunOptions& run) {
   return [&run](CLI::App& app, const std::string& names, const std::string& help) {
     const auto take = [&run, names](const std::string& text) {
       if (text == "auto")
-        run.choose_roles = run.choose_slab = true;
+        run.choose_roles = run.choose_bundle = true;
       else
-        run.slab = parse_count(text, names);
+        run.bundle = parse_count(text, names);
     };
     return app.add_option_function<std::string>(names, take, help);
   };
@@ -75,10 +75,10 @@ constexpr OptionRow<Run> rank_rows[] = {
      [](Run& o) {
        return choice(o.placement, {{"dedicated", Placement::dedicated}, {"colocated", Placement::colocated}});
      }},
-    {"--slab", "K|auto", nullptr,
+    {"--bundle", "K|auto", nullptr,
      "So many consecutive slices are dealt to a GP together and travel under one token; without it 1, as in "
      "the paper; auto: as many as a described machine needs",
-     [](Run& o) { return slab_or_auto(o); }},
+     [](Run& o) { return bundle_or_auto(o); }},
     {"--topology", nullptr, initial, "How the GPs are linked",
      [](Run& o) {
        return choice(o.topology, {{"ring", Topology::ring}, {"mesh", Topology::mesh}});
@@ -113,7 +113,7 @@ constexpr OptionRow<Run> protocol_rows[] = {
     {"--link-slots", nullptr, initial, "Messages of one buffer class that may be behind a mesh's link",
      [](Run& o) { return value(o.protocol.link_slots); }},
     {"--look-ahead", nullptr, initial,
-     "Slices, or slabs of them, that a GP prepares before their tokens have passed",
+     "Slices, or bundles of them, that a GP prepares before their tokens have passed",
      [](Run& o) { return value(o.protocol.look_ahead); }},
     {"--send-ahead", nullptr, initial,
      "Payloads that a token leaves behind before it waits until one is accepted",
@@ -154,8 +154,8 @@ using Info = InfoOptions;
 constexpr OptionRow<Info> info_output_rows[] = {
     {"--gps", "G", nullptr, "Predict the memory of a GP for G of them",
      [](Info& o) { return value(o.gps, CLI::Range(1, 1 << 24)); }},
-    {"--slab", "K", initial, "Predict for slabs of so many slices",
-     [](Info& o) { return value(o.slab, CLI::Range(1, most_slices_of_slab)); }},
+    {"--bundle", "K", initial, "Predict for bundles of so many slices",
+     [](Info& o) { return value(o.bundle, CLI::Range(1, most_slices_of_bundle)); }},
     {"--json", nullptr, nullptr, "Write JSON", [](Info& o) { return flag(o.json); }},
     {"--presets", nullptr, nullptr, "List the transfer functions that --tf knows by name",
      [](Info& o) { return flag(o.presets); }},

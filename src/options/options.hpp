@@ -47,8 +47,8 @@ struct RunOptions {
   TransportChoice transport = TransportChoice::automatic;
   std::optional<int> gps, renderers;  ///< an omitted number follows from the number of ranks
   bool choose_roles = false;          ///< one of them is "auto": chosen by the measured cost of a frame
-  std::optional<int> slab;   ///< without it 1, or what is chosen with the roles of a described machine
-  bool choose_slab = false;  ///< it is "auto"
+  std::optional<int> bundle;   ///< without it 1, or what is chosen with the roles of a described machine
+  bool choose_bundle = false;  ///< it is "auto"
   std::optional<Placement> placement;
   Topology topology = Topology::ring;
   std::optional<Size> mesh;              ///< columns and rows of GPs
@@ -104,8 +104,8 @@ struct ServeOptions {
 
 struct InfoOptions {
   VolumeOptions volume;
-  int gps = 0;   ///< 0: several usual numbers
-  int slab = 1;  ///< slices of a slab
+  int gps = 0;     ///< 0: several usual numbers
+  int bundle = 1;  ///< slices of a bundle
   bool json = false, presets = false;
   int ranks = 0;          ///< ranks to predict frame times for; 0: no prediction
   int cores = 0;          ///< cores that the ranks share; 0: this machine's

@@ -156,7 +156,7 @@ RunOptions with_mesh_counts(RunOptions o) {
 Layout empty_layout(const RunOptions& o) {
   Layout layout{.placement = o.placement.value_or(Placement::dedicated),
                 .topology = o.topology,
-                .slab = o.slab.value_or(1)};
+                .bundle = o.bundle.value_or(1)};
   if (o.topology == Topology::mesh) {
     layout.mesh_columns = o.mesh->width;
     layout.mesh_rows = o.mesh->height;
@@ -190,8 +190,8 @@ Layout layout_on_ranks(const RunOptions& o, int ranks, int cores) {
 }  // namespace
 
 std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks, int cores) {
-  if (o.choose_slab && !o.engine.simulation.machine)
-    throw InputError("--slab auto follows from a described machine's costs, but these ranks are real",
+  if (o.choose_bundle && !o.engine.simulation.machine)
+    throw InputError("--bundle auto follows from a described machine's costs, but these ranks are real",
                      "give a number, or leave it out: slices are then dealt one by one");
   if (!over_mpi)
     throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
@@ -206,7 +206,7 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   auto layouts = o.engine.simulation.machine
                      ? rings_on_machine(ranks)
                      : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
-  layouts = in_slabs(std::move(layouts), o.slab.value_or(1));
+  layouts = in_bundles(std::move(layouts), o.bundle.value_or(1));
   std::erase_if(layouts, [&](const Layout& l) {
     return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
            l.placement != o.placement.value_or(l.placement);

@@ -29,10 +29,10 @@ struct FramePlan {
     std::size_t bytes = 0;
   };
   bool ascending = true;    ///< whether slice numbers ascend from step to step
-  std::vector<int> owners;  ///< by traversal step: the GP that has its slice, or its slab of slices
+  std::vector<int> owners;  ///< by traversal step: the GP that has its slice, or its bundle of slices
   std::vector<Tile> tiles;
-  int first_slice = 0;               ///< number of the first step's slice, or of its slab's first
-  std::vector<int> slices_of_steps;  ///< where steps are slabs: how many slices each has; empty: one
+  int first_slice = 0;               ///< number of the first step's slice, or of its bundle's first
+  std::vector<int> slices_of_steps;  ///< where steps are bundles: how many slices each has; empty: one
 
   int slices() const;  ///< of all steps
 

@@ -22,7 +22,7 @@ constexpr std::string_view not_in_sessions[] = {
     "--frame",      "--channel",   "--series",          "--dims",  "--type",
     "--endian",     "--offset",    "--spacing",         "--error", "--error-pixels",
     "--error-seed", "--max-error", "--threads-per-rank"};
-constexpr std::string_view layout_names[] = {"--gps",      "--renderers", "--slab",   "--roles",
+constexpr std::string_view layout_names[] = {"--gps",      "--renderers", "--bundle", "--roles",
                                              "--topology", "--mesh",      "--routing"};
 
 template <std::size_t count>

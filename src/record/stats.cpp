@@ -118,7 +118,7 @@ std::string to_json_text(const FrameStats& stats, const Layout& layout, const st
                  {"renderers", layout.renderers},
                  {"ranks", layout.ranks()},
                  {"idle", layout.idle},
-                 {"slab", layout.slab},
+                 {"bundle", layout.bundle},
                  {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
                  {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"}};
   if (layout.topology == Topology::mesh) {

@@ -13,14 +13,14 @@ int slices_of(std::int64_t count) {
 
 }  // namespace
 
-DecodedSlices::DecodedSlices(VolumeSource* source, const Grid& grid, int slab_depth, int process, int readers,
-                             int batch)
+DecodedSlices::DecodedSlices(VolumeSource* source, const Grid& grid, int layer_depth, int process,
+                             int readers, int batch)
     : source_(source),
       slices_(grid.dims.z),
-      depth_(slab_depth),
+      depth_(layer_depth),
       process_(process),
-      span_(slices_of(std::int64_t(slab_depth) *
-                      std::max<std::int64_t>(1, batch / (std::int64_t(slab_depth) * readers)))),
+      span_(slices_of(std::int64_t(layer_depth) *
+                      std::max<std::int64_t>(1, batch / (std::int64_t(layer_depth) * readers)))),
       group_(slices_of(std::int64_t(span_) * readers)),
       slice_bytes_(grid.slice_bytes(Axis::z)) {}
 

@@ -9,14 +9,14 @@ namespace ringsplat {
 
 /// The z slices of a volume that this process has decoded for others and itself, group by group.
 ///
-/// A group has one span of slices for each process that reads: whole slabs, as few as make a batch. So every
-/// slab is decoded by one process, once. A process holds one span, and of the group before it the slices that
-/// are still needed.
+/// A group has one span of slices for each process that reads: whole layers, as few as make a batch. So every
+/// layer is decoded by one process, once. A process holds one span, and of the group before it the slices
+/// that are still needed.
 class DecodedSlices {
  public:
   /// `source` may be null on a process that does not read, one whose number is not below `readers`. `batch`:
   /// slices that a group should have at least.
-  DecodedSlices(VolumeSource* source, const Grid& grid, int slab_depth, int process, int readers, int batch);
+  DecodedSlices(VolumeSource* source, const Grid& grid, int layer_depth, int process, int readers, int batch);
 
   /// Slices before end() have been decoded by their readers.
   int end() const { return end_; }

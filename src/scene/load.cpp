@@ -33,7 +33,7 @@ std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
 struct Known {
   Grid grid;
   std::uint8_t concurrent = 0;
-  std::int32_t slab_depth = 1;
+  std::int32_t layer_depth = 1;
   std::uint8_t has_fill = 0;
   double fill = 0;  ///< what the values' statistics leave out
 };
@@ -45,13 +45,13 @@ void take_known(const Known& known, OpenedVolume& volume) {
     if (type < 0 || type > last || known.concurrent > 1 || known.has_fill > 1)
       throw InputError("its type is none");
     check(known.grid, "its grid");
-    if (known.slab_depth < 1) throw InputError("its slabs have no slices");
+    if (known.layer_depth < 1) throw InputError("its layers have no slices");
   } catch (const InputError& e) {
     throw RunError(fmt::format("rank 0 announced a volume that cannot be: {}", e.what()));
   }
   volume.grid = known.grid;
   volume.concurrent = known.concurrent == 1;
-  volume.slab_depth = known.slab_depth;
+  volume.layer_depth = known.layer_depth;
   if (known.has_fill == 1) volume.notes.fill = known.fill;
 }
 
@@ -87,7 +87,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
   if (volume.source) {
     const auto& fill = volume.notes.fill;
     block = block_of_value(Known{volume.source->grid(), volume.source->concurrent(),
-                                 volume.source->slab_depth(), fill.has_value(), fill.value_or(0)});
+                                 volume.source->layer_depth(), fill.has_value(), fill.value_or(0)});
   }
   block = collectives.broadcast(std::move(block), 0);
   take_known(value_of<Known>(block, "a volume's grid"), volume);
@@ -106,11 +106,11 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives) {
   LoadPace pace(volume.grid.dims.z, options.told);
-  const bool alone = volume.concurrent && volume.slab_depth == 1;
+  const bool alone = volume.concurrent && volume.layer_depth == 1;
   const int readers = volume.concurrent ? collectives.processes() : 1;
   const auto supply = alone ? reading_supply(*volume.source)
                             : decoding_supply(
-                                  volume.source.get(), volume.grid, volume.slab_depth, readers,
+                                  volume.source.get(), volume.grid, volume.layer_depth, readers,
                                   [&pace](double read) { pace.read(read); }, collectives);
   pace.begin();
   return deal_slices(volume.grid, *supply,

@@ -17,7 +17,7 @@
 
 namespace ringsplat {
 
-inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layout.slab}; }
+inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layout.bundle}; }
 
 struct LoadOptions {
   std::array<bool, 3> kept_axes{true, true, true};
@@ -38,7 +38,7 @@ struct OpenedVolume {
   std::unique_ptr<VolumeSource> source;
   Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
   VolumeNotes notes = {};  ///< on process 0; elsewhere the fill value at least
-  int slab_depth = 1;      ///< the source's, on every process
+  int layer_depth = 1;     ///< the source's, on every process
   std::string name = {};
 };
 
@@ -51,13 +51,13 @@ OpenedVolume open_everywhere(Collectives& collectives,
                              const std::string& name = "the volume");
 
 /// Deals the volume to the GPs, which get their slices of each kept axis, with quantised normals. A
-/// process holds at most its GPs' share of the volume and one batch of slices, or one of the source's slabs.
+/// process holds at most its GPs' share of the volume and one batch of slices, or one of the source's layers.
 ///
-/// z slices are read whole. A concurrent source's are read by their owners, or slab by slab, where it decodes
-/// several together, by all processes in turn, which hand them to their owners; another source's are read by
-/// process 0 in ascending order. The other two axes come by exchange. `gps_of_process[p]` lists the GPs that
-/// process p hosts. Returns this process's stores by GP. All processes throw the same InputError when one
-/// cannot read.
+/// z slices are read whole. A concurrent source's are read by their owners, or layer by layer, where it
+/// decodes several together, by all processes in turn, which hand them to their owners; another source's are
+/// read by process 0 in ascending order. The other two axes come by exchange. `gps_of_process[p]` lists the
+/// GPs that process p hosts. Returns this process's stores by GP. All processes throw the same InputError
+/// when one cannot read.
 std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
                                       const std::vector<std::vector<int>>& gps_of_process,
                                       Collectives& collectives);

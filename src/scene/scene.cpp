@@ -20,7 +20,7 @@ void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, c
                Collectives& collectives) {
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
-  reduced.slab_depth = reduced_slab_depth(volume.slab_depth, reduction);
+  reduced.layer_depth = reduced_layer_depth(volume.layer_depth, reduction);
   LoadOptions of_level = options;
   if (options.clip) of_level.clip = reduced_box(*options.clip, volume.grid, reduction);
   auto stores = deal_slices(reduced, of_level, dealing, gps_of_process, collectives);

@@ -91,10 +91,10 @@ class SendingSupply : public SliceSupply {
 
 class DecodingSupply final : public SendingSupply {
  public:
-  DecodingSupply(VolumeSource* source, const Grid& grid, int slab_depth, int readers,
+  DecodingSupply(VolumeSource* source, const Grid& grid, int layer_depth, int readers,
                  std::function<void(double)> told, Collectives& all)
       : SendingSupply(grid, all),
-        decoded_(source, grid, slab_depth, all.process(), readers, batch_of(grid)),
+        decoded_(source, grid, layer_depth, all.process(), readers, batch_of(grid)),
         told_(std::move(told)) {}
 
   int available_from(int z) override {
@@ -209,10 +209,10 @@ std::unique_ptr<SliceSupply> reading_supply(VolumeSource& source) {
   return std::make_unique<ReadingSupply>(source);
 }
 
-std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int slab_depth,
+std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int layer_depth,
                                              int readers, std::function<void(double z)> told,
                                              Collectives& collectives) {
-  return std::make_unique<DecodingSupply>(source, grid, slab_depth, readers, std::move(told), collectives);
+  return std::make_unique<DecodingSupply>(source, grid, layer_depth, readers, std::move(told), collectives);
 }
 
 std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,

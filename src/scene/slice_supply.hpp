@@ -37,9 +37,9 @@ class SliceSupply {
 /// Every process reads the slices that it needs.
 std::unique_ptr<SliceSupply> reading_supply(VolumeSource& source);
 
-/// Some processes decode slabs in turn. `source`: this process's, or null where it does not read; `readers`:
+/// Some processes decode layers in turn. `source`: this process's, or null where it does not read; `readers`:
 /// how many do; `told(z)`: as for DecodedSlices.
-std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int slab_depth,
+std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int layer_depth,
                                              int readers, std::function<void(double z)> told,
                                              Collectives& collectives);
 

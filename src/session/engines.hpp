@@ -11,9 +11,9 @@ namespace ringsplat {
 std::unique_ptr<Engine> make_engines(const EngineSetup& setup);
 
 /// What work costs on a described machine, when each voxel stands for `voxel_weight` of its slice and slices
-/// travel in slabs of `slab`.
-WorkCosts splat_costs(const Machine& machine, double voxel_weight, int slab = 1);
-WorkCosts sheet_costs(const Machine& machine, double voxel_weight, int slab = 1);
+/// travel in bundles of `bundle`.
+WorkCosts splat_costs(const Machine& machine, double voxel_weight, int bundle = 1);
+WorkCosts sheet_costs(const Machine& machine, double voxel_weight, int bundle = 1);
 
 /// A Renderer's software for a payload and its accept on a described machine.
 double payload_message_seconds(const Machine& machine);

@@ -10,9 +10,9 @@
 #include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
 #include "net/same_facts.hpp"
+#include "protocol/bundle_engine.hpp"
 #include "protocol/host.hpp"
 #include "protocol/loopback_run.hpp"
-#include "protocol/slab_engine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
@@ -40,7 +40,7 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
   const Facts more{{"wire format", wire_format()},
                    {"GPs", std::to_string(layout.gps)},
                    {"Renderers", std::to_string(layout.renderers)},
-                   {"slices of a slab", std::to_string(layout.slab)},
+                   {"slices of a bundle", std::to_string(layout.bundle)},
                    {"idle ranks", std::to_string(layout.idle)},
                    {"roles", layout.placement == Placement::dedicated ? "dedicated" : "colocated"},
                    {"topology", layout.topology == Topology::ring ? "ring" : "mesh"},
@@ -134,16 +134,16 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
   // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order (net/mesh.hpp). A
   // described machine's costs are those of looking at every voxel.
   const bool skip_empty = !layout.routed() && !machine && !count_only;
-  const int slab = layout.slab;
+  const int bundle = layout.bundle;
   auto engine =
       make_engines({.grid = grid,
                     .gps = layout.gps,
                     .renderers = layout.renderers,
-                    .slab = slab,
+                    .bundle = bundle,
                     .colocated = layout.placement == Placement::colocated,
                     .sketch = std::move(sketch),
-                    .splat_costs = machine ? splat_costs(*machine, voxel_weight, slab) : usual_splat_costs,
-                    .sheet_costs = machine ? sheet_costs(*machine, voxel_weight, slab) : usual_sheet_costs,
+                    .splat_costs = machine ? splat_costs(*machine, voxel_weight, bundle) : usual_splat_costs,
+                    .sheet_costs = machine ? sheet_costs(*machine, voxel_weight, bundle) : usual_sheet_costs,
                     .slices = std::make_shared<const SliceStore>(std::move(slices)),
                     .threads = options.threads_per_rank,
                     .skip_empty = skip_empty,
@@ -151,9 +151,9 @@ std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
                     .voxel_weight = count_only ? voxel_weight : 1,
                     .timed = timed,
                     .take = std::move(take)});
-  if (slab > 1)
-    engine =
-        make_slab_engine(std::move(engine), slab, count_only ? SlabContent::length : SlabContent::payloads);
+  if (bundle > 1)
+    engine = make_bundle_engine(std::move(engine), bundle,
+                                count_only ? BundleContent::length : BundleContent::payloads);
   if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
   if (machine) engine = make_charged_engine(std::move(engine), *machine);
   return engine;

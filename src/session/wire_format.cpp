@@ -9,7 +9,7 @@
 #include "frame/frame_spec_bytes.hpp"
 #include "net/link_counts.hpp"
 #include "net/message.hpp"
-#include "protocol/slab_engine.hpp"
+#include "protocol/bundle_engine.hpp"
 #include "record/stats.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
@@ -104,7 +104,7 @@ void add_payloads(WireHash& hash) {
   hash.layout(&BlockGroup::region, &BlockGroup::blocks, &BlockGroup::voxels);
   hash.layout(&VoxelBlock::row, &VoxelBlock::first, &VoxelBlock::mask);
   hash.layout(&FloatVoxel::opacity, &FloatVoxel::rgb);
-  hash.layout(&SlabPart::slice_step, &SlabPart::passes, &SlabPart::bytes);
+  hash.layout(&BundlePart::slice_step, &BundlePart::passes, &BundlePart::bytes);
   hash.layout(&HalfVoxel::rgba);
   hash.layout(&ByteVoxel::rgba);
 }

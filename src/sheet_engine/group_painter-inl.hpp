@@ -14,7 +14,7 @@
 #include "sheet_engine/rays-inl.hpp"
 #include "sheet_engine/reflection-inl.hpp"
 #include "sheet_engine/samplers-inl.hpp"
-#include "sheet_engine/slab_lanes-inl.hpp"
+#include "sheet_engine/table_lanes-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
@@ -287,7 +287,7 @@ class GroupPainter {
                    {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
   }
 
-  static HWY_INLINE void composite(State& s, const Slab& slab, F opacity, const Reflected& light) {
+  static HWY_INLINE void composite(State& s, const TableSlab& slab, F opacity, const Reflected& light) {
     const F added = mul(sub(set(1.0F), s.opacity), opacity);
     const auto lit = [&](F colour)
                          HWY_ATTR { return min(fma(colour, light.scale, light.highlight), set(1.0F)); };
@@ -305,7 +305,7 @@ class GroupPainter {
     for (int i = 2; i < slab_->pieces; ++i) opacity = fma(piece, sub(set(1.0F), opacity), opacity);
     return opacity;
   }
-  HWY_INLINE F whole_opacity(const State& s, const Slab& slab) const {
+  HWY_INLINE F whole_opacity(const State& s, const TableSlab& slab) const {
     const F opacity = of_all_pieces(slab.opacity);
     return Rays::same_lengths ? opacity : Shortened(opacity, rays_.length(s.ray));
   }
@@ -314,7 +314,7 @@ class GroupPainter {
   HWY_INLINE void paint_whole(int t) {
     State& s = state_[t];
     const Work& w = work_[t];
-    const Slab slab = Unpack(w.whole);
+    const TableSlab slab = Unpack(w.whole);
     Reflected light = unlit();
     if (p_.lit) {
       const Gradient back = gradient_behind(w, slab_->pieces), front = front_gradient(s, w);
@@ -343,7 +343,7 @@ class GroupPainter {
       const M here = i == 0 ? w.visible : w.split;
       const F end =
           may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)]) : w.place[back];
-      const Slab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
+      const TableSlab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
       F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, w.place[front], end);
       if (!Rays::same_lengths || w.cut || slab_->face) opacity = Shortened(opacity, length_in_box(s, w, i));
       if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(s, slab));
@@ -365,8 +365,8 @@ class GroupPainter {
   }
 
   /// Lit at the slab's centroid, or where it shows at centroid - spread and centroid + spread.
-  HWY_INLINE Reflected lit(const State& s, const Work& w, const Slab& slab, F opacity, const Gradient& front,
-                           const Gradient& change) const {
+  HWY_INLINE Reflected lit(const State& s, const Work& w, const TableSlab& slab, F opacity,
+                           const Gradient& front, const Gradient& change) const {
     M two = w.split;
     constexpr float worth_two = 0.02F;
     if (p_.adaptive) two = both(two, greater(mul(sub(set(1.0F), s.opacity), opacity), set(worth_two)));

@@ -6,7 +6,7 @@
 
 namespace ringsplat {
 
-/// Counts the samples that a slice's visible blocks take each Renderer, as SlabPainter does when it paints
+/// Counts the samples that a slice's visible blocks take each Renderer, as SheetPainter does when it paints
 /// them: the pixels of the tiles that they touch, for every slab that begins at the slice.
 class SampleCounter {
  public:

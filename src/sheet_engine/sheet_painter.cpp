@@ -35,9 +35,9 @@ constexpr int groups_at_once = 16;
 
 /// Draws sheets on a Renderer. A slab between the slices of two steps is painted once the slice behind them
 /// is there or known not to come, together with as many others as there are.
-class SlabPainter final : public FramePainter<SheetFrame> {
+class SheetPainter final : public FramePainter<SheetFrame> {
  public:
-  SlabPainter(int renderer, int renderers, ThreadTeam& threads)
+  SheetPainter(int renderer, int renderers, ThreadTeam& threads)
       : renderer_(renderer), threads_(threads), images_(renderer, renderers) {}
 
   void begin_frame(std::shared_ptr<const SheetFrame> frame) override {
@@ -375,7 +375,7 @@ class SlabPainter final : public FramePainter<SheetFrame> {
 
 std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,
                                                              ThreadTeam& threads) {
-  return std::make_unique<SlabPainter>(renderer, renderers, threads);
+  return std::make_unique<SheetPainter>(renderer, renderers, threads);
 }
 
 }  // namespace ringsplat

@@ -49,7 +49,7 @@ json layout_json(const RunOptions& run, const Layout& layout) {
   return {{"gps", layout.gps},
           {"renderers", layout.renderers},
           {"colocated", layout.placement == Placement::colocated},
-          {"slab", layout.slab},
+          {"bundle", layout.bundle},
           {"mesh", {layout.mesh_columns, layout.mesh_rows, layout.routed()}},
           {"slots", run.protocol.slots},
           {"link_slots", run.protocol.link_slots},

@@ -15,7 +15,7 @@ class ForwardingSource : public VolumeSource {
   void read_slices(int first, int count, std::span<std::byte> out) override {
     source_->read_slices(first, count, out);
   }
-  int slab_depth() const override { return source_->slab_depth(); }
+  int layer_depth() const override { return source_->layer_depth(); }
   VolumeNotes notes() const override { return source_->notes(); }
   Facts facts() const override { return source_->facts(); }
 

@@ -48,7 +48,7 @@ class SkippingSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
-  int slab_depth() const override { return reduced_slab_depth(full_.slab_depth(), {factor_, false}); }
+  int layer_depth() const override { return reduced_layer_depth(full_.layer_depth(), {factor_, false}); }
   Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     for_each_slice(grid_, first, count, out,
@@ -88,7 +88,7 @@ class HalvedSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return full_.concurrent(); }
-  int slab_depth() const override { return reduced_slab_depth(full_.slab_depth(), {2, true}); }
+  int layer_depth() const override { return reduced_layer_depth(full_.layer_depth(), {2, true}); }
   Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     for_each_slice(grid_, first, count, out,
@@ -194,7 +194,7 @@ Grid reduced_grid(const Grid& grid, const Reduction& reduction) {
   return reduced;
 }
 
-int reduced_slab_depth(int depth, const Reduction& reduction) {
+int reduced_layer_depth(int depth, const Reduction& reduction) {
   return std::max(1, depth / reduction.factor);
 }
 

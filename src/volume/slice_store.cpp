@@ -66,8 +66,8 @@ SliceStore::SliceStore(const Grid& grid, int gp, SliceDealing dealing, std::arra
       kept_(kept_axes),
       with_normals_(with_normals),
       normals_within_(whole_box(grid)) {
-  if (dealing.gps < 1 || dealing.slab < 1 || gp < 0 || gp >= dealing.gps)
-    throw std::invalid_argument("a slice store needs 0 <= gp < gps and slabs of slices");
+  if (dealing.gps < 1 || dealing.bundle < 1 || gp < 0 || gp >= dealing.gps)
+    throw std::invalid_argument("a slice store needs 0 <= gp < gps and bundles of slices");
   for (const Axis axis : all_axes) {
     if (!keeps(axis)) continue;
     const auto voxels = std::size_t(dealing.owned_count(grid.slices(axis), gp)) * grid.slice_voxels(axis);

@@ -189,8 +189,8 @@ latency = 0
   CHECK_THAT(refused.err, Catch::Matchers::Contains("none.toml"));
 }
 
-TEST_CASE("slabs of a large volume stand for the whole") {
-  // 288³ is too large to be measured whole. All slabs look alike, so the count is exact.
+TEST_CASE("sections of a large volume stand for the whole") {
+  // 288³ is too large to be measured whole. All sections look alike, so the count is exact.
   Grid grid;
   grid.dims = glm::ivec3(288);
   grid.type = ScalarType::uint8;

@@ -195,7 +195,7 @@ TEST_CASE("a calibration's key holds all that its measurements depend on") {
       {"GPs", [](Asked& a) { ++a.layout.gps; }},
       {"Renderers", [](Asked& a) { ++a.layout.renderers; }},
       {"colocated", [](Asked& a) { a.layout.placement = Placement::colocated; }},
-      {"slab", [](Asked& a) { ++a.layout.slab; }},
+      {"bundle", [](Asked& a) { ++a.layout.bundle; }},
       {"slots", [](Asked& a) { ++a.options.run.protocol.slots; }},
       {"look-ahead", [](Asked& a) { ++a.options.run.protocol.look_ahead; }},
       {"send-ahead", [](Asked& a) { ++a.options.run.protocol.send_ahead; }},

@@ -92,8 +92,8 @@ TEST_CASE("ranks, placement, transport and message order do not change a bit", "
   same({"--gps", "2"}, 3);
   same({"--roles", "colocated"}, 3);
   same({"--roles", "colocated", "--look-ahead", "3", "--send-ahead", "4"}, 7);
-  same({"--slab", "5", "--gps", "2"}, 3);
-  same({"--slab", "1000", "--gps", "3", "--renderers", "2", "--shuffle"}, 0);
+  same({"--bundle", "5", "--gps", "2"}, 3);
+  same({"--bundle", "1000", "--gps", "3", "--renderers", "2", "--shuffle"}, 0);
 }
 
 TEST_CASE("equal pictures are equal files, on any ranks and however they are divided", "[mpi][openimageio]") {
@@ -293,11 +293,11 @@ TEST_CASE("info knows the volume") {
   const json& memory = j.at("slice_memory_of_a_gp").at(0);
   CHECK(memory.at("all_axes_unlit") == 8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20);
   CHECK(memory.at("all_axes_lit") == 3 * (8 * 20 * 16 + 7 * 24 * 16 + 6 * 24 * 20));
-  // In slabs of five: 10 of 24 slices, 10 of 20 and 6 of 16.
-  const json slabs = json::parse(w.must({"info", w.volume(), "--json", "--gps", "3", "--slab", "5"}).out);
-  CHECK(slabs.at("slice_memory_of_a_gp").at(0).at("all_axes_unlit") ==
+  // In bundles of five: 10 of 24 slices, 10 of 20 and 6 of 16.
+  const json bundles = json::parse(w.must({"info", w.volume(), "--json", "--gps", "3", "--bundle", "5"}).out);
+  CHECK(bundles.at("slice_memory_of_a_gp").at(0).at("all_axes_unlit") ==
         10 * 20 * 16 + 10 * 24 * 16 + 6 * 24 * 20);
-  CHECK_THAT(w.must({"info", w.volume(), "--slab", "5"}).out, Catch::Matchers::Contains("in slabs of 5"));
+  CHECK_THAT(w.must({"info", w.volume(), "--bundle", "5"}).out, Catch::Matchers::Contains("in bundles of 5"));
   const std::string text = w.must({"info", w.volume()}).out;
   for (const char* part : {"24 x 20 x 16", "histogram", "--gps", "range"})
     CHECK_THAT(text, Catch::Matchers::Contains(part));

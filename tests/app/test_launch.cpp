@@ -74,20 +74,21 @@ TEST_CASE("counts that do not fit are refused with the number that does") {
   CHECK_THROWS_AS(choose_layout({}, false, 2), InputError);
 }
 
-TEST_CASE("slabs are part of any layout, and chosen for described machines only") {
+TEST_CASE("bundles are part of any layout, and chosen for described machines only") {
   RunOptions o = options(4, 2);
-  CHECK(choose_layout(o, true, 6).slab == 1);
-  o.slab = 8;
-  CHECK(choose_layout(o, true, 6).slab == 8);
-  CHECK(choose_layout(o, false, 1).slab == 8);
+  CHECK(choose_layout(o, true, 6).bundle == 1);
+  o.bundle = 8;
+  CHECK(choose_layout(o, true, 6).bundle == 8);
+  CHECK(choose_layout(o, false, 1).bundle == 8);
   o.gps.reset();
-  for (const Layout& layout : layouts_to_choose_from(o, true, 6)) CHECK(layout.slab == 8);
-  o.slab = 0;
-  CHECK_THROWS_WITH(choose_layout(o, true, 6), Catch::Matchers::Contains("--slab is 0"));
-  o.slab.reset();
-  o.choose_roles = o.choose_slab = true;
+  for (const Layout& layout : layouts_to_choose_from(o, true, 6)) CHECK(layout.bundle == 8);
+  o.bundle = 0;
+  CHECK_THROWS_WITH(choose_layout(o, true, 6), Catch::Matchers::Contains("--bundle is 0"));
+  o.bundle.reset();
+  o.choose_roles = o.choose_bundle = true;
   for (const bool over_mpi : {true, false})
-    CHECK_THROWS_WITH(choose_layout(o, over_mpi, over_mpi ? 6 : 1), Catch::Matchers::Contains("--slab auto"));
+    CHECK_THROWS_WITH(choose_layout(o, over_mpi, over_mpi ? 6 : 1),
+                      Catch::Matchers::Contains("--bundle auto"));
 }
 
 TEST_CASE("every way to fail has its exit code") {

@@ -180,7 +180,7 @@ TEST_CASE("ranks that were told other things than rank 0 are refused by the opti
   const std::vector<std::pair<std::pair<Words, Words>, std::string>> cases{
       {{{"--gps", "2"}, {"--gps", "1"}}, "--gps 1, rank 0 has 2"},
       {{{"--zoom", "1"}, {"--zoom", "1.5"}}, "--zoom 1.5, rank 0 has 1"},
-      {{{"--slab", "2"}, {"--slab", "4"}}, "--slab 4, rank 0 has 2"},
+      {{{"--bundle", "2"}, {"--bundle", "4"}}, "--bundle 4, rank 0 has 2"},
       {{{}, {"--stats", "s.json"}}, "--stats s.json, rank 0 has (none)"},
       {{{"--stats", "s.json"}, {}}, "--stats (none), rank 0 has s.json"},
       {{{"--no-opacity-correction"}, {}}, "--no-opacity-correction false, rank 0 has true"},

@@ -150,13 +150,13 @@ TEST_CASE("a frame is as long as its longest side, the cores and the tokens") {
     CHECK(predict(c, busy, {.gps = 2, .renderers = 2}).tokens == Approx(2 * 100 * 3 * 0.1 * ms));
     CHECK(predict(c, slow, {.gps = 1, .renderers = 1, .placement = Placement::colocated}).tokens == 0);
   }
-  SECTION("with slabs it needs them for each slab, whose slices one GP has") {
+  SECTION("with bundles it needs them for each bundle, whose slices one GP has") {
     const RankCosts slow{.cores = 64, .hop = 0.1 * ms, .message_software = 0};
-    const Prediction p = predict(c, slow, {.gps = 3, .renderers = 2, .slab = 10});
+    const Prediction p = predict(c, slow, {.gps = 3, .renderers = 2, .bundle = 10});
     CHECK(p.tokens == Approx(10 * 3 * 0.1 * ms));
-    CHECK(p.gp == Approx(60 * 0.4 * ms));  // four of ten slabs
-    CHECK(predict(c, slow, {.gps = 3, .renderers = 2, .slab = 1000}).gp == Approx(60 * ms));
-    CHECK(describe(p.layout) == "3 GPs + 2 Renderers, slabs of 10");
+    CHECK(p.gp == Approx(60 * 0.4 * ms));  // four of ten bundles
+    CHECK(predict(c, slow, {.gps = 3, .renderers = 2, .bundle = 1000}).gp == Approx(60 * ms));
+    CHECK(describe(p.layout) == "3 GPs + 2 Renderers, bundles of 10");
   }
   SECTION("in a mesh messages go further") {
     const RankCosts slow{.cores = 64, .hop = 0.1 * ms, .message_software = 0};

@@ -141,7 +141,7 @@ read_while_rank_1() {
   make_volume volume.nrrd
   local at=$(($(stat -c %s volume.nrrd) - slices + slices / 2))
   "$mpiexec" -n 3 env FAULT="$fault" FAULT_RANK=1 FAULT_AT=$at LD_PRELOAD="${LD_PRELOAD:+$LD_PRELOAD:}$library" "$program" \
-    render volume.nrrd --gps 2 --renderers 1 --slab 24 --size 64 -o pictures/f.exr --stall-timeout 3 "$@" >out 2>log </dev/null &
+    render volume.nrrd --gps 2 --renderers 1 --bundle 24 --size 64 -o pictures/f.exr --stall-timeout 3 "$@" >out 2>log </dev/null &
   launcher=$!
 }
 

@@ -75,7 +75,7 @@ TEST_CASE("colours are shown by luminance with a warning that names --channel, v
   CHECK(says(complaint("rg", 3, true), "no such channel"));
 }
 
-TEST_CASE("a channel of a source is read whole, by slice and by slab", "[channels]") {
+TEST_CASE("a channel of a source is read whole, by slice and by layer", "[channels]") {
   Grid grid;
   grid.dims = {nx, ny, nz};
   grid.type = ScalarType::int16;

@@ -70,7 +70,7 @@ TEST_CASE("an HDF5 dataset has its voxels whatever its layout, byte order and fi
       CHECK(source->grid().type == ScalarType::int16);
       CHECK(source->grid().dims == glm::ivec3(nx, ny, nz));
       CHECK(source->concurrent());
-      CHECK(source->slab_depth() == (all[k].chunk.empty() ? 1 : int(all[k].chunk[0])));
+      CHECK(source->layer_depth() == (all[k].chunk.empty() ? 1 : int(all[k].chunk[0])));
       CHECK(read_all(*source) == samples<short>());
       for (const int z : {2, 0, 1})
         CHECK(read_slice(*source, z) == samples<short>().substr(std::size_t(z) * 40, 40));
@@ -112,7 +112,7 @@ TEST_CASE("truth values and enumerations are labels") {
   CHECK(read_all(*source) == std::string("\1\0", 2));
 }
 
-TEST_CASE("every chunk is decoded once, by slices in order and by slabs") {
+TEST_CASE("every chunk is decoded once, by slices in order and by layers") {
   for (const hsize_t depth : {1, 5, 7, 12}) {
     CAPTURE(depth);
     const Folder folder;
@@ -133,7 +133,7 @@ TEST_CASE("every chunk is decoded once, by slices in order and by slabs") {
   }
 }
 
-TEST_CASE("a layer of chunks that is too large for memory is cut into even slabs") {
+TEST_CASE("a layer of chunks that is too large for memory is cut into even layers") {
   const Folder folder;
   const auto path = write_hdf5(folder / "large.h5", [](hid_t file) {
     add(file, {.dims = {64, 4096, 4096}, .type = H5T_STD_U8LE, .voxels = "", .chunk = {64, 64, 64}});
@@ -141,7 +141,7 @@ TEST_CASE("a layer of chunks that is too large for memory is cut into even slabs
     const std::string chunk(64 * 64 * 64, 'v');
     H5Dwrite_chunk(opened(file, "/volume").get(), H5P_DEFAULT, 0, first, chunk.size(), chunk.data());
   });
-  CHECK(open_volume(path)->slab_depth() == 16);  // 256 MiB
+  CHECK(open_volume(path)->layer_depth() == 16);  // 256 MiB
 }
 
 TEST_CASE("the only volume of an HDF5 file is taken, several are listed") {

@@ -97,7 +97,7 @@ TEST_CASE("a NumPy array in Fortran order has the same axes", "[npy]") {
   grid.dims = {columns, rows, slices};
   const auto source =
       detail::transposed_source(grid, write(folder / "b.raw", "123" + data), 3, false, 130000);
-  CHECK(source->slab_depth() == 10);
+  CHECK(source->layer_depth() == 10);
   bool same = true;
   for (int z = 0; z < slices; ++z) {
     const auto slice = read_slice(*source, z);

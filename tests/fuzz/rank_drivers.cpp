@@ -9,8 +9,8 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "net/loopback.hpp"
+#include "protocol/bundle_engine.hpp"
 #include "protocol/host.hpp"
-#include "protocol/slab_engine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
 #include "session/directed_frames.hpp"
@@ -53,7 +53,7 @@ const std::vector<Job>& jobs() {
     return std::vector<Job>{
         {Layout{2, 2}, {}, spec},          {Layout{3, 2, Placement::colocated}, ahead, shaded},
         {mesh_layout(2, 2, 3), {}, words}, {mesh_layout(2, 2, 2, Routing::direct), {}, spec},
-        {Layout{2, 2}, {}, spec, true},    {Layout{.gps = 2, .renderers = 2, .slab = 4}, ahead, shaded}};
+        {Layout{2, 2}, {}, spec, true},    {Layout{.gps = 2, .renderers = 2, .bundle = 4}, ahead, shaded}};
   }();
   return all;
 }
@@ -92,11 +92,11 @@ class Rank {
         {.grid = scene_of(job).grid,
          .gps = layout.gps,
          .renderers = layout.renderers,
-         .slab = layout.slab,
+         .bundle = layout.bundle,
          .slices = std::make_shared<const SliceStore>(rank < layout.gps ? scene_of(job).stores.at(rank)
                                                                         : SliceStore()),
          .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }});
-    if (layout.slab > 1) engine = make_slab_engine(std::move(engine), layout.slab);
+    if (layout.bundle > 1) engine = make_bundle_engine(std::move(engine), layout.bundle);
     return jobs()[job].count_only ? make_counting_engine(std::move(engine), 1) : std::move(engine);
   }
   DirectedFrames frames_;

@@ -64,7 +64,7 @@ TEST_CASE("the image has the same bits on any number of ranks as in one process"
   REQUIRE(compared >= 2);
 }
 
-TEST_CASE("slabs of any size give the same bits on ranks, with both engines") {
+TEST_CASE("bundles of any size give the same bits on ranks, with both engines") {
   int rank = 0, ranks = 0;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   MPI_Comm_size(MPI_COMM_WORLD, &ranks);
@@ -76,10 +76,10 @@ TEST_CASE("slabs of any size give the same bits on ranks, with both engines") {
     if (rank == 0) alone = render_loopback(*source, spec, 1, 1).image;
     for (Layout layout : {Layout{2, 1}, Layout{3, 3, Placement::colocated}, Layout{3, 2}}) {
       if (layout.ranks() > ranks) continue;
-      for (const int slab : {1, 2, 3, 7, 1000}) {
-        layout.slab = slab;
+      for (const int bundle : {1, 2, 3, 7, 1000}) {
+        layout.bundle = bundle;
         const Image image = render_on_ranks(layout, spec, *source);
-        INFO(fmt::format("{} GPs, {} Renderers, slabs of {}", layout.gps, layout.renderers, slab));
+        INFO(fmt::format("{} GPs, {} Renderers, bundles of {}", layout.gps, layout.renderers, bundle));
         REQUIRE((rank != 0 || image == alone));
       }
     }

@@ -2,8 +2,8 @@
 
 #include <set>
 
+#include "protocol/bundle_engine.hpp"
 #include "protocol/loopback_run.hpp"
-#include "protocol/slab_engine.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 
@@ -26,8 +26,8 @@ ToyRun run_all(const Layout& layout, const ProtocolOptions& options, const std::
   const auto make_engine = [&](int rank) -> std::unique_ptr<Engine> {
     auto engine = std::make_unique<ToyEngine>();
     if (rank == 0) at_frame_buffer = engine.get();
-    if (layout.slab == 1) return engine;
-    return make_slab_engine(std::move(engine), layout.slab);
+    if (layout.bundle == 1) return engine;
+    return make_bundle_engine(std::move(engine), layout.bundle);
   };
   // Copies pictures before the engines end with the run.
   class Keeping final : public FrameSource {
@@ -111,11 +111,11 @@ TEST_CASE(
 }
 
 TEST_CASE(
-    "in slabs every Renderer draws every slice once and in order, by one payload and one token for each "
-    "slab") {
+    "in bundles every Renderer draws every slice once and in order, by one payload and one token for each "
+    "bundle") {
   for (Layout layout : layouts())
     for (std::uint64_t seed = 0; seed < 40; ++seed) {
-      layout.slab = std::array{2, 3, 7, 1000}[seed % 4];
+      layout.bundle = std::array{2, 3, 7, 1000}[seed % 4];
       std::vector<ToyFrame> frames;
       for (int k = 0; k < 5; ++k)
         frames.push_back({.steps = 1 + int((seed + 3 * std::uint64_t(k)) % 17),
@@ -125,15 +125,15 @@ TEST_CASE(
                           .ascending = (seed + std::uint64_t(k)) % 2 == 0,
                           .hidden_steps = layout.routed() ? 0 : seed * 0x9e3779b97f4a7c15 >> (46 - k),
                           .empty_payloads = seed * 0xbf58476d1ce4e5b9 >> (44 + k),
-                          .slab = layout.slab,
+                          .bundle = layout.bundle,
                           .first_slice = int(seed % 5)});
       const ProtocolOptions options{.frames_in_flight = 1 + int(seed % 3),
                                     .slots = 1 + int(seed % 4),
                                     .link_slots = 1 + int(seed % 2),
                                     .look_ahead = 1 + int(seed % 3),
                                     .send_ahead = int(seed % 5)};
-      INFO(fmt::format("{} GPs, {} Renderers, slabs of {}, seed {}", layout.gps, layout.renderers,
-                       layout.slab, seed));
+      INFO(fmt::format("{} GPs, {} Renderers, bundles of {}, seed {}", layout.gps, layout.renderers,
+                       layout.bundle, seed));
       const ToyRun done =
           run_all(layout, options, frames, {.seed = seed, .reorder = true, .max_delay = int(seed % 7)});
       REQUIRE(done.over.size() == frames.size());
@@ -142,8 +142,8 @@ TEST_CASE(
         std::set<int> shown, sent;
         int slices = 0;
         for (int step = 0; step < frame.steps; ++step) {
-          if (frame.shows(step)) shown.insert(frame.slice(step) / layout.slab);
-          if (frame.has_payload(step)) sent.insert(frame.slice(step) / layout.slab);
+          if (frame.shows(step)) shown.insert(frame.slice(step) / layout.bundle);
+          if (frame.has_payload(step)) sent.insert(frame.slice(step) / layout.bundle);
           slices += frame.shows(step);
         }
         for (const auto& [tile, steps] : done.pictures.at(std::int64_t(k)))
@@ -166,9 +166,9 @@ TEST_CASE(
 TEST_CASE("dropped frames end wherever they are, and the frames between them are whole") {
   for (std::uint64_t seed = 0; seed < 60; ++seed) {
     Layout layout = seed % 3 == 0 ? mesh_layout(2, 2, 2) : Layout{3, 2};
-    layout.slab = seed < 40 ? 1 : 2;
+    layout.bundle = seed < 40 ? 1 : 2;
     const ToyFrame frame{
-        .steps = 7, .gps = layout.gps, .renderers = layout.renderers, .tiles = 4, .slab = layout.slab};
+        .steps = 7, .gps = layout.gps, .renderers = layout.renderers, .tiles = 4, .bundle = layout.bundle};
     const std::vector<ToyFrame> frames(6, frame);
     const ToyRun done = run_all(layout, {.frames_in_flight = 2, .slots = 1, .send_ahead = int(seed % 3)},
                                 frames, {.seed = seed, .reorder = true, .max_delay = int(seed % 9)}, {1, 4});

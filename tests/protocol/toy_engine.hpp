@@ -27,7 +27,7 @@ struct ToyFrame {
   std::uint32_t lost_items = 0;      ///< how many more items encoders report than they send
   int prepare_pieces = 0;            ///< pieces of work before the first step
   int spare_pieces = 0;              ///< pieces of work that a painter does while it waits
-  int slab = 1;                      ///< slices that a GP gets together
+  int bundle = 1;                    ///< slices that a GP gets together
   int first_slice = 0;               ///< in the volume, of which the frame shows a part
 
   /// The slice of a step, in the volume.
@@ -150,7 +150,7 @@ class ToyEngine final : public Engine {
     FramePlan plan;
     plan.ascending = frame.ascending;
     for (int step = 0; step < frame.steps; ++step)
-      plan.owners.push_back(frame.slice(step) / frame.slab % frame.gps);
+      plan.owners.push_back(frame.slice(step) / frame.bundle % frame.gps);
     plan.first_slice = frame.slice(0);
     for (int tile = 0; tile < frame.tiles; ++tile)
       plan.tiles.push_back({tile % frame.renderers, std::size_t(frame.steps) * sizeof(int)});

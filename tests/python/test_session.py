@@ -51,7 +51,7 @@ def test_random_blocks_give_the_bits_of_the_whole_volume(seed, dtype):
     "layout",
     [
         (3, 2),
-        dict(gps=3, renderers=2, slab=4),
+        dict(gps=3, renderers=2, bundle=4),
         dict(gps=2, renderers=2, roles="colocated"),
         dict(topology="mesh", mesh=(2, 2)),
     ],
@@ -59,6 +59,13 @@ def test_random_blocks_give_the_bits_of_the_whole_volume(seed, dtype):
 def test_a_layout_changes_no_bit(layout):
     volume = blob(SHAPE)
     session = session_of(volume, layout=layout, threads=2)
+    assert same(session, volume, azimuth=20)
+
+
+def test_slab_is_a_former_name_of_bundle():
+    volume = blob(SHAPE)
+    with pytest.warns(DeprecationWarning, match="bundle"):
+        session = session_of(volume, layout=dict(gps=2, renderers=1, slab=3))
     assert same(session, volume, azimuth=20)
 
 

@@ -231,26 +231,26 @@ def roles(run):
         same(f"{chosen['seconds']} s are at most 1.15 times the best, {best} s", chosen["seconds"] <= 1.15 * best, True)
 
 
-def slabs(run):
-    """Slabs of slices draw the same bits, count what they draw, and save latency where it is high; the program chooses them then."""
+def bundles(run):
+    """Bundles of slices draw the same bits, count what they draw, and save latency where it is high; the program chooses them then."""
     machine = os.path.join(REPO, "mpi_configs/machines/ethernet-cluster.toml")
     layout = "gps = 6\nrenderers = 4\n"
     run.program("render", HEAD, "-o", run.path("alone.exr"), "--quality", "paper", *VIEW)
-    drawn, = run.simulate(layout + "slab = 4", HEAD, "-o", run.path("drawn.exr"), *VIEW, machine=machine)
-    same("slabs draw the same bits", bytes_of(run.path("drawn.exr")) == bytes_of(run.path("alone.exr")), True)
+    drawn, = run.simulate(layout + "bundle = 4", HEAD, "-o", run.path("drawn.exr"), *VIEW, machine=machine)
+    same("bundles draw the same bits", bytes_of(run.path("drawn.exr")) == bytes_of(run.path("alone.exr")), True)
     # What a hidden voxel is depends on when news come.
     for quality in ("paper", "best"):
         view = [*VIEW, "--opaque-threshold", "0", "--quality", quality, "--frames-in-flight", "1"]
         frames = {}
-        for slab in (1, 4):
-            drawn, = run.simulate(layout + f"slab = {slab}", HEAD, "-o", run.path("picture.exr"), *view, machine=machine)
-            counted, = run.simulate(layout + f"slab = {slab}", HEAD, "--count-only", *view, machine=machine)
+        for bundle in (1, 4):
+            drawn, = run.simulate(layout + f"bundle = {bundle}", HEAD, "-o", run.path("picture.exr"), *view, machine=machine)
+            counted, = run.simulate(layout + f"bundle = {bundle}", HEAD, "--count-only", *view, machine=machine)
             for key in ("splats_sent", "payload_bytes_received", "payloads_sent", "tokens_passed", "slices", "passes"):
-                same(f"{quality}, slabs of {slab}, {key}", counted["total"][key], drawn["total"][key])
+                same(f"{quality}, bundles of {bundle}, {key}", counted["total"][key], drawn["total"][key])
             # A run that counts adds whole windows of kernels.
             close("samples", counted["total"]["samples"], drawn["total"]["samples"], 0.1 if quality == "paper" else 0)
             close("seconds", counted["seconds"], drawn["seconds"], 0.02)
-            frames[slab] = counted
+            frames[bundle] = counted
         one, four = frames[1], frames[4]
         steps = -(-one["traversal"]["slices"] // 4)
         same("slices", four["traversal"]["slices"], one["traversal"]["slices"])
@@ -262,14 +262,14 @@ def slabs(run):
             return sum(node["seconds"].get("drawing", 0) for node in frame["nodes"])
 
         close("drawing costs the same", drawing(four), drawing(one), 1e-6)
-        same(f"slabs are faster: {four['seconds']} s, {one['seconds']} s", four["seconds"] < 0.9 * one["seconds"], True)
+        same(f"bundles are faster: {four['seconds']} s, {one['seconds']} s", four["seconds"] < 0.9 * one["seconds"], True)
         chosen, = run.simulate('gps = "auto"\n', HEAD, "--count-only", *view, machine=machine, ranks="10")
         print(f"chosen: {chosen['layout']}")
-        same("slabs are chosen", chosen["layout"]["slab"] > 1, True)
+        same("bundles are chosen", chosen["layout"]["bundle"] > 1, True)
         same(f"it is no worse: {chosen['seconds']} s", chosen["seconds"] <= 1.15 * four["seconds"], True)
-        given, = run.simulate(layout + 'slab = "auto"', HEAD, "--count-only", *view, machine=machine)
+        given, = run.simulate(layout + 'bundle = "auto"', HEAD, "--count-only", *view, machine=machine)
         same("roles that are given stay", (given["layout"]["gps"], given["layout"]["renderers"]), (6, 4))
-        same("their slabs are chosen", given["layout"]["slab"] > 1, True)
+        same("their bundles are chosen", given["layout"]["bundle"] > 1, True)
 
 
 def bad_input(run):
@@ -296,7 +296,7 @@ def bad_input(run):
 
 
 def main():
-    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, waiting, roles, slabs, bad_input)}
+    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, waiting, roles, bundles, bad_input)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("case", choices=cases)
     parser.add_argument("--build", required=True)

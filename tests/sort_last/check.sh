@@ -14,10 +14,10 @@ for case in "1 75 radixk" "3 75 bswap" "3 -75 radixk --even"; do # seen from eit
   read -r ranks elevation options <<<"$case"
   "$program" render "$head" --quality paper --fit sphere "${view[@]}" --elevation "$elevation" --tf mr-soft --tf-out tf.json -o ring.exr >/dev/null
   # shellcheck disable=SC2086  # words
-  "$mpiexec" -n "$ranks" "$sort_last" "$head" --tf tf.json "${view[@]}" --elevation "$elevation" --strategy $options -o slabs.exr >out
+  "$mpiexec" -n "$ranks" "$sort_last" "$head" --tf tf.json "${view[@]}" --elevation "$elevation" --strategy $options -o sections.exr >out
   most=0.1
   if ((ranks == 1)); then most=0; fi
-  "$program" compare slabs.exr ring.exr --fail-above "$most" >/dev/null || fail "$case: another picture"
+  "$program" compare sections.exr ring.exr --fail-above "$most" >/dev/null || fail "$case: another picture"
 done
 if "$mpiexec" -n 2 "$sort_last" "$head" --tf tf.json >out 2>&1; then fail "a view along another axis was drawn"; fi
 grep -q 'does not traverse the z slices' out || fail "a view along another axis was refused without a reason"

@@ -1,5 +1,5 @@
-/// Sort-last rendering, to be raced against the ring: every rank draws the picture of a slab of slices with
-/// the renderer's own painter, and IceT composites the pictures. On real ranks, or on SimGrid's.
+/// Sort-last rendering, to be raced against the ring: every rank draws the picture of a section of slices
+/// with the renderer's own painter, and IceT composites the pictures. On real ranks, or on SimGrid's.
 #include <IceT.h>
 #include <fmt/format.h>
 #include <mpi.h>
@@ -18,7 +18,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "sort_last/icet_communicator.hpp"
-#include "sort_last/slab_painter.hpp"
+#include "sort_last/section_painter.hpp"
 
 namespace ringsplat::sort_last {
 namespace {
@@ -39,7 +39,7 @@ Options options_of(int argc, char** argv) {
   Shown& shown = o.spec.shown;
   std::string shading = "phong";
   Splats splats;
-  CLI::App app("Draws slabs of slices on all ranks and composites them with IceT");
+  CLI::App app("Draws sections of slices on all ranks and composites them with IceT");
   app.add_option("volume", o.volume)->required();
   app.add_option("--tf", o.transfer_function, "a ParaView JSON file")->required();
   app.add_option("--spacing", o.spacing)->delimiter('x');
@@ -52,7 +52,7 @@ Options options_of(int argc, char** argv) {
   app.add_option("--radius", splats.kernel_radius);
   app.add_option("--strategy", o.strategy)->check(CLI::IsMember({"bswap", "radixk", "tree"}));
   app.add_option("--frames", o.frames)->check(CLI::PositiveNumber);
-  app.add_flag("--even", o.even, "slabs that cost the same, by a frame that is drawn before");
+  app.add_flag("--even", o.even, "sections that cost the same, by a frame that is drawn before");
   app.add_option("--machine", o.machine, "what is simulated");
   app.add_option("--voxel-weight", o.voxel_weight);
   app.add_option("--pixel-weight", o.pixel_weight)->check(CLI::PositiveNumber);
@@ -138,7 +138,7 @@ class Race {
     if (o.spacing.size() == 3) raw.spacing = glm::dvec3(o.spacing[0], o.spacing[1], o.spacing[2]);
     source_ = open_volume(o.volume, raw);
     const bool ascending = make_geometry(o.spec, source_->grid()).traversal.ascending;
-    take_slab(slab_of(rank_, ranks_, source_->grid().dims.z));
+    take_section(section_of(rank_, ranks_, source_->grid().dims.z));
     const IceTCommunicator communicator = make_icet_communicator(comm, traffic_);
     context_ = icetCreateContext(communicator);
     destroy_icet_communicator(communicator);
@@ -170,9 +170,9 @@ class Race {
   const Image& picture() const { return picture_; }
 
  private:
-  void take_slab(const Slab& slab) {
+  void take_section(const Section& section) {
     painter_.reset();
-    painter_.emplace(*source_, slab, o_.spec.shown.shading == Shading::phong, machine_, o_.voxel_weight,
+    painter_.emplace(*source_, section, o_.spec.shown.shading == Shading::phong, machine_, o_.voxel_weight,
                      o_.pixel_weight);
   }
 
@@ -180,7 +180,7 @@ class Race {
     Image picture(o_.size, o_.size);
     std::vector<double> costs = painter_->draw(o_.spec, picture).costs;
     MPI_Allreduce(MPI_IN_PLACE, costs.data(), int(costs.size()), MPI_DOUBLE, MPI_SUM, comm_);
-    take_slab(slab_of(rank_, ranks_, costs));
+    take_section(section_of(rank_, ranks_, costs));
   }
 
   void barrier() {
@@ -211,7 +211,7 @@ class Race {
   std::optional<Machine> machine_;
   Traffic traffic_;
   std::unique_ptr<VolumeSource> source_;
-  std::optional<SlabPainter> painter_;
+  std::optional<SectionPainter> painter_;
   IceTContext context_ = nullptr;
   Image picture_;
 };

@@ -82,18 +82,18 @@ TEST_CASE("columns packed from z slices arrive in their x and y slices", "[slice
   CAPTURE(dims.x, dims.y, dims.z, to_string(type), gps);
   CHECK(wrong_voxels(grid, gps, false) == 0);
   CHECK(wrong_voxels(grid, gps, true) == 0);
-  for (const int slab : {2, 3, 7, 1000}) CHECK(wrong_voxels(grid, {gps, slab}, true) == 0);
+  for (const int bundle : {2, 3, 7, 1000}) CHECK(wrong_voxels(grid, {gps, bundle}, true) == 0);
 }
 
 TEST_CASE("every slice has one owner and the counts add up", "[slice_store]") {
   for (int slices = 0; slices < 12; ++slices)
     for (int gps = 1; gps < 15; ++gps)
-      for (const int slab : {1, 2, 3, 7, 1000}) {
-        const SliceDealing dealing(gps, slab);
+      for (const int bundle : {1, 2, 3, 7, 1000}) {
+        const SliceDealing dealing(gps, bundle);
         std::vector<int> places(std::size_t(gps), 0);
         for (int s = 0; s < slices; ++s) {
           const int owner = dealing.owner_of(s);
-          REQUIRE(owner == s / slab % gps);
+          REQUIRE(owner == s / bundle % gps);
           REQUIRE(dealing.place_of(s) == places[std::size_t(owner)]++);
           REQUIRE(dealing.slice_at(owner, dealing.place_of(s)) == s);
         }
@@ -117,8 +117,8 @@ TEST_CASE("a store allocates what info predicts", "[slice_store]") {
         for (int g = 0; g < gps; ++g) {
           const SliceStore store(grid, g, gps, kept, normals);
           CHECK(store.allocated_bytes() == SliceStore::bytes_needed(grid, g, gps, kept, normals));
-          const SliceStore slabs(grid, g, {gps, 4}, kept, normals);
-          CHECK(slabs.allocated_bytes() == SliceStore::bytes_needed(grid, g, {gps, 4}, kept, normals));
+          const SliceStore bundles(grid, g, {gps, 4}, kept, normals);
+          CHECK(bundles.allocated_bytes() == SliceStore::bytes_needed(grid, g, {gps, 4}, kept, normals));
           sum += store.allocated_bytes();
         }
         const auto sets = std::uint64_t(kept[0] + kept[1] + kept[2]);

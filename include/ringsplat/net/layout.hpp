@@ -24,8 +24,8 @@ struct Layout {
   Topology topology = Topology::ring;
   int mesh_columns = 0, mesh_rows = 0;
   Routing routing = Routing::manhattan;
-  int idle = 0;  ///< ranks behind all others that host no node
-  int slab = 1;  ///< consecutive slices that one GP gets and that travel under one token; 1 is the paper
+  int idle = 0;    ///< ranks behind all others that host no node
+  int bundle = 1;  ///< consecutive slices that one GP gets and that travel under one token; 1 is the paper
 
   int ranks() const { return working_ranks() + idle; }
   int working_ranks() const;
@@ -37,12 +37,12 @@ struct Layout {
 };
 
 /// More slices than any volume has.
-inline constexpr int most_slices_of_slab = 1 << 20;
+inline constexpr int most_slices_of_bundle = 1 << 20;
 
 /// A mesh of columns × rows GPs; its Renderers are on ranks of their own.
 Layout mesh_layout(int columns, int rows, int renderers, Routing routing = Routing::manhattan);
 
-/// Throws InputError naming the option: a count below 1; a slab of too many slices; a mesh without a shape,
+/// Throws InputError naming the option: a count below 1; a bundle of too many slices; a mesh without a shape,
 /// with a shape that its GPs do not fill, with more Renderers than row ends, or with Renderers on the GPs'
 /// ranks.
 void check(const Layout& layout);

@@ -17,9 +17,9 @@ struct Reduction {
 /// voxel lies in the middle of those it stands for. Throws InputError for a factor below 1.
 Grid reduced_grid(const Grid& grid, const Reduction& reduction);
 
-/// The reduced source's VolumeSource::slab_depth(), for one that has `depth`. A prefilter also reaches into
-/// the slabs beside.
-int reduced_slab_depth(int depth, const Reduction& reduction);
+/// The reduced source's VolumeSource::layer_depth(), for one that has `depth`. A prefilter also reaches into
+/// the layers beside.
+int reduced_layer_depth(int depth, const Reduction& reduction);
 
 /// The part of the reduced volume that a box of the volume shows: voxels whose places lie in the box, at
 /// least the one nearest to its middle. Where the box reaches the volume's face the part reaches the reduced

@@ -47,9 +47,9 @@ class VolumeSource {
   /// each slice once. Throws InputError naming the file (truncated, unreadable).
   virtual void read_slices(int first, int count, std::span<std::byte> out) = 0;
 
-  /// z slices that are decoded together: slabs [k * slab_depth(), (k + 1) * slab_depth()) are read fastest as
-  /// a whole, each once.
-  virtual int slab_depth() const { return 1; }
+  /// z slices that are decoded together: layers [k * layer_depth(), (k + 1) * layer_depth()) are read fastest
+  /// as a whole, each once.
+  virtual int layer_depth() const { return 1; }
 
   virtual VolumeNotes notes() const { return {}; }
 

@@ -14,8 +14,8 @@
 namespace ringsplat::detail::hdf5 {
 namespace {
 
-/// Bytes of a slab that a process holds while it hands it out.
-constexpr std::uint64_t most_slab_bytes = std::uint64_t{256} << 20;
+/// Bytes of a layer that a process holds while it hands it out.
+constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
 constexpr int most_dimensions = H5S_MAX_RANK;
 
 std::string filter_name(H5Z_filter_t id, const char* stored) {
@@ -80,7 +80,7 @@ class DatasetSource final : public VolumeSource {
     const Quiet quiet;
     file_ = open_file(selection_.file);
     const Id access(H5Pcreate(H5P_DATASET_ACCESS));
-    // Whole slabs are read at once, so no chunk is asked for twice.
+    // Whole layers are read at once, so no chunk is asked for twice.
     H5Pset_chunk_cache(access.get(), 0, 0, 0);
     dataset_ = made(H5Dopen2(file_.get(), selection_.dataset.c_str(), access.get()), where());
     const Id creation = made(H5Dget_create_plist(dataset_.get()), where());
@@ -95,7 +95,7 @@ class DatasetSource final : public VolumeSource {
 
   const Grid& grid() const override { return grid_; }
   bool concurrent() const override { return true; }
-  int slab_depth() const override { return depth_; }
+  int layer_depth() const override { return depth_; }
   VolumeNotes notes() const override { return notes_; }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
@@ -105,12 +105,12 @@ class DatasetSource final : public VolumeSource {
                 stop = std::min(end, first + count);
       const auto part = out.subspan(std::size_t(z - first) * bytes, std::size_t(stop - z) * bytes);
       if (z == begin && stop == end) {
-        read_slab(begin, end, part);
+        read_layer(begin, end, part);
       } else {
         if (kept_first_ != begin) {
           kept_first_ = -1;
           kept_.resize(std::size_t(end - begin) * bytes);
-          read_slab(begin, end, kept_);
+          read_layer(begin, end, kept_);
           kept_first_ = begin;
         }
         std::memcpy(part.data(), kept_.data() + std::size_t(z - begin) * bytes, part.size());
@@ -138,15 +138,15 @@ class DatasetSource final : public VolumeSource {
  private:
   std::string where() const { return selection_.file.string() + ":" + selection_.dataset; }
 
-  /// A layer of chunks in slabs of at most most_slab_bytes, as even as they can be.
+  /// A layer of chunks in layers of at most most_layer_bytes, as even as they can be.
   int bounded(hsize_t layer) const {
     const auto depth = std::uint64_t(std::min<hsize_t>(layer, hsize_t(grid_.dims.z)));
-    const std::uint64_t most = std::max<std::uint64_t>(1, most_slab_bytes / grid_.slice_bytes(Axis::z));
+    const std::uint64_t most = std::max<std::uint64_t>(1, most_layer_bytes / grid_.slice_bytes(Axis::z));
     const std::uint64_t parts = (depth + most - 1) / most;
     return int((depth + parts - 1) / parts);
   }
 
-  void read_slab(int begin, int end, std::span<std::byte> out) {
+  void read_layer(int begin, int end, std::span<std::byte> out) {
     on_disk_.require_unchanged();
     const Quiet quiet;
     if (!selection_.rescale.empty()) {
@@ -209,7 +209,7 @@ class DatasetSource final : public VolumeSource {
   Id file_, dataset_;
   std::vector<hsize_t> chunk_;  ///< sizes; empty for a dataset without chunks
   int depth_ = 1;
-  std::vector<std::byte> kept_;  ///< the last slab that was not read as a whole
+  std::vector<std::byte> kept_;  ///< the last layer that was not read as a whole
   int kept_first_ = -1;
 };
 

@@ -27,9 +27,9 @@ struct Selection {
 /// which is missing, and for sizes that the file cannot hold.
 void require_readable(hid_t dataset, const std::filesystem::path& file, const std::string& where);
 
-/// The voxels of the selection. Concurrent; its slabs are the chunks' layers. A layer of more than 256 MiB is
-/// cut into thinner slabs, which keeps memory bounded and decodes its chunks once for each of them. Reads
-/// that are not whole slabs keep the last one. Holds the file open; throws InputError when it changes.
+/// The voxels of the selection. Concurrent; its layers are the chunks' layers. A layer of more than 256 MiB
+/// is cut into thinner layers, which keeps memory bounded and decodes its chunks once for each of them. Reads
+/// that are not whole layers keep the last one. Holds the file open; throws InputError when it changes.
 std::unique_ptr<VolumeSource> dataset_source(const Grid& grid, VolumeNotes notes, Selection selection);
 
 }  // namespace ringsplat::detail::hdf5

@@ -6,6 +6,7 @@ import contextlib
 import functools
 import operator
 import sys
+import warnings
 import weakref
 from typing import TYPE_CHECKING, Any, Callable, Iterator, Optional, TypeVar, cast
 
@@ -69,8 +70,11 @@ def _layout_words(layout: Any) -> list[str]:
         layout = {"gps": gps, "renderers": renderers}
     words = []
     for name, value in layout.items():
-        if name not in ("gps", "renderers", "slab", "roles", "topology", "mesh", "routing"):
-            raise TypeError(f"{name} is no part of a layout; hint: gps, renderers, slab, roles, topology, mesh, routing")
+        if name == "slab":
+            warnings.warn("a layout's slab is now called bundle", DeprecationWarning, stacklevel=3)
+            name = "bundle"
+        if name not in ("gps", "renderers", "bundle", "roles", "topology", "mesh", "routing"):
+            raise TypeError(f"{name} is no part of a layout; hint: gps, renderers, bundle, roles, topology, mesh, routing")
         text = "x".join(map(str, value)) if isinstance(value, (tuple, list)) else str(value)
         words.append(f"--{name}={text}")
     return words
@@ -111,7 +115,7 @@ class Session:
     comm : an mpi4py communicator, or None for this process alone
         All its ranks create the session and make the same collective calls in the same order. What one of several gets
         wrong, also in a call before that is its own, is raised by the next of them on all, and the session can be used on.
-    layout : (gps, renderers) or dict(gps=, renderers=, slab=, roles=, topology=, mesh=, routing=)
+    layout : (gps, renderers) or dict(gps=, renderers=, bundle=, roles=, topology=, mesh=, routing=)
         Which ranks hold slices and which draw, as the program's options. Without it every rank does both.
     threads : int
         That share a rank's work.

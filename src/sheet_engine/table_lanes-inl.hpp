@@ -1,9 +1,9 @@
 // Per-target include guard: Highway compiles this once for each instruction set.
-#if defined(RINGSPLAT_SLAB_LANES_INL) == defined(HWY_TARGET_TOGGLE)
-#ifdef RINGSPLAT_SLAB_LANES_INL
-#undef RINGSPLAT_SLAB_LANES_INL
+#if defined(RINGSPLAT_TABLE_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_TABLE_LANES_INL
+#undef RINGSPLAT_TABLE_LANES_INL
 #else
-#define RINGSPLAT_SLAB_LANES_INL
+#define RINGSPLAT_TABLE_LANES_INL
 #endif
 
 #include "sheet_engine/lanes-inl.hpp"
@@ -27,10 +27,10 @@ HWY_INLINE F OpacityOf(const Entry& e) {
   return mul(root_of, root_of);
 }
 
-struct Slab {
+struct TableSlab {
   F opacity, red, green, blue, centroid, spread;
 };
-HWY_INLINE Slab Unpack(const Entry& e) {
+HWY_INLINE TableSlab Unpack(const Entry& e) {
   const I low = e.low, high = e.high;
   const I ten = set_int(1023);
   const F colour = set(1.0F / 1023);
@@ -63,8 +63,8 @@ HWY_NOINLINE F OpacityBetween(const SheetPaint& paint, F front, F back) {
   const F step = sub(back, front), depth = add(sub(b.whole, a.whole), sub(b.rest, a.rest));
   // So near to each other that the depth's rounding would show.
   const M near = greater(set(0.125F), abs(step));
-  const F mean = choose(near, mul(set(0.5F), add(a.density, b.density)),
-                        div(depth, choose(near, set(1.0F), step)));
+  const F mean =
+      choose(near, mul(set(0.5F), add(a.density, b.density)), div(depth, choose(near, set(1.0F), step)));
   return opacity_of(max(mul(mean, set(paint.slab_length)), set(0.0F)));
 }
 

@@ -1,4 +1,4 @@
-#include "protocol/slab_engine.hpp"
+#include "protocol/bundle_engine.hpp"
 
 #include <fmt/format.h>
 
@@ -16,58 +16,58 @@ namespace {
 
 /// Parts begin at multiples of this, as payloads do in messages.
 constexpr std::size_t alignment = 16;
-static_assert(sizeof(SlabPart) == alignment && sizeof(Header) % alignment == 0);
+static_assert(sizeof(BundlePart) == alignment && sizeof(Header) % alignment == 0);
 
 std::size_t padding(std::size_t at) { return (alignment - at % alignment) % alignment; }
 
-/// Which steps of the inner engine make a slab.
-class Slabs {
+/// Which steps of the inner engine make a bundle.
+class Bundles {
  public:
-  Slabs(const FramePlan& of_slices, int slab) {
+  Bundles(const FramePlan& of_slices, int bundle) {
     const int direction = of_slices.ascending ? 1 : -1;
-    const auto slab_of = [&](int step) { return (of_slices.first_slice + direction * step) / slab; };
+    const auto bundle_of = [&](int step) { return (of_slices.first_slice + direction * step) / bundle; };
     for (int step = 0; step < of_slices.slices(); ++step)
-      if (step == 0 || slab_of(step) != slab_of(step - 1)) begins_.push_back(step);
+      if (step == 0 || bundle_of(step) != bundle_of(step - 1)) begins_.push_back(step);
     begins_.push_back(of_slices.slices());
   }
 
   int count() const { return int(begins_.size()) - 1; }
-  int begin(int slab) const { return begins_[std::size_t(slab)]; }
-  int end(int slab) const { return begins_[std::size_t(slab) + 1]; }
-  int slices(int slab) const { return end(slab) - begin(slab); }
-  int slab_of(int slice_step) const {
+  int begin(int bundle) const { return begins_[std::size_t(bundle)]; }
+  int end(int bundle) const { return begins_[std::size_t(bundle) + 1]; }
+  int slices(int bundle) const { return end(bundle) - begin(bundle); }
+  int bundle_of(int slice_step) const {
     return int(std::upper_bound(begins_.begin(), begins_.end(), slice_step) - begins_.begin()) - 1;
   }
 
  private:
-  std::vector<int> begins_;  ///< steps of slices, and the end of the last slab
+  std::vector<int> begins_;  ///< steps of slices, and the end of the last bundle
 };
 
-FramePlan plan_of_slabs(const FramePlan& of_slices, const Slabs& slabs) {
+FramePlan plan_of_bundles(const FramePlan& of_slices, const Bundles& bundles) {
   FramePlan plan;
   plan.ascending = of_slices.ascending;
   plan.tiles = of_slices.tiles;
   plan.first_slice = of_slices.first_slice;
-  for (int slab = 0; slab < slabs.count(); ++slab) {
-    plan.owners.push_back(of_slices.owners[std::size_t(slabs.begin(slab))]);
-    plan.slices_of_steps.push_back(slabs.slices(slab));
+  for (int bundle = 0; bundle < bundles.count(); ++bundle) {
+    plan.owners.push_back(of_slices.owners[std::size_t(bundles.begin(bundle))]);
+    plan.slices_of_steps.push_back(bundles.slices(bundle));
   }
   return plan;
 }
 
 /// A slice's payload for a Renderer.
 struct SlicePayload {
-  SlabPart head;
+  BundlePart head;
   Bytes body;  ///< as a message's
 };
 
 std::size_t joined_bytes(const std::vector<SlicePayload>& slices) {
   std::size_t bytes = 0;
-  for (const SlicePayload& slice : slices) bytes += padding(bytes) + sizeof(SlabPart) + slice.head.bytes;
+  for (const SlicePayload& slice : slices) bytes += padding(bytes) + sizeof(BundlePart) + slice.head.bytes;
   return bytes;
 }
 
-/// The payload of a slab, which empties `slices`.
+/// The payload of a bundle, which empties `slices`.
 Bytes join(std::vector<SlicePayload>& slices) {
   Bytes body = Message::body_buffer();
   body.reserve(body.size() + joined_bytes(slices));
@@ -89,11 +89,11 @@ Bytes join_lengths(std::vector<SlicePayload>& slices) {
   return body;
 }
 
-class SlabEncoder final : public Encoder {
+class BundleEncoder final : public Encoder {
  public:
-  SlabEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Slabs slabs,
-              SlabContent content)
-      : inner_(std::move(inner)), slabs_(std::move(slabs)), content_(content), slices_(inner_->shown()) {
+  BundleEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Bundles bundles,
+                BundleContent content)
+      : inner_(std::move(inner)), bundles_(std::move(bundles)), content_(content), slices_(inner_->shown()) {
     shows_nothing_ = slices_.empty();
     // A frame that shows nothing has one step nevertheless (GpFrame).
     if (shows_nothing_) slices_.push_back(0);
@@ -105,19 +105,19 @@ class SlabEncoder final : public Encoder {
     std::vector<int> steps;
     if (shows_nothing_) return steps;
     for (const int slice : slices_)
-      if (const int slab = slabs_.slab_of(slice); steps.empty() || steps.back() != slab)
-        steps.push_back(slab);
+      if (const int bundle = bundles_.bundle_of(slice); steps.empty() || steps.back() != bundle)
+        steps.push_back(bundle);
     return steps;
   }
 
   EncodeCounts left_out(std::size_t) const override { return inner_->left_out(owned_); }
   bool prepare() override { return inner_->prepare(); }
 
-  void begin(int slab) override {
+  void begin(int bundle) override {
     const auto at = [this](int step) { return std::lower_bound(slices_.begin(), slices_.end(), step); };
-    next_ = at(slabs_.begin(slab));
-    end_ = at(slabs_.end(slab));
-    // Those of a slab that was begun and then dropped.
+    next_ = at(bundles_.begin(bundle));
+    end_ = at(bundles_.end(bundle));
+    // Those of a bundle that was begun and then dropped.
     kept_.clear();
     joined_ = {};
     joined_.slices = 0;
@@ -171,27 +171,27 @@ class SlabEncoder final : public Encoder {
 
   void join_part(std::size_t renderer) {
     EncodedPart& all = joined_.parts[renderer];
-    all.payload = content_ == SlabContent::payloads ? join(kept_[renderer]) : join_lengths(kept_[renderer]);
+    all.payload = content_ == BundleContent::payloads ? join(kept_[renderer]) : join_lengths(kept_[renderer]);
     std::sort(all.tiles.begin(), all.tiles.end());
     all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
   }
 
   std::unique_ptr<Encoder> inner_;
-  Slabs slabs_;
-  SlabContent content_;
+  Bundles bundles_;
+  BundleContent content_;
   std::vector<int> slices_;  ///< steps of slices that are shown
   bool shows_nothing_ = false;
   std::size_t owned_ = 0;                  ///< how many of them this GP has
-  std::vector<int>::iterator next_, end_;  ///< of slices_: the slice that is encoded, and the slab's end
-  std::vector<std::vector<SlicePayload>> kept_;  ///< by Renderer, of the slab's slices so far
+  std::vector<int>::iterator next_, end_;  ///< of slices_: the slice that is encoded, and the bundle's end
+  std::vector<std::vector<SlicePayload>> kept_;  ///< by Renderer, of the bundle's slices so far
   std::size_t joined_to_ = 0;                    ///< Renderers whose payloads are joined
   EncodedStep joined_;
 };
 
-class SlabPainter final : public Painter {
+class BundlePainter final : public Painter {
  public:
-  SlabPainter(Painter& inner, int renderer, Slabs slabs)
-      : inner_(inner), renderer_(renderer), slabs_(std::move(slabs)) {}
+  BundlePainter(Painter& inner, int renderer, Bundles bundles)
+      : inner_(inner), renderer_(renderer), bundles_(std::move(bundles)) {}
 
   bool prepare() override { return inner_.prepare(); }
 
@@ -215,18 +215,18 @@ class SlabPainter final : public Painter {
   void finish(const std::function<void(int, Bytes)>& deliver) override { inner_.finish(deliver); }
 
  private:
-  /// Finds the payloads of the slab's slices.
+  /// Finds the payloads of the bundle's slices.
   void read(const PayloadToDraw& payload) {
     const std::span<const std::byte> body = payload.body;
-    const bool known = payload.step >= 0 && payload.step < slabs_.count();
-    if (!known || body.empty()) refuse(payload, "is no slab of the frame's");
-    int least = slabs_.begin(payload.step);
+    const bool known = payload.step >= 0 && payload.step < bundles_.count();
+    if (!known || body.empty()) refuse(payload, "is no bundle of the frame's");
+    int least = bundles_.begin(payload.step);
     slices_.clear();
     for (std::size_t at = 0; at < body.size();) {
-      SlabPart part{};
+      BundlePart part{};
       at += padding(at);
       if (!take(body, at, part) || part.bytes > body.size() - at) refuse(payload, "is cut short");
-      if (part.slice_step < least || part.slice_step >= slabs_.end(payload.step))
+      if (part.slice_step < least || part.slice_step >= bundles_.end(payload.step))
         refuse(payload, fmt::format("has slice {} out of its place", part.slice_step));
       least = part.slice_step + 1;
       slices_.push_back({part.slice_step, part.passes, body.subspan(at, part.bytes)});
@@ -235,48 +235,49 @@ class SlabPainter final : public Painter {
   }
 
   [[noreturn]] void refuse(const PayloadToDraw& payload, const std::string& why) const {
-    throw RunError(fmt::format("Renderer {} got a payload of slab {} that {}", renderer_, payload.step, why),
-                   "all ranks must run the same build with the same options");
+    throw RunError(
+        fmt::format("Renderer {} got a payload of bundle {} that {}", renderer_, payload.step, why),
+        "all ranks must run the same build with the same options");
   }
 
   Painter& inner_;
   int renderer_;
-  Slabs slabs_;
+  Bundles bundles_;
   std::vector<PayloadToDraw> slices_;  ///< the payload's
   std::size_t next_ = 0;               ///< the slice that is drawn
 };
 
-class SlabEngine final : public Engine {
+class BundleEngine final : public Engine {
  public:
-  SlabEngine(std::unique_ptr<Engine> inner, int slab, SlabContent content)
-      : inner_(std::move(inner)), slab_(slab), content_(content) {}
+  BundleEngine(std::unique_ptr<Engine> inner, int bundle, BundleContent content)
+      : inner_(std::move(inner)), bundle_(bundle), content_(content) {}
 
   FramePlan plan(const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
-    return plan_of_slabs(of_slices, Slabs(of_slices, slab_));
+    return plan_of_bundles(of_slices, Bundles(of_slices, bundle_));
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
-    return std::make_unique<SlabEncoder>(inner_->encoder(gp, a), gp, of_slices, Slabs(of_slices, slab_),
-                                         content_);
+    return std::make_unique<BundleEncoder>(inner_->encoder(gp, a), gp, of_slices, Bundles(of_slices, bundle_),
+                                           content_);
   }
   Painter& painter(int renderer, const Announcement& a) override {
-    return *(painters_[renderer] = std::make_unique<SlabPainter>(inner_->painter(renderer, a), renderer,
-                                                                 Slabs(inner_->plan(a), slab_)));
+    return *(painters_[renderer] = std::make_unique<BundlePainter>(inner_->painter(renderer, a), renderer,
+                                                                   Bundles(inner_->plan(a), bundle_)));
   }
   std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
 
  private:
   std::unique_ptr<Engine> inner_;
-  int slab_;
-  SlabContent content_;
-  std::map<int, std::unique_ptr<SlabPainter>> painters_;
+  int bundle_;
+  BundleContent content_;
+  std::map<int, std::unique_ptr<BundlePainter>> painters_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_slab_engine(std::unique_ptr<Engine> inner, int slab, SlabContent content) {
-  return std::make_unique<SlabEngine>(std::move(inner), slab, content);
+std::unique_ptr<Engine> make_bundle_engine(std::unique_ptr<Engine> inner, int bundle, BundleContent content) {
+  return std::make_unique<BundleEngine>(std::move(inner), bundle, content);
 }
 
 }  // namespace ringsplat

@@ -1,4 +1,4 @@
-#include "protocol/slab_engine.hpp"
+#include "protocol/bundle_engine.hpp"
 
 #include <cstring>
 
@@ -11,8 +11,8 @@ using namespace ringsplat::test;
 
 namespace {
 
-/// Seven slices from slice 2 on, in slabs 2 3 | 4 5 6 7 | 8.
-constexpr ToyFrame part_of_a_volume{.steps = 7, .gps = 2, .renderers = 1, .slab = 4, .first_slice = 2};
+/// Seven slices from slice 2 on, in bundles 2 3 | 4 5 6 7 | 8.
+constexpr ToyFrame part_of_a_volume{.steps = 7, .gps = 2, .renderers = 1, .bundle = 4, .first_slice = 2};
 
 EncodedStep encoded(Encoder& encoder, int step) {
   encoder.begin(step);
@@ -23,9 +23,9 @@ EncodedStep encoded(Encoder& encoder, int step) {
 
 }  // namespace
 
-TEST_CASE("slabs are those of the volume, in either direction") {
+TEST_CASE("bundles are those of the volume, in either direction") {
   const auto plan = [](const ToyFrame& frame) {
-    return make_slab_engine(std::make_unique<ToyEngine>(), frame.slab)->plan(announcement(0, frame));
+    return make_bundle_engine(std::make_unique<ToyEngine>(), frame.bundle)->plan(announcement(0, frame));
   };
   ToyFrame frame = part_of_a_volume;
   CHECK(plan(frame).slices_of_steps == std::vector{2, 4, 1});
@@ -37,10 +37,10 @@ TEST_CASE("slabs are those of the volume, in either direction") {
 }
 
 TEST_CASE(
-    "a token stays until the payload of the slab's slices is accepted, then goes to the next slab's GP") {
-  const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4);
+    "a token stays until the payload of the bundle's slices is accepted, then goes to the next bundle's GP") {
+  const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4);
   Posted posted;
-  Gp gp(0, {.gps = 2, .renderers = 1, .slab = 4}, {}, *engine, posted.post());
+  Gp gp(0, {.gps = 2, .renderers = 1, .bundle = 4}, {}, *engine, posted.post());
   gp.begin_frame(announcement(0, part_of_a_volume));
   run(gp);
   const auto payloads = posted.take(Kind::payload);
@@ -57,14 +57,14 @@ TEST_CASE(
   CHECK(posted.messages.empty());
 }
 
-TEST_CASE("without content a slab's payload is as long, and says as much") {
+TEST_CASE("without content a bundle's payload is as long, and says as much") {
   const Announcement frame = announcement(0, part_of_a_volume);
-  const auto part = [&](SlabContent content) {
-    const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4, content);
+  const auto part = [&](BundleContent content) {
+    const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4, content);
     return encoded(*engine->encoder(1, frame), 1).parts.front();
   };
-  const EncodedPart drawn = part(SlabContent::payloads), counted = part(SlabContent::length);
-  CHECK(drawn.payload.size() == sizeof(Header) + 4 * (sizeof(SlabPart) + sizeof(ToyItem)));
+  const EncodedPart drawn = part(BundleContent::payloads), counted = part(BundleContent::length);
+  CHECK(drawn.payload.size() == sizeof(Header) + 4 * (sizeof(BundlePart) + sizeof(ToyItem)));
   CHECK(counted.payload.size() == drawn.payload.size());
   for (const EncodedPart& one : {drawn, counted}) {
     CHECK(one.slices == 4);
@@ -73,29 +73,29 @@ TEST_CASE("without content a slab's payload is as long, and says as much") {
   }
 }
 
-TEST_CASE("a damaged payload of a slab is refused with the Renderer's and the slab's number") {
-  const auto engine = make_slab_engine(std::make_unique<ToyEngine>(), 4);
+TEST_CASE("a damaged payload of a bundle is refused with the Renderer's and the bundle's number") {
+  const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4);
   const Announcement frame = announcement(0, part_of_a_volume);
   const Bytes whole = encoded(*engine->encoder(1, frame), 1).parts.front().payload;
   Painter& painter = engine->painter(0, frame);
   const auto body = [](const Bytes& wire) { return std::span(wire).subspan(sizeof(Header)); };
-  const auto draw = [&](int slab, const Bytes& wire) {
-    painter.begin({slab, 4, body(wire)});
+  const auto draw = [&](int bundle, const Bytes& wire) {
+    painter.begin({bundle, 4, body(wire)});
     while (!painter.work()) {
     }
   };
-  const auto refused = Catch::Matchers::Contains("Renderer 0 got a payload of slab");
+  const auto refused = Catch::Matchers::Contains("Renderer 0 got a payload of bundle");
   for (std::size_t size = sizeof(Header); size < whole.size(); ++size) {
     // At the end of a slice's part what is left is whole, but has fewer slices.
-    const std::size_t part = sizeof(SlabPart) + sizeof(ToyItem);
+    const std::size_t part = sizeof(BundlePart) + sizeof(ToyItem);
     if (size > sizeof(Header) && (size - sizeof(Header)) % part == 0) continue;
     CAPTURE(size);
     CHECK_THROWS_WITH(draw(1, Bytes(whole.begin(), whole.begin() + std::ptrdiff_t(size))), refused);
   }
-  for (const int slab : {-1, 0, 2, 3, 100}) CHECK_THROWS_WITH(draw(slab, whole), refused);
+  for (const int bundle : {-1, 0, 2, 3, 100}) CHECK_THROWS_WITH(draw(bundle, whole), refused);
   const auto with_step = [&](std::size_t part, std::int32_t step) {
     Bytes wire = whole;
-    std::memcpy(wire.data() + sizeof(Header) + part * (sizeof(SlabPart) + sizeof(ToyItem)), &step,
+    std::memcpy(wire.data() + sizeof(Header) + part * (sizeof(BundlePart) + sizeof(ToyItem)), &step,
                 sizeof step);
     return wire;
   };

@@ -1,4 +1,4 @@
-#include "sort_last/slab_painter.hpp"
+#include "sort_last/section_painter.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -14,16 +14,16 @@
 namespace ringsplat::sort_last {
 namespace {
 
-VoxelBox box_of(const Grid& grid, const Slab& slab) {
+VoxelBox box_of(const Grid& grid, const Section& section) {
   VoxelBox box = whole_box(grid);
-  box.first.z = slab.first;
-  box.end.z = slab.end;
+  box.first.z = section.first;
+  box.end.z = section.end;
   return box;
 }
 
-SliceStore read_slab(VolumeSource& source, const Slab& slab, bool with_normals) {
+SliceStore read_section(VolumeSource& source, const Section& section, bool with_normals) {
   const Grid& whole = source.grid();
-  const Grid grid = clipped_grid(whole, box_of(whole, slab));
+  const Grid grid = clipped_grid(whole, box_of(whole, section));
   SliceStore store(grid, 0, 1, {false, false, true}, with_normals);
   store.know_normals_within(whole_box(grid));
   const std::size_t bytes = whole.slice_bytes(Axis::z);
@@ -31,13 +31,13 @@ SliceStore read_slab(VolumeSource& source, const Slab& slab, bool with_normals) 
   const auto read = [&](int z, std::vector<std::byte>& slice) {
     if (z >= 0 && z < whole.dims.z) source.read_slices(z, 1, slice);
   };
-  if (with_normals) read(slab.first - 1, below);
-  read(slab.first, here);
-  for (int z = slab.first; z < slab.end; ++z) {
-    if (with_normals || z + 1 < slab.end) read(z + 1, above);
-    const int local = z - slab.first;
+  if (with_normals) read(section.first - 1, below);
+  read(section.first, here);
+  for (int z = section.first; z < section.end; ++z) {
+    if (with_normals || z + 1 < section.end) read(z + 1, above);
+    const int local = z - section.first;
     std::memcpy(store.values(Axis::z, local).data(), here.data(), bytes);
-    // As in the whole volume: the slab's faces are none of its own.
+    // As in the whole volume: the section's faces are none of its own.
     if (with_normals)
       slice_normals(whole, z > 0 ? below.data() : nullptr, here.data(),
                     z + 1 < whole.dims.z ? above.data() : nullptr, store.normals(Axis::z, local));
@@ -49,12 +49,12 @@ SliceStore read_slab(VolumeSource& source, const Slab& slab, bool with_normals) 
 
 }  // namespace
 
-Slab slab_of(int rank, int ranks, int slices) {
+Section section_of(int rank, int ranks, int slices) {
   const auto begin = [&](int k) { return int(std::int64_t(slices) * k / ranks); };
   return {begin(rank), begin(rank + 1)};
 }
 
-Slab slab_of(int rank, int ranks, const std::vector<double>& costs) {
+Section section_of(int rank, int ranks, const std::vector<double>& costs) {
   std::vector<double> before{0};
   for (const double cost : costs) before.push_back(before.back() + cost);
   const auto begin = [&](int k) {
@@ -67,30 +67,30 @@ Slab slab_of(int rank, int ranks, const std::vector<double>& costs) {
   return {begin(rank), begin(rank + 1)};
 }
 
-SlabPainter::SlabPainter(VolumeSource& source, const Slab& slab, bool with_normals,
-                         std::optional<Machine> machine, double voxel_weight, double pixel_weight)
+SectionPainter::SectionPainter(VolumeSource& source, const Section& section, bool with_normals,
+                               std::optional<Machine> machine, double voxel_weight, double pixel_weight)
     : whole_(source.grid()),
-      slab_(slab),
+      section_(section),
       machine_(std::move(machine)),
       voxel_weight_(voxel_weight),
       pixel_weight_(pixel_weight),
       painter_(make_splat_painter(0, 1, threads_)) {
-  if (slab.slices() > 0) store_ = read_slab(source, slab, with_normals);
+  if (section.slices() > 0) store_ = read_section(source, section, with_normals);
 }
 
-std::shared_ptr<const SplatFrame> SlabPainter::frame_of(const FrameSpec& spec) const {
+std::shared_ptr<const SplatFrame> SectionPainter::frame_of(const FrameSpec& spec) const {
   FrameSpec part = spec;
-  part.shown.clip = box_of(whole_, slab_);
+  part.shown.clip = box_of(whole_, section_);
   auto frame = std::make_shared<SplatFrame>(*make_splat_frame(part, whole_, 1, 1));
   if (frame->geometry.traversal.axis != Axis::z)
-    throw InputError("the view does not traverse the z slices, of which the slabs are",
+    throw InputError("the view does not traverse the z slices, of which the sections are",
                      "look from above: --elevation 60 to 90");
-  // The store has the slab only, as a volume of its own.
+  // The store has the section only, as a volume of its own.
   frame->geometry.box = whole_box(frame->geometry.grid);
   return frame;
 }
 
-double SlabPainter::cost_of(const EncodedStep& step) const {
+double SectionPainter::cost_of(const EncodedStep& step) const {
   // Without a machine: as many as a visible voxel takes nanoseconds on one core, more or less.
   constexpr double visible_voxel = 80, transparent_voxel = 3;
   if (!machine_)
@@ -104,10 +104,10 @@ double SlabPainter::cost_of(const EncodedStep& step) const {
   return seconds;
 }
 
-Drawn SlabPainter::draw(const FrameSpec& spec, Image& picture) {
+Drawn SectionPainter::draw(const FrameSpec& spec, Image& picture) {
   Drawn drawn;
   drawn.costs.resize(std::size_t(whole_.dims.z));
-  if (slab_.slices() < 1) return drawn;
+  if (section_.slices() < 1) return drawn;
   if (machine_) charge(machine_->gp.frame + machine_->renderer.frame);
   const auto frame = frame_of(spec);
   // A described machine's costs are those of looking at every voxel.
@@ -120,7 +120,7 @@ Drawn SlabPainter::draw(const FrameSpec& spec, Image& picture) {
     const EncodedStep encoded = encoder->finish();
     const double cost = cost_of(encoded);
     if (machine_) charge(cost);
-    const int slice = slab_.first + frame->geometry.traversal.slice_at(step, slab_.slices());
+    const int slice = section_.first + frame->geometry.traversal.slice_at(step, section_.slices());
     drawn.costs[std::size_t(slice)] = cost;
     for (const EncodedPart& part : encoded.parts) {
       if (part.payload.empty()) continue;

@@ -22,22 +22,23 @@ struct Reads {
   std::mutex mutex;
   std::vector<std::pair<int, int>> ranges;  ///< first slice, number of slices
 
-  /// How often each slab was decoded, if a reader decodes the whole slab for any of its slices.
-  std::vector<int> of_slabs(int depth, int slices) const {
+  /// How often each layer was decoded, if a reader decodes the whole layer for any of its slices.
+  std::vector<int> of_layers(int depth, int slices) const {
     std::vector<int> counts(std::size_t((slices + depth - 1) / depth), 0);
     for (const auto& [first, count] : ranges)
-      for (int slab = first / depth; slab <= (first + count - 1) / depth; ++slab) ++counts[std::size_t(slab)];
+      for (int layer = first / depth; layer <= (first + count - 1) / depth; ++layer)
+        ++counts[std::size_t(layer)];
     return counts;
   }
 };
 
-class SlabSource final : public VolumeSource {
+class LayerSource final : public VolumeSource {
  public:
-  SlabSource(const Grid& grid, std::span<const std::byte> voxels, int depth, bool concurrent, Reads& reads)
+  LayerSource(const Grid& grid, std::span<const std::byte> voxels, int depth, bool concurrent, Reads& reads)
       : memory_(memory_source(grid, voxels)), depth_(depth), concurrent_(concurrent), reads_(reads) {}
   const Grid& grid() const override { return memory_->grid(); }
   bool concurrent() const override { return concurrent_; }
-  int slab_depth() const override { return depth_; }
+  int layer_depth() const override { return depth_; }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     memory_->read_slices(first, count, out);
     const std::lock_guard lock(reads_.mutex);
@@ -95,7 +96,7 @@ std::vector<std::string> dealt_from_memory(const LoadOptions& options) {
 
 }  // namespace
 
-TEST_CASE("slabs of any depth give the GPs the slices and normals of a raw volume, each read once") {
+TEST_CASE("layers of any depth give the GPs the slices and normals of a raw volume, each read once") {
   LoadOptions clipped;
   clipped.clip = VoxelBox{{1, 2, 3}, {8, 6, 19}};
   LoadOptions unlit;
@@ -108,18 +109,18 @@ TEST_CASE("slabs of any depth give the GPs the slices and normals of a raw volum
         CAPTURE(depth, concurrent, options.with_normals, options.clip.has_value());
         Reads reads;
         const bool same =
-            dealt([&] { return std::make_unique<SlabSource>(grid, voxels, depth, concurrent, reads); },
+            dealt([&] { return std::make_unique<LayerSource>(grid, voxels, depth, concurrent, reads); },
                   options) == expected;
         CHECK(same);
-        // A volume without slabs is read by the owners of slices themselves, neighbours too.
+        // A volume without layers is read by the owners of slices themselves, neighbours too.
         if (depth == 1 && concurrent) continue;
-        const auto counts = reads.of_slabs(depth, grid.dims.z);
+        const auto counts = reads.of_layers(depth, grid.dims.z);
         CHECK(std::count(counts.begin(), counts.end(), 1) == std::ptrdiff_t(counts.size()));
       }
   }
 }
 
-TEST_CASE("levels of a volume in slabs are those of a raw volume") {
+TEST_CASE("levels of a volume in layers are those of a raw volume") {
   LoadOptions options;
   options.factors = {1, 2, 4};
   for (const bool prefilter : {false, true}) {
@@ -127,28 +128,28 @@ TEST_CASE("levels of a volume in slabs are those of a raw volume") {
     const auto expected = dealt_from_memory(options);
     for (const int depth : {3, 8}) {
       Reads reads;
-      const bool same = dealt([&] { return std::make_unique<SlabSource>(grid, voxels, depth, true, reads); },
+      const bool same = dealt([&] { return std::make_unique<LayerSource>(grid, voxels, depth, true, reads); },
                               options) == expected;
       CHECK(same);
     }
   }
 }
 
-TEST_CASE("a slab that cannot be read ends the dealing on all processes") {
+TEST_CASE("a layer that cannot be read ends the dealing on all processes") {
   class Broken final : public VolumeSource {
    public:
     const Grid& grid() const override { return ::grid; }
     bool concurrent() const override { return true; }
-    int slab_depth() const override { return 5; }
+    int layer_depth() const override { return 5; }
     void read_slices(int first, int, std::span<std::byte>) override {
-      if (first >= 10) throw InputError("slab at 10 is damaged");
+      if (first >= 10) throw InputError("layer at 10 is damaged");
     }
   };
   const auto thrown = run_as_processes(4, [&](ThreadCollectives& collectives) {
     OpenedVolume volume = open_everywhere(collectives, [] { return std::make_unique<Broken>(); });
     deal_slices(volume, {}, 4, {{0}, {1}, {2}, {3}}, collectives);
   });
-  CHECK_THAT(thrown[0], Catch::Matchers::Contains("slab at 10 is damaged"));
+  CHECK_THAT(thrown[0], Catch::Matchers::Contains("layer at 10 is damaged"));
   for (const auto& text : thrown) CHECK(text == thrown[0]);
 }
 
@@ -163,7 +164,7 @@ TEST_CASE("loading tells how much of its time has passed, from its begin to its 
       options.told = [&](double part) { told.push_back(part); };
       SoloCollectives solo;
       OpenedVolume volume = open_everywhere(
-          solo, [&] { return std::make_unique<SlabSource>(grid, voxels, depth, concurrent, reads); });
+          solo, [&] { return std::make_unique<LayerSource>(grid, voxels, depth, concurrent, reads); });
       deal_scene(volume, options, 2, {{0, 1}}, solo);
       CHECK(told.size() >= 2);
       CHECK(std::is_sorted(told.begin(), told.end()));

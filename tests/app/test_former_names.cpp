@@ -1,0 +1,52 @@
+// Options under the names that they had before.
+#include "app/program_runner.hpp"
+#include "options/command_line.hpp"
+#include "support/catch.hpp"
+#include "support/temporary_folder.hpp"
+
+using namespace ringsplat::app_test;
+using Catch::Matchers::Contains;
+using ringsplat::app::CommandLine;
+using ringsplat::app::parse_command_line;
+
+namespace {
+
+CommandLine parse(std::vector<std::string> words) {
+  std::vector<const char*> arguments{"ringsplat", "render", "a.nrrd", "-o", "a.png"};
+  for (const auto& word : words) arguments.push_back(word.c_str());
+  return parse_command_line(int(arguments.size()), arguments.data());
+}
+
+int bundle_of(const CommandLine& line) {
+  INFO(line.error);
+  return std::get<ringsplat::app::RenderOptions>(line.command).run.bundle.value_or(0);
+}
+
+}  // namespace
+
+TEST_CASE("--slab is --bundle, which a note says once") {
+  const TemporaryFolder folder;
+  write_text(folder / "slab.toml", "slab = 3\n");
+  for (const auto& words : std::vector<std::vector<std::string>>{
+           {"--slab", "3"}, {"--slab=3"}, {"--config", folder / "slab.toml"}}) {
+    const CommandLine line = parse(words);
+    CHECK(bundle_of(line) == 3);
+    REQUIRE(line.notes.size() == 1);
+    CHECK_THAT(line.notes.front(), Contains("--slab is now called --bundle"));
+  }
+  const CommandLine both = parse({"--config", folder / "slab.toml", "--slab", "4"});
+  CHECK(bundle_of(both) == 4);
+  CHECK(both.notes.size() == 1);
+  CHECK(parse({"--bundle", "3", "--slabs", "2"}).notes.empty());
+}
+
+TEST_CASE("the program says a former name on stderr and shows it in no help") {
+  const Ended ended = run_program({"info", "--presets", "--slab", "2"});
+  CHECK(ended.code == 0);
+  CHECK_THAT(ended.err, Contains("--slab is now called --bundle"));
+  for (const auto& words :
+       std::vector<std::vector<std::string>>{{"render", "--help-all"}, {"--man"}, {"--completion", "bash"}}) {
+    const Ended shown = run_program(words);
+    CHECK_THAT(shown.out, Contains("--bundle") && !Contains("--slab ") && !Contains("--slab="));
+  }
+}
