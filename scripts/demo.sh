@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# Renders a head with six ranks, as in the paper and at its best:  scripts/demo.sh [VOLUME [RENDER OPTION...]]
+# Installs what drawing needs, builds the program, and renders a head with six ranks, as in the paper and at its best:
+#   scripts/demo.sh [VOLUME [RENDER OPTION...]]
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-"$repo/scripts/setup.sh"
+"$repo/scripts/setup.sh" --drawing
 build_ringsplat ringsplat_cli
 
 volume=$repo/tests/data/head.nrrd

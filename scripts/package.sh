@@ -6,7 +6,7 @@
 #   scripts/package.sh             make the package and try it
 #   scripts/package.sh --no-trial  only make it
 #
-# RINGSPLAT_DEBIAN_MIRROR names another mirror than deb.debian.org for the clean system.
+# The clean system comes from this system's own sources, or from what RINGSPLAT_DEBIAN_MIRROR names.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
@@ -22,12 +22,20 @@ make_package() {
   say "$package, $(du -k "$package" | cut -f1) KiB"
 }
 
+# Where apt takes Debian 12 from here.
+find_mirror() {
+  apt-get indextargets --format '$(ORIGIN) $(CODENAME) $(REPO_URI)' 'Created-By: Packages' 2>/dev/null |
+    awk '$1 == "Debian" && $2 == "bookworm" { print $3; exit }'
+}
+
 # Why the package cannot be tried here; empty when it can.
 no_trial_because() {
   if ((EUID != 0)); then
     echo "only root can make a clean Debian to try it in"
   elif ! command -v debootstrap >/dev/null; then
-    echo "debootstrap is missing, which makes a clean Debian to try it in"
+    echo "debootstrap is missing, which makes a clean Debian to try it in (scripts/setup.sh --release)"
+  elif [[ -z $mirror ]]; then
+    echo "this system has no source of Debian 12; RINGSPLAT_DEBIAN_MIRROR can name one"
   fi
 }
 
@@ -46,7 +54,7 @@ files_left() { find "$system" -xdev \( -path "$system/proc" -o -path "$system/tm
 make_system() {
   system=$(mktemp -d "$folder/debian.XXXXXX")
   trap remove_system EXIT
-  debootstrap --variant=minbase bookworm "$system" "${RINGSPLAT_DEBIAN_MIRROR:-http://deb.debian.org/debian}" >"$folder/debootstrap.log" 2>&1 ||
+  debootstrap --variant=minbase bookworm "$system" "$mirror" >"$folder/debootstrap.log" 2>&1 ||
     die "debootstrap failed; see $folder/debootstrap.log"
   chmod 755 "$system"
   cp -L /etc/resolv.conf "$system/etc/resolv.conf"
@@ -80,6 +88,7 @@ make_package
 if [[ $* == --no-trial ]]; then
   exit 0
 fi
+mirror=${RINGSPLAT_DEBIAN_MIRROR:-$(find_mirror)}
 reason=$(no_trial_because)
 if [[ -n $reason ]]; then
   say "the package was not tried: $reason"

@@ -1,51 +1,57 @@
 #!/usr/bin/env bash
 # Installs what Ringsplat needs on Debian 12 (as root or with sudo), and only what is missing.
 #
-#   scripts/setup.sh            install
-#   scripts/setup.sh --check    only say what is missing; exit 1 when something is
+#   scripts/setup.sh            what building, drawing and all tests need
+#   scripts/setup.sh --drawing  only what building and drawing need
 #   scripts/setup.sh --mpich    MPICH too, beside Open MPI, for scripts/check.sh
 #   scripts/setup.sh --release  what a release takes, too: scripts/package.sh and the API reference
-#   scripts/setup.sh --required only what the build and the tests need
+#   scripts/setup.sh --check    installs nothing, says what is missing; exit 1 when something is
+#   scripts/setup.sh --list     installs nothing, prints the packages and what they are for
 #
 # RINGSPLAT_SKIP_SETUP=1 makes it do nothing, for machines that have the libraries from elsewhere.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-required=(
-  g++ cmake ninja-build pkg-config ccache     # the build
-  libopenmpi-dev openmpi-bin                  # MPI
-  libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev
-  libopenimageio-dev fonts-dejavu-core        # pictures, and text in them
-  libpng-dev                                  # pictures in builds without OpenImageIO
-  libboost-dev libturbojpeg0-dev              # the viewer's server and its JPEGs
-  libinsighttoolkit5-dev libhdf5-dev          # volumes
-  libexpat1-dev liblz4-dev liblzma-dev        # volumes of VTK
-  catch2                                      # tests
+# The only list of what Ringsplat needs by Debian's names: packages, and what for.
+drawing=(
+  "g++ cmake ninja-build pkg-config ccache: the build"
+  "libopenmpi-dev openmpi-bin: MPI"
+  "libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev: everything"
+  "libopenimageio-dev fonts-dejavu-core: pictures, and text in them"
+  "libpng-dev: pictures in builds without OpenImageIO"
+  "libboost-dev libturbojpeg0-dev: the viewer's server and its JPEGs"
+  "libinsighttoolkit5-dev: NIfTI, DICOM, legacy VTK"
+  "libhdf5-dev: HDF5"
+  "libexpat1-dev liblz4-dev liblzma-dev: VTK's XML"
 )
-# Without these the program and its tests build and run; the scripts that need them say so.
+tests=("catch2: tests")
+# Without these the tests that need them are skipped and say so.
 optional=(
-  libsimgrid-dev                              # simulated machines
-  python3 python3-numpy python3-matplotlib    # plots
-  python3-venv                                # SSIM and FLIP, which scripts/accuracy.sh takes from PyPI
-  python3-dev                                 # Python's module; nanobind and its tests' packages come from PyPI
-  chromium chromium-driver python3-selenium   # tests of the viewer's page
-  ffmpeg                                      # the viewer's films as MP4
-  iproute2                                    # tests on several machines
+  "libsimgrid-dev: simulated machines"
+  "python3 python3-numpy python3-matplotlib: studies and their plots"
+  "python3-venv: packages of PyPI for studies and for the Python module"
+  "python3-dev: the Python module"
+  "chromium chromium-driver python3-selenium: tests of the viewer's page"
+  "ffmpeg: films as MP4"
+  "iproute2: tests on several machines"
 )
+mpich=("libmpich-dev mpich: a second MPI")
+release=("dpkg-dev file debootstrap doxygen: a release")
 
-mpich=(libmpich-dev mpich)
-release=(dpkg-dev file debootstrap doxygen)
-
-check=0
+required=("${drawing[@]}" "${tests[@]}") check=0 list=0
 for word; do
   case $word in
+    --drawing) required=("${drawing[@]}") optional=() ;;
     --check) check=1 ;;
+    --list) list=1 ;;
     --mpich) required+=("${mpich[@]}") ;;
     --release) required+=("${release[@]}") ;;
-    --required) optional=() ;;
-    *) die "setup.sh does not know $word; it knows --check, --mpich, --release and --required" ;;
+    *) die "setup.sh does not know $word; it knows --drawing, --mpich, --release, --check and --list" ;;
   esac
 done
+
+# The packages of a list's lines.
+packages() { printf '%s\n' "${@%%:*}" | tr ' ' '\n' | sed '/^$/d'; }
 
 missing() {
   local package
@@ -58,7 +64,6 @@ need_debian() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
   say "This script knows Debian and its relatives only. Ringsplat needs, by their Debian 12 names:"
   printf '  %s\n' "${required[@]}" "${optional[@]}" >&2
-  ((${#optional[@]} == 0)) || say "(the last ${#optional[@]} are for simulations, plots, films and tests in a browser)"
   die "install them, then call this again with RINGSPLAT_SKIP_SETUP=1"
 }
 
@@ -74,10 +79,14 @@ as_root() {
 
 install() { as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "$@" >&2; }
 
+if ((list)); then
+  printf '%s\n' "${required[@]}" "${optional[@]}"
+  exit
+fi
 [[ ${RINGSPLAT_SKIP_SETUP:-} != 1 ]] || exit 0
 need_debian
-mapfile -t needed < <(missing "${required[@]}")
-mapfile -t wanted < <(missing "${optional[@]}")
+mapfile -t needed < <(missing $(packages "${required[@]}"))
+mapfile -t wanted < <(missing $(packages "${optional[@]}"))
 ((${#needed[@]} + ${#wanted[@]} > 0)) || exit 0
 
 if ((check)); then

@@ -1,4 +1,4 @@
-# Every library the project uses, found once; README.md says what each is for.
+# Every library the project uses, found once; scripts/setup.sh says what each is for.
 find_package(Threads REQUIRED)
 option(RINGSPLAT_WITH_MPI "Build the program and the library for MPI; OFF: for one process" ON)
 if(RINGSPLAT_WITH_MPI)

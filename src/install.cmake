@@ -19,6 +19,11 @@ endif()
 if(RINGSPLAT_WITH_OPENIMAGEIO)
   list(APPEND libraries ringsplat_openimageio)
 endif()
+# Nine tenths of a release are information for debuggers, which stays in the build.
+install(CODE [[
+  if(NOT DEFINED CMAKE_INSTALL_DO_STRIP AND NOT CMAKE_INSTALL_CONFIG_NAME STREQUAL "Debug")
+    set(CMAKE_INSTALL_DO_STRIP ON)
+  endif()]])
 install(TARGETS ringsplat_cli)
 install(TARGETS ringsplat_library ${libraries} ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
