@@ -1,19 +1,27 @@
 #!/usr/bin/env bash
 # Runs all decoders on damaged inputs under the address and undefined-behaviour sanitizers:
-#   scripts/fuzz.sh MINUTES [DRIVER...]
-# The minutes are shared out evenly. Prints each driver's inputs and findings; inputs that were found are kept in
+#   scripts/fuzz.sh [--build] MINUTES [DRIVER...]
+# --build builds them first, in build/asan. The minutes are shared out evenly. Prints each driver's inputs and findings; inputs that were found are kept in
 # build/fuzz-found. Exits with 1 when there are any. RINGSPLAT_FUZZ_SEED picks other random numbers.
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
-[[ ${1-} =~ ^[0-9]+$ ]] && (($1 > 0)) || die "usage: scripts/fuzz.sh MINUTES [DRIVER...]"
+build_first=
+if [[ ${1-} == --build ]]; then
+  build_first=yes
+  shift
+fi
+[[ ${1-} =~ ^[0-9]+$ ]] && (($1 > 0)) || die "usage: scripts/fuzz.sh [--build] MINUTES [DRIVER...]"
 minutes=$1
 shift
 
 cd "$repo"
-[[ -f build/asan/build.ninja ]] || cmake --preset asan >&2
-cmake --build --preset asan --target fuzz >&2
+if [[ -n $build_first ]]; then
+  [[ -f build/asan/build.ninja ]] || cmake --preset asan >&2
+  cmake --build --preset asan --target fuzz >&2
+fi
 fuzz=$repo/build/asan/fuzz
+[[ -x $fuzz ]] || die "build/asan has no fuzz; hint: scripts/fuzz.sh --build $minutes"
 readarray -t drivers < <("$fuzz" --list "$@")
 ((${#drivers[@]} > 0)) || die "no such driver"
 seconds=$((60 * minutes * $(cores) / ${#drivers[@]}))

@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Runs the program on a simulated machine (SimGrid):
 #
-#   scripts/simulate.sh CONFIG.toml [OPTION...]
+#   scripts/simulate.sh [--build] CONFIG.toml [OPTION...]
 #
+# --build builds what it needs first, in build/release.
 # CONFIG is a --config file of `ringsplat render` whose machine, gps, renderers, topology, mesh and roles say what is simulated; the
 # options that follow are the program's and come first. mpi_configs/simulated has configurations, docs/simulation.md the method.
 # The seconds that are printed, and those in --stats, are seconds of the simulated machine.
@@ -12,22 +13,26 @@
 #   RINGSPLAT_UNCONTENDED=1    on links that any number of transfers use at full speed
 #   RINGSPLAT_RANKS=N      how many ranks, with gps = "auto"
 #   RINGSPLAT_MAP_BY=node  puts ranks on the hosts in turn, as mpirun --map-by node does; otherwise they fill one after another
-#   RINGSPLAT_BUILD=FOLDER     uses that build and does not build
+#   RINGSPLAT_BUILD=FOLDER     another build than build/release
 #   RINGSPLAT_OTHER=FILE.so    runs another program on the configuration's ranks, with the options and --machine FILE
 set -euo pipefail
 source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 
+build_first=
+if [[ ${1:-} == --build ]]; then
+  build_first=yes
+  shift
+fi
 (($# > 0)) || die "say what to simulate: scripts/simulate.sh mpi_configs/simulated/pp5-20+4.toml"
 command -v smpirun >/dev/null || die "SimGrid is not installed: scripts/setup.sh installs it (Debian: libsimgrid-dev)"
-if [[ -n ${RINGSPLAT_BUILD:-} ]]; then
-  build=$RINGSPLAT_BUILD
-else
-  build_ringsplat ringsplat_smpi ringsplat_platform
-fi
+build=${RINGSPLAT_BUILD:-$build}
+if [[ -n $build_first ]]; then build_ringsplat ringsplat_smpi ringsplat_platform; fi
+[[ -e $build/ringsplat_smpi.so && -e $build/ringsplat_platform.so ]] ||
+  die "$build has no program for simulated ranks; hint: scripts/simulate.sh --build ..."
 
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
-python3 "$repo/scripts/simulated_job.py" "$work/job" "$work/hosts" "$@" || exit 2
+python3 "$repo/scripts/studies/simulated_job.py" "$work/job" "$work/hosts" "$@" || exit 2
 # RINGSPLAT_* for the platform, and `arguments` for the program.
 source "$work/job"
 

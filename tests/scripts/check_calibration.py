@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Checks that scripts/calibrated_machine.py finds the costs that statistics were made from.
+"""Checks that scripts/study calibrate finds the costs that statistics were made from.
 
 usage: check_calibration.py FOLDER_OF_SCRIPTS SCRATCH      (exits with 77 where Python cannot read TOML)
 """
+import contextlib
+import io
 import json
 import os
 import random
 import shutil
-import subprocess
 import sys
 
 try:
@@ -15,6 +16,10 @@ try:
 except ImportError:
     print("skipped: Python 3.11 or later is needed")
     sys.exit(77)
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, sys.argv[1])
+from studies.calibrate import Runs, machine_of, non_negative  # noqa: E402
 
 COSTS = {"gp": {"visible_voxel": 1.2e-8, "transparent_voxel": 2e-10, "slice": 3e-7, "frame": 5e-4, "token": 4e-7},
          "renderer": {"splat": 4e-8, "slice": 2e-6, "composite": 2e-10, "pixel": 1e-8},
@@ -68,7 +73,7 @@ def sheet_frame(blocks, placed, payloads, samples, dear, noise):
                 node("Renderer 0", {"drawing": drawing * noise()}, blocks=blocks, splats_drawn=placed, payloads_drawn=payloads, samples=samples)])
 
 
-def calibrated(scripts, folder, random_part):
+def calibrated(folder, random_part):
     """The machine and what was said of its fit."""
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
@@ -84,10 +89,10 @@ def calibrated(scripts, folder, random_part):
                                 ("head-many", 1, 300000, 30000, 3000, 2e6), ("head-tiny", 1, 60, 4, 4, 200),
                                 ("wide-few", 3, 250000, 120000, 60, 2e6), ("wide-many", 3, 900000, 300000, 600, 2e6)):
         write(folder, "sheets-" + name, *(sheet_frame(*counts, dear, noise) for _ in range(4)))
-    ended = subprocess.run([sys.executable, "-B", os.path.join(scripts, "calibrated_machine.py"), folder, "2"], capture_output=True, text=True)
-    if ended.returncode != 0:
-        sys.exit(f"it failed:\n{ended.stderr}")
-    return tomllib.loads(ended.stdout), ended.stderr
+    said = io.StringIO()
+    with contextlib.redirect_stderr(said):
+        machine = machine_of(Runs(folder), 2)
+    return tomllib.loads(machine), said.getvalue()
 
 
 def close(machine, room, relative):
@@ -98,11 +103,7 @@ def close(machine, room, relative):
             sys.exit(f"{room}.{name} is not within {relative} of what it was made from")
 
 
-def check_least_squares(scripts):
-    sys.dont_write_bytecode = True
-    sys.path.insert(0, scripts)
-    from least_squares import non_negative
-
+def check_least_squares():
     # Without a bound the second would be -1; with it the first takes the mean of 1 and 2, by the rows' squares.
     fitted = non_negative([[1, 0], [1, 1]], [2, 1])
     assert fitted[1] == 0 and abs(fitted[0] - 1.5) < 1e-12, fitted
@@ -112,13 +113,13 @@ def check_least_squares(scripts):
 
 
 def main():
-    scripts, scratch = sys.argv[1:3]
-    check_least_squares(scripts)
-    machine, said = calibrated(scripts, scratch, 0)
+    scratch = sys.argv[2]
+    check_least_squares()
+    machine, said = calibrated(scratch, 0)
     for room in COSTS:
         close(machine, room, 1e-3)
     assert "sheets: 48 parts of frames in 6 runs, off by 0.0 % of a frame" in said, said
-    machine, said = calibrated(scripts, scratch, 0.05)
+    machine, said = calibrated(scratch, 0.05)
     close(machine, "sheets", 0.2)
     off = float(said.split("sheets: 48 parts of frames in 6 runs, off by ")[1].split()[0])
     assert 0.5 < off < 5, said

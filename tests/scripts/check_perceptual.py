@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Checks scripts/perceptual.py with planted defects; exits with 77 where its packages are missing.
+"""Checks scripts/study perceptual with planted defects; exits with 77 where its packages are missing.
 
-usage: check_perceptual.py PATH_OF_perceptual.py [PYTHON]
+usage: check_perceptual.py FOLDER_OF_SCRIPTS [PYTHON]
 
 PYTHON, where it is there, is the interpreter that has the packages.
 """
 
-import importlib.util
 import os
 import sys
 
@@ -22,16 +21,11 @@ except ImportError as missing:
     sys.exit(77)
 
 
-def load(path):
-    sys.dont_write_bytecode = True
-    spec = importlib.util.spec_from_file_location("perceptual", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
 def main():
-    measure = load(sys.argv[1]).measure
+    sys.dont_write_bytecode = True
+    sys.path.insert(0, sys.argv[1])
+    from studies.perceptual import measure
+
     y, x = numpy.mgrid[0:96, 0:96]
     grey = 120 + 60 * numpy.sin(x / 9) * numpy.cos(y / 7)
     truth = numpy.stack([grey, 0.8 * grey, 0.6 * grey], axis=2).round().astype(numpy.uint8)

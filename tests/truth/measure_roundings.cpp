@@ -1,4 +1,4 @@
-// Prints the renderer's three roundings against size as CSV, for scripts/plot_rounding.py: for each its
+// Prints the renderer's three roundings against size as CSV, for scripts/study accuracy: for each its
 // errors, those of the alternative, and the tests' bound.
 #include <fmt/format.h>
 
