@@ -14,6 +14,14 @@ target_compile_features(ringsplat_flags INTERFACE cxx_std_20)
 set(RINGSPLAT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
     $<$<BOOL:${RINGSPLAT_WARNINGS_AS_ERRORS}>:-Werror>)
 
+# What most files include, compiled once.
+set(RINGSPLAT_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span>
+    <string> <vector> <fmt/format.h> <glm/glm.hpp>)
+add_library(ringsplat_headers OBJECT ${PROJECT_SOURCE_DIR}/src/headers.cpp)
+target_precompile_headers(ringsplat_headers PRIVATE ${RINGSPLAT_COMMON_HEADERS})
+target_link_libraries(ringsplat_headers PRIVATE ringsplat_flags fmt::fmt glm::glm)
+target_compile_options(ringsplat_headers PRIVATE ${RINGSPLAT_WARNINGS})
+
 function(ringsplat_room name)
   cmake_parse_arguments(ROOM "" "" "FOLDERS;USES;LIBRARIES;PRIVATE_LIBRARIES" ${ARGN})
   set(patterns ${PROJECT_SOURCE_DIR}/src/${name}/*.cpp)
@@ -29,6 +37,7 @@ function(ringsplat_room name)
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_compile_options(ringsplat_${name} PRIVATE ${RINGSPLAT_WARNINGS})
+  target_precompile_headers(ringsplat_${name} REUSE_FROM ringsplat_headers)
   list(TRANSFORM ROOM_USES PREPEND ringsplat_)
   target_link_libraries(ringsplat_${name}
     PUBLIC ringsplat_flags ${ROOM_USES} ${ROOM_LIBRARIES}

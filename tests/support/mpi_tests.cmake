@@ -18,6 +18,7 @@ function(add_mpi_test_program target)
   add_executable(${target} ${ARG_SOURCES})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR}/src)
   target_compile_options(${target} PRIVATE ${RINGSPLAT_WARNINGS} ${RINGSPLAT_TEST_OPTIMISATION})
+  target_precompile_headers(${target} REUSE_FROM test_headers)
   target_link_libraries(${target} PRIVATE mpi_test_main ${ARG_LIBRARIES})
 endfunction()
 

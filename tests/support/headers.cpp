@@ -1,0 +1,1 @@
+// Compiled for the headers before it: see tests/CMakeLists.txt.
