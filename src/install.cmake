@@ -2,7 +2,7 @@
 # line, its viewer's server and its way to do without MPI, with what the rooms use.
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
-list(REMOVE_ITEM rooms ringsplat_app ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options ringsplat_serve
+list(REMOVE_ITEM rooms ringsplat_app ringsplat_command_line ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options ringsplat_serve
      ringsplat_alone ringsplat_python)
 add_library(ringsplat_library INTERFACE)
 add_library(ringsplat::ringsplat ALIAS ringsplat_library)

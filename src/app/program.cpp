@@ -4,12 +4,12 @@
 
 #include <functional>
 
-#include "app/command_line.hpp"
 #include "app/commands.hpp"
 #include "base/huge_pages.hpp"
 #include "base/lack_of_memory.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
+#include "command_line/command_line.hpp"
 #include "program/launch.hpp"
 #include "program/text_output.hpp"
 #include "study/commands.hpp"

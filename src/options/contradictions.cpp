@@ -22,10 +22,8 @@ std::vector<Which> choices_of(Engine engine) {
   return all;
 }
 
-const std::vector<Which> only_splats{{"--radius"},  {"--kernel"},        {"--phases"},   {"--qee-bits"},
-                                     {"--payload"}, {"--normalisation"}, {"--precision"}};
-const std::vector<Which> only_sheets{
-    {"--slabs"}, {"--light-points"}, {.option = "--samples", .value = "1.5"}};
+const std::vector<Which> only_splats{{.mark = Mark::of_splats}};
+const std::vector<Which> only_sheets{{.mark = Mark::of_sheets}, {.option = "--samples", .value = "1.5"}};
 
 /// The rule for options of one engine: it must be the usual one, or be chosen.
 Rule rule_for(const std::vector<Which>& options, Engine engine, const char* way_out, const char* problem) {
@@ -198,37 +196,37 @@ const Rule all_rules[] = {
      "what {0} names cannot go to standard output"},
 };
 
-bool given(const CLI::Option& option, const Which& which) {
-  const auto& values = option.results();
-  return means(which, option) && option.count() > 0 &&
-         (which.value == nullptr || std::find(values.begin(), values.end(), which.value) != values.end());
+bool given(const Option& option, const Which& which) {
+  return means(which, option) && option.is_given() &&
+         (which.value == nullptr ||
+          std::find(option.given.begin(), option.given.end(), which.value) != option.given.end());
 }
 
 /// The given option that matches `which`, or null.
-const CLI::Option* find_given(const CLI::App& app, const Which& which) {
-  for (const CLI::Option* option : app.get_options())
-    if (given(*option, which)) return option;
+const Option* find_given(const OptionList& list, const Which& which) {
+  for (const Option& option : list)
+    if (given(option, which)) return &option;
   return nullptr;
 }
 
-[[noreturn]] void refuse(const Rule& rule, const CLI::Option& option, const std::string& others) {
+[[noreturn]] void refuse(const Rule& rule, const Option& option, const std::string& others) {
   const char* const usual =
       rule.relation == excludes ? "{0} and {1} contradict each other" : "{0} has no effect without {1}";
-  const std::string name = option.get_name();
-  throw InputError(fmt::format(fmt::runtime(rule.problem != nullptr ? rule.problem : usual), name, others),
-                   fmt::format(fmt::runtime(rule.way_out), name));
+  throw InputError(
+      fmt::format(fmt::runtime(rule.problem != nullptr ? rule.problem : usual), option.name(), others),
+      fmt::format(fmt::runtime(rule.way_out), option.name()));
 }
 
 /// Throws InputError when `option`, which is given, breaks the rule.
-void apply(const Rule& rule, const CLI::App& app, const CLI::Option& option) {
+void apply(const Rule& rule, const OptionList& list, const Option& option) {
   if (rule.relation == refused) refuse(rule, option, {});
   std::vector<std::string> names;
   bool one_given = false, one_there = false;
   for (const Which& other : rule.others) {
-    const CLI::Option* const found = find_given(app, other);
-    if (found != nullptr && rule.relation == excludes) refuse(rule, option, found->get_name());
+    const Option* const found = find_given(list, other);
+    if (found != nullptr && rule.relation == excludes) refuse(rule, option, found->name());
     one_given = one_given || found != nullptr;
-    one_there = one_there || has(app, other);
+    one_there = one_there || has(list, other);
     names.emplace_back(other.option);
   }
   if (rule.relation == needs && one_there && !one_given) refuse(rule, option, joined(names, " or "));
@@ -238,18 +236,17 @@ void apply(const Rule& rule, const CLI::App& app, const CLI::Option& option) {
 
 std::span<const Rule> rules() { return all_rules; }
 
-bool means(const Which& which, const CLI::Option& option) {
-  return (which.option == nullptr || option.check_name(which.option)) &&
-         (which.heading == nullptr || option.get_group() == which.heading);
+bool means(const Which& which, const Option& option) {
+  return (which.option == nullptr || option.has_name(which.option)) &&
+         (which.heading == nullptr || option.heading == which.heading) &&
+         (!which.mark || option.mark == *which.mark);
 }
 
-bool has(const CLI::App& app, const Which& which) {
-  const auto options = app.get_options();
-  return std::any_of(options.begin(), options.end(),
-                     [&](const auto* option) { return means(which, *option); });
+bool has(const OptionList& list, const Which& which) {
+  return std::any_of(list.begin(), list.end(), [&](const Option& option) { return means(which, option); });
 }
 
-bool concerns_one_engine(const CLI::Option& option) {
+bool concerns_one_engine(const Option& option) {
   static const std::vector<Which> naming{{"--engine"}, {"--quality"}};
   for (const auto* all : {&naming, &only_splats, &only_sheets})
     for (const Which& which : *all)
@@ -257,11 +254,11 @@ bool concerns_one_engine(const CLI::Option& option) {
   return false;
 }
 
-void refuse_contradictions(const CLI::App& app) {
+void refuse_contradictions(const OptionList& list) {
   for (const Rule& rule : rules())
     for (const Which& which : rule.options)
-      for (const CLI::Option* option : app.get_options())
-        if (given(*option, which)) apply(rule, app, *option);
+      for (const Option& option : list)
+        if (given(option, which)) apply(rule, list, option);
 }
 
 }  // namespace ringsplat::app

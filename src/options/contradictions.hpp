@@ -1,7 +1,9 @@
 #pragma once
-#include <CLI/CLI.hpp>
+#include <optional>
 #include <span>
 #include <vector>
+
+#include "options/option_list.hpp"
 
 /// Rules between options: a table that command lines are checked against and that the manual page lists.
 namespace ringsplat::app {
@@ -11,6 +13,7 @@ struct Which {
   const char* option = nullptr;   ///< null: every option …
   const char* heading = nullptr;  ///< … or every option below this heading of --help
   const char* value = nullptr;    ///< null: any value
+  std::optional<Mark> mark = {};  ///< … or every one whose row is so marked
 };
 
 enum class Relation {
@@ -31,14 +34,14 @@ struct Rule {
 std::span<const Rule> rules();
 
 /// True when `which` means the option, with any value.
-bool means(const Which& which, const CLI::Option& option);
-/// True when a subcommand has an option that `which` means.
-bool has(const CLI::App& app, const Which& which);
+bool means(const Which& which, const Option& option);
+/// True when the list has an option that `which` means.
+bool has(const OptionList& list, const Which& which);
 
-/// True when a parsed subcommand's option is given and names an engine, or has a meaning for one engine only.
-bool concerns_one_engine(const CLI::Option& option);
+/// True when the option is given and names an engine, or has a meaning for one engine only.
+bool concerns_one_engine(const Option& option);
 
-/// Throws InputError, with the way out as hint, when a parsed subcommand's options break a rule.
-void refuse_contradictions(const CLI::App& app);
+/// Throws InputError, with the way out as hint, when what is given breaks a rule.
+void refuse_contradictions(const OptionList& list);
 
 }  // namespace ringsplat::app

@@ -12,12 +12,13 @@ namespace {
 
 using Budget = ErrorBudgetOptions;
 
-Binding error_above_zero(std::optional<double>& target) {
-  return handed<double>([&target](const double& value) {
-    if (!(std::isfinite(value) && value > 0))
-      throw InputError(fmt::format("--max-error {} is no error that a picture could keep", value),
+Reader error_above_zero(std::optional<double>& target) {
+  return text([&target](const std::string& word, const std::string& option) {
+    const double error = read_number<double>(word, option);
+    if (!(std::isfinite(error) && error > 0))
+      throw InputError(fmt::format("{} {} is no error that a picture could keep", option, error),
                        "give an RMSE above 0 in 1/255, for instance --max-error 0.5");
-    target = value;
+    target = error;
   });
 }
 
@@ -34,19 +35,15 @@ constexpr OptionRow<Budget> error_budget_rows[] = {
 
 constexpr OptionGroup<Budget> error_budget_options{"Error", error_budget_rows};
 
-void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& o) {
-  const auto given = [&](const char* name) {
-    const CLI::Option* const option = app.get_option_no_throw(name);
-    return option != nullptr && option->count() > 0;
-  };
+void note_fixed_shortcuts(const OptionList& list, ErrorBudgetOptions& o) {
   if (!o.max_error) return;
-  o.fixed_opaque_threshold = given("--opaque-threshold");
-  o.fixed_precision = given("--precision");
-  o.fixed_radius = given("--radius");
-  o.fixed_image_plane = given("--image-plane");
-  o.fixed_slabs = given("--slabs");
-  o.fixed_light_points = given("--light-points");
-  o.fixed_undersample = given("--undersample") || given("--progressive");
+  o.fixed_opaque_threshold = list.is_given("--opaque-threshold");
+  o.fixed_precision = list.is_given("--precision");
+  o.fixed_radius = list.is_given("--radius");
+  o.fixed_image_plane = list.is_given("--image-plane");
+  o.fixed_slabs = list.is_given("--slabs");
+  o.fixed_light_points = list.is_given("--light-points");
+  o.fixed_undersample = list.is_given("--undersample") || list.is_given("--progressive");
 }
 
 }  // namespace ringsplat::app

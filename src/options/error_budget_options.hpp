@@ -3,11 +3,9 @@
 
 #include "ringsplat/frame/frame_spec.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace ringsplat::app {
+
+class OptionList;
 
 struct ErrorBudgetOptions {
   std::optional<double> max_error;  ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
@@ -19,7 +17,7 @@ struct ErrorBudgetOptions {
   std::optional<Method> other_engine;
 };
 
-/// Records which settings the user of a parsed subcommand has fixed.
-void note_fixed_shortcuts(const CLI::App& app, ErrorBudgetOptions& options);
+/// Records which settings the user has fixed.
+void note_fixed_shortcuts(const OptionList& list, ErrorBudgetOptions& options);
 
 }  // namespace ringsplat::app

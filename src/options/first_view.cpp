@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -11,11 +10,6 @@
 
 namespace ringsplat::app {
 namespace {
-
-bool given(const CLI::App& app, const char* name) {
-  const CLI::Option* const option = app.get_option_no_throw(name);
-  return option != nullptr && option->count() > 0;
-}
 
 void stand_at(Camera& camera, Side side, World world) {
   // A patient who faces the viewer has his left, world +x, at the picture's right.
@@ -76,14 +70,14 @@ const char* name(Side side) {
 
 }  // namespace
 
-void note_direction(const CLI::App& app, RenderOptions& o) {
+void note_direction(const OptionList& list, RenderOptions& o) {
   for (const char* const name :
        {"--view", "--azimuth", "--elevation", "--matrix", "--eye", "--orbit", "--path"})
-    o.direction_chosen = o.direction_chosen || given(app, name);
+    o.direction_chosen = o.direction_chosen || list.is_given(name);
 }
 
-void settle_fit(const CLI::App& app, RenderOptions& o) {
-  note_direction(app, o);
+void settle_fit(const OptionList& list, RenderOptions& o) {
+  note_direction(list, o);
   Camera& camera = o.frame.shown.camera;
   if (o.fit && camera.fov > 0 && camera.eye)
     throw InputError("--fit has no effect in perspective with --eye, which is where it is",

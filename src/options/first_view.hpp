@@ -1,17 +1,14 @@
 #pragma once
+#include "options/option_list.hpp"
 #include "options/options.hpp"
-
-namespace CLI {
-class App;
-}
 
 /// From where a volume is seen, and how large, where single options leave it open.
 namespace ringsplat::app {
 
 /// Chooses what --zoom 1 fits, and notes whether some option says from where the volume is seen. Throws
 /// InputError for a --fit without effect.
-void settle_fit(const CLI::App& app, RenderOptions& o);
-void note_direction(const CLI::App& app, RenderOptions& o);
+void settle_fit(const OptionList& list, RenderOptions& o);
+void note_direction(const OptionList& list, RenderOptions& o);
 
 /// Makes angles of --view. Without any option that says from where, a patient is seen from the front, all
 /// else from above and the right; but what would be seen from one of its narrow sides is seen from its broad

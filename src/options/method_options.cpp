@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -72,10 +72,10 @@ constexpr OptionRow<Render> method_rows[] = {
      }},
     {"--slabs", "1|2|3|4", nullptr,
      "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else 3",
-     [](Render& o) { return value(o.method.slabs); }},
+     [](Render& o) { return value(o.method.slabs); }, Mark::of_sheets},
     {"--light-points", "1|2", nullptr,
      "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
-     [](Render& o) { return value(o.method.light_points); }},
+     [](Render& o) { return value(o.method.light_points); }, Mark::of_sheets},
 };
 
 }  // namespace
@@ -122,10 +122,8 @@ const char* items_of(const Method& method) {
   return std::holds_alternative<Sheets>(method) ? "blocks" : "splats";
 }
 
-bool engine_is_chosen(const CLI::App& app) {
-  for (const CLI::Option* option : app.get_options())
-    if (concerns_one_engine(*option)) return true;
-  return false;
+bool engine_is_chosen(const OptionList& list) {
+  return std::any_of(list.begin(), list.end(), concerns_one_engine);
 }
 
 }  // namespace ringsplat::app

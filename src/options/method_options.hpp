@@ -4,11 +4,9 @@
 
 #include "ringsplat/frame/frame_spec.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace ringsplat::app {
+
+class OptionList;
 
 /// What turns voxels into pixels.
 enum class Engine { splats, sheets };
@@ -56,7 +54,7 @@ Method method_for_other_engine(MethodOptions options);
 /// What the method's payloads hold, for messages: "splats", or "blocks" of sheets.
 const char* items_of(const Method& method);
 
-/// True when the user of a parsed subcommand has chosen the engine, if only by an option of one engine.
-bool engine_is_chosen(const CLI::App& app);
+/// True when the user has chosen the engine, if only by an option of one engine.
+bool engine_is_chosen(const OptionList& list);
 
 }  // namespace ringsplat::app

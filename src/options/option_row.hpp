@@ -1,5 +1,5 @@
 #pragma once
-#include <CLI/CLI.hpp>
+#include <concepts>
 #include <functional>
 #include <optional>
 #include <span>
@@ -8,24 +8,45 @@
 #include <utility>
 #include <vector>
 
-/// Options as tables: a row says all about one option and where its value goes.
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+/// Options as tables: a row says all about one option and what reads its words.
 namespace ringsplat::app {
 
-/// Adds a CLI11 option with these names and this help that fills a target.
-using Binding = std::function<CLI::Option*(CLI::App& app, const std::string& names, const std::string& help)>;
+using Words = std::vector<std::string>;
+
+/// Makes a value of an option's words.
+struct Reader {
+  std::string form;     ///< what --help shows for the value where the row does not say
+  std::string initial;  ///< the target's value before anything is read, as text
+  /// Throws InputError that names the option.
+  std::function<void(const Words& words, const std::string& option)> read;
+  int words = 1;         ///< that follow the name; 0: a flag, whose word is true or false
+  bool repeats = false;  ///< it may be given several times
+};
 
 /// A row's fallback when --help should show the target's initial value.
 inline constexpr char initial[] = "";
 
+enum class Mark {
+  none,
+  required,
+  of_program,  ///< only the program has it: it names what else is an argument, or writes further files
+  of_splats,   ///< it has a meaning for this engine only
+  of_sheets
+};
+
 /// One of the options that fill an `Options`.
 template <class Options>
 struct OptionRow {
-  const char* names;          ///< separated by commas; a name without dashes is a positional argument
-  const char* form;           ///< what --help shows for the value; null: the type's name, or a choice's words
-  const char* fallback;       ///< what --help shows as the default; null: nothing
-  const char* help;           ///< no full stop
-  Binding (*bind)(Options&);  ///< binds a member, which must outlive the parsing
-  bool required = false;
+  const char* names;              ///< separated by commas; a name without dashes is a positional argument
+  const char* form;               ///< what --help shows for the value; null: the reader's
+  const char* fallback;           ///< what --help shows as the default; null: nothing
+  const char* help;               ///< no full stop
+  Reader (*reader_of)(Options&);  ///< of a member, which must outlive the reading
+  Mark mark = Mark::none;
 };
 
 /// Options below one heading of --help, in order.
@@ -35,56 +56,73 @@ struct OptionGroup {
   std::span<const OptionRow<Options>> rows;
 };
 
-void add_option(CLI::App& app, const char* heading, const char* names, const char* form, const char* fallback,
-                const char* help, const Binding& binding, bool required);
-
-/// Adds a group's options, bound to `options`, which must outlive `app`.
-template <class Options>
-void add_options(CLI::App& app, const OptionGroup<Options>& group, Options& options) {
-  for (const auto& row : group.rows)
-    add_option(app, group.heading, row.names, row.form, row.fallback, row.help, row.bind(options),
-               row.required);
-}
-
-/// A value that CLI11 reads by its type.
 template <class T>
-Binding value(T& target, const CLI::Validator& check = {}) {
-  return [&target, check](CLI::App& app, const std::string& names, const std::string& help) {
-    return app.add_option(names, target, help)->check(check);
+struct ValueType {
+  using Type = T;
+};
+template <class T>
+struct ValueType<std::optional<T>> {
+  using Type = T;
+};
+template <class T>
+using ValueOf = typename ValueType<T>::Type;
+
+/// What a number may be, ends included.
+template <class T>
+struct Bounds {
+  std::optional<T> least = {}, most = {};
+  bool hold(T value) const { return (!least || value >= *least) && (!most || value <= *most); }
+};
+
+/// "a whole number from 1 to 16"; an end that is missing is an empty text.
+std::string described_bounds(bool whole, const std::string& least, const std::string& most);
+/// Throws InputError: `text` is not what is `wanted`.
+[[noreturn]] void refuse_word(const std::string& option, const std::string& text, const std::string& wanted);
+
+/// The text as a number. Throws InputError that says which numbers are right.
+template <class T>
+T read_number(const std::string& text, const std::string& option, const Bounds<T>& bounds = {}) {
+  const auto shown = [](const std::optional<T>& end) {
+    return end ? fmt::format("{}", *end) : std::string();
   };
+  const auto number = detail::number_in<T>(text);
+  if (!number || !bounds.hold(*number))
+    refuse_word(option, text,
+                "give " + described_bounds(std::is_integral_v<T>, shown(bounds.least), shown(bounds.most)));
+  return *number;
 }
 
+/// One word for `take(text, option)`, which may throw InputError.
+Reader text(std::function<void(const std::string& text, const std::string& option)> take);
+/// So many numbers, passed to `take` together.
+Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take);
 /// An option without a value: sets `target`.
-Binding flag(bool& target);
+Reader flag(bool& target);
 /// An option without a value: clears `target`.
-Binding clearing_flag(bool& target);
+Reader clearing_flag(bool& target);
+/// A text as it is.
+Reader value(std::string& target);
+/// Texts of an option that may be given several times.
+Reader values(std::vector<std::string>& target);
 
-/// A value passed to `take`; `count` numbers when T is a vector.
+/// A number within bounds.
 template <class T>
-Binding handed(std::function<void(const T&)> take, int count = 1) {
-  return [take, count](CLI::App& app, const std::string& names, const std::string& help) {
-    auto* option = app.add_option_function<T>(names, take, help);
-    return count == 1 ? option : option->expected(count);
-  };
+requires std::is_arithmetic_v<ValueOf<T>> Reader value(T& target, const Bounds<ValueOf<T>>& bounds = {}) {
+  using Number = ValueOf<T>;
+  Reader reader = text([&target, bounds](const std::string& word, const std::string& option) {
+    target = read_number<Number>(word, option, bounds);
+  });
+  reader.form = std::is_floating_point_v<Number> ? "FLOAT" : std::is_signed_v<Number> ? "INT" : "UINT";
+  if constexpr (std::same_as<T, Number>) reader.initial = fmt::format("{}", target);
+  return reader;
 }
 
 /// A text that `parse(text, option)` turns into the value.
 template <class Target, class Parse>
-Binding parsed(Target& target, Parse parse) {
-  return [&target, parse](CLI::App& app, const std::string& names, const std::string& help) {
-    const auto take = [&target, parse, names](const std::string& text) { target = parse(text, names); };
-    return app.add_option_function<std::string>(names, take, help);
-  };
+Reader parsed(Target& target, Parse parse) {
+  return text(
+      [&target, parse](const std::string& word, const std::string& option) { target = parse(word, option); });
 }
-
-template <class T>
-struct ChosenType {
-  using Type = T;
-};
-template <class T>
-struct ChosenType<std::optional<T>> {
-  using Type = T;
-};
 
 /// The words of a choice and their meanings.
 template <class T>
@@ -95,27 +133,23 @@ using Choices = std::vector<std::pair<std::string, T>>;
 
 /// One of a few words.
 template <class T>
-Binding choice(T& target, const Choices<typename ChosenType<T>::Type>& choices) {
-  return [&target, choices](CLI::App& app, const std::string& names, const std::string& help) {
-    std::string words;
-    for (const auto& [word, meaning] : choices) words += (words.empty() ? "" : "|") + word;
-    const auto choose = [&target, choices, names, words](const std::string& text) {
-      for (const auto& [word, meaning] : choices)
-        if (word == text) {
-          target = meaning;
-          return;
-        }
-      refuse_choice(names, text, words);
-    };
-    const auto word_of_target = [&target, choices] {
-      for (const auto& [word, meaning] : choices)
-        if (target == meaning) return word;
-      return std::string();
-    };
-    return app.add_option_function<std::string>(names, choose, help)
-        ->default_function(word_of_target)
-        ->type_name(words);
-  };
+Reader choice(T& target, const Choices<ValueOf<T>>& choices) {
+  std::string words, chosen;
+  for (const auto& [word, meaning] : choices) {
+    words += (words.empty() ? "" : "|") + word;
+    if (chosen.empty() && target == meaning) chosen = word;
+  }
+  Reader reader = text([&target, choices, words](const std::string& given, const std::string& option) {
+    for (const auto& [word, meaning] : choices)
+      if (word == given) {
+        target = meaning;
+        return;
+      }
+    refuse_choice(option, given, words);
+  });
+  reader.form = words;
+  reader.initial = chosen;
+  return reader;
 }
 
 }  // namespace ringsplat::app

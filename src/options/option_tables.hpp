@@ -1,5 +1,5 @@
 #pragma once
-#include "options/option_row.hpp"
+#include "options/option_list.hpp"
 #include "options/reference_options.hpp"
 
 /// All options of subcommands as data. subcommands.cpp gives each subcommand its groups; contradictions.hpp
@@ -7,7 +7,7 @@
 namespace ringsplat::app {
 
 extern const OptionGroup<VolumeOptions> volume_options, raw_options;
-extern const OptionGroup<RunOptions> rank_options, protocol_options, machine_options;
+extern const OptionGroup<RunOptions> layout_options, rank_options, protocol_options, machine_options;
 /// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
 extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,
     method_options, picture_options, shortcut_options, clip_options, series_options;

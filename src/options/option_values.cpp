@@ -10,6 +10,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/text.hpp"
 #include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -26,21 +27,12 @@ std::vector<std::string_view> split(std::string_view text, std::string_view sepa
   }
 }
 
-template <class T>
-std::optional<T> number(std::string_view text) {
-  T value{};
-  if (text.starts_with('+')) text.remove_prefix(1);
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
-  return value;
-}
-
 /// `text` as 1 or `count` numbers separated by x, * or commas; one number stands for all.
 template <class T>
 std::optional<std::vector<T>> one_or_all(std::string_view text, std::size_t count) {
   std::vector<T> values;
   for (const auto part : split(text, "xX*,")) {
-    const auto value = number<T>(part);
+    const auto value = detail::number_in<T>(part);
     if (!value) return std::nullopt;
     values.push_back(*value);
   }
@@ -106,7 +98,7 @@ Size parse_mesh(const std::string& text, const std::string& option) {
 }
 
 int parse_count(const std::string& text, const std::string& option) {
-  const auto count = number<int>(text);
+  const auto count = detail::number_in<int>(text);
   if (!count)
     throw InputError(fmt::format("{} cannot be '{}'", option, text),
                      fmt::format("for instance {} 4", option));
@@ -155,7 +147,7 @@ std::optional<std::vector<double>> parse_numbers(std::string_view text) {
   std::vector<double> values;
   for (const auto part : split(text, " ,;\t\r")) {
     if (part.empty()) continue;
-    const auto value = number<double>(part);
+    const auto value = detail::number_in<double>(part);
     if (!value) return std::nullopt;
     values.push_back(*value);
   }

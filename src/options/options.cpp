@@ -6,29 +6,23 @@ namespace ringsplat::app {
 namespace {
 
 /// A number of nodes, or "auto", which sets `choose`.
-Binding count_or_auto(std::optional<int>& count, bool& choose) {
-  return [&count, &choose](CLI::App& app, const std::string& names, const std::string& help) {
-    const auto take = [&count, &choose, names](const std::string& text) {
-      if (text == "auto")
-        choose = true;
-      else
-        count = parse_count(text, names);
-    };
-    return app.add_option_function<std::string>(names, take, help);
-  };
+Reader count_or_auto(std::optional<int>& count, bool& choose) {
+  return text([&count, &choose](const std::string& word, const std::string& option) {
+    if (word == "auto")
+      choose = true;
+    else
+      count = parse_count(word, option);
+  });
 }
 
 /// A number of slices, or "auto", which is chosen together with the roles.
-Binding bundle_or_auto(RunOptions& run) {
-  return [&run](CLI::App& app, const std::string& names, const std::string& help) {
-    const auto take = [&run, names](const std::string& text) {
-      if (text == "auto")
-        run.choose_roles = run.choose_bundle = true;
-      else
-        run.bundle = parse_count(text, names);
-    };
-    return app.add_option_function<std::string>(names, take, help);
-  };
+Reader bundle_or_auto(RunOptions& run) {
+  return text([&run](const std::string& word, const std::string& option) {
+    if (word == "auto")
+      run.choose_roles = run.choose_bundle = true;
+    else
+      run.bundle = parse_count(word, option);
+  });
 }
 
 ScalarType parse_type(const std::string& text, const std::string&) { return scalar_type_from(text); }
@@ -38,9 +32,9 @@ constexpr OptionRow<Volume> volume_rows[] = {
     {"volume", "VOLUME", nullptr,
      "NRRD, MetaImage, NIfTI, HDF5 (FILE:/DATASET), VTK, NumPy, TIFF or raw file, or a folder with a DICOM "
      "series or TIFF pages",
-     [](Volume& o) { return value(o.path); }},
+     [](Volume& o) { return value(o.path); }, Mark::of_program},
     {"--frame", "N", nullptr, "Of a file with several time points the one to take, from 0",
-     [](Volume& o) { return value(o.choice.frame, CLI::NonNegativeNumber); }},
+     [](Volume& o) { return value(o.choice.frame, {.least = 0}); }},
     {"--channel", "N|NAME", nullptr,
      "Of several values a voxel the one to take; a number from 0, r, g, b, a or an array's name",
      [](Volume& o) { return value(o.choice.channel); }},
@@ -58,13 +52,13 @@ constexpr OptionRow<Volume> raw_rows[] = {
        return choice(o.raw.big_endian, {{"little", false}, {"big", true}});
      }},
     {"--offset", "BYTES", nullptr, "Bytes before the first voxel",
-     [](Volume& o) { return value(o.raw.offset, CLI::NonNegativeNumber); }},
+     [](Volume& o) { return value(o.raw.offset, {.least = 0}); }},
     {"--spacing", "XxYxZ", nullptr, "Distances between voxels; replaces the file's own, whatever the format",
      [](Volume& o) { return parsed(o.raw.spacing, parse_spacing); }},
 };
 
 using Run = RunOptions;
-constexpr OptionRow<Run> rank_rows[] = {
+constexpr OptionRow<Run> layout_rows[] = {
     {"--gps", "G|auto", nullptr,
      "Ranks that hold slices and send what is visible; auto: as many as a measured frame needs",
      [](Run& o) { return count_or_auto(o.gps, o.choose_roles); }},
@@ -93,6 +87,9 @@ constexpr OptionRow<Run> rank_rows[] = {
      [](Run& o) {
        return choice(o.routing, {{"manhattan", Routing::manhattan}, {"direct", Routing::direct}});
      }},
+};
+
+constexpr OptionRow<Run> rank_rows[] = {
     {"--threads-per-rank", "T", nullptr,
      "Threads that share a rank's work: its cores without it; ranks share their machine's cores evenly",
      [](Run& o) { return value(o.threads_per_rank); }},
@@ -102,7 +99,8 @@ constexpr OptionRow<Run> rank_rows[] = {
        return choice(o.transport, {{"auto", TransportChoice::automatic},
                                    {"mpi", TransportChoice::mpi},
                                    {"loopback", TransportChoice::loopback}});
-     }},
+     },
+     Mark::of_program},
 };
 
 constexpr OptionRow<Run> protocol_rows[] = {
@@ -128,12 +126,12 @@ constexpr OptionRow<Run> protocol_rows[] = {
     {"--shuffle", nullptr, nullptr, "Loopback: messages overtake each other and ranks take turns at random",
      [](Run& o) { return flag(o.loopback.reorder); }},
     {"--max-delay", nullptr, initial, "Loopback: turns by which a message may be late",
-     [](Run& o) { return value(o.loopback.max_delay, CLI::NonNegativeNumber); }},
+     [](Run& o) { return value(o.loopback.max_delay, {.least = 0}); }},
     {"--in-step", nullptr, nullptr,
      "Loopback: one frame at a time, and all tokens move one GP per step of a common clock",
      [](Run& o) { return flag(o.loopback.in_step); }},
     {"--seed", nullptr, initial, "Seed of what is random",
-     [](Run& o) { return value(o.loopback.seed, CLI::NonNegativeNumber); }},
+     [](Run& o) { return value(o.loopback.seed, {.least = 0}); }},
 };
 
 constexpr OptionRow<Run> machine_rows[] = {
@@ -144,18 +142,26 @@ constexpr OptionRow<Run> machine_rows[] = {
      [](Run& o) { return flag(o.engine.simulation.count_only); }},
     {"--voxel-weight", nullptr, initial,
      "With --count-only: so many voxels of its slice for which each voxel stands",
-     [](Run& o) { return value(o.engine.simulation.voxel_weight, CLI::Range(1.0, 1e6)); }},
+     [](Run& o) {
+       return value(o.engine.simulation.voxel_weight, {1.0, 1e6});
+     }},
     {"--step-seconds", nullptr, initial,
      "Tokens move one GP per step of a common clock, which lasts so long; 0: freely",
-     [](Run& o) { return value(o.engine.simulation.step_seconds, CLI::Range(0.0, 1e6)); }},
+     [](Run& o) {
+       return value(o.engine.simulation.step_seconds, {0.0, 1e6});
+     }},
 };
 
 using Info = InfoOptions;
 constexpr OptionRow<Info> info_output_rows[] = {
     {"--gps", "G", nullptr, "Predict the memory of a GP for G of them",
-     [](Info& o) { return value(o.gps, CLI::Range(1, 1 << 24)); }},
+     [](Info& o) {
+       return value(o.gps, {1, 1 << 24});
+     }},
     {"--bundle", "K", initial, "Predict for bundles of so many slices",
-     [](Info& o) { return value(o.bundle, CLI::Range(1, most_slices_of_bundle)); }},
+     [](Info& o) {
+       return value(o.bundle, {1, most_slices_of_bundle});
+     }},
     {"--json", nullptr, nullptr, "Write JSON", [](Info& o) { return flag(o.json); }},
     {"--presets", nullptr, nullptr, "List the transfer functions that --tf knows by name",
      [](Info& o) { return flag(o.presets); }},
@@ -163,9 +169,13 @@ constexpr OptionRow<Info> info_output_rows[] = {
 
 constexpr OptionRow<Info> prediction_rows[] = {
     {"--ranks", "N", nullptr, "Measure a frame here and predict its time for all ways to give N ranks roles",
-     [](Info& o) { return value(o.ranks, CLI::Range(1, 4096)); }},
+     [](Info& o) {
+       return value(o.ranks, {1, 4096});
+     }},
     {"--cores", "C", nullptr, "Cores that the ranks share; without it this machine's",
-     [](Info& o) { return value(o.cores, CLI::Range(1, 1 << 24)); }},
+     [](Info& o) {
+       return value(o.cores, {1, 1 << 24});
+     }},
     {"--machine", "FILE", nullptr,
      "Predict for a described machine (docs/simulation.md) instead of measuring here",
      [](Info& o) { return value(o.machine); }},
@@ -173,12 +183,12 @@ constexpr OptionRow<Info> prediction_rows[] = {
 
 using Compare = CompareOptions;
 constexpr OptionRow<Compare> compare_rows[] = {
-    {"a", "A", nullptr, "The picture in question", [](Compare& o) { return value(o.a); }, true},
-    {"b", "B", nullptr, "What it is compared with", [](Compare& o) { return value(o.b); }, true},
+    {"a", "A", nullptr, "The picture in question", [](Compare& o) { return value(o.a); }, Mark::required},
+    {"b", "B", nullptr, "What it is compared with", [](Compare& o) { return value(o.b); }, Mark::required},
     {"--threshold", nullptr, initial, "Count the pixels that differ by more than this, in 1/255",
-     [](Compare& o) { return value(o.threshold, CLI::NonNegativeNumber); }},
+     [](Compare& o) { return value(o.threshold, {.least = 0}); }},
     {"--fail-above", nullptr, nullptr, "Exit with 1 when the RMSE is above this, in 1/255",
-     [](Compare& o) { return value(o.fail_above, CLI::NonNegativeNumber); }},
+     [](Compare& o) { return value(o.fail_above, {.least = 0}); }},
     {"--diff", "FILE", nullptr, "Write the difference: absolute, in an .exr signed",
      [](Compare& o) { return value(o.difference); }},
     {"--diff-scale", nullptr, initial, "Multiply the written difference",
@@ -208,6 +218,7 @@ constexpr OptionRow<Synth> synth_rows[] = {
 
 constexpr OptionGroup<Volume> volume_options{"Volume", volume_rows};
 constexpr OptionGroup<Volume> raw_options{"Raw volumes (others describe themselves)", raw_rows};
+constexpr OptionGroup<Run> layout_options{"Ranks", layout_rows};
 constexpr OptionGroup<Run> rank_options{"Ranks", rank_rows};
 constexpr OptionGroup<Run> protocol_options{"Protocol", protocol_rows};
 constexpr OptionGroup<Run> machine_options{"Simulated machines (docs/simulation.md)", machine_rows};

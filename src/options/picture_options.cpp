@@ -14,51 +14,46 @@ namespace {
 using Render = RenderOptions;
 using Numbers = std::vector<double>;
 
-Binding matrix(Camera& camera) {
-  const auto take = [&camera](const Numbers& m) {
+Reader matrix(Camera& camera) {
+  return numbers(12, [&camera](const Numbers& m) {
     camera.matrix.emplace();
     std::copy_n(m.begin(), camera.matrix->size(), camera.matrix->begin());
-  };
-  return handed<Numbers>(take, 12);
+  });
 }
 
-Binding direction(glm::dvec3& target) {
-  return handed<Numbers>([&target](const Numbers& v) { target = {v.at(0), v.at(1), v.at(2)}; }, 3);
+Reader direction(glm::dvec3& target) {
+  return numbers(3, [&target](const Numbers& v) { target = {v[0], v[1], v[2]}; });
 }
 
-Binding place(std::optional<glm::dvec3>& target) {
-  return handed<Numbers>([&target](const Numbers& v) { target.emplace(v.at(0), v.at(1), v.at(2)); }, 3);
+Reader place(std::optional<glm::dvec3>& target) {
+  return numbers(3, [&target](const Numbers& v) { target.emplace(v[0], v[1], v[2]); });
 }
 
-Binding two_numbers(std::array<double, 2>& target) {
-  return handed<Numbers>([&target](const Numbers& v) { target = {v.at(0), v.at(1)}; }, 2);
+Reader two_numbers(std::array<double, 2>& target) {
+  return numbers(2, [&target](const Numbers& v) { target = {v[0], v[1]}; });
 }
 
-Binding image_size(FrameSpec& frame) {
-  return handed<std::string>([&frame](const std::string& text) {
-    const Size s = parse_size(text, "--size");
+Reader image_size(FrameSpec& frame) {
+  return text([&frame](const std::string& word, const std::string& option) {
+    const Size s = parse_size(word, option);
     frame.shown.width = s.width;
     frame.shown.height = s.height;
   });
 }
 
 /// A number whose default is shown as "1/512".
-Binding one_part(double& target) {
-  return [&target](CLI::App& app, const std::string& names, const std::string& help) {
-    return app.add_option(names, target, help)->default_function([&target] {
-      return fmt::format("1/{:g}", 1 / target);
-    });
-  };
+Reader one_part(double& target) {
+  Reader reader = value(target);
+  reader.initial = fmt::format("1/{:g}", 1 / target);
+  return reader;
 }
 
-CLI::Validator up_to_a_million_frames() {
-  const auto check = [](const std::string& text) {
-    const bool number = !text.empty() && text.find_first_not_of("0123456789") == std::string::npos;
-    return number && text.size() <= 7 && std::stoi(text) >= 1 && std::stoi(text) <= 1'000'000
-               ? std::string()
-               : "needs 1 to 1000000 frames, not '" + text + "'";
-  };
-  return {check, ""};
+/// A file for statistics, or the word "table".
+Reader statistics_file(RenderOptions& o) {
+  return text([&o](const std::string& file, const std::string&) {
+    o.stats_as_table = file == "table" || file.ends_with(".txt");
+    o.stats = file == "table" ? "-" : file;
+  });
 }
 
 constexpr OptionRow<Render> clip_rows[] = {
@@ -73,7 +68,7 @@ constexpr OptionRow<Render> render_output_rows[] = {
     {"-o,--output", "FILE", nullptr,
      "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; of many views also .mp4, a film by "
      "ffmpeg; not needed with --stats or --count-only",
-     [](Render& o) { return value(o.output); }},
+     [](Render& o) { return value(o.output); }, Mark::of_program},
     {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
      [](Render& o) { return parsed(o.background, parse_colour); }},
     {"--annotate", nullptr, nullptr, "Draws orientation, a scale bar and a colour bar into the picture",
@@ -82,19 +77,15 @@ constexpr OptionRow<Render> render_output_rows[] = {
      "What each node did in each frame, as JSON; one array, or lines in a .jsonl; as a .txt, or the word "
      "table for one on stdout, what each rank did in all; of --stats, --trace and --tf-out one may be -, "
      "stdout, and lines of results then go to stderr",
-     [](Render& o) {
-       return handed<std::string>([&o](const std::string& file) {
-         o.stats_as_table = file == "table" || file.ends_with(".txt");
-         o.stats = file == "table" ? "-" : file;
-       });
-     }},
+     [](Render& o) { return statistics_file(o); }, Mark::of_program},
     {"--trace", "FILE", nullptr,
      "What each node did when, as Chrome trace-event JSON, which opens in Perfetto",
-     [](Render& o) { return value(o.trace); }},
+     [](Render& o) { return value(o.trace); }, Mark::of_program},
     {"--axes", nullptr, initial, "Slice sets that are kept in memory: those the views traverse, or all three",
      [](Render& o) {
        return choice(o.keep_all_axes, {{"needed", false}, {"all", true}});
-     }},
+     },
+     Mark::of_program},
 };
 
 constexpr OptionRow<Render> camera_rows[] = {
@@ -149,11 +140,14 @@ constexpr OptionRow<Render> view_rows[] = {
     {"--up", "X Y Z", "0 0 1", "World direction that points up in the picture, with --eye",
      [](Render& o) { return direction(o.frame.shown.camera.up); }},
     {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
-     [](Render& o) { return value(o.orbit, up_to_a_million_frames()); }},
+     [](Render& o) {
+       return value(o.orbit, {1, 1'000'000});
+     },
+     Mark::of_program},
     {"--path", "FILE", nullptr,
      "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, or as JSON; -: "
      "for each line that comes on stdin",
-     [](Render& o) { return value(o.path); }},
+     [](Render& o) { return value(o.path); }, Mark::of_program},
 };
 
 constexpr OptionRow<Render> size_rows[] = {
@@ -189,37 +183,41 @@ constexpr OptionRow<Render> shading_rows[] = {
 
 constexpr OptionRow<Render> picture_rows[] = {
     {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
-     [](Render& o) { return value(o.method.splats.kernel_radius); }},
+     [](Render& o) { return value(o.method.splats.kernel_radius); }, Mark::of_splats},
     {"--kernel", nullptr, initial,
      "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
      [](Render& o) {
        return choice(o.method.splats.kernel.method,
                      {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
-     }},
+     },
+     Mark::of_splats},
     {"--phases", nullptr, initial,
      "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
-     [](Render& o) { return value(o.method.splats.kernel.phases); }},
+     [](Render& o) { return value(o.method.splats.kernel.phases); }, Mark::of_splats},
     {"--qee-bits", nullptr, initial,
      "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32",
-     [](Render& o) { return value(o.method.splats.kernel.qee_bits); }},
+     [](Render& o) { return value(o.method.splats.kernel.qee_bits); }, Mark::of_splats},
     {"--normalisation", nullptr, initial,
      "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
      [](Render& o) {
        return choice(o.method.splats.kernel.normalisation, {{"none", Normalisation::none},
                                                             {"constant", Normalisation::constant},
                                                             {"exact", Normalisation::exact}});
-     }},
+     },
+     Mark::of_splats},
     {"--region", "N", nullptr,
      "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "
      "the work more evenly; strips in the slices' plane",
-     [](Render& o) { return value(o.frame.division.region_size, CLI::Range(1, 1 << 20)); }},
+     [](Render& o) {
+       return value(o.frame.division.region_size, {1, 1 << 20});
+     }},
 };
 
 constexpr OptionRow<Render> shortcut_rows[] = {
     {"--progressive", nullptr, nullptr,
      "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
      "newer view on --path - ends it",
-     [](Render& o) { return flag(o.progressive); }},
+     [](Render& o) { return flag(o.progressive); }, Mark::of_program},
     {"--undersample", "1|2|4", initial, "Render a volume of every 2nd or 4th voxel along each axis",
      [](Render& o) { return value(o.frame.shown.reduction.factor); }},
     {"--prefilter", nullptr, nullptr,
@@ -242,12 +240,14 @@ constexpr OptionRow<Render> shortcut_rows[] = {
      "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
      [](Render& o) {
        return choice(o.method.splats.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
-     }},
+     },
+     Mark::of_splats},
     {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
      [](Render& o) {
        return choice(o.method.splats.precision,
                      {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}});
-     }},
+     },
+     Mark::of_splats},
 };
 
 }  // namespace

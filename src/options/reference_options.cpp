@@ -27,7 +27,9 @@ constexpr OptionRow<Error> error_rows[] = {
      [](Error& o) { return parsed(o.truth, truth_from); }},
     {"--error-pixels", "N", initial,
      "Pixels at which the truth is evaluated, drawn at random where the volume may show",
-     [](Error& o) { return value(o.pixels, CLI::Range(std::size_t(1), std::size_t(1) << 30)); }},
+     [](Error& o) {
+       return value(o.pixels, {1, std::size_t(1) << 30});
+     }},
     {"--error-seed", nullptr, initial, "Seed of that draw", [](Error& o) { return value(o.seed); }},
 };
 
@@ -39,14 +41,16 @@ constexpr OptionRow<Reference> truth_rows[] = {
      "was made from",
      [](Reference& o) { return parsed(o.truth, truth_from); }},
     {"--tolerance", nullptr, initial, "Error of the integral that is allowed in a final colour",
-     [](Reference& o) { return value(o.tolerance, CLI::Range(1e-12, 0.1)); }},
+     [](Reference& o) {
+       return value(o.tolerance, {1e-12, 0.1});
+     }},
     {"--formula", "NAME", nullptr, "Analytic truth: the test volume's name (ringsplat synth --list)",
      [](Reference& o) { return value(o.formula); }},
 };
 
 constexpr OptionRow<Reference> reference_output_rows[] = {
     {"-o,--output", "FILE", nullptr, "The picture: .exr (linear float32), or an 8-bit format",
-     [](Reference& o) { return value(o.picture.output); }, true},
+     [](Reference& o) { return value(o.picture.output); }, Mark::required},
 };
 
 using Study = StudyOptions;
@@ -71,7 +75,7 @@ constexpr OptionGroup<Reference> truth_options{"Truth", truth_rows};
 constexpr OptionGroup<Reference> reference_output_options{"Output", reference_output_rows};
 constexpr OptionGroup<Study> study_options{"Output", study_rows};
 
-void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
+void note_options_without_effect(const OptionList& list, ReferenceOptions& o) {
   // No truth uses kernel tables or regions; a field's truth uses no kernel and no slices.
   std::vector<const char*> unknown{"--kernel", "--phases", "--qee-bits", "--region"};
   if (o.truth == TruthKind::method)
@@ -80,7 +84,7 @@ void note_options_without_effect(const CLI::App& app, ReferenceOptions& o) {
     unknown.insert(unknown.end(), {"--radius", "--normalisation", "--no-opacity-correction", "--engine",
                                    "--quality", "--slabs", "--light-points"});
   for (const char* name : unknown)
-    if (app.get_option(name)->count() > 0) o.without_effect.emplace_back(name);
+    if (list.is_given(name)) o.without_effect.emplace_back(name);
 }
 
 }  // namespace ringsplat::app

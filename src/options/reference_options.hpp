@@ -4,11 +4,9 @@
 
 #include "options/options.hpp"
 
-namespace CLI {
-class App;
-}
-
 namespace ringsplat::app {
+
+class OptionList;
 
 struct ReferenceOptions {
   RenderOptions picture;  ///< volume, views, transfer function, shading, output
@@ -25,8 +23,8 @@ struct StudyOptions {
   bool show_list = false;
 };
 
-/// Records which options of a parsed subcommand change nothing: it takes render's options, and not all
+/// Records which given options change nothing: it takes render's options, and not all
 /// concern a truth.
-void note_options_without_effect(const CLI::App& app, ReferenceOptions& options);
+void note_options_without_effect(const OptionList& list, ReferenceOptions& options);
 
 }  // namespace ringsplat::app

@@ -6,32 +6,30 @@ namespace {
 
 using Serve = ServeOptions;
 
-Binding words(std::vector<std::string>& target) {
-  return [&target](CLI::App& app, const std::string& names, const std::string& help) {
-    return app.add_option(names, target, help)->expected(1)->take_all();
-  };
-}
-
 constexpr OptionRow<Serve> server_rows[] = {
     {"--port", "N", initial, "Port of the page; 0: any that is free",
-     [](Serve& o) { return value(o.port, CLI::Range(0, 65535)); }},
+     [](Serve& o) {
+       return value(o.port, {0, 65535});
+     }},
     {"--bind", "ADDRESS", initial, "Address to listen at; other machines reach others than 127.0.0.1",
      [](Serve& o) { return value(o.address); }},
     {"--open", nullptr, nullptr, "Open the page in this machine's browser",
      [](Serve& o) { return flag(o.open); }},
     {"--target-ms", "MS", initial, "Milliseconds that a picture may take while the volume is turned",
-     [](Serve& o) { return value(o.target_ms, CLI::Range(1.0, 10000.0)); }},
+     [](Serve& o) {
+       return value(o.target_ms, {1.0, 10000.0});
+     }},
     {"--allow-host", "HOST:PORT", nullptr,
      "Another name under which a proxy or tunnel shows the page; may be given several times",
-     [](Serve& o) { return words(o.allowed_hosts); }},
+     [](Serve& o) { return values(o.allowed_hosts); }},
     {"--allow-origin", "URL", nullptr,
      "Another origin whose pages may connect, as https://hub.example.org; may be given several times",
-     [](Serve& o) { return words(o.allowed_origins); }},
+     [](Serve& o) { return values(o.allowed_origins); }},
     {"--allow-frame", "URL", nullptr,
      "An origin whose pages may show the page in a frame, as http://localhost:* for notebooks; may be given "
      "several "
      "times",
-     [](Serve& o) { return words(o.allowed_frames); }},
+     [](Serve& o) { return values(o.allowed_frames); }},
     {"--background", "COLOUR", "black", "A name, #rrggbb or r,g,b from 0 to 1",
      [](Serve& o) { return parsed(o.picture.background, parse_colour); }},
 };

@@ -1,71 +1,64 @@
 #include "python/picture_options.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <nlohmann/json.hpp>
-#include <string_view>
 
 #include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
-#include "options/subcommands.hpp"
+#include "options/settle_picture.hpp"
 #include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::python {
 namespace {
 
+using app::Option;
+using app::OptionList;
 using app::RenderOptions;
 
-/// Of the groups below: what writes files, draws films, or is another argument in Python.
-constexpr std::string_view never[] = {"volume", "--output", "--stats", "--trace",
-                                      "--axes", "--orbit",  "--path",  "--progressive"};
-constexpr std::string_view not_in_sessions[] = {
-    "--frame",      "--channel",   "--series",          "--dims",  "--type",
-    "--endian",     "--offset",    "--spacing",         "--error", "--error-pixels",
-    "--error-seed", "--max-error", "--threads-per-rank"};
-constexpr std::string_view layout_names[] = {"--gps",      "--renderers", "--bundle", "--roles",
-                                             "--topology", "--mesh",      "--routing"};
-
-template <std::size_t count>
-bool is_one_of(const CLI::Option& option, const std::string_view (&names)[count]) {
-  return std::any_of(std::begin(names), std::end(names),
-                     [&](std::string_view name) { return option.check_name(std::string(name)); });
-}
-
-template <class LeftOut>
-void leave_out(CLI::App& app, const LeftOut& left_out) {
-  for (CLI::Option* const option : app.get_options())
-    if (left_out(*option)) app.remove_option(option);
-}
-
-void add_options(CLI::App& app, RenderOptions& o, From from) {
-  app.set_help_flag();
-  add_options(app, app::volume_options, o.volume);
-  add_options(app, app::raw_options, o.volume);
+OptionList options_for(RenderOptions& o, From from) {
+  OptionList list;
+  if (from == From::volume) {
+    add_options(list, app::volume_options, o.volume);
+    add_options(list, app::raw_options, o.volume);
+  }
   for (const auto* group :
        {&app::clip_options, &app::render_output_options, &app::camera_options, &app::view_options,
         &app::size_options, &app::colour_options, &app::method_options, &app::shading_options,
         &app::picture_options, &app::shortcut_options})
-    add_options(app, *group, o);
-  add_options(app, app::error_options, o.error);
-  add_options(app, app::error_budget_options, o.budget);
-  add_options(app, app::rank_options, o.run);
-  leave_out(app, [&](const CLI::Option& option) {
-    const bool of_ranks = option.get_group() == app::rank_options.heading;
-    return is_one_of(option, never) || (of_ranks && !option.check_name("--threads-per-rank")) ||
-           (from == From::session && is_one_of(option, not_in_sessions));
-  });
+    add_options(list, *group, o);
+  if (from == From::volume) {
+    add_options(list, app::error_options, o.error);
+    add_options(list, app::error_budget_options, o.budget);
+    add_options(list, app::rank_options, o.run);
+  }
+  list.leave_out(app::Mark::of_program);
+  return list;
 }
 
-void parse(CLI::App& app, std::vector<std::string> words) {
-  std::reverse(words.begin(), words.end());  // as CLI11 takes them
-  try {
-    app.parse(words);
-  } catch (const CLI::ParseError& e) {
-    std::string text = e.what();
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    throw InputError(text, "help(ringsplat.render) describes the options");
+InputError unexpected(const std::string& what) {
+  return {what, "help(ringsplat.render) describes the options"};
+}
+
+/// "--name", "--name=value" or "--name=value" and further words of the value.
+void read(OptionList& list, const app::Words& words) {
+  for (std::size_t k = 0; k < words.size();) {
+    const auto equals = words[k].find('=');
+    const std::string name = words[k].substr(0, equals);
+    const auto option =
+        std::find_if(list.begin(), list.end(), [&](const Option& o) { return o.has_name(name); });
+    if (option == list.end()) throw unexpected(fmt::format("'{}' is not expected here", words[k]));
+    app::Words given{equals == std::string::npos ? "true" : words[k].substr(equals + 1)};
+    for (++k; k < words.size() && !words[k].starts_with("--"); ++k) given.push_back(words[k]);
+    const std::size_t wanted = option->is_flag() ? 1 : std::size_t(option->reader.words);
+    if (given.size() != wanted)
+      throw unexpected(fmt::format("{} needs {} values, not {}", name, wanted, given.size()));
+    option->given = given;
   }
-  app::refuse_contradictions(app);
+  list.read();
+  refuse_contradictions(list);
 }
 
 }  // namespace
@@ -73,11 +66,10 @@ void parse(CLI::App& app, std::vector<std::string> words) {
 RenderOptions parse_picture(const std::vector<std::string>& words, const std::vector<app::ViewAngles>& views,
                             From from) {
   RenderOptions o;
-  CLI::App app("", "render");
-  add_options(app, o, from);
-  parse(app, words);
+  OptionList list = options_for(o, from);
+  read(list, words);
   o.views = views;
-  app::settle_picture(app, o);
+  app::settle_picture(list, o);
   o.run.transport = app::TransportChoice::loopback;
   return o;
 }
@@ -85,11 +77,9 @@ RenderOptions parse_picture(const std::vector<std::string>& words, const std::ve
 Layout parse_layout(const std::vector<std::string>& words, bool over_mpi, int ranks) {
   if (words.empty()) return {.gps = ranks, .renderers = ranks, .placement = Placement::colocated};
   app::RunOptions o;
-  CLI::App app("", "layout");
-  app.set_help_flag();
-  add_options(app, app::rank_options, o);
-  leave_out(app, [](const CLI::Option& option) { return !is_one_of(option, layout_names); });
-  parse(app, words);
+  OptionList list;
+  add_options(list, app::layout_options, o);
+  read(list, words);
   if (o.choose_roles)
     throw InputError("a session's roles cannot be chosen by a measured frame, as it has no volume yet",
                      "give numbers instead of auto");
@@ -98,17 +88,16 @@ Layout parse_layout(const std::vector<std::string>& words, bool over_mpi, int ra
 
 std::string picture_options_json() {
   RenderOptions o;
-  CLI::App app("", "render");
-  add_options(app, o, From::volume);
+  const OptionList in_sessions = options_for(o, From::session);
   auto list = nlohmann::json::array();
-  for (const CLI::Option* option : app.get_options())
-    list.push_back({{"name", option->get_lnames().front()},
-                    {"form", option->get_type_name()},
-                    {"default", option->get_default_str()},
-                    {"help", option->get_description()},
-                    {"group", option->get_group()},
-                    {"values", option->get_items_expected_max()},
-                    {"session", !is_one_of(*option, not_in_sessions)}});
+  for (const Option& option : options_for(o, From::volume))
+    list.push_back({{"name", option.name().substr(2)},
+                    {"form", option.form},
+                    {"default", option.fallback},
+                    {"help", option.help},
+                    {"group", option.heading},
+                    {"values", option.reader.words},
+                    {"session", in_sessions.find(option.name()) != nullptr}});
   return list.dump();
 }
 

@@ -1,4 +1,4 @@
-// The scripts with which shells complete command lines, run in the shells that are there.
+// How command lines may go on: as the program says, and as the shells that are there get it by their scripts.
 #include <algorithm>
 #include <iostream>
 #include <sstream>
@@ -25,21 +25,40 @@ class Completion {
 
   /// What bash offers for the last of these words, as it splits them.
   std::vector<std::string> bash(const std::vector<std::string>& words) const {
-    std::string line = "source " + quoted(script_) + "; COMP_WORDS=(";
+    std::string line = "COMP_WORDS=(" + quoted(RINGSPLAT_PROGRAM) + " ";
     for (const auto& word : words) line += quoted(word) + " ";
-    line += "); COMP_CWORD=" + std::to_string(words.size() - 1) +
-            "; _ringsplat; printf '%s\\n' \"${COMPREPLY[@]}\"";
-    const Ended ended =
-        run_command("bash --norc -c " + quoted("cd " + quoted(folder_.path().string()) + "; " + line));
-    CHECK(ended.err.empty());
-    std::vector<std::string> offered;
-    std::istringstream lines(ended.out);
-    for (std::string offer; std::getline(lines, offer);)
-      if (!offer.empty()) offered.push_back(offer);
-    return offered;
+    line +=
+        "); COMP_CWORD=" + std::to_string(words.size()) + "; _ringsplat; printf '%s\\n' \"${COMPREPLY[@]}\"";
+    return offered("bash --norc -c ", line);
+  }
+
+  /// What zsh offers: without a terminal its own functions only say what they are asked for.
+  std::vector<std::string> zsh(const std::vector<std::string>& words) const {
+    std::string line = "words=(" + quoted(RINGSPLAT_PROGRAM) + " ";
+    for (const auto& word : words) line += quoted(word) + " ";
+    line +=
+        "); CURRENT=" + std::to_string(words.size() + 1) +
+        "; _describe() { print -l -- \"${(@P)2}\" }; _files() { print _files $@ }; compset() { }; _ringsplat";
+    return offered("zsh -f -c ", line, "compdef() { }; ");
+  }
+
+  std::vector<std::string> fish(const std::string& line) const {
+    return offered("fish --no-config -c ", "complete -C " + quoted(quoted(RINGSPLAT_PROGRAM) + " " + line));
   }
 
  private:
+  std::vector<std::string> offered(const std::string& shell, const std::string& line,
+                                   const std::string& before = {}) const {
+    const Ended ended = run_command(shell + quoted("cd " + quoted(folder_.path().string()) + "; " + before +
+                                                   "source " + quoted(script_) + "; " + line));
+    CHECK(ended.err.empty());
+    std::vector<std::string> all;
+    std::istringstream lines(ended.out);
+    for (std::string offer; std::getline(lines, offer);)
+      if (!offer.empty()) all.push_back(offer);
+    return all;
+  }
+
   TemporaryFolder folder_;
   std::string script_;
 };
@@ -54,41 +73,40 @@ bool has(const Words& words, const std::string& word) {
 
 TEST_CASE("bash completes subcommands, options and the words of a choice") {
   const Completion completion("bash");
-  CHECK(completion.bash({"ringsplat", "ren"}) == Words{"render"});
-  CHECK(completion.bash({"ringsplat", ""}).size() == 7);
-  CHECK(has(completion.bash({"ringsplat", "--ver"}), "--version"));
-  CHECK(completion.bash({"ringsplat", "render", "--azi"}) == Words{"--azimuth"});
-  CHECK(completion.bash({"ringsplat", "compare", "--azi"}).empty());
-  CHECK(has(completion.bash({"ringsplat", "--verbose", "serve", "--p"}), "--port"));
-  CHECK(completion.bash({"ringsplat", "render", "--quality", "d"}) == Words{"draft"});
-  CHECK(completion.bash({"ringsplat", "render", "--quality", "="}) ==
-        Words{"paper", "draft", "normal", "best"});
-  CHECK(completion.bash({"ringsplat", "render", "--quality", "=", "n"}) == Words{"normal"});
-  CHECK(completion.bash({"ringsplat", "render", "--gps", ""}) == Words{"auto"});
-  CHECK(completion.bash({"ringsplat", "render", "--zoom", ""}).empty());
-  CHECK(has(completion.bash({"ringsplat", "render", "--tf", "mr-s"}), "mr-skin"));
-  CHECK(has(completion.bash({"ringsplat", "render", "--colours", "vi"}), "viridis"));
-  CHECK(completion.bash({"ringsplat", "synth", "she"}) == Words{"shell"});
-  CHECK(completion.bash({"ringsplat", "render", "--view", "b"}) == Words{"back", "bottom"});
-  CHECK(completion.bash({"ringsplat", "--completion", "f"}) == Words{"fish"});
+  CHECK(completion.bash({"ren"}) == Words{"render"});
+  CHECK(completion.bash({""}).size() == 7);
+  CHECK(has(completion.bash({"--ver"}), "--version"));
+  CHECK(completion.bash({"render", "--azi"}) == Words{"--azimuth"});
+  CHECK(completion.bash({"compare", "--azi"}).empty());
+  CHECK(has(completion.bash({"--verbose", "serve", "--p"}), "--port"));
+  CHECK(completion.bash({"render", "--quality", "d"}) == Words{"draft"});
+  CHECK(completion.bash({"render", "--quality", "="}) == Words{"paper", "draft", "normal", "best"});
+  CHECK(completion.bash({"render", "--quality", "=", "n"}) == Words{"normal"});
+  CHECK(completion.bash({"render", "--gps", ""}) == Words{"auto"});
+  CHECK(completion.bash({"render", "--zoom", ""}).empty());
+  CHECK(has(completion.bash({"render", "--tf", "mr-s"}), "mr-skin"));
+  CHECK(has(completion.bash({"render", "--colours", "vi"}), "viridis"));
+  CHECK(completion.bash({"synth", "she"}) == Words{"shell"});
+  CHECK(completion.bash({"render", "--view", "b"}) == Words{"back", "bottom"});
+  CHECK(completion.bash({"--completion", "f"}) == Words{"fish"});
 }
 
 TEST_CASE("bash completes files and folders where they belong") {
   const Completion completion("bash");
-  CHECK(completion.bash({"ringsplat", "render", "head"}) == Words{"head scan.nrrd"});
-  CHECK(has(completion.bash({"ringsplat", "render", "--tf", ""}), "head scan.nrrd"));
-  CHECK(has(completion.bash({"ringsplat", "render", "head.nrrd", "-o", "pic"}), "pictures"));
-  CHECK(completion.bash({"ringsplat", "study", "--keep-images", ""}) == Words{"pictures"});
-  CHECK(has(completion.bash({"ringsplat", "render", "--config", "h"}), "head scan.nrrd"));
+  CHECK(completion.bash({"render", "head"}) == Words{"head scan.nrrd"});
+  CHECK(has(completion.bash({"render", "--tf", ""}), "head scan.nrrd"));
+  CHECK(has(completion.bash({"render", "head.nrrd", "-o", "pic"}), "pictures"));
+  CHECK(completion.bash({"study", "--keep-images", ""}) == Words{"pictures"});
+  CHECK(has(completion.bash({"render", "--config", "h"}), "head scan.nrrd"));
 }
 
 TEST_CASE("every word that completion offers is one that the option takes") {
   const Completion completion("bash");
-  const Words files = completion.bash({"ringsplat", "render", "--config", ""});
+  const Words files = completion.bash({"render", "--config", ""});
   std::size_t taken = 0;
-  for (const std::string& option : completion.bash({"ringsplat", "render", "--"})) {
+  for (const std::string& option : completion.bash({"render", "--"})) {
     if (option == "--completion" || option == "--view") continue;  // below
-    for (const std::string& word : completion.bash({"ringsplat", "render", option, ""})) {
+    for (const std::string& word : completion.bash({"render", option, ""})) {
       if (has(files, word)) continue;
       const Ended ended = run_program({"render", option, word, "no such volume.nrrd", "-o", "x.png"});
       CAPTURE(option, word, ended.err);
@@ -99,28 +117,59 @@ TEST_CASE("every word that completion offers is one that the option takes") {
     }
   }
   CHECK(taken > 60);
-  for (const std::string& side : completion.bash({"ringsplat", "render", "--view", ""}))
+  for (const std::string& side : completion.bash({"render", "--view", ""}))
     CHECK_THAT(run_program({"render", "--view", side, "no such volume.nrrd", "-o", "x.png"}).err,
                Contains("no such volume"));
-  CHECK(completion.bash({"ringsplat", "render", "--view", ""}).size() == 6);
+  CHECK(completion.bash({"render", "--view", ""}).size() == 6);
 }
 
-TEST_CASE("the scripts of all shells have every option, and are in their shells' language") {
-  const std::string help = run_program({"render", "--help-all"}).out;
+TEST_CASE("the program says how a line may go on, with what words mean") {
+  const auto offers = [](std::vector<std::string> words) {
+    words.insert(words.begin(), "--complete");
+    const Ended ended = run_program(words);
+    CHECK(ended.code == 0);
+    return ended.out;
+  };
+  CHECK(offers({"syn"}) == "synth\tWrite an analytic test volume\n");
+  CHECK(offers({"compare", "--diff-s"}) == "--diff-scale\tMultiply the written difference\n");
+  CHECK(offers({"render", "--quality=d"}) == "--quality=draft\n");
+  CHECK(offers({"render", "--light", "1", "-0.5", ""}).empty());
+  CHECK(offers({"render", "--light", "1", "-0.5", "2", ""}) == ":files\n");
+  CHECK(offers({"render", "--log", ""}) == ":files\n");
+  CHECK(offers({"study", "--keep-images", ""}) == ":folders\n");
+  CHECK_THAT(offers({"render", "--tf", "mr-so"}), Contains("mr-soft\t") && Contains("\n:files\n"));
+  CHECK(offers({}) == offers({""}));
+  CHECK(offers({"nonsense", "--frobnicate", "x", "--"}) == offers({"--"}));
+}
+
+TEST_CASE("the scripts are in their shells' language") {
   for (const std::string shell : {"bash", "zsh", "fish"}) {
-    const Completion completion(shell);
-    const std::string script = read_text(completion.script());
-    for (const std::string option : {"opaque-threshold", "quality", "completion", "keep-images", "truth"})
-      CHECK_THAT(script, Contains(option));
     if (run_command("sh -c " + quoted("command -v " + shell)).code != 0) {
       std::cout << "skipped: there is no " << shell << "\n";
       continue;
     }
+    const Completion completion(shell);
     const Ended checked = run_command(shell + " -n " + quoted(completion.script()));
     CAPTURE(shell, checked.err);
     CHECK(checked.code == 0);
     CHECK(checked.err.empty());
   }
+}
+
+TEST_CASE("zsh completes what bash does") {
+  if (run_command("sh -c 'command -v zsh'").code != 0) {
+    std::cout << "skipped: there is no zsh\n";
+    return;
+  }
+  const Completion completion("zsh");
+  CHECK(completion.zsh({"syn"}) == Words{"synth:Write an analytic test volume"});
+  CHECK(completion.zsh({"render", "--azi"}) ==
+        Words{"--azimuth:Degrees the viewer walks around to the right: 0 is in front"});
+  CHECK(completion.zsh({"render", "--quality=d"}) == Words{"--quality=draft"});
+  CHECK(completion.zsh({"render", "--gps", ""}) == Words{"auto"});
+  CHECK(completion.zsh({"render", ""}) == Words{"_files"});
+  CHECK(completion.zsh({"study", "--keep-images", ""}) == Words{"_files -/"});
+  CHECK(completion.zsh({"render", "--zoom", ""}).empty());
 }
 
 TEST_CASE("fish completes what bash does") {
@@ -129,15 +178,15 @@ TEST_CASE("fish completes what bash does") {
     return;
   }
   const Completion completion("fish");
-  const auto offered = [&](const std::string& line) {
-    return run_command("fish --no-config -c " +
-                       quoted("source " + quoted(completion.script()) + "; complete -C " + quoted(line)))
-        .out;
-  };
-  CHECK_THAT(offered("ringsplat ren"), Contains("render"));
-  CHECK_THAT(offered("ringsplat render --azi"), Contains("--azimuth"));
-  CHECK_THAT(offered("ringsplat render --quality d"), Contains("draft"));
-  CHECK_THAT(offered("ringsplat synth she"), Contains("shell"));
+  CHECK(completion.fish("syn") == Words{"synth\tWrite an analytic test volume"});
+  CHECK(completion.fish("render --azi") ==
+        Words{"--azimuth\tDegrees the viewer walks around to the right: 0 is in front"});
+  CHECK(completion.fish("render --quality d") == Words{"draft"});
+  CHECK(completion.fish("render --quality=d") == Words{"--quality=draft"});
+  CHECK(completion.fish("render --zoom ").empty());
+  CHECK(has(completion.fish("render --config=he"), "--config=head scan.nrrd"));
+  CHECK(has(completion.fish("render he"), "head scan.nrrd"));
+  CHECK(completion.fish("study --keep-images pi") == Words{"pictures/\tDirectory"});
 }
 
 TEST_CASE("a shell that nobody knows is refused") {

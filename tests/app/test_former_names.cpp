@@ -1,6 +1,6 @@
 // Options under the names that they had before.
 #include "app/program_runner.hpp"
-#include "options/command_line.hpp"
+#include "command_line/command_line.hpp"
 #include "support/catch.hpp"
 #include "support/temporary_folder.hpp"
 

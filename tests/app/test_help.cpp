@@ -1,9 +1,9 @@
 // Each subcommand's help, and that its examples work.
 #include <sstream>
 
-#include "app/command_line.hpp"
 #include "app/program_runner.hpp"
-#include "options/subcommands.hpp"
+#include "command_line/command_line.hpp"
+#include "command_line/subcommands.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat::app_test;

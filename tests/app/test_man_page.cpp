@@ -1,8 +1,9 @@
 // The manual page has all that --help has, in correct roff, and the rules that it lists hold.
 #include <sstream>
 
-#include "app/command_line.hpp"
 #include "app/program_runner.hpp"
+#include "command_line/command_line.hpp"
+#include "command_line/subcommands.hpp"
 #include "options/contradictions.hpp"
 #include "options/method_options.hpp"
 #include "options/option_tables.hpp"
@@ -163,25 +164,22 @@ TEST_CASE("--man needs no subcommand, and a file cannot ask for it") {
 }
 
 TEST_CASE("every rule is about options that a subcommand has") {
-  CLI::App app;
   AllOptions options;
-  std::vector<CLI::App*> apps;
-  for (const Subcommand& subcommand : subcommands()) {
-    apps.push_back(app.add_subcommand(subcommand.name));
-    subcommand.add_options(*apps.back(), options);
-  }
+  std::vector<OptionList> lists;
+  for (const Subcommand& subcommand : subcommands()) subcommand.add_options(lists.emplace_back(), options);
   for (const Rule& rule : rules())
     for (const Which& which : rule.options) {
       INFO((which.option ? which.option : "every option") << ": " << rule.way_out);
-      const auto applies = [&](const CLI::App* one) {
-        const auto there = [&](const Which& other) { return has(*one, other); };
+      const auto applies = [&](const OptionList& one) {
+        const auto there = [&](const Which& other) { return has(one, other); };
         const bool any = std::any_of(rule.others.begin(), rule.others.end(), there);
-        return has(*one, which) && (rule.others.empty() || any);
+        return has(one, which) && (rule.others.empty() || any);
       };
-      CHECK(std::any_of(apps.begin(), apps.end(), applies));
+      CHECK(std::any_of(lists.begin(), lists.end(), applies));
       for (const Which& other : rule.others) {
         INFO(other.option);
-        CHECK(std::any_of(apps.begin(), apps.end(), [&](const CLI::App* one) { return has(*one, other); }));
+        CHECK(
+            std::any_of(lists.begin(), lists.end(), [&](const OptionList& one) { return has(one, other); }));
       }
     }
 }

@@ -1,8 +1,8 @@
 // Which method a command line's frame gets, and which combinations of options are refused.
 #include "options/method_options.hpp"
 
-#include "app/command_line.hpp"
 #include "app/program_runner.hpp"
+#include "command_line/command_line.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -4,8 +4,8 @@
 #include <map>
 #include <utility>
 
-#include "app/command_line.hpp"
 #include "app/program_runner.hpp"
+#include "command_line/command_line.hpp"
 #include "program/build_id.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"

@@ -5,9 +5,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "app/command_line.hpp"
 #include "app/views.hpp"
 #include "classify/classifier.hpp"
+#include "command_line/command_line.hpp"
 #include "formats/files.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "fuzz/driver.hpp"

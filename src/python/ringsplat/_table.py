@@ -6,7 +6,6 @@ import contextlib
 import inspect
 import json
 import os
-import re
 import tempfile
 from dataclasses import dataclass
 from typing import Any, Iterator, Mapping
@@ -46,9 +45,7 @@ def _read() -> dict[str, Option]:
     options = {}
     for entry in json.loads(_core.picture_options_json()):
         name = entry["name"].replace("-", "_")
-        # CLI11 adds what it checks.
-        form = re.sub(r":(NONNEGATIVE|[A-Z]+ in .*)$", "", entry["form"])
-        options[name] = Option(**{**entry, "name": name, "form": form})
+        options[name] = Option(**{**entry, "name": name})
     return options
 
 

@@ -1,146 +1,151 @@
-#include "options/subcommands.hpp"
+#include "command_line/subcommands.hpp"
 
 #include <fmt/format.h>
 
 #include "options/first_view.hpp"
 #include "options/option_tables.hpp"
+#include "options/settle_picture.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/access.hpp"
 
 namespace ringsplat::app {
 namespace {
 
-void require_volume(const CLI::App& app, const VolumeOptions& volume) {
+void require_volume(const char* subcommand, const VolumeOptions& volume) {
   if (volume.path.empty())
     throw InputError("the VOLUME to work on is missing",
-                     fmt::format("for instance ringsplat {} head.nrrd", app.get_name()));
+                     fmt::format("for instance ringsplat {} head.nrrd", subcommand));
 }
 
-void add_render_options(CLI::App& app, AllOptions& all) {
+void add_render_options(OptionList& list, AllOptions& all) {
   RenderOptions& o = all.render;
-  add_options(app, volume_options, o.volume);
-  add_options(app, clip_options, o);
-  add_options(app, series_options, o);
-  add_options(app, raw_options, o.volume);
-  add_options(app, render_output_options, o);
-  add_options(app, camera_options, o);
-  add_options(app, view_options, o);
-  add_options(app, size_options, o);
-  add_options(app, colour_options, o);
-  add_options(app, tf_output_options, o);
-  add_options(app, method_options, o);
-  add_options(app, shading_options, o);
-  add_options(app, picture_options, o);
-  add_options(app, shortcut_options, o);
-  add_options(app, rank_options, o.run);
-  add_options(app, protocol_options, o.run);
-  add_options(app, machine_options, o.run);
-  add_options(app, error_options, o.error);
-  add_options(app, error_budget_options, o.budget);
+  add_options(list, volume_options, o.volume);
+  add_options(list, clip_options, o);
+  add_options(list, series_options, o);
+  add_options(list, raw_options, o.volume);
+  add_options(list, render_output_options, o);
+  add_options(list, camera_options, o);
+  add_options(list, view_options, o);
+  add_options(list, size_options, o);
+  add_options(list, colour_options, o);
+  add_options(list, tf_output_options, o);
+  add_options(list, method_options, o);
+  add_options(list, shading_options, o);
+  add_options(list, picture_options, o);
+  add_options(list, shortcut_options, o);
+  add_options(list, layout_options, o.run);
+  add_options(list, rank_options, o.run);
+  add_options(list, protocol_options, o.run);
+  add_options(list, machine_options, o.run);
+  add_options(list, error_options, o.error);
+  add_options(list, error_budget_options, o.budget);
 }
 
-Command settle_render(const CLI::App& app, AllOptions& all) {
+Command settle_render(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.render;
   if (o.colour.colours == "list") return Say{list_of_colour_maps()};
-  require_volume(app, o.volume);
+  require_volume("render", o.volume);
   // A run that only counts has no picture; a run for statistics needs none.
   if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
-  settle_picture(app, o);
+  settle_picture(list, o);
   return o;
 }
 
-void add_serve_options(CLI::App& app, AllOptions& all) {
+void add_serve_options(OptionList& list, AllOptions& all) {
   ServeOptions& o = all.serve;
   // Less waiting for tokens; no picture changes (docs/performance.md).
   o.picture.run.protocol.look_ahead = o.picture.run.protocol.send_ahead = 4;
   o.picture.frame.how = sheets_of(Quality::best);
-  add_options(app, volume_options, o.picture.volume);
-  add_options(app, clip_options, o.picture);
-  add_options(app, series_options, o.picture);
-  add_options(app, raw_options, o.picture.volume);
-  add_options(app, server_options, o);
-  add_options(app, camera_options, o.picture);
-  add_options(app, size_options, o.picture);
-  add_options(app, colour_options, o.picture);
-  add_options(app, shading_options, o.picture);
-  add_options(app, rank_options, o.picture.run);
-  add_options(app, protocol_options, o.picture.run);
+  add_options(list, volume_options, o.picture.volume);
+  add_options(list, clip_options, o.picture);
+  add_options(list, series_options, o.picture);
+  add_options(list, raw_options, o.picture.volume);
+  add_options(list, server_options, o);
+  add_options(list, camera_options, o.picture);
+  add_options(list, size_options, o.picture);
+  add_options(list, colour_options, o.picture);
+  add_options(list, shading_options, o.picture);
+  add_options(list, layout_options, o.picture.run);
+  add_options(list, rank_options, o.picture.run);
+  add_options(list, protocol_options, o.picture.run);
 }
 
-Command settle_serve(const CLI::App& app, AllOptions& all) {
+Command settle_serve(const OptionList& list, AllOptions& all) {
   RunOptions& run = all.serve.picture.run;
   if (all.serve.picture.colour.colours == "list") return Say{list_of_colour_maps()};
-  require_volume(app, all.serve.picture.volume);
+  require_volume("serve", all.serve.picture.volume);
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
-  note_direction(app, all.serve.picture);  // it fits the sphere: turning changes no sizes
-  if (run.topology == Topology::mesh && app.get_option("--send-ahead")->empty()) run.protocol.send_ahead = 0;
+  note_direction(list, all.serve.picture);  // it fits the sphere: turning changes no sizes
+  if (run.topology == Topology::mesh && !list.is_given("--send-ahead")) run.protocol.send_ahead = 0;
   return all.serve;
 }
 
-void add_info_options(CLI::App& app, AllOptions& all) {
+void add_info_options(OptionList& list, AllOptions& all) {
   InfoOptions& o = all.info;
-  add_options(app, volume_options, o.volume);
-  add_options(app, clip_options, o.picture);
-  add_options(app, raw_options, o.volume);
-  add_options(app, info_output_options, o);
-  add_options(app, prediction_options, o);
-  add_options(app, camera_options, o.picture);
-  add_options(app, view_options, o.picture);
-  add_options(app, size_options, o.picture);
-  add_options(app, colour_options, o.picture);
-  add_options(app, method_options, o.picture);
-  add_options(app, shading_options, o.picture);
-  add_options(app, picture_options, o.picture);
-  add_options(app, shortcut_options, o.picture);
+  add_options(list, volume_options, o.volume);
+  add_options(list, clip_options, o.picture);
+  add_options(list, raw_options, o.volume);
+  add_options(list, info_output_options, o);
+  add_options(list, prediction_options, o);
+  add_options(list, camera_options, o.picture);
+  add_options(list, view_options, o.picture);
+  add_options(list, size_options, o.picture);
+  add_options(list, colour_options, o.picture);
+  add_options(list, method_options, o.picture);
+  add_options(list, shading_options, o.picture);
+  add_options(list, picture_options, o.picture);
+  add_options(list, shortcut_options, o.picture);
 }
 
-Command settle_info(const CLI::App& app, AllOptions& all) {
+Command settle_info(const OptionList& list, AllOptions& all) {
   if (all.info.picture.colour.colours == "list") return Say{list_of_colour_maps()};
-  if (!all.info.presets) require_volume(app, all.info.volume);
-  settle_fit(app, all.info.picture);
+  if (!all.info.presets) require_volume("info", all.info.volume);
+  settle_fit(list, all.info.picture);
   all.info.picture.frame.how = method_for(all.info.picture.method);
   return all.info;
 }
 
-void add_compare_options(CLI::App& app, AllOptions& all) { add_options(app, compare_options, all.compare); }
-
-Command settle_compare(const CLI::App&, AllOptions& all) { return all.compare; }
-
-void add_synth_options(CLI::App& app, AllOptions& all) { add_options(app, synth_options, all.synth); }
-
-Command settle_synth(const CLI::App&, AllOptions& all) { return all.synth; }
-
-void add_reference_options(CLI::App& app, AllOptions& all) {
-  ReferenceOptions& o = all.reference;
-  add_options(app, volume_options, o.picture.volume);
-  add_options(app, clip_options, o.picture);
-  add_options(app, raw_options, o.picture.volume);
-  add_options(app, truth_options, o);
-  add_options(app, reference_output_options, o);
-  add_options(app, camera_options, o.picture);
-  add_options(app, view_options, o.picture);
-  add_options(app, size_options, o.picture);
-  add_options(app, colour_options, o.picture);
-  add_options(app, tf_output_options, o.picture);
-  add_options(app, method_options, o.picture);
-  add_options(app, shading_options, o.picture);
-  add_options(app, picture_options, o.picture);
+void add_compare_options(OptionList& list, AllOptions& all) {
+  add_options(list, compare_options, all.compare);
 }
 
-Command settle_reference(const CLI::App& app, AllOptions& all) {
+Command settle_compare(const OptionList&, AllOptions& all) { return all.compare; }
+
+void add_synth_options(OptionList& list, AllOptions& all) { add_options(list, synth_options, all.synth); }
+
+Command settle_synth(const OptionList&, AllOptions& all) { return all.synth; }
+
+void add_reference_options(OptionList& list, AllOptions& all) {
+  ReferenceOptions& o = all.reference;
+  add_options(list, volume_options, o.picture.volume);
+  add_options(list, clip_options, o.picture);
+  add_options(list, raw_options, o.picture.volume);
+  add_options(list, truth_options, o);
+  add_options(list, reference_output_options, o);
+  add_options(list, camera_options, o.picture);
+  add_options(list, view_options, o.picture);
+  add_options(list, size_options, o.picture);
+  add_options(list, colour_options, o.picture);
+  add_options(list, tf_output_options, o.picture);
+  add_options(list, method_options, o.picture);
+  add_options(list, shading_options, o.picture);
+  add_options(list, picture_options, o.picture);
+}
+
+Command settle_reference(const OptionList& list, AllOptions& all) {
   if (all.reference.picture.colour.colours == "list") return Say{list_of_colour_maps()};
-  require_volume(app, all.reference.picture.volume);
-  settle_fit(app, all.reference.picture);
+  require_volume("reference", all.reference.picture.volume);
+  settle_fit(list, all.reference.picture);
   all.reference.picture.frame.how = method_for(all.reference.picture.method);
-  note_options_without_effect(app, all.reference);
+  note_options_without_effect(list, all.reference);
   return all.reference;
 }
 
-void add_study_options(CLI::App& app, AllOptions& all) { add_options(app, study_options, all.study); }
+void add_study_options(OptionList& list, AllOptions& all) { add_options(list, study_options, all.study); }
 
-Command settle_study(const CLI::App&, AllOptions& all) { return all.study; }
+Command settle_study(const OptionList&, AllOptions& all) { return all.study; }
 
 constexpr const char* render_examples =
     R"(  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
@@ -206,16 +211,6 @@ constexpr Subcommand all_subcommands[] = {
 };
 
 }  // namespace
-
-void settle_picture(const CLI::App& app, RenderOptions& o) {
-  settle_fit(app, o);
-  o.frame.how = method_for(o.method);
-  note_fixed_shortcuts(app, o.budget);
-  if (o.budget.max_error && !o.error.truth) o.error.truth = TruthKind::method;
-  o.budget.to_field = o.budget.max_error && *o.error.truth == TruthKind::field;
-  // A method's truth is its own, so that only the field's tells which engine is nearer.
-  if (o.budget.to_field && !engine_is_chosen(app)) o.budget.other_engine = method_for_other_engine(o.method);
-}
 
 std::span<const Subcommand> subcommands() { return all_subcommands; }
 

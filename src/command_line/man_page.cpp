@@ -1,4 +1,4 @@
-#include "options/man_page.hpp"
+#include "command_line/man_page.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,9 @@
 #include <cctype>
 #include <vector>
 
+#include "command_line/subcommands.hpp"
 #include "options/contradictions.hpp"
 #include "options/option_values.hpp"
-#include "options/subcommands.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -43,30 +43,28 @@ std::string section(const std::string& title) { return ".SH " + roff(upper(title
 std::string example(const std::string& lines) { return ".PP\n.nf\n" + roff(lines) + "\n.fi\n"; }
 
 /// "-o, --output FILE [default]".
-std::string usage_of(const CLI::Option& option) {
+std::string usage_of(const Option& option) {
   std::vector<std::string> names;
-  for (const auto& name : option.get_snames()) names.push_back(bold("-" + name));
-  for (const auto& name : option.get_lnames()) names.push_back(bold("--" + name));
-  if (!option.get_positional() && !option.get_type_name().empty())
-    names.back() += " " + italic(option.get_type_name());
-  std::string usage = option.get_positional() ? italic(option.get_type_name()) : joined(names, ", ");
-  if (!option.get_default_str().empty()) usage += " [" + roff(option.get_default_str()) + "]";
-  return option.get_required() && !option.get_positional() ? usage + " (required)" : usage;
+  for (const auto& name : option.names) names.push_back(bold(name));
+  if (!option.form.empty()) names.back().append(" ").append(italic(option.form));
+  std::string usage = option.is_positional() ? italic(option.form) : joined(names, ", ");
+  if (!option.fallback.empty()) usage += " [" + roff(option.fallback) + "]";
+  return option.mark == Mark::required && !option.is_positional() ? usage + " (required)" : usage;
 }
 
-/// The entries of `all` that the subcommand has, as users type them.
-std::vector<std::string> names_of(const std::vector<Which>& all, const CLI::App& app) {
+/// The entries of `all` that the list has, as users type them.
+std::vector<std::string> names_of(const std::vector<Which>& all, const OptionList& list) {
   std::vector<std::string> names;
   for (const Which& which : all) {
-    if (which.option == nullptr || !has(app, which)) continue;
-    const CLI::Option& option = *app.get_option(which.option);
-    names.push_back(option.get_positional() ? option.get_type_name() : which.option);
+    const Option* const option = which.option == nullptr ? nullptr : list.find(which.option);
+    if (option == nullptr) continue;
+    names.push_back(option->is_positional() ? option->form : which.option);
     if (which.value != nullptr) names.back().append(" ").append(which.value);
   }
   return names;
 }
 
-bool is_among(const CLI::Option& option, const std::vector<Which>& all) {
+bool is_among(const Option& option, const std::vector<Which>& all) {
   return std::any_of(all.begin(), all.end(),
                      [&](const Which& which) { return which.value == nullptr && means(which, option); });
 }
@@ -76,49 +74,52 @@ void append(std::vector<std::string>& all, const std::vector<std::string>& more)
 }
 
 /// The rules for an option: "Not with --orbit. Needs --mesh."
-std::string relations_of(const CLI::Option& option, const CLI::App& app) {
+std::string relations_of(const Option& option, const OptionList& list) {
   std::vector<std::string> not_with;
   std::string needs;
   for (const Rule& rule : rules()) {
     const bool first = is_among(option, rule.options);
-    if (rule.relation == Relation::excludes && first) append(not_with, names_of(rule.others, app));
+    if (rule.relation == Relation::excludes && first) append(not_with, names_of(rule.others, list));
     if (rule.relation == Relation::excludes && is_among(option, rule.others))
-      append(not_with, names_of(rule.options, app));
-    const auto needed = names_of(rule.others, app);
+      append(not_with, names_of(rule.options, list));
+    const auto needed = names_of(rule.others, list);
     if (rule.relation == Relation::needs && first && !needed.empty())
       needs += fmt::format(" Needs {}.", joined(needed, " or "));
   }
   return (not_with.empty() ? "" : fmt::format(" Not with {}.", joined(not_with, ", "))) + needs;
 }
 
-std::string paragraph_of(const CLI::Option& option, const CLI::App& app) {
-  std::string help = option.get_description();
+std::string paragraph_of(const Option& option, const OptionList& list) {
+  std::string help = option.help;
   if (!help.ends_with('.')) help += ".";
-  return fmt::format(".TP\n{}\n{}\n", usage_of(option), roff(help + relations_of(option, app)));
+  return fmt::format(".TP\n{}\n{}\n", usage_of(option), roff(help + relations_of(option, list)));
 }
 
 /// Positional arguments, then the options below their headings. The group of --help, which all subcommands
 /// have, needs no heading.
-std::string options_of(const CLI::App& app) {
+std::string options_of(const OptionList& list) {
   std::string text;
-  for (const CLI::Option* option : app.get_options())
-    if (option->get_positional()) text += paragraph_of(*option, app);
-  for (const std::string& group : app.get_groups()) {
-    std::string below;
-    for (const CLI::Option* option : app.get_options())
-      if (!option->get_positional() && option->get_group() == group) below += paragraph_of(*option, app);
-    const bool usual = group == "Options";
-    text += below.empty() || usual ? below : ".SS " + roff(group) + "\n" + below;
+  std::vector<std::string> headings;
+  for (const Option& option : list) {
+    if (option.is_positional()) text += paragraph_of(option, list);
+    if (!option.is_positional() &&
+        std::find(headings.begin(), headings.end(), option.heading) == headings.end())
+      headings.push_back(option.heading);
+  }
+  for (const std::string& heading : headings) {
+    if (heading != "Options") text += ".SS " + roff(heading) + "\n";
+    for (const Option& option : list)
+      if (!option.is_positional() && option.heading == heading) text += paragraph_of(option, list);
   }
   return text;
 }
 
-std::string synopsis_of(const CLI::App& app) {
-  std::string line = bold("ringsplat " + app.get_name()) + " [" + italic("OPTIONS") + "]";
-  for (const CLI::Option* option : app.get_options())
-    if (option->get_positional()) {
-      const std::string name = italic(option->get_type_name());
-      line += option->get_required() ? " " + name : " [" + name + "]";
+std::string synopsis_of(const BoundSubcommand& subcommand) {
+  std::string line = bold(std::string("ringsplat ") + subcommand.what->name) + " [" + italic("OPTIONS") + "]";
+  for (const Option& option : subcommand.options)
+    if (option.is_positional()) {
+      const std::string name = italic(option.form);
+      line += option.mark == Mark::required ? " " + name : " [" + name + "]";
     }
   return line + "\n.br\n";
 }
@@ -131,23 +132,23 @@ std::string name_line(const std::string& summary) {
 
 }  // namespace
 
-std::string man_page(const CLI::App& program, const ProgramTexts& texts) {
+std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands,
+                     const ProgramTexts& texts) {
   std::string text = ".TH RINGSPLAT 1 \"\" \"ringsplat " RINGSPLAT_VERSION "\" \"User Commands\"\n";
   text += ".nh\n.ad l\n";  // options are not hyphenated
   text += section("Name") + name_line(texts.summary);
   text += section("Synopsis");
-  for (const Subcommand& subcommand : subcommands())
-    text += synopsis_of(*program.get_subcommand(subcommand.name));
+  for (const auto& subcommand : subcommands) text += synopsis_of(subcommand);
   text += section("Description") + roff(texts.summary) + ": " + roff(texts.description) + "\n";
   text += section("Options") + options_of(program);
-  for (const Subcommand& subcommand : subcommands()) {
-    text += section(fmt::format("ringsplat {}", subcommand.name));
-    text += roff(subcommand.description) + std::string(".\n");
-    text += options_of(*program.get_subcommand(subcommand.name));
-    text += ".SS Examples\n" + example(subcommand.examples);
+  for (const auto& [what, options] : subcommands) {
+    text += section(fmt::format("ringsplat {}", what->name));
+    text += roff(what->description) + std::string(".\n");
+    text += options_of(options);
+    text += ".SS Examples\n" + example(what->examples);
   }
   text += section("Configuration files");
-  text += roff(fmt::format(fmt::runtime(texts.config), subcommands().front().config)) + "\n";
+  text += roff(fmt::format(fmt::runtime(texts.config), subcommands.front().what->config)) + "\n";
   text += section("Exit status") + roff(texts.exit_codes) + "\n";
   return text + section("Examples") + example(texts.examples);
 }

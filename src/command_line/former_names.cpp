@@ -1,4 +1,4 @@
-#include "options/former_names.hpp"
+#include "command_line/former_names.hpp"
 
 #include <fmt/format.h>
 

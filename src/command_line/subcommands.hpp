@@ -1,9 +1,9 @@
 #pragma once
-#include <CLI/CLI.hpp>
 #include <span>
 #include <string>
 #include <variant>
 
+#include "options/option_list.hpp"
 #include "options/reference_options.hpp"
 
 namespace ringsplat::app {
@@ -34,15 +34,17 @@ struct Subcommand {
   const char* config;    ///< what lines of a --config file may be
   const char* examples;  ///< command lines, indented
   const char* everyday;  ///< the options that --help shows, with blanks between; empty: all
-  void (*add_options)(CLI::App& app, AllOptions& options);
-  /// Completes the options once `app` is parsed, and returns them. Throws InputError when something is
+  void (*add_options)(OptionList& list, AllOptions& options);
+  /// Completes the options once they are read, and returns them. Throws InputError when something is
   /// missing.
-  Command (*settle)(const CLI::App& app, AllOptions& options);
+  Command (*settle)(const OptionList& list, AllOptions& options);
 };
 
-/// What all pictures have in common: completes render's options once `app` is parsed. Throws InputError when
-/// they do not fit together.
-void settle_picture(const CLI::App& app, RenderOptions& o);
+/// A subcommand and its options, bound to their targets.
+struct BoundSubcommand {
+  const Subcommand* what;
+  OptionList options;
+};
 
 /// In the order of --help.
 std::span<const Subcommand> subcommands();

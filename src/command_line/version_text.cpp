@@ -1,4 +1,4 @@
-#include "app/version_text.hpp"
+#include "command_line/version_text.hpp"
 
 #include <vector>
 

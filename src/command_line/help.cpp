@@ -1,25 +1,18 @@
-#include "options/help.hpp"
+#include "command_line/help.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 #include <vector>
 
+#include "base/text.hpp"
+#include "command_line/subcommands.hpp"
 #include "options/option_values.hpp"
-#include "options/subcommands.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 constexpr std::size_t screen_width = 100;
-
-std::vector<std::string> words_of(const std::string& text) {
-  std::istringstream in(text);
-  std::vector<std::string> words;
-  for (std::string word; in >> word;) words.push_back(word);
-  return words;
-}
 
 /// The subcommand's everyday options; empty when it names none.
 std::string everyday_options(const std::string& subcommand) {
@@ -32,7 +25,7 @@ std::string everyday_options(const std::string& subcommand) {
 std::string wrapped(const std::string& text, std::size_t indent) {
   std::string all;
   std::size_t used = indent;
-  for (const std::string& word : words_of(text)) {
+  for (const std::string& word : detail::words_of(text)) {
     const bool begins = all.empty(), fits = used + 1 + word.size() <= screen_width;
     if (!begins) all += fits ? " " : "\n" + std::string(indent, ' ');
     used = (begins ? indent : fits ? used + 1 : indent) + word.size();
@@ -64,7 +57,7 @@ std::string HelpFormatter::everyday_entry(const CLI::Option& option) const {
 
 /// Headings that have more options than are shown say so; headings of which none is shown come last, by name.
 std::string HelpFormatter::everyday_groups(const CLI::App& app, const std::string& everyday) const {
-  const std::vector<std::string> names = words_of(everyday);
+  const std::vector<std::string> names = detail::words_of(everyday);
   const auto is_everyday = [&](const CLI::Option& option) {
     return std::any_of(names.begin(), names.end(),
                        [&](const std::string& name) { return option.check_name(name); });

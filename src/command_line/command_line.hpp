@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "options/subcommands.hpp"
+#include "command_line/subcommands.hpp"
 #include "ringsplat/base/fact.hpp"
 
 namespace ringsplat::app {

@@ -1,0 +1,276 @@
+#include "command_line/command_line.hpp"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+#include <string_view>
+
+#include "base/text.hpp"
+#include "command_line/completion.hpp"
+#include "command_line/former_names.hpp"
+#include "command_line/help.hpp"
+#include "command_line/man_page.hpp"
+#include "command_line/program_texts.hpp"
+#include "command_line/settled_options.hpp"
+#include "command_line/version_text.hpp"
+#include "options/contradictions.hpp"
+#include "options/likely_option.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+constexpr ProgramTexts texts{
+    .summary = "ringsplat renders volumes on one process or on many MPI ranks",
+    .description =
+        "GPs hold slices and make splats,\n"
+        "Renderers own parts of the screen, tokens keep the slices in order.",
+    .examples = R"(  ringsplat render head.nrrd -o head.png
+  mpirun -n 6 ringsplat render head.nrrd -o head.png --gps 4 --renderers 2 --tf mr-surface --azimuth 30
+  ringsplat info head_256x256x128_uint8.raw
+  ringsplat render --help)",
+    .config =
+        "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
+        "What the command line says comes first. --verbose says more, on every rank.",
+    .exit_codes =
+        "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
+        "3 a failure while running."};
+
+/// TOML whose keys outside of any [section] are options of the subcommand on the command line.
+class SubcommandToml : public CLI::ConfigTOML {
+ public:
+  SubcommandToml(const CLI::App& program, FormerNames& former) : program_(program), former_(former) {}
+
+  std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
+    auto read = CLI::ConfigTOML::from_config(in);
+    const auto chosen = program_.get_subcommands();
+    for (auto& item : read) {
+      item.name = former_.renamed(item.name);
+      if (item.parents.empty() && !chosen.empty() &&
+          program_.get_option_no_throw("--" + item.name) == nullptr)
+        item.parents = {chosen.front()->get_name()};
+    }
+    return read;
+  }
+
+ private:
+  const CLI::App& program_;
+  FormerNames& former_;
+};
+
+std::string with_hint(const std::string& problem, const std::string& hint) {
+  std::string line = detail::one_line(problem);
+  while (line.ends_with('.')) line.pop_back();
+  return line + "; hint: " + hint;
+}
+
+/// All names of a subcommand's options.
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options())
+    for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+  return names;
+}
+
+/// True for an error about extra words. Without a subcommand CLI11 says that one is missing, though it may be
+/// misspelt.
+bool is_about_extras(const CLI::App& program, const CLI::ParseError& error) {
+  return dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr ||
+         (program.get_subcommands().empty() && program.remaining_size(true) > 0);
+}
+
+/// The hint: the help of the parsed subcommand, or an option that the unknown one may mean.
+std::string hint_for(const CLI::App& program, const CLI::ParseError& error) {
+  const auto chosen = program.get_subcommands();
+  const std::string help =
+      chosen.empty() ? "ringsplat --help shows the subcommands"
+                     : fmt::format("ringsplat {} --help shows the options", chosen.front()->get_name());
+  if (!is_about_extras(program, error)) return help;
+  for (const auto& extra : program.remaining(true)) {
+    auto known = chosen.empty() ? std::vector<std::string>() : option_names(*chosen.front());
+    if (!extra.starts_with("-") && chosen.empty())
+      for (const auto* subcommand : program.get_subcommands({})) known.push_back(subcommand->get_name());
+    const std::string likely = likely_option(extra.substr(0, extra.find('=')), known);
+    if (!likely.empty()) return fmt::format("{} {}", likely, help);
+  }
+  return help;
+}
+
+/// The error in CLI11's words where they are clear, else in ours.
+std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
+  if (dynamic_cast<const CLI::ConfigError*>(&error) != nullptr)
+    return fmt::format("the --config file has a key that is no option: {}", error.what());
+  if (dynamic_cast<const CLI::FileError*>(&error) != nullptr)
+    return fmt::format("the --config file cannot be read: {}", error.what());
+  if (is_about_extras(program, error)) {
+    std::string extras;
+    for (const auto& extra : program.remaining(true)) extras += (extras.empty() ? "" : " ") + extra;
+    return fmt::format("'{}' is not expected here", extras);
+  }
+  return error.what();
+}
+
+/// The command line as CLI11 takes it apart, and the options that its words are for.
+class Parser {
+ public:
+  explicit Parser(bool& verbose);
+  Parser(const Parser&) = delete;
+  Parser& operator=(const Parser&) = delete;
+
+  CommandLine parse(int argc, const char* const* argv);
+
+ private:
+  /// Thrown by options that ask for a text instead of work.
+  struct CallFor {
+    std::string text;
+  };
+
+  void add_program_options(bool& verbose);
+  void add_subcommands();
+  /// The program's own options, with what was given.
+  OptionList program_options() const;
+  /// Reads what was given. Throws InputError.
+  void settle(CommandLine& line);
+  std::string help(CLI::AppFormatMode mode) const;
+
+  CLI::App program_{fmt::format("{}: {}", texts.summary, texts.description), "ringsplat"};
+  FormerNames former_;
+  AllOptions targets_;
+  std::vector<BoundSubcommand> subcommands_;
+};
+
+/// An option that CLI11 has of itself.
+Option described(const CLI::Option& option) {
+  Option all{.names = {},
+             .heading = option.get_group(),
+             .form = option.get_type_name(),
+             .fallback = option.get_default_str(),
+             .help = option.get_description(),
+             .reader = {.form = {}, .initial = {}, .read = {}, .words = option.get_items_expected_max()},
+             .given = option.results()};
+  for (const auto& name : option.get_snames()) all.names.push_back("-" + name);
+  for (const auto& name : option.get_lnames()) all.names.push_back("--" + name);
+  return all;
+}
+
+/// Adds an option whose words CLI11 keeps as they are.
+void bind(CLI::App& app, const Option& option) {
+  const std::string names = joined(option.names, ",");
+  CLI::Option* const bound =
+      option.is_flag() ? app.add_flag(names)->multi_option_policy(CLI::MultiOptionPolicy::TakeLast)
+                       : app.add_option(names)->type_name(option.form)->expected(option.reader.words);
+  if (option.reader.repeats) bound->take_all();
+  bound->description(option.help)->default_str(option.fallback)->required(option.mark == Mark::required);
+  if (!option.is_positional()) bound->group(option.heading);  // CLI11 has a heading for arguments
+}
+
+Parser::Parser(bool& verbose) {
+  program_.formatter(std::make_shared<HelpFormatter>());
+  program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", texts.examples, texts.exit_codes));
+  program_.fallthrough();
+  program_.require_subcommand(1);
+  add_program_options(verbose);
+  add_subcommands();
+}
+
+void Parser::add_program_options(bool& verbose) {
+  program_.set_version_flag("--version", version_text);
+  program_.set_help_flag("-h,--help", "Print this help");
+  program_.set_help_all_flag("--help-all", "Print the help of all options");
+  const auto print_man_page = [this] { throw CallFor{man_page(program_options(), subcommands_, texts)}; };
+  program_.add_flag_callback("--man", print_man_page, "Print the manual page, which man -l - shows")
+      ->configurable(false);
+  const auto print_script = [](const std::string& shell) { throw CallFor{completion_script(shell)}; };
+  program_
+      .add_option_function<std::string>("--completion", print_script,
+                                        "Print the script with which this shell completes command lines")
+      ->type_name(completion_shells)
+      ->configurable(false);
+  program_.add_flag("--verbose", verbose, "Say more, on every rank");
+  program_.set_config("--config", "", "A TOML file with options")->type_name("FILE");
+  program_.config_formatter(std::make_shared<SubcommandToml>(program_, former_));
+  program_.allow_config_extras(CLI::config_extras_mode::error);
+}
+
+void Parser::add_subcommands() {
+  for (const Subcommand& subcommand : subcommands()) {
+    auto* const app = program_.add_subcommand(subcommand.name, subcommand.description);
+    app->footer(fmt::format(fmt::runtime(texts.config), subcommand.config) + "\n\nExamples:\n" +
+                subcommand.examples);
+    OptionList list;
+    subcommand.add_options(list, targets_);
+    for (const Option& option : list) bind(*app, option);
+    OptionList& all = subcommands_.emplace_back(BoundSubcommand{&subcommand, {}}).options;
+    all.add(described(*app->get_help_ptr()));
+    all.add(described(*app->get_help_all_ptr()));
+    for (Option& option : list) all.add(std::move(option));
+  }
+}
+
+OptionList Parser::program_options() const {
+  OptionList list;
+  for (const CLI::Option* option : program_.get_options()) list.add(described(*option));
+  return list;
+}
+
+void Parser::settle(CommandLine& line) {
+  const CLI::App& app = *program_.get_subcommands().front();
+  const auto chosen = std::find_if(subcommands_.begin(), subcommands_.end(),
+                                   [&](const auto& one) { return app.get_name() == one.what->name; });
+  OptionList& options = chosen->options;
+  for (Option& option : options) option.given = app.get_option(option.name())->results();
+  options.read();
+  const OptionList program = program_options();
+  line.options = settled_options(chosen->what->name, options, program);
+  refuse_contradictions(program);
+  refuse_contradictions(options);
+  line.command = chosen->what->settle(options, targets_);
+}
+
+std::string Parser::help(CLI::AppFormatMode mode) const {
+  const auto chosen = program_.get_subcommands();
+  return chosen.empty() ? program_.help("", mode) : chosen.front()->help("ringsplat", mode);
+}
+
+CommandLine Parser::parse(int argc, const char* const* argv) {
+  CommandLine line;
+  try {
+    if (argc > 1 && argv[1] == std::string_view("--complete"))
+      throw CallFor{completions(program_options(), subcommands_, {argv + 2, argv + argc})};
+    const Words words = former_.renamed(argc, argv);
+    std::vector<const char*> with_names_of_today;
+    for (const auto& word : words) with_names_of_today.push_back(word.c_str());
+    program_.parse(argc, with_names_of_today.data());
+    settle(line);
+  } catch (const CallFor& call) {
+    line.command = Say{call.text};
+  } catch (const CLI::CallForHelp&) {
+    line.command = Say{help(CLI::AppFormatMode::Normal)};
+  } catch (const CLI::CallForAllHelp&) {
+    line.command = Say{help(CLI::AppFormatMode::All)};
+  } catch (const CLI::CallForVersion& e) {
+    line.command = Say{std::string(e.what()) + "\n"};
+  } catch (const CLI::ParseError& e) {
+    line.error = with_hint(problem_of(program_, e), hint_for(program_, e));
+  } catch (const InputError& e) {
+    line.error = detail::one_line(e.what());
+  } catch (const std::exception& e) {
+    line.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
+                           "--help shows the options");
+  }
+  line.notes = former_.notes();
+  return line;
+}
+
+}  // namespace
+
+CommandLine parse_command_line(int argc, const char* const* argv) {
+  bool verbose = false;
+  CommandLine line = Parser(verbose).parse(argc, argv);
+  line.verbose = verbose;
+  return line;
+}
+
+}  // namespace ringsplat::app

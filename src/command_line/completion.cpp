@@ -1,0 +1,156 @@
+#include "command_line/completion.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+#include "classify/colour_maps.hpp"
+#include "command_line/completion_scripts.hpp"
+#include "options/option_values.hpp"
+#include "ringsplat/classify/transfer_function.hpp"
+#include "volume/synth.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+/// Lines for those words that begin with what is typed.
+class Offers {
+ public:
+  /// `before`: what is typed before the value, as in --option=value.
+  Offers(std::string before, std::string typed) : before_(std::move(before)), typed_(std::move(typed)) {}
+  void add(const std::string& word, const std::string& meaning = {}) {
+    if (!word.starts_with(typed_)) return;
+    lines_ += before_ + word + (meaning.empty() ? "" : "\t" + meaning) + "\n";
+  }
+  void add_paths(const char* kind) { lines_ += kind + std::string("\n"); }
+  const std::string& lines() const { return lines_; }
+
+ private:
+  std::string before_, typed_, lines_;
+};
+
+/// What an option does, on a line beside its name.
+std::string short_help(const std::string& help) {
+  constexpr std::size_t longest = 76;
+  const std::string first = help.substr(0, help.find(';'));
+  return first.size() <= longest ? first : first.substr(0, first.rfind(' ', longest)) + " ...";
+}
+
+template <class Range>
+void offer_names(Offers& offers, const Range& range) {
+  for (const auto& entry : range) offers.add(entry.name, short_help(entry.description));
+}
+
+/// Words that an option's form does not list.
+void offer_known(Offers& offers, const Option& option) {
+  if (option.has_name("--tf")) offer_names(offers, preset_names());
+  if (option.has_name("--colours")) {
+    auto maps = colour_map_names();
+    for (auto& map : maps) std::replace(map.name.begin(), map.name.end(), ' ', '-');  // also known so
+    offer_names(offers, maps);
+    offers.add("list", "shows the names");
+  }
+  if (option.has_name("--background"))
+    for (const auto& name : colour_names()) offers.add(name);
+  if (option.has_name("--type"))
+    for (const char* type : {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"})
+      offers.add(type);
+  if (option.has_name("--view"))
+    for (const char* side : {"front", "back", "left", "right", "top", "bottom"}) offers.add(side);
+  if (option.is_positional() && option.form == "NAME") offer_names(offers, synth_names());
+}
+
+/// Words of a form stand for themselves; what is a kind of value has a capital letter.
+bool is_word(const std::string& part) {
+  return !part.empty() && std::all_of(part.begin(), part.end(), [](unsigned char c) {
+    return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '.' || c == '-';
+  });
+}
+
+bool is_of_files(const std::string& part) {
+  return part.starts_with("FILE") || part.starts_with("VOLUME") || part.starts_with("LIST");
+}
+
+void offer_values(Offers& offers, const Option& option) {
+  offer_known(offers, option);
+  bool files = option.is_positional() && option.form.size() == 1;  // pictures to compare
+  for (std::size_t at = 0; at <= option.form.size();) {
+    const auto bar = std::min(option.form.find('|', at), option.form.size());
+    const std::string part = option.form.substr(at, bar - at);
+    if (is_word(part)) offers.add(part);
+    if (part == "FOLDER") offers.add_paths(":folders");
+    files = files || is_of_files(part);
+    at = bar + 1;
+  }
+  if (files) offers.add_paths(":files");
+}
+
+void offer_options(Offers& offers, const OptionList& list) {
+  for (const Option& option : list)
+    if (!option.is_positional())
+      for (const auto& name : option.names) offers.add(name, short_help(option.help));
+}
+
+/// bash makes three words of --option=value.
+Words without_equals_signs(Words words) {
+  if (words.back() == "=") words.back().clear();
+  std::erase(words, "=");
+  return words;
+}
+
+/// The option, of one of the lists, whose value the last word is; or null.
+const Option* option_before(const Words& words, std::span<const OptionList* const> lists) {
+  for (std::size_t back = 2; back <= words.size(); ++back)
+    for (const OptionList* list : lists) {
+      const Option* const option = list->find(words[words.size() - back]);
+      if (option != nullptr && !option->is_positional())
+        return int(back) - 2 < option->reader.words ? option : nullptr;
+    }
+  return nullptr;
+}
+
+}  // namespace
+
+std::string completion_script(const std::string& shell) {
+  if (shell == "bash") return bash_script;
+  if (shell == "zsh") return zsh_script;
+  if (shell == "fish") return fish_script;
+  refuse_choice("--completion", shell, completion_shells);
+}
+
+std::string completions(const OptionList& program, std::span<const BoundSubcommand> subcommands,
+                        Words words) {
+  if (words.empty()) words.emplace_back();
+  words = without_equals_signs(std::move(words));
+  const auto chosen = std::find_if(subcommands.begin(), subcommands.end(), [&](const auto& one) {
+    return std::find(words.begin(), words.end() - 1, one.what->name) != words.end() - 1;
+  });
+  std::vector<const OptionList*> lists;
+  if (chosen != subcommands.end()) lists.push_back(&chosen->options);
+  lists.push_back(&program);
+
+  const std::string current = words.back();
+  const auto equals = current.starts_with("--") ? current.find('=') : std::string::npos;
+  if (equals != std::string::npos) {
+    Offers offers(current.substr(0, equals + 1), current.substr(equals + 1));
+    for (const OptionList* list : lists)
+      if (const Option* option = list->find(current.substr(0, equals))) {
+        offer_values(offers, *option);
+        break;
+      }
+    return offers.lines();
+  }
+  Offers offers("", current);
+  if (const Option* option = option_before(words, lists)) {
+    offer_values(offers, *option);
+  } else if (current.starts_with("-")) {
+    for (const OptionList* list : lists) offer_options(offers, *list);
+  } else if (chosen == subcommands.end()) {
+    for (const auto& one : subcommands) offers.add(one.what->name, one.what->description);
+  } else {
+    for (const Option& argument : chosen->options)
+      if (argument.is_positional()) return offer_values(offers, argument), offers.lines();
+  }
+  return offers.lines();
+}
+
+}  // namespace ringsplat::app
