@@ -8,6 +8,7 @@
 
 #include "app/views.hpp"
 #include "base/log.hpp"
+#include "base/median.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_io.hpp"
@@ -19,16 +20,6 @@ namespace ringsplat::app {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-namespace {
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
-
-}  // namespace
 
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
                              const MeasuredError* error) {

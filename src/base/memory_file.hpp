@@ -1,6 +1,8 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <span>
 
 namespace ringsplat::detail {
@@ -17,6 +19,9 @@ class MemoryFile {
   /// Valid in this process while the object lives.
   std::filesystem::path path() const;
   void append(std::span<const std::byte> bytes);
+  std::uint64_t size() const;
+  /// Passes the bytes on in parts.
+  void read(const std::function<void(std::span<const std::byte> part)>& take) const;
 
  private:
   int descriptor_ = -1;

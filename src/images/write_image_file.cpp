@@ -1,20 +1,17 @@
 #include <fmt/format.h>
-#include <sys/mman.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstddef>
 #include <cstring>
 #include <exception>
 #include <new>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
-#include <vector>
 
+#include "base/memory_file.hpp"
 #include "base/output_file.hpp"
 #include "images/image_file.hpp"
 #include "images/image_library.hpp"
@@ -27,40 +24,6 @@ RunError failed(const std::filesystem::path& path, std::string why, const std::s
   std::replace(why.begin(), why.end(), '\n', ' ');
   return {fmt::format("{} cannot be written: {}", path.string(), why), hint};
 }
-
-/// A file that exists in memory only but has a name.
-class MemoryFile {
- public:
-  ~MemoryFile() {
-    if (descriptor_ >= 0) close(descriptor_);
-  }
-  MemoryFile() = default;
-  MemoryFile(const MemoryFile&) = delete;
-  MemoryFile& operator=(const MemoryFile&) = delete;
-
-  bool exists() const { return descriptor_ >= 0; }
-  std::string name() {
-    if (!exists()) descriptor_ = memfd_create("ringsplat", MFD_CLOEXEC);
-    return exists() ? fmt::format("/proc/self/fd/{}", descriptor_) : std::string();
-  }
-  std::uint64_t size() const {
-    struct stat status {};
-    return fstat(descriptor_, &status) == 0 ? std::uint64_t(status.st_size) : 0;
-  }
-  void append_to(OutputFile& file) const {
-    std::vector<std::byte> part(std::size_t{1} << 20);
-    for (std::uint64_t at = 0;;) {
-      const ssize_t got = pread(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
-      if (got < 0) throw failed(file.path(), std::strerror(errno));
-      if (got == 0) return;
-      file.write(std::span(part).first(std::size_t(got)));
-      at += std::uint64_t(got);
-    }
-  }
-
- private:
-  int descriptor_ = -1;
-};
 
 /// Keeps the exception of a failed write until the library returns: none may pass through the library.
 class FileSink final : public ImageSink {
@@ -77,10 +40,15 @@ class FileSink final : public ImageSink {
     return !failure;
   }
   std::uint64_t size() const override { return file.size(); }
-  std::string name_to_write_by() override { return by_name.name(); }
+  std::string name_to_write_by() override try {
+    if (!by_name) by_name.emplace();
+    return by_name->path().string();
+  } catch (const RunError&) {
+    return {};
+  }
 
   OutputFile file;
-  MemoryFile by_name;
+  std::optional<detail::MemoryFile> by_name;
   std::exception_ptr failure;
 };
 
@@ -124,11 +92,11 @@ void write_image_file(const std::filesystem::path& path, const ImageData& image)
   const std::string problem = image_library().write(path.string(), image, sink);
   if (sink.failure) std::rethrow_exception(sink.failure);
   if (!problem.empty()) throw failed(path, problem);
-  if (sink.by_name.exists()) {
-    if (may_be_cut(sink.by_name.size(), image))
+  if (sink.by_name) {
+    if (may_be_cut(sink.by_name->size(), image))
       throw failed(path, "it is too near to the limit of files' sizes",
                    "raise ulimit -f, or write a .png or .exr");
-    sink.by_name.append_to(sink.file);
+    sink.by_name->read([&sink](std::span<const std::byte> part) { sink.file.write(part); });
   }
   sink.file.commit();
 }

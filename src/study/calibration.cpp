@@ -5,6 +5,7 @@
 #include <set>
 
 #include "base/clock.hpp"
+#include "base/median.hpp"
 #include "frame/frame_geometry.hpp"
 
 namespace ringsplat::app {
@@ -12,12 +13,6 @@ namespace {
 
 constexpr std::size_t most_passes = 5;
 constexpr double patience = 10;  ///< seconds after which no further pass is begun
-
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + std::ptrdiff_t(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 }  // namespace
 

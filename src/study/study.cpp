@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <tuple>
 
+#include "base/median.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_needs.hpp"
 #include "options/option_values.hpp"
@@ -87,12 +88,6 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   protocol.frames_in_flight = 1;  // so that a frame's time is its own
   render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
   return timed;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const auto half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 /// A row's columns that say how it is drawn; what only the other engine has is null.
