@@ -5,7 +5,9 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
+#include <type_traits>
 
+#include "frame/frame_fields.hpp"
 #include "frame/frame_needs.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
@@ -47,18 +49,23 @@ json to_json(const PhongMaterial& m) {
   return {{"ambient", m.ambient}, {"diffuse", m.diffuse}, {"specular", m.specular}, {"exponent", m.exponent}};
 }
 
-const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }
+/// An object of all fields.
+class ToJson {
+ public:
+  explicit ToJson(json& object) : object_(object) {}
+  template <class T>
+  void operator()(const char* key, const T& value) {
+    if constexpr (HasFields<const T>)
+      fields(value, ToJson(object_[key]));
+    else if constexpr (std::is_enum_v<T>)
+      object_[key] = name(value);
+    else
+      object_[key] = value;
+  }
 
-const char* name(Precision precision) {
-  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
-}
-
-json to_json(const KernelOptions& k) {
-  return {{"method", name(k.method)},
-          {"phases", k.phases},
-          {"qee_bits", k.qee_bits},
-          {"normalisation", name(k.normalisation)}};
-}
+ private:
+  json& object_;
+};
 
 /// One flat object: readers of images and statistics rely on it.
 json to_json(const Shown& s) {
@@ -76,26 +83,12 @@ json to_json(const Shown& s) {
   return j;
 }
 
-json to_json(const Splats& s) {
-  return {{"image_plane", name(s.image_plane)}, {"plane_samples", s.plane_samples},
-          {"radius", s.kernel_radius},          {"kernel", to_json(s.kernel)},
-          {"payload", name(s.payload)},         {"precision", name(s.precision)}};
-}
-
-json to_json(const Sheets& s) {
-  return {{"image_plane", name(s.image_plane)},
-          {"plane_samples", s.plane_samples},
-          {"slabs", s.slabs},
-          {"light_points", s.light_points},
-          {"adaptive", s.adaptive}};
-}
-
 json to_json(const FrameSpec& s) {
   json all = to_json(s.shown);
   all["frame"] = s.frame;
   all["engine"] = name(s.how);
   all["region"] = s.division.region_size;
-  all.update(std::visit([](const auto& how) { return to_json(how); }, s.how));
+  std::visit([&all](const auto& how) { fields(how, ToJson(all)); }, s.how);
   return all;
 }
 
@@ -140,6 +133,12 @@ void check(const Sheets& sheets) {
 }
 
 }  // namespace
+
+const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }
+
+const char* name(Precision precision) {
+  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
+}
 
 std::string name(ImagePlane plane) { return plane == ImagePlane::screen ? "screen" : "slices"; }
 

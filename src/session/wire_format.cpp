@@ -2,10 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <bit>
 #include <cstdint>
-#include <numeric>
+#include <cstring>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <vector>
 
+#include "frame/frame_fields.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "net/link_counts.hpp"
 #include "net/message.hpp"
@@ -39,56 +45,51 @@ void add_messages(WireHash& hash) {
     hash.text(to_string(NodeId{Role(role), 0}));
 }
 
-/// All members differ in value, so that swapping any two changes the bytes.
-FrameSpec sample_frame() {
-  double next = 0;
-  const auto another = [&next] { return ++next; };
-  const auto colour = [&] { return glm::dvec3(another(), another(), another()); };
-  FrameSpec f;
-  Splats& splats = f.how.emplace<Splats>();
-  f.frame = 101;
-  f.shown.camera = {another(),
-                    another(),
-                    another(),
-                    another(),
-                    std::array<double, 12>{},
-                    another(),
-                    another(),
-                    {another(), another()},
-                    colour(),
-                    colour(),
-                    colour()};
-  std::iota(f.shown.camera.matrix->begin(), f.shown.camera.matrix->end(), 200.0);
-  f.shown.width = 102;
-  f.shown.height = 103;
-  splats.image_plane = ImagePlane::slices;
-  splats.plane_samples = 104;
-  f.division.region_size = 105;
-  f.division.dealt_to = 106;
-  f.shown.transfer_function = {"name", {{another(), colour()}}, {{another(), another()}}, colour()};
-  f.shown.shading = Shading::phong;
-  f.shown.material = {another(), another(), another(), another()};
-  f.shown.light = colour();
-  splats.kernel_radius = another();
-  splats.kernel = {KernelMethod::texture, 107, 108, Normalisation::exact};
-  f.shown.opacity_correction = false;
-  f.shown.opaque_threshold = another();
-  f.shown.reduction = {109, true};
-  f.shown.clip = VoxelBox{{110, 111, 112}, {113, 114, 115}};
-  splats.payload = PayloadForm::runs;
-  splats.precision = Precision::u8;
-  return f;
-}
+/// Gives every field of a frame a value of its own, so that swapping any two changes the bytes.
+class Filler {
+ public:
+  template <class T>
+  void operator()(const char*, T& value) {
+    fill(value);
+  }
+  template <class T>
+  void fill(T& value) {
+    if constexpr (HasFields<T>) {
+      fields(value, *this);
+    } else if constexpr (std::is_enum_v<T>) {
+      value = last_of(value);
+    } else {
+      static_assert(std::is_trivially_copyable_v<T>);
+      std::array<unsigned char, sizeof(T)> bytes;
+      for (unsigned char& byte : bytes) byte = ++last_;
+      std::memcpy(&value, bytes.data(), sizeof(T));
+    }
+  }
+  void fill(bool& value) { value = !value; }
+  void fill(std::string& text) { text = "name"; }
+  template <class T>
+  void fill(std::vector<T>& values) {
+    fill(values.emplace_back());
+  }
+  template <class T>
+  void fill(std::optional<T>& value) {
+    fill(value.emplace());
+  }
 
-FrameSpec sample_of_sheets() {
-  FrameSpec f;
-  f.how = Sheets{ImagePlane::slices, 1.5, 3, 1, false};
-  return f;
+ private:
+  unsigned char last_ = 0;
+};
+
+FrameSpec sample_frame(const Method& how) {
+  FrameSpec frame;
+  frame.how = how;
+  Filler().fill(frame);
+  return frame;
 }
 
 void add_announcement(WireHash& hash) {
-  hash.bytes(encode(sample_frame()));
-  hash.bytes(encode(sample_of_sheets()));
+  hash.bytes(encode(sample_frame(Splats{})));
+  hash.bytes(encode(sample_frame(Sheets{})));
   hash.order({ImagePlane::screen, ImagePlane::slices});
   hash.order({Shading::none, Shading::phong});
   hash.order({KernelMethod::qee, KernelMethod::texture});

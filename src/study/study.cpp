@@ -6,10 +6,14 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <tuple>
+#include <type_traits>
+#include <variant>
 
 #include "base/median.hpp"
 #include "base/output_file.hpp"
+#include "frame/frame_fields.hpp"
 #include "frame/frame_needs.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
@@ -90,32 +94,34 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   return timed;
 }
 
+/// Makes columns of a method's fields, or empty ones.
+struct Columns {
+  nlohmann::ordered_json& row;
+  bool empty;
+  std::string within = {};  ///< the field whose fields these are
+
+  template <class T>
+  void operator()(const std::string& field, const T& value) const {
+    // A kernel's method is the kernel itself.
+    const std::string column = field == "method" ? within : field;
+    if constexpr (HasFields<const T>)
+      fields(value, Columns{row, empty, field});
+    else if (empty)
+      row.emplace(column, nullptr);
+    else if constexpr (std::is_enum_v<T>)
+      row[column] = name(value);
+    else
+      row[column] = value;
+  }
+};
+
 /// A row's columns that say how it is drawn; what only the other engine has is null.
 nlohmann::ordered_json columns_of(const Method& method) {
-  const auto* splats = std::get_if<Splats>(&method);
-  const auto* sheets = std::get_if<Sheets>(&method);
-  nlohmann::ordered_json j{{"engine", name(method)}};
-  for (const char* column :
-       {"radius", "kernel", "phases", "qee_bits", "normalisation", "slabs", "light_points"})
-    j[column] = nullptr;
-  if (splats != nullptr) {
-    j["radius"] = splats->kernel_radius;
-    j["kernel"] = name(splats->kernel.method);
-    j["phases"] = splats->kernel.phases;
-    j["qee_bits"] = splats->kernel.qee_bits;
-    j["normalisation"] = name(splats->kernel.normalisation);
-  }
-  if (sheets != nullptr) {
-    j["slabs"] = sheets->slabs;
-    j["light_points"] = sheets->light_points;
-  }
-  std::visit(
-      [&](const auto& how) {
-        j["image_plane"] = name(how.image_plane);
-        j["plane_samples"] = how.plane_samples;
-      },
-      method);
-  return j;
+  nlohmann::ordered_json row{{"engine", name(method)}};
+  for (const Method& any : {Method(Splats{}), Method(Sheets{})})
+    std::visit([&row](const auto& how) { fields(how, Columns{row, true}); }, any);
+  std::visit([&row](const auto& how) { fields(how, Columns{row, false}); }, method);
+  return row;
 }
 
 nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,

@@ -1,0 +1,96 @@
+#pragma once
+#include <concepts>
+#include <type_traits>
+
+#include "ringsplat/frame/frame_spec.hpp"
+
+/// The members of a frame's description, each with its name, in the order of their bytes. Bytes, JSON, sample
+/// frames and tables of studies go by these, so that a new member is named once. The bindings fail to compile
+/// when a member is added.
+namespace ringsplat {
+
+template <class S, class Described>
+concept Describes = std::same_as<std::remove_const_t<S>, Described>;
+
+template <Describes<Camera> S, class Visit>
+void fields(S& camera, Visit&& visit) {
+  auto& [azimuth, elevation, roll, zoom, matrix, fov, distance, pan, eye, target, up, fit] = camera;
+  visit("azimuth", azimuth), visit("elevation", elevation), visit("roll", roll), visit("zoom", zoom);
+  visit("matrix", matrix), visit("fov", fov), visit("distance", distance), visit("pan", pan);
+  visit("eye", eye), visit("target", target), visit("up", up), visit("fit", fit);
+}
+
+template <Describes<TransferFunction> S, class Visit>
+void fields(S& function, Visit&& visit) {
+  auto& [name, colours, opacities, nan_srgb] = function;
+  visit("name", name), visit("colours", colours), visit("opacities", opacities), visit("nan", nan_srgb);
+}
+
+template <Describes<Reduction> S, class Visit>
+void fields(S& reduction, Visit&& visit) {
+  auto& [factor, prefilter] = reduction;
+  visit("undersample", factor), visit("prefilter", prefilter);
+}
+
+template <Describes<Shown> S, class Visit>
+void fields(S& shown, Visit&& visit) {
+  auto& [camera, width, height, transfer_function, shading, material, light, opacity_correction,
+         opaque_threshold, reduction, clip] = shown;
+  visit("camera", camera), visit("width", width), visit("height", height);
+  visit("transfer_function", transfer_function), visit("shading", shading), visit("material", material);
+  visit("light", light), visit("opacity_correction", opacity_correction);
+  visit("opaque_threshold", opaque_threshold), visit("reduction", reduction), visit("clip", clip);
+}
+
+template <Describes<KernelOptions> S, class Visit>
+void fields(S& kernel, Visit&& visit) {
+  auto& [method, phases, qee_bits, normalisation] = kernel;
+  visit("method", method), visit("phases", phases), visit("qee_bits", qee_bits);
+  visit("normalisation", normalisation);
+}
+
+template <Describes<Splats> S, class Visit>
+void fields(S& splats, Visit&& visit) {
+  auto& [image_plane, plane_samples, kernel_radius, kernel, payload, precision] = splats;
+  visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("radius", kernel_radius);
+  visit("kernel", kernel), visit("payload", payload), visit("precision", precision);
+}
+
+template <Describes<Sheets> S, class Visit>
+void fields(S& sheets, Visit&& visit) {
+  auto& [image_plane, plane_samples, slabs, light_points, adaptive] = sheets;
+  visit("image_plane", image_plane), visit("plane_samples", plane_samples), visit("slabs", slabs);
+  visit("light_points", light_points), visit("adaptive", adaptive);
+}
+
+template <Describes<Division> S, class Visit>
+void fields(S& division, Visit&& visit) {
+  auto& [region_size, dealt_to] = division;
+  visit("region", region_size), visit("dealt_to", dealt_to);
+}
+
+template <Describes<FrameSpec> S, class Visit>
+void fields(S& spec, Visit&& visit) {
+  auto& [frame, shown, how, division] = spec;
+  visit("frame", frame), visit("division", division), visit("shown", shown);
+  std::visit([&visit](auto& method) { visit(method.name, method); }, how);
+}
+
+template <class T>
+concept HasFields = requires(T& described) {
+  fields(described, [](const char*, auto&) {});
+};
+
+// The last value of each enumeration.
+constexpr ImagePlane last_of(ImagePlane) { return ImagePlane::slices; }
+constexpr Shading last_of(Shading) { return Shading::phong; }
+constexpr Fit last_of(Fit) { return Fit::box; }
+constexpr KernelMethod last_of(KernelMethod) { return KernelMethod::texture; }
+constexpr Normalisation last_of(Normalisation) { return Normalisation::exact; }
+constexpr PayloadForm last_of(PayloadForm) { return PayloadForm::runs; }
+constexpr Precision last_of(Precision) { return Precision::u8; }
+
+const char* name(PayloadForm form);
+const char* name(Precision precision);
+
+}  // namespace ringsplat
