@@ -87,6 +87,9 @@ std::string shared_cores_warning(int threads, const std::vector<Place>& places, 
       threads, narrowest - places.begin(), cores, threads, cores);
 }
 
+namespace {
+
+/// The threads of this rank's engine.
 void settle_threads(RunOptions& options, const Layout& layout, const std::vector<Place>& places,
                     const Launch& launch) {
   int& threads = options.engine.threads_per_rank;
@@ -101,6 +104,17 @@ void settle_threads(RunOptions& options, const Layout& layout, const std::vector
   const std::string warning =
       threads > 1 ? shared_cores_warning(threads, places, launch.over_mpi()) : std::string();
   if (launch.rank() == 0 && !warning.empty()) log_warning("{}", warning);
+}
+
+}  // namespace
+
+SettledRanks settle_ranks(RunOptions& options, Launch& launch) {
+  launch.collectives().set_patience({options.protocol.stall_timeout, options.protocol.stall_ends});
+  SettledRanks ranks{places_of_ranks(launch.collectives()), {}};
+  ranks.layout = choose_layout(options, launch.over_mpi(), launch.ranks(), ranks_with_cores(ranks.places));
+  check(options.protocol);
+  settle_threads(options, ranks.layout, ranks.places, launch);
+  return ranks;
 }
 
 }  // namespace ringsplat::app

@@ -26,10 +26,15 @@ int ranks_with_cores(const std::vector<Place>& places);
 /// the first `working` ranks that run there, but no more than it may use; at least 1.
 int fair_threads(const std::vector<Place>& places, int rank, int working);
 
-/// Settles the threads of this rank's engine. Warns on rank 0 when those that were asked for have to share
-/// cores.
-void settle_threads(RunOptions& options, const Layout& layout, const std::vector<Place>& places,
-                    const Launch& launch);
+/// Where the ranks run, and the nodes they are.
+struct SettledRanks {
+  std::vector<Place> places;
+  Layout layout;
+};
+
+/// Chooses the layout, the patience with slow ranks and the threads of this rank's engine. Warns on rank 0
+/// when threads that were asked for have to share cores. Collective; throws InputError on all ranks.
+SettledRanks settle_ranks(RunOptions& options, Launch& launch);
 
 /// The warning when ranks of `threads` threads have too few cores; empty when all is well.
 std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi);

@@ -149,11 +149,8 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   Job job;
   RenderOptions& o = job.options = given;
   prepare_simulation(o.run, launch);
-  launch.collectives().set_patience({o.run.protocol.stall_timeout, o.run.protocol.stall_ends});
-  const std::vector<Place> places = places_of_ranks(launch.collectives());
-  job.layout = choose_layout(o.run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
-  check(o.run.protocol);
-  settle_threads(o.run, job.layout, places, launch);
+  const auto [places, layout] = settle_ranks(o.run, launch);
+  job.layout = layout;
   launch.check_on_rank_0([&] { job.plan = make_plan(o); });
   if (o.frames && simulated())
     throw InputError("--frames: the next volume is read by the clock on the wall, not the simulated one",

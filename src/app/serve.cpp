@@ -77,14 +77,10 @@ void refuse_long_series(const std::vector<SeriesEntry>& series) {
 Job prepare(const ServeOptions& options, Launch& launch) {
   Job job;
   RenderOptions& o = job.picture = options.picture;
-  const RunOptions& run = o.run;
-  if (run.engine.simulation.machine || simulated())
+  if (o.run.engine.simulation.machine || simulated())
     throw InputError("nobody can look at simulated ranks", "use ringsplat render");
-  launch.collectives().set_patience({run.protocol.stall_timeout, run.protocol.stall_ends});
-  const std::vector<Place> places = places_of_ranks(launch.collectives());
-  job.layout = choose_layout(run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
-  check(run.protocol);
-  settle_threads(o.run, job.layout, places, launch);
+  const auto [places, layout] = settle_ranks(o.run, launch);
+  job.layout = layout;
   launch.check_on_rank_0([&] { job.transfer_function.emplace(o.transfer_function, o.colour); });
   job.series = find_series(o.volume, o.frames, launch);
   refuse_long_series(job.series);
