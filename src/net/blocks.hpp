@@ -1,7 +1,9 @@
 #pragma once
 #include <fmt/format.h>
 
+#include <cstddef>
 #include <span>
+#include <string>
 
 #include "base/byte_stream.hpp"
 #include "net/collectives.hpp"
@@ -11,6 +13,11 @@
 namespace ringsplat {
 
 inline Block block_of(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
+
+inline Block block_of_text(const std::string& text) { return block_of(std::as_bytes(std::span(text))); }
+inline std::string text_of(const Block& block) {
+  return {reinterpret_cast<const char*>(block.data()), block.size()};
+}
 
 /// The object representation of a value, for processes of one build.
 template <class T>
@@ -26,6 +33,26 @@ T value_of(const Block& block, const char* what) {
   if (!take(block, at, value) || at != block.size())
     throw RunError(fmt::format("a process sent {} bytes instead of {}", block.size(), what),
                    "all ranks must run the same build");
+  return value;
+}
+
+/// The next bytes of a message of voxels, and moves `at` behind them. Throws RunError when there are fewer.
+inline std::span<const std::byte> next_bytes(std::span<const std::byte> in, std::size_t& at,
+                                             std::size_t count) {
+  if (in.size() - at < count)
+    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+  const auto part = in.subspan(at, count);
+  at += count;
+  return part;
+}
+
+/// The same of one value.
+template <class T>
+T next_value(std::span<const std::byte> in, std::size_t& at) {
+  const auto bytes = next_bytes(in, at, sizeof(T));
+  T value;
+  std::size_t begin = 0;
+  static_cast<void>(take(bytes, begin, value));
   return value;
 }
 

@@ -3,25 +3,27 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 
-#include "ringsplat/base/error.hpp"
+#include "net/agree.hpp"
+#include "net/blocks.hpp"
 
 namespace ringsplat {
 
+void throw_first(const std::vector<std::string>& errors) {
+  const auto failed = [](const std::string& error) { return !error.empty(); };
+  const auto first = std::find_if(errors.begin(), errors.end(), failed);
+  if (first == errors.end()) return;
+  const auto others = std::count_if(first + 1, errors.end(), failed);
+  const bool same_everywhere = std::count(errors.begin(), errors.end(), *first) == std::ssize(errors);
+  if (same_everywhere || (first == errors.begin() && others == 0)) throw InputError(*first);
+  throw InputError(*first + fmt::format(" (on rank {}{})", first - errors.begin(),
+                                        others > 0 ? fmt::format(" and {} more", others) : ""));
+}
+
 void agree(Collectives& collectives, const std::string& my_error) {
-  const auto text_bytes = std::as_bytes(std::span(my_error));
-  const Block mine(text_bytes.begin(), text_bytes.end());
-  const auto all = collectives.all_gather(mine);
-  const auto failed = [](const Block& b) { return !b.empty(); };
-  const auto first = std::find_if(all.begin(), all.end(), failed);
-  if (first == all.end()) return;
-  std::string text(reinterpret_cast<const char*>(first->data()), first->size());
-  const auto others = std::count_if(first + 1, all.end(), failed);
-  if (all.size() > 1 && (others > 0 || first != all.begin()))
-    text += fmt::format(" (on rank {}{})", first - all.begin(),
-                        others > 0 ? fmt::format(" and {} more", others) : "");
-  throw InputError(text);
+  std::vector<std::string> errors;
+  for (const Block& block : collectives.all_gather(block_of_text(my_error))) errors.push_back(text_of(block));
+  throw_first(errors);
 }
 
 }  // namespace ringsplat

@@ -3,51 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <span>
 
 #include "base/lack_of_memory.hpp"
+#include "base/text.hpp"
 #include "forecast/machine_forecast.hpp"
 #include "forecast/role_choice.hpp"
 #include "model/charge.hpp"
+#include "net/agree.hpp"
+#include "net/blocks.hpp"
 #include "net/same_facts.hpp"
 #include "options/option_values.hpp"
 #include "program/build_id.hpp"
 
 namespace ringsplat::app {
-namespace {
-
-Block to_block(const std::string& text) {
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
-std::string to_text(const Block& block) {
-  return {reinterpret_cast<const char*>(block.data()), block.size()};
-}
-
-/// Puts an error on one line, whatever a library put into its message.
-std::string one_line(std::string text) {
-  std::replace(text.begin(), text.end(), '\n', ' ');
-  return text;
-}
-
-/// The InputError that `check` throws, or an empty text.
-std::string input_error_of(const std::function<void()>& check) {
-  try {
-    check();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return {};
-}
-
-}  // namespace
 
 Outcome guarded(const std::function<ExitCode()>& work) {
   try {
     return {work(), {}};
   } catch (const InputError& e) {
-    return {e.exit_code(), one_line(e.what())};
+    return {e.exit_code(), detail::one_line(e.what())};
   } catch (const Error& e) {
     return {e.exit_code(), e.what()};
   } catch (const std::exception& e) {
@@ -83,22 +57,13 @@ void Launch::require_same_options(const Facts& options) {
                "start all ranks with the same command line and --config file; only --verbose may differ");
 }
 
-void Launch::settle(const std::string& error) {
-  const auto all = collectives_->all_gather(to_block(error));
-  const auto first = std::find_if(all.begin(), all.end(), [](const Block& b) { return !b.empty(); });
-  if (first == all.end()) return;
-  const bool same_everywhere =
-      std::all_of(all.begin(), all.end(), [&](const Block& b) { return b == *first; });
-  throw InputError(to_text(*first) + (same_everywhere || first == all.begin()
-                                          ? ""
-                                          : fmt::format(" (on rank {})", first - all.begin())));
-}
+void Launch::settle(const std::string& error) { agree(*collectives_, error); }
 
-void Launch::check_on_all_ranks(const std::function<void()>& check) { settle(input_error_of(check)); }
+void Launch::check_on_all_ranks(const std::function<void()>& check) { agree_after(*collectives_, check); }
 
 void Launch::check_on_rank_0(const std::function<void()>& check) {
   const std::string error = rank() == 0 ? input_error_of(check) : std::string();
-  const std::string agreed = to_text(collectives_->broadcast(to_block(error), 0));
+  const std::string agreed = text_of(collectives_->broadcast(block_of_text(error), 0));
   if (!agreed.empty()) throw InputError(agreed);
 }
 

@@ -4,6 +4,7 @@
 
 #include "app/render_job.hpp"
 #include "base/log.hpp"
+#include "net/agree.hpp"
 #include "options/first_view.hpp"
 #include "options/transfer_function_option.hpp"
 #include "python/picture_options.hpp"
@@ -24,13 +25,10 @@ BlockSession::BlockSession(Processes processes, const std::vector<std::string>& 
     : collectives_(processes.collectives()), session_([&] {
         const bool over_mpi = processes.transport() != nullptr;
         Layout nodes;
-        std::string error = problem;
-        try {
-          if (error.empty()) nodes = parse_layout(layout, over_mpi, processes.ranks());
-        } catch (const InputError& e) {
-          error = e.what();
-        }
-        agree(processes.collectives(), error);
+        agree_after(processes.collectives(), [&] {
+          if (!problem.empty()) throw InputError(problem);
+          nodes = parse_layout(layout, over_mpi, processes.ranks());
+        });
         return Session(std::move(processes), nodes, options);
       }()) {}
 
@@ -87,16 +85,12 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
                                           const std::vector<app::ViewAngles>& views, const Hooks& hooks) {
   const ValueStatistics& values = SessionParts::values(session_);
   Request wanted;
-  std::string error;
-  try {
+  agree_after(collectives_, [&] {
     if (values.range.empty())
       throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                        "check the blocks' values");
     if (rank() == 0) wanted = request(words, views, values);
-  } catch (const InputError& e) {
-    error = e.what();
-  }
-  agree(collectives_, error);
+  });
   const ValueRange range = values.range;
   std::vector<Picture> pictures;
   SessionParts::render(session_, wanted.frames, [&](FrameResult&& result) {

@@ -6,6 +6,7 @@
 
 #include "base/byte_stream.hpp"
 #include "classify/normals.hpp"
+#include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/clipped.hpp"
@@ -17,22 +18,6 @@ template <class T>
 void put(Block& out, const T& value) {
   const auto* first = reinterpret_cast<const std::byte*>(&value);
   out.insert(out.end(), first, first + sizeof(T));
-}
-
-template <class T>
-T get(std::span<const std::byte> in, std::size_t& at) {
-  T value;
-  if (!take(in, at, value))
-    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
-  return value;
-}
-
-std::span<const std::byte> get_bytes(std::span<const std::byte> in, std::size_t& at, std::size_t count) {
-  if (in.size() - at < count)
-    throw RunError("a volume exchange message is too short", "all ranks must run the same build");
-  const auto part = in.subspan(at, count);
-  at += count;
-  return part;
 }
 
 /// State of one deal, shared by its rounds.
@@ -88,14 +73,10 @@ class Dealer {
   /// Owners of z slices [z0, z1) keep them and send every GP its lines of the other two axes.
   void exchange(int z0, int z1) {
     std::vector<Block> out(std::size_t(collectives_.processes()));
-    std::string error;
-    try {
+    agree_after(collectives_, [&] {
       for (int z = z0; z < z1; ++z)
         if (mine(z)) send_slice(z, out);
-    } catch (const InputError& e) {
-      error = e.what();
-    }
-    agree(collectives_, error);
+    });
     for (const auto& block : collectives_.all_to_all(std::move(out))) place_lines(block);
   }
 
@@ -153,15 +134,15 @@ class Dealer {
 
   void place_lines(std::span<const std::byte> block) {
     for (std::size_t at = 0; at < block.size();) {
-      const int z = get<int>(block, at);
-      const Axis axis = get<Axis>(block, at);
-      const int gp = get<int>(block, at);
-      const auto size = get<std::uint64_t>(block, at);
+      const int z = next_value<int>(block, at);
+      const Axis axis = next_value<Axis>(block, at);
+      const int gp = next_value<int>(block, at);
+      const auto size = next_value<std::uint64_t>(block, at);
       const auto store = stores_.find(gp);
       const bool crosses = axis == Axis::x || axis == Axis::y;
       if (store == stores_.end() || !crosses || !store->second.keeps(axis) ||
           !unpack_columns(store->second, axis, gp, dealing_, z, deal_.options.with_normals,
-                          get_bytes(block, at, size)))
+                          next_bytes(block, at, size)))
         throw RunError("a volume exchange message does not fit this rank's slices",
                        "all ranks must run the same build");
     }

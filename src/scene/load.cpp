@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "base/byte_stream.hpp"
+#include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
@@ -23,9 +24,7 @@ template <class T>
 std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
   std::vector<T> all;
   for (const auto& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine)))))
-    for (std::size_t at = 0; at < one.size();)
-      if (!take(one, at, all.emplace_back()))
-        throw RunError("a volume exchange message is too short", "all ranks must run the same build");
+    for (std::size_t at = 0; at < one.size();) all.push_back(next_value<T>(one, at));
   return all;
 }
 
@@ -67,21 +66,16 @@ OpenedVolume open_everywhere(Collectives& collectives,
                              const std::string& name) {
   OpenedVolume volume;
   volume.name = name;
-  std::string error;
-  const auto try_open = [&] {
-    try {
-      volume.source = open();
-      check(volume.source->grid(), "the volume");
-      volume.notes = volume.source->notes();
-      volume.facts = facts_of(volume.source->grid());
-      const Facts more = volume.source->facts();
-      volume.facts.insert(volume.facts.end(), more.begin(), more.end());
-    } catch (const InputError& e) {
-      error = e.what();
-    }
+  const auto open_it = [&] {
+    volume.source = open();
+    check(volume.source->grid(), "the volume");
+    volume.notes = volume.source->notes();
+    volume.facts = facts_of(volume.source->grid());
+    const Facts more = volume.source->facts();
+    volume.facts.insert(volume.facts.end(), more.begin(), more.end());
   };
-  if (collectives.process() == 0) try_open();
-  agree(collectives, error);
+  const bool is_first = collectives.process() == 0;
+  agree(collectives, is_first ? input_error_of(open_it) : std::string());
 
   Block block;
   if (volume.source) {
@@ -92,8 +86,7 @@ OpenedVolume open_everywhere(Collectives& collectives,
   block = collectives.broadcast(std::move(block), 0);
   take_known(value_of<Known>(block, "a volume's grid"), volume);
   if (!volume.concurrent) return volume;
-  if (collectives.process() != 0) try_open();
-  agree(collectives, error);
+  agree(collectives, is_first ? std::string() : input_error_of(open_it));
   require_same(collectives, volume.facts, fmt::format("sees another volume at {}", name),
                "give every machine the same files, or a path that leads to one place from all of them");
   // Voxels are read into memory for the grid that was broadcast.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/byte_stream.hpp"
+#include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/decoded_slices.hpp"
@@ -74,12 +75,10 @@ class SendingSupply : public SliceSupply {
 
  private:
   void receive(const Block& in) {
-    for (std::size_t at = 0; at < in.size(); at += slice_bytes_) {
-      int z = 0;
-      if (!take(in, at, z) || in.size() - at < slice_bytes_)
-        throw RunError("a volume exchange message is too short", builds_differ);
-      const auto begin = in.begin() + std::ptrdiff_t(at);
-      received_[z].assign(begin, begin + std::ptrdiff_t(slice_bytes_));
+    for (std::size_t at = 0; at < in.size();) {
+      const int z = next_value<int>(in, at);
+      const auto values = next_bytes(in, at, slice_bytes_);
+      received_[z].assign(values.begin(), values.end());
     }
   }
 
@@ -100,15 +99,7 @@ class DecodingSupply final : public SendingSupply {
   int available_from(int z) override {
     // The last decoded slice lacks its neighbour.
     const auto end = [&] { return decoded_.end() == slices() ? slices() : decoded_.end() - 1; };
-    while (end() <= z) {
-      std::string error;
-      try {
-        decoded_.decode_group(z - 1, told_);
-      } catch (const InputError& e) {
-        error = e.what();
-      }
-      agree(collectives(), error);
-    }
+    while (end() <= z) agree_after(collectives(), [&] { decoded_.decode_group(z - 1, told_); });
     return end();
   }
 

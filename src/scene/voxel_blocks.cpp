@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/byte_stream.hpp"
+#include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/block_cover.hpp"
@@ -253,14 +254,11 @@ class BlockDealer {
 void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collectives& collectives) {
   agree(collectives, why_wrong(grid, mine));
   const std::vector<PlacedBlock> all = gather_extents(mine, collectives);
-  std::string error;
-  try {
+  agree_after(collectives, [&] {
+    if (collectives.process() != 0) return;
     for (const PlacedBlock& block : all) check(block.extent, grid);
     check_cover(grid, all);
-  } catch (const InputError& e) {
-    error = e.what();
-  }
-  agree(collectives, collectives.process() == 0 ? error : "");
+  });
 }
 
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,

@@ -9,6 +9,7 @@
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
+#include "net/agree.hpp"
 #include "net/same_facts.hpp"
 #include "protocol/bundle_engine.hpp"
 #include "protocol/host.hpp"
@@ -199,15 +200,11 @@ Image render_image(const Grid& grid, std::span<const std::byte> voxels, const Fr
                    const EngineOptions& engine) {
   // Without open_everywhere(): only process 0 has the voxels and deals them as if it decoded a file.
   OpenedVolume volume{grid, false, nullptr};
-  std::string error;
-  try {
+  agree_after(wiring.collectives, [&] {
     check(grid, "the volume");
     check(spec);
     if (wiring.collectives.process() == 0) volume.source = memory_source(grid, voxels);
-  } catch (const InputError& e) {
-    error = e.what();
-  }
-  agree(wiring.collectives, error);
+  });
   Scene scene = load_scene(volume, needed_to_render(spec, grid), layout, wiring);
   Image image;
   const auto keep = [&image](FrameResult&& result) { image = std::move(result.image); };

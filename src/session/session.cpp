@@ -10,6 +10,7 @@
 #include "base/process.hpp"
 #include "classify/auto_preset.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
@@ -21,22 +22,6 @@ namespace {
 
 Layout every_rank_both(int ranks) {
   return {.gps = ranks, .renderers = ranks, .placement = Placement::colocated};
-}
-
-std::string text_of(const Block& block) {
-  return {reinterpret_cast<const char*>(block.data()), block.size()};
-}
-Block block_of_text(const std::string& text) { return block_of(std::as_bytes(std::span(text))); }
-
-/// What `work` throws as InputError, or an empty text.
-template <class Work>
-std::string error_of(const Work& work) {
-  try {
-    work();
-  } catch (const InputError& e) {
-    return e.what();
-  }
-  return {};
 }
 
 Block to_block(const std::vector<FrameSpec>& frames) {
@@ -112,17 +97,19 @@ struct Session::State {
       const Watched watched(wiring.collectives, fmt::format("late for {}()", call), false);
       return wiring.collectives.all_gather(block_of_text(call + '\n' + (before.empty() ? error : before)));
     }();
-    const std::string first = text_of(all.front());
-    const std::string call_of_0 = first.substr(0, first.find('\n'));
-    for (std::size_t rank = 0; rank < all.size(); ++rank)
-      if (const std::string one = text_of(all[rank]); one.substr(0, one.find('\n')) != call_of_0)
-        throw InputError(fmt::format("rank {} called {}() while rank 0 called {}()", rank,
-                                     one.substr(0, one.find('\n')), call_of_0),
-                         "all ranks make the same calls of a session in the same order");
-    for (std::size_t rank = 0; rank < all.size(); ++rank)
-      if (const std::string one = text_of(all[rank]); one.back() != '\n')
-        throw InputError(one.substr(one.find('\n') + 1) +
-                         (all.size() > 1 ? fmt::format(" (on rank {})", rank) : std::string()));
+    std::vector<std::string> calls, errors;
+    for (const Block& block : all) {
+      const std::string text = text_of(block);
+      const auto end = text.find('\n');
+      calls.push_back(text.substr(0, end));
+      errors.push_back(text.substr(end + 1));
+    }
+    for (std::size_t rank = 0; rank < calls.size(); ++rank)
+      if (calls[rank] != calls.front())
+        throw InputError(
+            fmt::format("rank {} called {}() while rank 0 called {}()", rank, calls[rank], calls.front()),
+            "all ranks make the same calls of a session in the same order");
+    throw_first(errors);
   }
 
   const Grid& committed() const {
@@ -194,19 +181,19 @@ ValueRange Session::range() { return SessionParts::values(*this, "range").range;
 const ValueStatistics& SessionParts::values(Session& session, const char* call) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
-  s.enter(call, error_of([&] { static_cast<void>(s.committed()); }));
+  s.enter(call, input_error_of([&] { static_cast<void>(s.committed()); }));
   return s.volume.values();
 }
 
 TransferFunction Session::transfer_function(const std::string& name) {
   const PlainFloats floats;
   State& s = *state_;
-  s.enter("transfer_function", error_of([&] { static_cast<void>(s.committed()); }));
+  s.enter("transfer_function", input_error_of([&] { static_cast<void>(s.committed()); }));
   const ValueStatistics& values = s.volume.values();
   TransferFunction made;
-  agree(s.wiring.collectives, error_of([&] {
-          made = name == "auto" ? choose_function(values).function : preset(name, values.histogram);
-        }));
+  agree_after(s.wiring.collectives, [&] {
+    made = name == "auto" ? choose_function(values).function : preset(name, values.histogram);
+  });
   return made;
 }
 
@@ -224,7 +211,7 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
                           const std::function<void(FrameResult&&)>& take) {
   const PlainFloats floats;
   Session::State& s = *session.state_;
-  s.enter("render", error_of([&] {
+  s.enter("render", input_error_of([&] {
             const Grid& grid = s.committed();
             check(s.engine);
             check(s.protocol);

@@ -34,9 +34,10 @@ struct SessionOptions {
 /// The picture has the same bits for any blocks, ranks and layout, and those of `ringsplat render` for the
 /// same volume in a file.
 ///
-/// commit(), values() and render() are collective: all processes make the same calls in the same order. What
-/// one of them got wrong, in any call, they throw as the same InputError on all; the session can be used on,
-/// with the volume that was committed last. After a RunError (a rank is lost, or stalls) it cannot.
+/// commit(), transfer_function() and render() are collective: all processes make the same calls in the same
+/// order. What one of them got wrong, in any call, they throw as the same InputError on all; the session can
+/// be used on, with the volume that was committed last. After a RunError (a rank is lost, or stalls) it
+/// cannot.
 ///
 /// Calls leave as they were: the communicator and its error handler, signal handlers, and the thread's
 /// floating point environment (rounding, traps, flags, denormals).
