@@ -2,7 +2,7 @@
 """Checks what *.md files say:  check_docs.py REPOSITORY PROGRAM
 
 Lines are no wider than 120 columns, README.md's 100 (it has no more than 120 lines); of tables, which cannot be broken, only README.md's.
-Links lead to files and headings that are there. docs/options.md is what scripts/option_page.py makes of the program's manual page, and
+Links lead to files and headings that are there, and sources and scripts that are named as code are there. docs/options.md is what scripts/option_page.py makes of the program's manual page, and
 options that are named as code are the program's.
 """
 import os
@@ -54,6 +54,12 @@ def broken_links(page, text):
             yield f"{page}: {target} names no heading"
 
 
+def missing_files(page, text, root):
+    for name in re.findall(r"`((?:[a-z_]+/)+[a-z_]+\.(?:hpp|cpp|js|py|sh))`", text):
+        if not any((root / folder / name).exists() for folder in ("", "src", "include", "include/ringsplat", "tests")):
+            yield f"{page}: there is no {name}"
+
+
 def unknown_options(page, text, known):
     for code in re.findall(r"`(--[a-z][^`]*)`", without_code(text)):
         for option in re.findall(r"--[a-z][a-z-]*", code):
@@ -70,6 +76,7 @@ def main():
         text = page.read_text(encoding="utf-8")
         problems += too_wide(page, text, page == root / "README.md")
         problems += broken_links(page, text)
+        problems += missing_files(page, text, root)
         if page.parent in (root, root / "docs", root / "docs/measured") and page.name != "CHANGELOG.md":
             problems += unknown_options(page, text, known)
     made = subprocess.run([sys.executable, "-B", root / "scripts/option_page.py"], input=manual, check=True, capture_output=True, text=True).stdout
