@@ -14,6 +14,8 @@ import statistics
 import tempfile
 from pathlib import Path
 
+import numpy
+
 from .output import median, whole_file
 from .run import COLOCATED, DEDICATED, HEAD, Bench, output_of, parser, program, read_frames, repeat, say, shell
 
@@ -210,39 +212,21 @@ def machine_of(runs, cores):
     for fit in (splats_fit, sheets_fit):
         fit.say()
 
+    described = {
+        "gp": {"visible_voxel": visible, "transparent_voxel": transparent, "slice": slice_cost, "frame": gp_frame, "token": token},
+        "renderer": {**{name: splats[name] for name in ("splat", "slice", "composite")}, "pixel": pixel},
+        "sheets": {name: sheets[name] for name in ("look", "copy", "place", "slice", "sample", "table")},
+        # From what a token takes between two ranks on cores of their own.
+        "message": {"send": message, "receive": message},
+    }
+    rooms = "".join(f"\n[{room}]\n" + "".join(f"{name} = {cost:.4g}\n" for name, cost in costs.items()) for room, costs in described.items())
     return f'''# Measured by scripts/study calibrate on this machine: the head at 512x512 pixels on up to two ranks. Costs of Renderers and of sheets are
-# fitted: they are off by {100 * splats_fit.error():.1f} % of a frame of splats, {100 * sheets_fit.error():.1f} % of one of sheets.
+# fitted: they are off by {100 * splats_fit.error():.1f} % of a frame of splats, {100 * sheets_fit.error():.1f} % of one of sheets. Where slices without a visible
+# voxel are left out, others' transparent voxels are in the cost of visible ones.
 name = "Two cores"
 # The program's bounded pieces of work.
 poll_interval = 200e-6
-
-[gp]
-visible_voxel = {visible:.4g}
-# Where slices without a visible voxel are left out, others' transparent voxels are in the cost of visible ones.
-transparent_voxel = {transparent:.4g}
-slice = {slice_cost:.4g}
-frame = {gp_frame:.4g}
-token = {token:.4g}
-
-[renderer]
-splat = {splats["splat"]:.4g}
-slice = {splats["slice"]:.4g}
-composite = {splats["composite"]:.4g}
-pixel = {pixel:.4g}
-
-[sheets]
-look = {sheets["look"]:.4g}
-copy = {sheets["copy"]:.4g}
-place = {sheets["place"]:.4g}
-slice = {sheets["slice"]:.4g}
-sample = {sheets["sample"]:.4g}
-table = {sheets["table"]:.4g}
-
-[message]
-# From what a token takes between two ranks on cores of their own.
-send = {message:.4g}
-receive = {message:.4g}
-
+{rooms}
 [platform]
 # All ranks share the cores of one host; messages go through its memory.
 kind = "backbone"
@@ -287,46 +271,19 @@ def with_waiting(runs, machine):
     return with_wake(machine, wake)
 
 
-# Costs that are not negative, fitted to what was measured
-
-
-def solve(matrix, right):
-    """x with matrix x = right, by Gaussian elimination; None where the matrix is singular."""
-    size = len(right)
-    rows = [list(row) + [value] for row, value in zip(matrix, right)]
-    for k in range(size):
-        pivot = max(range(k, size), key=lambda i: abs(rows[i][k]))
-        if abs(rows[pivot][k]) < 1e-12:
-            return None
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        for i in range(k + 1, size):
-            factor = rows[i][k] / rows[k][k]
-            rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k])]
-    x = [0.0] * size
-    for k in reversed(range(size)):
-        x[k] = (rows[k][size] - sum(rows[k][j] * x[j] for j in range(k + 1, size))) / rows[k][k]
-    return x
-
-
 def non_negative(rows, targets):
     """The x >= 0 with the least sum of (row x - target)². Few unknowns only: it tries each choice of those that are zero."""
-    unknowns = len(rows[0])
+    matrix, right = numpy.array(rows, float), numpy.array(targets, float)
     # Columns of length one, so that units do not matter.
-    lengths = [math.sqrt(sum(row[k] ** 2 for row in rows)) or 1.0 for k in range(unknowns)]
-    scaled = [[value / length for value, length in zip(row, lengths)] for row in rows]
-    gram = [[sum(row[a] * row[b] for row in scaled) for b in range(unknowns)] for a in range(unknowns)]
-    right = [sum(row[a] * target for row, target in zip(scaled, targets)) for a in range(unknowns)]
-    best, least = [0.0] * unknowns, 0.0
-    for count in range(1, unknowns + 1):
-        for chosen in itertools.combinations(range(unknowns), count):
-            x = solve([[gram[a][b] for b in chosen] for a in chosen], [right[a] for a in chosen])
-            if x is None or min(x) < 0:
-                continue
-            # At a minimum the squares' sum is that of the targets less this.
-            remainder = -sum(value * right[a] for a, value in zip(chosen, x))
-            if remainder < least:
-                least = remainder
-                best = [0.0] * unknowns
-                for a, value in zip(chosen, x):
-                    best[a] = value
-    return [value / length for value, length in zip(best, lengths)]
+    lengths = numpy.linalg.norm(matrix, axis=0)
+    lengths[lengths == 0] = 1
+    best, least = numpy.zeros(len(lengths)), right @ right
+    for count in range(1, len(lengths) + 1):
+        for chosen in map(list, itertools.combinations(range(len(lengths)), count)):
+            part = matrix[:, chosen] / lengths[chosen]
+            x, _, rank, _ = numpy.linalg.lstsq(part, right, rcond=None)
+            remainder = ((part @ x - right) ** 2).sum()
+            if rank == count and x.min() >= 0 and remainder < least:
+                least, best = remainder, numpy.zeros(len(lengths))
+                best[chosen] = x / lengths[chosen]
+    return best.tolist()

@@ -1,21 +1,18 @@
-"""Renders volumes with no option, into one contact sheet, for eyes.
+"""Renders volumes with no option and shows them on one page, for eyes.
 
 Beside the volumes and folders that are named: the repository's head, and what packages bring along, fetched into build/gallery (60 MB):
 Debian's mricron-data; nilearn, nibabel, pyvista, pydicom and scikit-image from PyPI. Below each picture is what the program said of it,
-or why there is none. The sheet is build/gallery/sheet.png. It needs Pillow, which comes from PyPI as well.
+or why there is none. The page is build/gallery/index.html.
 """
+import html
 import re
 import shutil
 import subprocess
-import sys
-import textwrap
 from pathlib import Path
 
-from .output import whole_file
-from .run import HEAD, PROGRAM, REPO, fail, parser, say
+from .run import HEAD, PROGRAM, REPO, parser, say
 
 GALLERY = REPO / "build/gallery"
-PYTHON = GALLERY / "venv/bin/python"
 WHEELS = ("nilearn==0.14.1", "nibabel==5.4.2", "pyvista==0.49.1", "pydicom==3.0.2", "scikit-image==0.26.0")
 # Those of the packages' files that are volumes which somebody might want to see.
 FILES = [*(f"nilearn/nilearn/datasets/data/mni_icbm152_{kind}_tal_nlin_sym_09a_converted.nii.gz" for kind in ("t1", "gm", "wm")),
@@ -23,17 +20,20 @@ FILES = [*(f"nilearn/nilearn/datasets/data/mni_icbm152_{kind}_tal_nlin_sym_09a_c
          *(f"pyvista/pyvista/examples/{name}" for name in ("uniform.vtk", "frog_tissues.vti", "channels.vti")),
          *(f"pydicom/pydicom/data/test_files/{name}" for name in ("emri_small.dcm", "CT_small.dcm", "rtdose.dcm")),
          *(f"scikit-image/skimage/data/multipage{kind}.tif" for kind in ("", "_rgb"))]
-COLUMNS, SIDE, LINES, LINE = 6, 320, 7, 12
-BEHIND, PAPER, INK, ALARM = (40, 44, 52), (250, 250, 248), (20, 20, 20), (190, 30, 30)
+STYLE = """<style>
+body { display: flex; flex-wrap: wrap; font: 12px monospace }
+figure { width: 320px; margin: 4px }
+img { width: 320px; height: 320px; object-fit: contain; background: #282c34; color: white }
+figcaption { white-space: pre-wrap; max-height: 9em; overflow: auto }
+</style>
+"""
 
 
 def main(words):
     arguments = parser(__doc__)
-    arguments.add_argument("-o", "--output", default=GALLERY / "sheet.png", metavar="SHEET.png")
     arguments.add_argument("--no-packages", action="store_true", help="only what is named")
     arguments.add_argument("volumes", nargs="*", type=Path, metavar="VOLUME|FOLDER")
     options = arguments.parse_args(words)
-    prepare_python(words)
     if not options.no_packages:
         fetch()
     pictures = GALLERY / "pictures"
@@ -42,23 +42,8 @@ def main(words):
     volumes = list(chosen(options.volumes, not options.no_packages))
     for number, volume in enumerate(volumes):
         render(volume, pictures / f"{number:03}")
-    write_sheet(pictures, options.output)
-    say(f"{len(volumes)} volumes: {options.output}")
-
-
-def prepare_python(words):
-    """Goes on in an environment that has Pillow."""
-    try:
-        import PIL  # noqa: F401
-        return
-    except ImportError:
-        pass
-    if Path(sys.prefix) == PYTHON.parents[1]:
-        fail("the sheet needs Pillow from PyPI: apt-get install python3-venv, and a network")
-    if not PYTHON.exists():
-        subprocess.run(["python3", "-m", "venv", PYTHON.parents[1]])
-    subprocess.run([PYTHON, "-m", "pip", "install", "-q", "pillow"])
-    sys.exit(subprocess.run([PYTHON, REPO / "scripts/study", "gallery", *words]).returncode)
+    write_page(pictures)
+    say(f"{len(volumes)} volumes: {GALLERY / 'index.html'}")
 
 
 def fetch():
@@ -68,11 +53,14 @@ def fetch():
         command = "apt-get download -qq mricron-data 2>/dev/null && dpkg -x mricron-data_*.deb mricron"
         if subprocess.run(["bash", "-c", command], cwd=GALLERY).returncode != 0:
             say("Debian's mricron-data cannot be fetched: its volumes are left out")
-    for wheel in WHEELS:
+    pip = GALLERY / "venv/bin/pip"
+    if not pip.exists():
+        subprocess.run(["python3", "-m", "venv", GALLERY / "venv"])
+    for wheel in WHEELS if pip.exists() else ():
         name = wheel.split("==")[0]
         if (GALLERY / name).exists():
             continue
-        if subprocess.run([sys.executable, "-m", "pip", "download", "-q", "--no-deps", "-d", GALLERY / "wheels", wheel]).returncode != 0:
+        if subprocess.run([pip, "download", "-q", "--no-deps", "-d", GALLERY / "wheels", wheel]).returncode != 0:
             say(f"{wheel} cannot be fetched: its volumes are left out")
             continue
         packed = next((GALLERY / "wheels").glob(name.replace("-", "_") + "-*.whl"))
@@ -103,32 +91,7 @@ def render(volume, picture):
     say(" ".join([volume.name, *lines])[:200])
 
 
-def cell(text_file):
-    """One picture on a dark ground, with its words below."""
-    from PIL import Image, ImageDraw
-
-    box = Image.new("RGB", (SIDE, SIDE + LINES * LINE + 8), PAPER)
-    picture = text_file.with_suffix(".png")
-    box.paste(BEHIND, (0, 0, SIDE, SIDE))
-    if picture.exists():
-        with Image.open(picture) as image:
-            image = image.convert("RGBA")
-            image.thumbnail((SIDE, SIDE))
-            box.paste(image, ((SIDE - image.width) // 2, (SIDE - image.height) // 2), image)
-    draw = ImageDraw.Draw(box)
-    wrapped = [part for line in text_file.read_text().splitlines() for part in textwrap.wrap(line, 52) or [""]]
-    for number, line in enumerate(wrapped[:LINES]):
-        draw.text((4, SIDE + 4 + number * LINE), line, fill=INK if picture.exists() else ALARM)
-    return box
-
-
-def write_sheet(folder, path):
-    from PIL import Image
-
-    cells = [cell(file) for file in sorted(folder.glob("*.txt"))]
-    width, height = SIDE + 8, SIDE + LINES * LINE + 16
-    sheet = Image.new("RGB", (COLUMNS * width, max(-(-len(cells) // COLUMNS), 1) * height), PAPER)
-    for number, one in enumerate(cells):
-        sheet.paste(one, (number % COLUMNS * width + 4, number // COLUMNS * height + 4))
-    with whole_file(path) as beside:
-        sheet.save(beside)
+def write_page(pictures):
+    figures = [f'<figure><img src="{text.with_suffix(".png").relative_to(GALLERY)}" alt="no picture"><figcaption>{html.escape(text.read_text())}'
+               for text in sorted(pictures.glob("*.txt"))]
+    (GALLERY / "index.html").write_text("<!doctype html><meta charset=utf-8><title>Gallery</title>" + STYLE + "\n".join(figures))

@@ -74,14 +74,7 @@ class Timeline:
         return [s for s in self.spans[node] if s.name in names]
 
 
-COLOUR = {
-    "classify": "#f4c9a0",
-    "shade": "#e9a466",
-    "encode": "#d67f35",
-    "draw": "#7fa8d1",
-    "composite": "#3f6fa8",
-    "deliver": "#274b75",
-}
+COLOUR = {"classify": "#f4c9a0", "shade": "#e9a466", "encode": "#d67f35", "draw": "#7fa8d1", "composite": "#3f6fa8", "deliver": "#274b75"}
 WAIT = {"wait for token": ("0.93", "////", "waits for a token"), "send": ("0.93", "....", "waits to be accepted")}
 IDLE = ("#f7f2c8", "\\\\\\\\", "Renderer without work")
 BETWEEN = "0.82"  # pieces of one slice: the rank had no core, or did something else
@@ -141,16 +134,10 @@ def arrow(axes, flow, rows, colour, bend, width):
     start, end = rows[flow.source], rows[flow.destination]
     if start == end:
         return
-    from matplotlib.patches import FancyArrowPatch
-
     side = HALF if start < end else -HALF
-    style = f"arc3,rad={bend if start < end else -bend}"
-    axes.add_patch(
-        FancyArrowPatch(
-            (flow.left, start + side), (flow.arrived, end - side), connectionstyle=style, arrowstyle="-|>", shrinkA=0, shrinkB=0,
-            mutation_scale=9, color=colour, linewidth=width, zorder=5,
-        )
-    )
+    style = {"arrowstyle": "-|>", "connectionstyle": f"arc3,rad={bend if start < end else -bend}", "shrinkA": 0, "shrinkB": 0,
+             "mutation_scale": 9, "color": colour, "linewidth": width}
+    axes.annotate("", (flow.arrived, end - side), (flow.left, start + side), arrowprops=style, zorder=5)
 
 
 def draw_tokens(axes, flows, rows, numbered, width_ms):
@@ -170,7 +157,8 @@ def draw_tokens(axes, flows, rows, numbered, width_ms):
 
 
 def draw(plt, timeline, frame, title, payloads):
-    from matplotlib.ticker import FixedLocator, FuncFormatter
+    from matplotlib.ticker import MaxNLocator
+
     begin, end = timeline.frames[frame]
     rows = {node: y for y, node in enumerate(timeline.nodes)}
     spans = {node: [s for s in timeline.spans[node] if s.frame == frame] for node in rows}
@@ -189,22 +177,14 @@ def draw(plt, timeline, frame, title, payloads):
     axes.set_yticks(list(rows.values()), list(rows))
     axes.set_ylim(len(rows) - 0.4, -0.6)
     axes.set_xlim(begin, end)
-    ticks = FuncFormatter(lambda t, _: f"{t - begin:g}")
-    axes.xaxis.set_major_locator(FixedLocator(nice_ticks(begin, end)))
-    axes.xaxis.set_major_formatter(ticks)
+    ticks = [t for t in MaxNLocator(10).tick_values(0, end - begin) if 0 <= t <= end - begin]
+    axes.set_xticks([begin + t for t in ticks], [f"{t:g}" for t in ticks])
     axes.set_xlabel("milliseconds since the frame was announced")
     axes.spines[["top", "right", "left"]].set_visible(False)
     axes.tick_params(axis="y", length=0)
     axes.set_title(title or f"Frame {frame}", fontsize=11, loc="left")
     add_legend(plt, axes, sum(n.startswith("Renderer") for n in rows))
     return figure
-
-
-def nice_ticks(begin, end):
-    from matplotlib.ticker import MaxNLocator
-
-    steps = MaxNLocator(10).tick_values(0, end - begin)
-    return [begin + t for t in steps if 0 <= t <= end - begin]
 
 
 def add_legend(plt, axes, renderers):

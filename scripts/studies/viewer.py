@@ -117,10 +117,6 @@ def level_shares(arrivals, names):
     return "; ".join(f"{names[level]} {100 * count / len(arrivals):.0f} %" for level, count in sorted(counts.items()))
 
 
-def level_name(level):
-    return level if isinstance(level, str) else level["name"]
-
-
 def idle_shares(server, seconds):
     before = [(rank, vc.processor_seconds(rank)) for rank in server.ranks()]
     time.sleep(seconds)
@@ -131,7 +127,7 @@ def measure(server, size, options):
     """A dictionary of what the table's columns need."""
     client = server.client()
     hand = Hand(client, size)
-    names = [level_name(level) for level in client.hello["levels"]]
+    names = [level["name"] for level in client.hello["levels"]]
     hand.let_go()
     hand.drag(LEARNING_SECONDS)
     arrivals, seconds = hand.drag(options.seconds)

@@ -1,25 +1,22 @@
 """Volumes and transfer functions that studies make, mostly of the repository's head. Needs NumPy."""
 import gzip
 import json
-import os
 import re
-import struct
 import sys
 
 from .output import whole_file
-from .run import HEAD, fail, parser
+from .run import fail, parser
 
 try:
     import numpy
 except ImportError:
     sys.exit("ringsplat: this needs NumPy: apt-get install python3-numpy")
 
-MRICRON = "/usr/share/mricron/templates/ch2.nii.gz"
 REFINED = 4
 
 
 class Volume:
-    """One uint8 NRRD file with gzip, as test_head() writes it: voxels [z, y, x] and where they lie in the world."""
+    """One uint8 NRRD file with gzip, as tests/data/make_head.py writes it: voxels [z, y, x] and where they lie in the world."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
@@ -123,58 +120,3 @@ def threshold_for(path, visible):
     counts = numpy.bincount(numpy.fromfile(path, numpy.uint8), minlength=256)
     above = counts[::-1].cumsum()[::-1]
     return min(range(1, 256), key=lambda value: abs(above[value] - visible))
-
-
-def read_nifti(path):
-    """Voxels as array[x, y, z], and the 4 x 4 matrix from voxel to RAS world (millimetres)."""
-    with gzip.open(path) as file:
-        data = file.read()
-    if struct.unpack_from("<i", data, 0)[0] != 348 or data[344:347] != b"n+1":
-        fail(f"{path} is not a little-endian single-file NIfTI-1")
-    dims = struct.unpack_from("<8h", data, 40)
-    datatype, sform_code = struct.unpack_from("<h", data, 70)[0], struct.unpack_from("<h", data, 254)[0]
-    if dims[0] != 3 or datatype != 2 or sform_code == 0:
-        fail(f"{path}: expected 3D uint8 with an sform matrix")
-    offset = int(struct.unpack_from("<f", data, 108)[0])
-    voxels = numpy.frombuffer(data, numpy.uint8, dims[1] * dims[2] * dims[3], offset)
-    affine = numpy.vstack([numpy.array(struct.unpack_from("<12f", data, 280)).reshape(3, 4), [0, 0, 0, 1]])
-    return voxels.reshape(dims[1:4], order="F"), affine
-
-
-def box_weights(old, new):
-    """new x old matrix: the share of each old voxel in each new one (area average, rows sum to 1)."""
-    edges = numpy.arange(new + 1) * (old / new)
-    low = numpy.maximum(edges[:-1, None], numpy.arange(old)[None, :])
-    high = numpy.minimum(edges[1:, None], numpy.arange(1, old + 1)[None, :])
-    weights = numpy.maximum(high - low, 0)
-    return weights / weights.sum(axis=1, keepdims=True)
-
-
-def resample(voxels, dims):
-    for axis, weights in enumerate(box_weights(old, new) for old, new in zip(voxels.shape, dims)):
-        voxels = numpy.moveaxis(numpy.tensordot(weights, voxels.astype(numpy.float64), (1, axis)), 0, axis)
-    return numpy.clip(numpy.rint(voxels), 0, 255).astype(numpy.uint8)
-
-
-def test_head(words):
-    arguments = parser("Makes tests/data/head.nrrd: the Colin27 head of Debian's mricron-data as 128 x 128 x 124 uint8.")
-    arguments.add_argument("input", nargs="?", default=MRICRON)
-    arguments.add_argument("output", nargs="?", default=str(HEAD))
-    options = arguments.parse_args(words)
-    voxels, to_ras = read_nifti(options.input)
-    dims = (128, 128, 124)
-    head = resample(voxels, dims)
-
-    # The new lattice spans the same box: voxel edges, not centres, coincide at both ends.
-    scale = numpy.array(voxels.shape) / numpy.array(dims)
-    to_old = numpy.diag([*scale, 1.0])
-    to_old[:3, 3] = scale / 2 - 0.5
-    affine = numpy.diag([-1.0, -1.0, 1.0, 1.0]) @ to_ras @ to_old
-    directions = " ".join(Volume.text(affine[:3, axis]) for axis in range(3))
-    header = ("NRRD0004\n# Colin27 head of mricron-data (BSD-3-Clause), resampled by scripts/study test-head\n"
-              "type: uint8\ndimension: 3\nspace: left-posterior-superior\n"
-              f"sizes: {dims[0]} {dims[1]} {dims[2]}\nspace directions: {directions}\n"
-              f"kinds: domain domain domain\nencoding: gzip\nspace origin: {Volume.text(affine[:3, 3])}\n\n")
-    with whole_file(options.output) as beside, open(beside, "wb") as file:
-        file.write(header.encode() + gzip.compress(head.tobytes(order="F"), 9, mtime=0))
-    print(f"{options.output}: {os.path.getsize(options.output)} bytes, {100 * (head >= 75).mean():.1f} % of the voxels are >= 75")

@@ -2,7 +2,7 @@
 """Checks what *.md files say:  check_docs.py REPOSITORY PROGRAM
 
 Lines are no wider than 120 columns, README.md's 100 (it has no more than 120 lines); of tables, which cannot be broken, only README.md's.
-Links lead to files and headings that are there, and sources and scripts that are named as code are there. docs/options.md is what scripts/option_page.py makes of the program's manual page, and
+Links lead to files and headings that are there, and sources and scripts that are named as code are there. docs/options.md is what docs/option_page.py makes of the program's manual page, and
 options that are named as code are the program's.
 """
 import os
@@ -79,9 +79,9 @@ def main():
         problems += missing_files(page, text, root)
         if page.parent in (root, root / "docs", root / "docs/measured") and page.name != "CHANGELOG.md":
             problems += unknown_options(page, text, known)
-    made = subprocess.run([sys.executable, "-B", root / "scripts/option_page.py"], input=manual, check=True, capture_output=True, text=True).stdout
+    made = subprocess.run([sys.executable, "-B", root / "docs/option_page.py"], input=manual, check=True, capture_output=True, text=True).stdout
     if made != (root / "docs/options.md").read_text(encoding="utf-8"):
-        problems.append(f"docs/options.md is out of date; hint: {program} --man | scripts/option_page.py > docs/options.md")
+        problems.append(f"docs/options.md is out of date; hint: {program} --man | docs/option_page.py > docs/options.md")
     print("\n".join(map(str, problems)))
     sys.exit(bool(problems))
 

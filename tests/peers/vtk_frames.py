@@ -1,4 +1,4 @@
-"""Renders the scene of compare.py with VTK's fixed-point ray caster, or its GPU ray caster on Mesa's software rasteriser.
+"""Renders the scene of scripts/study peers with VTK's fixed-point ray caster, or its GPU ray caster on Mesa's software rasteriser.
 
     vtk_frames.py FOLDER FUNCTION phong|none vtk|vtk-gpu [PREFIX]
 

@@ -1,4 +1,4 @@
-"""Renders the scene of compare.py with ParaView:
+"""Renders the scene of scripts/study peers with ParaView:
 
     mpirun -n N pvbatch --sym paraview_frames.py FOLDER FUNCTION phong|none smart|cast [PREFIX]
 

@@ -1,4 +1,4 @@
-/* Renders the scene of scene.py with VolPack (Lacroute and Levoy 1994).
+/* Renders the scene of scripts/study peers with VolPack (Lacroute and Levoy 1994).
 
      volpack_frames FOLDER FUNCTION phong|none X Y Z SPACING_X SPACING_Y SPACING_Z SIZE [PICTURES]
 

@@ -1,7 +1,8 @@
 """Other volume renderers beside ringsplat, on the same scene: `peers` on two ranks or cores, `paraview` on 1 to 6 ranks.
 
 The repository's head, 512x512, orthographic, with the opacities of mr-soft (about 32 % of the voxels visible) and mr-surface (about 11 %)
-in white, as VolPack's fast path is grey and programs differ in the space in which they mix colours. Errors are against the field's truth,
+in white, as VolPack's fast path is grey and programs differ in the space in which they mix colours. tests/peers has the programs that
+draw with the others. Errors are against the field's truth,
 at three views, one for each slice set; the truths take minutes and are kept in build/peers/truth.
 """
 import contextlib
@@ -17,11 +18,11 @@ from pathlib import Path
 
 import numpy
 
-from ..output import median, ms, plotting, print_head, print_row, read_csv, rms, write_csv, write_figure
-from ..run import AHEAD, COLOCATED, DEDICATED, HEAD, REPO, Bench, fail, on_ranks, output_of, parser, program, repeat, say
-from ..volumes import Volume
+from .output import median, ms, plotting, print_head, print_row, read_csv, rms, write_csv, write_figure
+from .run import AHEAD, COLOCATED, DEDICATED, HEAD, REPO, Bench, fail, on_ranks, output_of, parser, program, repeat, say
+from .volumes import Volume
 
-HERE = Path(__file__).resolve().parent
+PROGRAMS = REPO / "tests/peers"
 KEPT = REPO / "build/peers"
 VTK_PYTHON = KEPT / "venv/bin/python"
 FUNCTIONS, SHADINGS = ("soft", "surface"), ("phong", "none")
@@ -96,7 +97,7 @@ class Peers:
 
     def paraview(self, ranks, function, shading, mode, *prefix):
         """The frames' seconds. An X server that was slow to answer ends ParaView, so it gets further chances."""
-        command = on_ranks(ranks, "pvbatch", "--sym", HERE / "paraview_frames.py", self.bench.folder, function, shading, mode, *prefix)
+        command = on_ranks(ranks, "pvbatch", "--sym", PROGRAMS / "paraview_frames.py", self.bench.folder, function, shading, mode, *prefix)
         for _ in range(2):
             ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, env=SOFTWARE)
             if ended.returncode == 0:
@@ -180,7 +181,7 @@ def other_programs(peers):
     """What is there of the others: {name: seconds(function, shading, *prefix)}."""
     def vtk(name):
         def frames(function, shading, *prefix):
-            return floats(output_of(VTK_PYTHON, HERE / "vtk_frames.py", peers.bench.folder, function, shading, name, *prefix,
+            return floats(output_of(VTK_PYTHON, PROGRAMS / "vtk_frames.py", peers.bench.folder, function, shading, name, *prefix,
                                     env={key: value for key, value in SOFTWARE.items() if key != "DISPLAY"}))
         return frames
 
@@ -189,7 +190,7 @@ def other_programs(peers):
 
     prepare_vtk()
     there = {"vtk": vtk("vtk")}
-    if subprocess.run([VTK_PYTHON, HERE / "vtk_frames.py", peers.bench.folder, "soft", "none", "vtk-gpu"], capture_output=True).returncode == 0:
+    if subprocess.run([VTK_PYTHON, PROGRAMS / "vtk_frames.py", peers.bench.folder, "soft", "none", "vtk-gpu"], capture_output=True).returncode == 0:
         there["vtk-gpu"] = vtk("vtk-gpu")
     else:
         say("VTK's GPU ray caster is left out: it does not run on Mesa's software rasteriser (apt-get install libegl1 libgl1-mesa-dri)")
@@ -197,7 +198,7 @@ def other_programs(peers):
         there["paraview"] = lambda function, shading, *prefix: peers.paraview(2, function, shading, "smart", *prefix)
     else:
         say(f"ParaView is left out: {PARAVIEW_HINT}")
-    compile_it = ["cc", "-std=gnu11", "-O3", "-march=native", HERE / "volpack_frames.c", "-o", KEPT / "volpack_frames", "-lvolpack", "-lm"]
+    compile_it = ["cc", "-std=gnu11", "-O3", "-march=native", PROGRAMS / "volpack_frames.c", "-o", KEPT / "volpack_frames", "-lvolpack", "-lm"]
     if subprocess.run(compile_it, capture_output=True).returncode == 0:
         there["volpack"] = volpack
     else:

@@ -1,4 +1,4 @@
-"""What the peers' programs share: the scene that compare.py wrote, ringsplat's camera, and the frames' times and pictures.
+"""What the peers' programs share: the scene that scripts/study peers wrote, ringsplat's camera, and the frames' times and pictures.
 
 Imported by scripts that run in VTK's and ParaView's own Pythons.
 """

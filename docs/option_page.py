@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Writes docs/options.md from the program's manual page:  build/release/ringsplat --man | scripts/option_page.py > docs/options.md"""
+"""Writes docs/options.md from the program's manual page:  build/release/ringsplat --man | docs/option_page.py > docs/options.md"""
 import re
 import sys
 import textwrap
 
 HEAD = """# Options
 
-Made from `ringsplat --man` by `scripts/option_page.py`; a test compares the two. `ringsplat SUBCOMMAND --help` shows
+Made from `ringsplat --man` by `docs/option_page.py`; a test compares the two. `ringsplat SUBCOMMAND --help` shows
 the everyday options, `--help-all` all of them, `man ringsplat` the same as this page.
 [command-line.md](command-line.md) says what holds for all of them, how views, series and clip boxes are given and how
 roles are chosen. Defaults are in brackets. Options that several subcommands have are explained where they come first;
