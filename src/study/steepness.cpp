@@ -19,7 +19,7 @@ constexpr double steep = 0.04;
 struct Measured {
   double steepness, rmse;  ///< against the field, in 1/255
 };
-/// Of the repository's head, with ramps (docs/accuracy.md, "Steep transfer functions").
+/// Of the repository's head, with ramps (docs/measured/accuracy.md, "Steep transfer functions").
 constexpr Measured ramps[] = {{0.044, 8.1}, {0.088, 9.1}, {0.176, 9.8}, {0.352, 10.7}, {0.703, 11.0}};
 
 double expected_error(double steepness) {
