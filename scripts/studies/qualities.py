@@ -18,8 +18,8 @@ REPEATED = 4  # times each view, of which the first frame of all is left out
 SAME_TIME = 1.03  # times that differ less are equal
 # Of each slice set two, and all at 45 degrees or beside it.
 VIEWS = ("0 0", "20 10", "45 35", "75 -15", "110 -40", "40 65")
-PLANES = {"screen": {"image-plane": "screen"}, **{f"slices, {s} samples": {"image-plane": "slices", "samples": s} for s in (1, 1.5, 2)}}
-SETTINGS = {f"{plane}, {slabs} slabs, {points} light points": {**where, "slabs": slabs, "light-points": points}
+PLANES = {"screen": {"image-plane": "screen"}, **{f"slices-{s}": {"image-plane": "slices", "samples": s} for s in (1, 1.5, 2)}}
+SETTINGS = {f"{plane}-{slabs}-{points}": {**where, "slabs": slabs, "light-points": points}
             for (plane, where), slabs, points in itertools.product(PLANES.items(), (1, 2, 3), (1, 2))}
 
 
@@ -80,6 +80,11 @@ def time_settings(folder, scenes, size):
     write_csv(times, rows)
 
 
+def label(setting):
+    plane = f"slices, {setting['samples']} samples" if "samples" in setting else "screen"
+    return f"{plane}, {setting['slabs']} slabs, {setting['light-points']} light points"
+
+
 def front(points):
     """The names of those that no other beats in both, of {name: (time, error)}."""
     def beats(a, b):
@@ -100,4 +105,4 @@ def print_results(folder, scenes):
     print_head("setting", *(f"{column}: ms a frame, RMSE" for column in columns))
     for name in sorted(SETTINGS, key=lambda name: columns["geometric mean"][name][0]):
         cells = ["{:.1f}, {:.2f}".format(*points[name]) for points in columns.values()]
-        print_row(name, *(f"**{text}**" if name in fronts[column] else text for text, column in zip(cells, columns)))
+        print_row(label(SETTINGS[name]), *(f"**{text}**" if name in fronts[column] else text for text, column in zip(cells, columns)))
