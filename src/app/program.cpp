@@ -111,7 +111,7 @@ int run_program(int argc, char** argv) {
   std::optional<CommandLine> line;
   std::optional<Launch> launch;
   const Outcome started = guarded([&] {
-    line.emplace(parse_command_line(argc, argv));
+    line.emplace(parse_command_line(argc, argv, MpiSession::library()));
     launch.emplace(argc, argv, transport_of(*line));
     set_log_rank(launch->rank(), line->verbose);
     for (const std::string& note : line->notes) log_warning_once("{}", note);

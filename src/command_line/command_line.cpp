@@ -115,7 +115,7 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
 /// The command line as CLI11 takes it apart, and the options that its words are for.
 class Parser {
  public:
-  explicit Parser(bool& verbose);
+  Parser(bool& verbose, const std::string& mpi);
   Parser(const Parser&) = delete;
   Parser& operator=(const Parser&) = delete;
 
@@ -166,7 +166,8 @@ void bind(CLI::App& app, const Option& option) {
   if (!option.is_positional()) bound->group(option.heading);  // CLI11 has a heading for arguments
 }
 
-Parser::Parser(bool& verbose) {
+Parser::Parser(bool& verbose, const std::string& mpi) {
+  program_.set_version_flag("--version", version_text(mpi));
   program_.formatter(std::make_shared<HelpFormatter>());
   program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", texts.examples, texts.exit_codes));
   program_.fallthrough();
@@ -176,7 +177,6 @@ Parser::Parser(bool& verbose) {
 }
 
 void Parser::add_program_options(bool& verbose) {
-  program_.set_version_flag("--version", version_text);
   program_.set_help_flag("-h,--help", "Print this help");
   program_.set_help_all_flag("--help-all", "Print the help of all options");
   const auto print_man_page = [this] { throw CallFor{man_page(program_options(), subcommands_, texts)}; };
@@ -266,9 +266,9 @@ CommandLine Parser::parse(int argc, const char* const* argv) {
 
 }  // namespace
 
-CommandLine parse_command_line(int argc, const char* const* argv) {
+CommandLine parse_command_line(int argc, const char* const* argv, const std::string& mpi) {
   bool verbose = false;
-  CommandLine line = Parser(verbose).parse(argc, argv);
+  CommandLine line = Parser(verbose, mpi).parse(argc, argv);
   line.verbose = verbose;
   return line;
 }

@@ -16,7 +16,7 @@ struct CommandLine {
 };
 
 /// Reads the command line and the --config file it names. Does not throw: a rank cannot report an error
-/// before it knows whether it is rank 0.
-CommandLine parse_command_line(int argc, const char* const* argv);
+/// before it knows whether it is rank 0. `mpi` names the library of the ranks, for --version.
+CommandLine parse_command_line(int argc, const char* const* argv, const std::string& mpi = {});
 
 }  // namespace ringsplat::app

@@ -2,16 +2,14 @@
 
 #include <vector>
 
-#include "mpi/session.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/config.hpp"
 
 namespace ringsplat::app {
 
-std::string version_text() {
+std::string version_text(const std::string& mpi) {
   std::vector<std::string> with, without;
   const auto add = [&](bool there, const std::string& name) { (there ? with : without).push_back(name); };
-  const std::string mpi = MpiSession::library();
   add(!mpi.empty(), mpi.empty() ? "MPI" : mpi);
   add(RINGSPLAT_WITH_ITK, "ITK");
   add(RINGSPLAT_WITH_OPENIMAGEIO, "OpenImageIO");

@@ -188,7 +188,7 @@ const Rules& house_rules() {
        {"base", "volume", "screen", "net", "protocol", "model", "frame", "scene", "session", "options"}},
       {"program", {"base", "volume", "net", "model", "session", "mpi", "options", "forecast"}},
       {"study", {"base", "images", "volume", "classify", "frame", "session", "truth", "options", "program"}},
-      {"command_line", {"base", "volume", "classify", "session", "serve", "mpi", "options"}},
+      {"command_line", {"base", "volume", "classify", "session", "serve", "options"}},
       {"app", {"base",   "images",  "volume",   "formats", "classify", "view",        "net",
                "record", "model",   "frame",    "scene",   "session",  "serve",       "truth",
                "mpi",    "options", "forecast", "program", "study",    "command_line"}},
