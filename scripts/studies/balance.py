@@ -11,8 +11,8 @@ from collections import Counter, defaultdict
 from typing import NamedTuple
 
 from .output import plotting, write_figure
-from .run import fail, parser
-from .timeline import WAITING, Timeline, is_trace, read_json
+from .run import fail, parser, read_json
+from .timeline import WAITING, Timeline, is_trace
 
 STATS_BUSY = ("computing", "drawing", "compositing", "delivering")
 STATS_WAITING = ("waiting_for_token", "sending")

@@ -98,7 +98,7 @@ ASIDE = 0.07  # keeps the two directions of a link apart
 
 def links(words):
     """A heat map of a mesh's links from what `ringsplat render ... --stats FILE` wrote. Every GP is a square, every Renderer a circle at
-its row's end; every directed link is an arrow, as wide and as dark as it was busy. In a mesh that wraps, the links between the bottom
+its row's end; every directed link is an arrow, as dark as it was busy. In a mesh that wraps, the links between the bottom
 and the top row leave the picture."""
     arguments = parser(links.__doc__)
     arguments.add_argument("stats", help="written by ringsplat render --stats")
@@ -127,15 +127,14 @@ def draw_links(plt, frame, what):
     layout = frame["layout"]
     columns, rows = layout["mesh"]
     figure, axes = plt.subplots(figsize=(1.3 * (columns + 2) + 2.6, 1.3 * (rows + 1) + 0.9), layout="constrained")
-    values = [link[what] * SCALE.get(what, 1) for link in frame["links"]]
-    colours, norm = plt.get_cmap("viridis_r"), plt.Normalize(0, max(values) or 1)
-    for link, value in zip(frame["links"], values):
+    begins, ways, values = [], [], [link[what] * SCALE.get(what, 1) for link in frame["links"]]
+    for link in frame["links"]:
         (x, y), (dx, dy) = place(link["from"], layout), STEP[link["link"][-1]]
-        aside = (-dy * ASIDE, dx * ASIDE)
-        axes.annotate("", xy=(x + dx * (1 - SIDE) + aside[0], y + dy * (1 - SIDE) + aside[1]),
-                      xytext=(x + dx * SIDE + aside[0], y + dy * SIDE + aside[1]),
-                      arrowprops={"arrowstyle": "-|>,head_width=0.25,head_length=0.45", "color": colours(norm(value)) if value else "0.85",
-                                  "linewidth": 1 + 4 * norm(value), "shrinkA": 0, "shrinkB": 0})
+        begins.append((x + dx * SIDE - dy * ASIDE, y + dy * SIDE + dx * ASIDE))
+        ways.append((dx * (1 - 2 * SIDE), dy * (1 - 2 * SIDE)))
+    colours = plt.get_cmap("viridis_r").with_extremes(under="0.85")
+    arrows = axes.quiver(*zip(*begins), *zip(*ways), values, cmap=colours, norm=plt.Normalize(1e-9, max(values) or 1), angles="xy",
+                         scale_units="xy", scale=1, width=0.05, units="xy")
     for rank in range(layout["ranks"]):
         x, y = place(rank, layout)
         gp = rank < layout["gps"]
@@ -144,7 +143,7 @@ def draw_links(plt, frame, what):
     axes.set(xlim=(-1.5, columns + 0.5), ylim=(rows - 0.1, -0.9), aspect="equal")
     axes.set_axis_off()
     axes.set_title(f"{columns}×{rows} GPs, {layout['renderers']} Renderers, frame {frame['frame']}", fontsize=11)
-    figure.colorbar(plt.cm.ScalarMappable(norm, colours), ax=axes, label=WHAT[what], shrink=0.8)
+    figure.colorbar(arrows, ax=axes, label=WHAT[what], shrink=0.8)
     return figure
 
 

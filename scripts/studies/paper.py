@@ -1,11 +1,10 @@
 """Neumann 1992, section 4, by the program on a simulated Pixel-Planes 5."""
-import json
 import os
 import statistics
 import tempfile
 
 from .output import plotting, print_head, print_row, write_csv, write_figure
-from .run import nodes, parser
+from .run import nodes, parser, read_json
 from .simulation import COUNTED, PAPER, PaperVolumes, simulate
 
 GPS = [1, 2, 3, 4, 6, 8, 10, 12, 15, 20, 25, 30, 35, 40]
@@ -107,8 +106,7 @@ timeline how long GPs wait from their first slice being ready until its tokens c
 
 def first_slices(trace, gps):
     """For each GP's first slice when it was ready and when each Renderer's token came, in seconds."""
-    with open(trace, encoding="utf-8") as file:
-        events = json.load(file)["traceEvents"]
+    events = read_json(trace)["traceEvents"]
     ready, tokens = {}, {}
     for event in events:
         step = event.get("args", {}).get("step", gps)

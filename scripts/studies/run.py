@@ -86,16 +86,21 @@ def on_ranks(ranks, *command):
     return shell("run_ranks", ranks, *command) if ranks else list(command)
 
 
-def read_frames(path):
-    """The frames of a --stats file: a JSON array or object, or an object a line in a .jsonl."""
+def read_json(path):
+    """One JSON document, or the objects of a .jsonl."""
     try:
         text = Path(path).read_text(encoding="utf-8")
         if str(path).endswith(".jsonl"):
             return [json.loads(line) for line in text.splitlines() if line.strip()]
-        frames = json.loads(text)
-        return frames if isinstance(frames, list) else [frames]
+        return json.loads(text)
     except (OSError, ValueError) as error:
         fail(f"{path} cannot be read as JSON: {error}")
+
+
+def read_frames(path):
+    """The frames of a --stats file."""
+    frames = read_json(path)
+    return frames if isinstance(frames, list) else [frames]
 
 
 def nodes(frame, role):

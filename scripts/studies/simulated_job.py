@@ -32,7 +32,7 @@ def read_toml(path):
         fail(f"{path} is no TOML: {error}", "mpi_configs/simulated and mpi_configs/machines have such files")
 
 
-def found(path, config):
+def found(path):
     """A file named in a configuration: as it is, or from the repository."""
     if os.path.exists(path) or os.path.isabs(path):
         return path
@@ -72,7 +72,7 @@ def main():
     settings |= {key: value for key, value in (vars(given) | vars(machine_given)).items() if value is not None}
     if "machine" not in settings:
         fail(f"{config} names no machine", 'for instance machine = "mpi_configs/machines/pixel-planes-5.toml"')
-    machine = found(settings["machine"], config)
+    machine = found(settings["machine"])
     gps, renderers, mesh = layout_of(settings, config)
     ranks = gps if not renderers else max(gps, renderers) if settings.get("roles") == "colocated" else gps + renderers
     if ranks < 1:
@@ -81,16 +81,18 @@ def main():
     if not renderers and platform.get("kind") == "mesh":
         fail("the ranks of a mesh have fixed roles, so gps cannot be auto", "give topology, mesh and renderers")
     places = int(platform.get("hosts", 0)) or -(-ranks // int(platform.get("cores", 1)))
+    if os.environ.get("RINGSPLAT_MAP_BY") == "node":
+        places_of = [rank % places for rank in range(ranks)]
+    elif platform.get("hosts"):
+        places_of = [rank * places // ranks for rank in range(ranks)]
+    else:
+        places_of = [rank // int(platform.get("cores", 1)) for rank in range(ranks)]
     with open(hosts, "w", encoding="utf-8") as file:
-        for rank in range(ranks):
-            if os.environ.get("RINGSPLAT_MAP_BY") == "node":
-                file.write(f"n{rank % places}\n")
-                continue
-            file.write(f"n{rank * places // ranks if platform.get('hosts') else rank // int(platform.get('cores', 1))}\n")
+        file.writelines(f"n{place}\n" for place in places_of)
     # A volume in the configuration is meant from the repository too.
     arguments = ["--config", config, "--machine", machine, *options]
     if "volume" in settings and not (options and not options[0].startswith("-")):
-        arguments.insert(0, found(settings["volume"], config))
+        arguments.insert(0, found(settings["volume"]))
     values = {"MACHINE": machine, "RANKS": ranks, "GPS": gps, "RENDERERS": renderers or 1, "MESH": mesh}
     with open(job, "w", encoding="utf-8") as file:
         for key, value in values.items():

@@ -1,5 +1,4 @@
 """Timelines of frames, from what `ringsplat render --trace` wrote, drawn as Figs. 5 and 8 of Neumann 1992. Times are milliseconds."""
-import json
 import os
 import tempfile
 from collections import defaultdict
@@ -7,7 +6,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from .output import plotting, write_figure
-from .run import PROGRAM, REPO, fail, on_ranks, output_of, parser, program, say
+from .run import PROGRAM, REPO, fail, on_ranks, output_of, parser, program, read_json, say
 
 WAITING = ("wait for token", "send")
 WORK = {"GP": ("slice",), "Renderer": ("draw", "composite", "deliver")}
@@ -197,17 +196,6 @@ def add_legend(plt, axes, renderers):
     for renderer in range(min(renderers, len(TOKEN))):
         entries.append(plt.Line2D([], [], color=TOKEN[renderer], label=f"T{renderer}: token of Renderer {renderer}"))
     axes.legend(handles=entries, loc="upper center", bbox_to_anchor=(0.5, -0.62 / axes.get_ylim()[0]), ncols=6, fontsize=8, frameon=False)
-
-
-def read_json(path):
-    """One JSON document, or the objects of a .jsonl."""
-    try:
-        text = Path(path).read_text(encoding="utf-8")
-        if str(path).endswith(".jsonl"):
-            return [json.loads(line) for line in text.splitlines() if line.strip()]
-        return json.loads(text)
-    except (OSError, ValueError) as error:
-        fail(f"{path} cannot be read as JSON: {error}")
 
 
 def is_trace(document):
