@@ -17,7 +17,8 @@ set(RINGSPLAT_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-
 # What most files include, compiled once.
 set(RINGSPLAT_COMMON_HEADERS <algorithm> <array> <cmath> <cstdint> <filesystem> <functional> <map> <memory> <optional> <span>
     <string> <vector> <fmt/format.h> <glm/glm.hpp>)
-add_library(ringsplat_headers OBJECT ${PROJECT_SOURCE_DIR}/src/headers.cpp)
+file(CONFIGURE OUTPUT headers.cpp CONTENT "")
+add_library(ringsplat_headers OBJECT ${CMAKE_CURRENT_BINARY_DIR}/headers.cpp)
 target_precompile_headers(ringsplat_headers PRIVATE ${RINGSPLAT_COMMON_HEADERS})
 target_link_libraries(ringsplat_headers PRIVATE ringsplat_flags fmt::fmt glm::glm)
 target_compile_options(ringsplat_headers PRIVATE ${RINGSPLAT_WARNINGS})

@@ -1,1 +1,0 @@
-// Compiled for the headers before it: see tests/CMakeLists.txt.
