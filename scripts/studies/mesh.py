@@ -198,8 +198,8 @@ def measure(folder, volume, machine, gps, renderers, step_seconds=0, uncontended
 
 def in_step(*job):
     """The shortest of these steps in which no payload meets another."""
-    for milliseconds in (5, 6, 8, 10, 15, 20, 30, 50):
+    for milliseconds in (5, 6, 8, 10, 15, 20, 30, 50, 75, 100, 150, 200):
         measured = measure(*job, step_seconds=milliseconds / 1e3)
         if measured["met"] == 0:
             return f"in step, {milliseconds} ms", measured
-    sys.exit("ringsplat: payloads meet in steps of 50 ms too")
+    sys.exit("ringsplat: payloads meet in steps of 200 ms too")
