@@ -2,16 +2,16 @@
 
 #include <fmt/format.h>
 
+#include "base/child_program.hpp"
 #include "base/output_file.hpp"
 #include "images/image_io.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/program.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 std::filesystem::path find_ffmpeg(const std::string& output) {
-  const auto ffmpeg = serve::find_program("ffmpeg");
+  const auto ffmpeg = find_program("ffmpeg");
   if (!ffmpeg)
     throw InputError(fmt::format("-o {} needs ffmpeg, and no folder in PATH has it", output),
                      "install it (apt-get install ffmpeg), or write pictures: -o frame.png");

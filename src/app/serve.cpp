@@ -13,6 +13,7 @@
 #include "app/loading.hpp"
 #include "app/places.hpp"
 #include "app/series_loader.hpp"
+#include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/log_listener.hpp"
 #include "base/process.hpp"
@@ -26,7 +27,6 @@
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/opened_page.hpp"
-#include "serve/program.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat::app {
@@ -162,7 +162,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.qualities = qualities();
   v.target_seconds = options.target_ms / 1e3;
   v.largest_side = largest_side();
-  v.ffmpeg = serve::find_program("ffmpeg");
+  v.ffmpeg = find_program("ffmpeg");
   v.server = {options.address,         options.port,           options.allowed_hosts,
               options.allowed_origins, options.allowed_frames, true};
   return v;

@@ -2,40 +2,17 @@
 
 #include <dlfcn.h>
 #include <fmt/format.h>
-#include <link.h>
 
-#include <cstddef>
 #include <new>
 #include <string>
-#include <vector>
 
+#include "base/own_place.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/config.hpp"
 
 namespace ringsplat {
 namespace {
-
-/// The folders where the loader looks for this program's, or library's, own libraries.
-std::vector<std::string> own_search_path() {
-  std::vector<std::string> folders;
-#ifdef __GLIBC__
-  Dl_info ignored;
-  link_map* self = nullptr;
-  Dl_serinfo size;
-  if (dladdr1(reinterpret_cast<void*>(&own_search_path), &ignored, reinterpret_cast<void**>(&self),
-              RTLD_DL_LINKMAP) == 0 ||
-      dlinfo(self, RTLD_DI_SERINFOSIZE, &size) != 0)
-    return folders;
-  std::vector<std::max_align_t> memory(size.dls_size / sizeof(std::max_align_t) + 1);
-  auto* const path = reinterpret_cast<Dl_serinfo*>(memory.data());
-  path->dls_size = size.dls_size;
-  path->dls_cnt = size.dls_cnt;
-  if (dlinfo(self, RTLD_DI_SERINFO, path) != 0) return folders;
-  for (unsigned k = 0; k < path->dls_cnt; ++k) folders.emplace_back(path->dls_serpath[k].dls_name);
-#endif
-  return folders;
-}
 
 struct OpenedLibrary {
   void* handle;
@@ -49,8 +26,8 @@ OpenedLibrary open_shared_library(const char* name) {
   opened.problem = dlerror();
   // dlopen searches its caller's folders. With a sanitizer or a profiler in between the caller is not this
   // program.
-  for (const std::string& folder : own_search_path()) {
-    const std::filesystem::path file = std::filesystem::path(folder) / name;
+  for (const std::filesystem::path& folder : own_search_path()) {
+    const std::filesystem::path file = folder / name;
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) continue;
     opened.handle = dlopen(file.c_str(), RTLD_LAZY | RTLD_LOCAL);

@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "base/child_program.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/program.hpp"
 
 namespace ringsplat::serve {
 namespace {

@@ -7,8 +7,8 @@
 #include <cstdlib>
 #include <filesystem>
 
+#include "base/child_program.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/program.hpp"
 
 namespace ringsplat::serve {
 namespace {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <thread>
 
+#include "base/child_program.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/program.hpp"
 #include "support/catch.hpp"
 #include "support/temporary_folder.hpp"
 

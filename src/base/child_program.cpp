@@ -1,4 +1,4 @@
-#include "serve/program.hpp"
+#include "base/child_program.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -16,27 +16,33 @@
 
 extern char** environ;
 
-namespace ringsplat::serve {
+namespace ringsplat {
 namespace {
 
 /// The folder, what stays open, and the signals of a program that is started. None of the job's connections
 /// may live on in it.
 class Surroundings {
  public:
-  explicit Surroundings(const std::filesystem::path& folder) {
+  Surroundings(const std::filesystem::path& folder, const std::vector<int>& descriptors) {
     posix_spawn_file_actions_init(&files_);
     posix_spawnattr_init(&attributes_);
     posix_spawn_file_actions_addchdir_np(&files_, folder.c_str());
     posix_spawn_file_actions_addopen(&files_, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&files_, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_adddup2(&files_, STDOUT_FILENO, STDERR_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&files_, STDERR_FILENO + 1);
+    const int first = STDERR_FILENO + 1, end = first + int(descriptors.size());
+    // Copies above all of their new numbers, so that none takes another's place.
+    for (const int descriptor : descriptors) copies_.push_back(::fcntl(descriptor, F_DUPFD_CLOEXEC, end));
+    for (std::size_t k = 0; k < copies_.size(); ++k)
+      posix_spawn_file_actions_adddup2(&files_, copies_[k], first + int(k));
+    posix_spawn_file_actions_addclosefrom_np(&files_, end);
     sigset_t none;
     sigemptyset(&none);
     posix_spawnattr_setsigmask(&attributes_, &none);
     posix_spawnattr_setflags(&attributes_, POSIX_SPAWN_SETPGROUP | POSIX_SPAWN_SETSIGMASK);
   }
   ~Surroundings() {
+    for (const int copy : copies_) ::close(copy);
     posix_spawn_file_actions_destroy(&files_);
     posix_spawnattr_destroy(&attributes_);
   }
@@ -47,31 +53,34 @@ class Surroundings {
   const posix_spawnattr_t* attributes() const { return &attributes_; }
 
  private:
+  std::vector<int> copies_;
   posix_spawn_file_actions_t files_;
   posix_spawnattr_t attributes_;
 };
 
 }  // namespace
 
+bool is_program(const std::filesystem::path& file) {
+  std::error_code ignored;
+  return std::filesystem::is_regular_file(file, ignored) && access(file.c_str(), X_OK) == 0;
+}
+
 std::optional<std::filesystem::path> find_program(const std::string& name) {
   const char* const folders = std::getenv("PATH");
   std::istringstream list(folders == nullptr ? "" : folders);
   for (std::string folder; std::getline(list, folder, ':');) {
     const std::filesystem::path program = std::filesystem::path(folder) / name;
-    std::error_code ignored;
-    if (program.is_absolute() && std::filesystem::is_regular_file(program, ignored) &&
-        access(program.c_str(), X_OK) == 0)
-      return program;
+    if (program.is_absolute() && is_program(program)) return program;
   }
   return std::nullopt;
 }
 
 pid_t start_program(const std::filesystem::path& program, const std::vector<std::string>& arguments,
-                    const std::filesystem::path& folder) {
+                    const std::filesystem::path& folder, const std::vector<int>& descriptors) {
   std::vector<char*> all{const_cast<char*>(program.c_str())};
   for (const std::string& argument : arguments) all.push_back(const_cast<char*>(argument.c_str()));
   all.push_back(nullptr);
-  const Surroundings surroundings(folder);
+  const Surroundings surroundings(folder, descriptors);
   pid_t child = 0;
   const int error = posix_spawn(&child, program.c_str(), surroundings.files(), surroundings.attributes(),
                                 all.data(), environ);
@@ -100,4 +109,4 @@ std::optional<int> run_program(const std::filesystem::path& program,
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
 }
 
-}  // namespace ringsplat::serve
+}  // namespace ringsplat
