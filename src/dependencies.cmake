@@ -20,10 +20,7 @@ find_package(LibLZMA REQUIRED)
 find_package(TBB CONFIG REQUIRED)
 option(RINGSPLAT_WITH_ITK "Read NIfTI, DICOM, legacy VTK and every NRRD, by ITK; OFF: of these only the usual NRRD" ON)
 if(RINGSPLAT_WITH_ITK)
-  # Debian's GDCM lists programs of its own that nobody needs here, a page of status messages each time.
-  set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
-  find_package(ITK COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIFTI ITKNIFTI ITKIOGDCM ITKIOTIFF ITKIOVTK)
-  unset(CMAKE_MESSAGE_LOG_LEVEL)
+  find_package(ITK COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIFTI ITKNIFTI ITKIOVTK)
   if(NOT ITK_FOUND)
     message(FATAL_ERROR "There is no ITK 5 (Debian: libinsighttoolkit5-dev). Install it, or do without its formats with "
       "-DRINGSPLAT_WITH_ITK=OFF.")
@@ -59,6 +56,15 @@ file(STRINGS ${RINGSPLAT_HDF5_CONFIGURATION} parallel_hdf5 REGEX "^#define H5_HA
 if(parallel_hdf5)
   message(FATAL_ERROR "${RINGSPLAT_HDF5_CONFIGURATION} is of an HDF5 built with MPI; install the serial one (Debian: libhdf5-dev)")
 endif()
+
+# DICOM. Debian's package lists programs of its own that nobody needs here, a page of status messages each time.
+set(GDCM_SKIP_USE_VTK ON)
+set(CMAKE_MESSAGE_LOG_LEVEL NOTICE)
+find_package(GDCM REQUIRED)
+unset(CMAKE_MESSAGE_LOG_LEVEL)
+add_library(ringsplat_gdcm INTERFACE)
+target_include_directories(ringsplat_gdcm SYSTEM INTERFACE ${GDCM_INCLUDE_DIRS})
+target_link_libraries(ringsplat_gdcm INTERFACE gdcmMSFF)
 
 # The viewer's JPEGs.
 pkg_check_modules(TurboJpeg REQUIRED IMPORTED_TARGET libturbojpeg)

@@ -2,7 +2,7 @@
 # line, its viewer's server and its way to do without MPI, with what the rooms use.
 include(CMakePackageConfigHelpers)
 get_property(rooms GLOBAL PROPERTY RINGSPLAT_ROOMS)
-list(REMOVE_ITEM rooms ringsplat_app ringsplat_command_line ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options ringsplat_serve
+list(REMOVE_ITEM rooms ringsplat_decode ringsplat_app ringsplat_command_line ringsplat_study ringsplat_program ringsplat_forecast ringsplat_options ringsplat_serve
      ringsplat_alone ringsplat_python)
 add_library(ringsplat_library INTERFACE)
 add_library(ringsplat::ringsplat ALIAS ringsplat_library)
@@ -24,7 +24,7 @@ install(CODE [[
   if(NOT DEFINED CMAKE_INSTALL_DO_STRIP AND NOT CMAKE_INSTALL_CONFIG_NAME STREQUAL "Debug")
     set(CMAKE_INSTALL_DO_STRIP ON)
   endif()]])
-install(TARGETS ringsplat_cli)
+install(TARGETS ringsplat_cli ringsplat_decode_program)
 install(TARGETS ringsplat_library ${libraries} ${rooms} EXPORT ringsplat-targets)
 install(EXPORT ringsplat-targets NAMESPACE ringsplat:: DESTINATION ${package_folder})
 set(left_out)

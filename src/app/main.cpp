@@ -1,10 +1,8 @@
 #include "app/program.hpp"
-#include "formats/hdf5/trial.hpp"
 #include "program/process_end.hpp"
 
 int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();
-  ringsplat::detail::hdf5::leave_open_at_exit();
   ringsplat::app::prepare_for_lack_of_memory();
   const int code = ringsplat::app::run_program(argc, argv);
   ringsplat::app::leave_if_libraries_lack_memory(code);

@@ -1,8 +1,6 @@
 #pragma once
 #include <filesystem>
 #include <memory>
-#include <string>
-#include <utility>
 
 #include "ringsplat/formats/open.hpp"
 
@@ -23,22 +21,9 @@ std::unique_ptr<VolumeSource> refuse_pvti(const std::filesystem::path& path, con
 std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const VolumeChoice& choice);
 /// Throws: an archive holds arrays by name.
 std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice& choice);
-std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path,
-                                        const VolumeChoice& choice);  ///< one file or a folder
-/// Opens a folder's series, or the series of one file.
-std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
-
-/// An HDF5 file (also netCDF-4, VTKHDF, openPMD), or a dataset in one: "file.h5:/path/to/dataset".
-std::unique_ptr<VolumeSource> open_hdf5(const std::filesystem::path& path, const VolumeChoice& choice);
-/// By its signature, whatever its ending. Throws InputError when it cannot be read.
-bool is_hdf5(const std::filesystem::path& path);
-/// A file and what follows the colon behind its name. A path that exists as a whole has nothing behind.
-std::pair<std::filesystem::path, std::string> split_dataset(const std::filesystem::path& path);
 
 /// Throws InputError that says what a folder holds instead of DICOM or TIFF images.
 [[noreturn]] void refuse_without_images(const std::filesystem::path& folder);
-
-bool is_tiff(const std::filesystem::path& path);
 
 }  // namespace ringsplat::detail

@@ -17,20 +17,6 @@
 namespace ringsplat::detail {
 namespace {
 
-void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
-           std::span<std::byte> out) {
-  visit_type(from, [&](auto stored) {
-    visit_type(to, [&](auto wanted) {
-      using Stored = decltype(stored);
-      using Wanted = decltype(wanted);
-      const auto* values = reinterpret_cast<const Stored*>(in.data());
-      auto* results = reinterpret_cast<Wanted*>(out.data());
-      for (std::size_t i = 0; i < in.size() / sizeof(Stored); ++i)
-        results[i] = Wanted(rescale.slope * double(values[i]) + rescale.intercept);
-    });
-  });
-}
-
 class StoredSource final : public VolumeSource {
  public:
   StoredSource(const Grid& grid, StoredVoxels stored)
@@ -97,6 +83,20 @@ class StoredSource final : public VolumeSource {
 };
 
 }  // namespace
+
+void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
+           std::span<std::byte> out) {
+  visit_type(from, [&](auto stored) {
+    visit_type(to, [&](auto wanted) {
+      using Stored = decltype(stored);
+      using Wanted = decltype(wanted);
+      const auto* values = reinterpret_cast<const Stored*>(in.data());
+      auto* results = reinterpret_cast<Wanted*>(out.data());
+      for (std::size_t i = 0; i < in.size() / sizeof(Stored); ++i)
+        results[i] = Wanted(rescale.slope * double(values[i]) + rescale.intercept);
+    });
+  });
+}
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored) {
   return std::make_unique<StoredSource>(grid, std::move(stored));

@@ -13,6 +13,10 @@ struct Rescale {
   double slope = 1, intercept = 0;
 };
 
+/// Makes values of type `from` such of type `to`.
+void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
+           std::span<std::byte> out);
+
 /// Where and how a file holds its voxels, x fastest, without gaps.
 struct StoredVoxels {
   std::filesystem::path file;

@@ -343,6 +343,16 @@ TEST_CASE("an image library that cannot be used is noticed before a voxel is rea
   CHECK(files_in(out.path()) == files);
 }
 
+TEST_CASE("a missing program for what libraries read is named with where it belongs") {
+  const TemporaryFolder away;
+  fs::copy_file(RINGSPLAT_PROGRAM, away / "ringsplat");
+  const auto file = fs::path(RINGSPLAT_TEST_DATA) / "../fuzz/crashes/hdf5/never_closes";
+  const Ended ended = run_command("env PATH=/bin " + command_of(away / "ringsplat", {"info", file.string()}));
+  CHECK(ended.code == 2);
+  CHECK_THAT(ended.err, Contains("ringsplat-decode, which reads DICOM, TIFF and HDF5, is missing") &&
+                            Contains("here in " + away.path().string()));
+}
+
 TEST_CASE("what HDF5 says of damaged files does not reach stderr") {
   for (const auto& entry : fs::directory_iterator(fs::path(RINGSPLAT_TEST_DATA) / "../fuzz/crashes/hdf5")) {
     const Ended ended = run_program({"info", entry.path().string()});

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "decode/hdf5/library.hpp"
 #include "formats/files.hpp"
-#include "formats/hdf5/library.hpp"
 
 namespace files {
 

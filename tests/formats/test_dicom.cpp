@@ -270,6 +270,24 @@ TEST_CASE("lossless JPEG of any depth is read, whatever else is in it", "[dicom]
   }
 }
 
+TEST_CASE("DICOM values are rescaled backwards, and beyond 32 bits", "[dicom]") {
+  const Folder folder;
+  Dicom image;
+  image.pixels = slice_of_samples(0);
+  image.slope = "-1";
+  const auto negative = open_volume(write(folder / "negative.dcm", image.bytes()));
+  REQUIRE(negative->grid().type == ScalarType::int32);
+  image.slope = "900000";
+  const auto large = open_volume(write(folder / "large.dcm", image.bytes()));
+  REQUIRE(large->grid().type == ScalarType::float64);
+  const auto stored = slice_of_samples(0), turned = read_all(*negative), scaled = read_all(*large);
+  for (int i = 0; i < nx * ny; ++i) {
+    const int value = reinterpret_cast<const short*>(stored.data())[i];
+    CHECK(reinterpret_cast<const std::int32_t*>(turned.data())[i] == -value);
+    CHECK(reinterpret_cast<const double*>(scaled.data())[i] == 900000.0 * value);
+  }
+}
+
 TEST_CASE("DICOM bytes of which few bits count are read", "[dicom]") {
   for (const bool compressed : {false, true}) {
     CAPTURE(compressed);

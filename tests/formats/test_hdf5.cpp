@@ -4,6 +4,7 @@
 #include <atomic>
 #include <limits>
 
+#include "decode/readers.hpp"
 #include "formats/captured_log.hpp"
 #include "formats/hdf5_files.hpp"
 #include "ringsplat/base/error.hpp"
@@ -121,7 +122,10 @@ TEST_CASE("every chunk is decoded once, by slices in order and by layers") {
     for (int n = 0; n < 12 * 6 * 6; ++n) dataset.voxels += bytes_of(short(n));
     const auto path = sample_file(folder, dataset);
     const int chunks = int((12 + depth - 1) / depth) * 3 * 2;
-    const auto source = open_volume(path);
+    // As the program does, which does not know this filter.
+    std::optional<detail::StoredVoxels> in_place;
+    const auto source = detail::read_hdf5(path, {}, in_place);
+    CHECK_FALSE(in_place);
     decoded = 0;
     CHECK(read_all(*source) == dataset.voxels);
     CHECK(decoded == chunks);
@@ -368,6 +372,28 @@ TEST_CASE("an HDF5 file that changes while it is read is refused") {
   const auto source = open_volume(path);
   fs::last_write_time(path, fs::last_write_time(path) + std::chrono::seconds(5));
   CHECK_THAT(message_of([&] { read_all(*source); }), Contains("has changed since it was opened"));
+}
+
+TEST_CASE("voxels that a file holds as they are in one piece are read from it, others decoded") {
+  const Folder folder;
+  const auto offset_of = [&](const fs::path& file, const VolumeChoice& choice = {}) {
+    std::optional<detail::StoredVoxels> found;
+    const auto decoded = detail::read_hdf5(file, choice, found);
+    const auto read = read_all(*open_volume(file, {}, choice));
+    CHECK(read == read_all(*decoded));
+    return found ? std::int64_t(found->offset) : -1;
+  };
+  const auto plain = sample_file(folder);
+  CHECK(offset_of(plain) == std::int64_t(slurp(plain).find(samples<short>())));
+  const auto big = sample_file(folder, {.type = H5T_STD_I16BE});
+  CHECK(offset_of(big) == std::int64_t(slurp(big).find(samples<short>(true))));
+  const auto film =
+      sample_file(folder, {.dims = {2, nz, ny, nx}, .voxels = samples<short>() + samples<short>()});
+  const auto first = offset_of(film);
+  CHECK(offset_of(film, {.frame = 1}) == first + std::int64_t(samples<short>().size()));
+  CHECK(offset_of(sample_file(folder, {.type = H5T_STD_I32LE})) >= 0);
+  CHECK(offset_of(sample_file(folder, {.type = H5T_STD_I64LE})) < 0);
+  CHECK(offset_of(sample_file(folder, {.chunk = {1, 4, 5}})) < 0);
 }
 
 TEST_CASE("files on which HDF5 itself crashes are refused") {

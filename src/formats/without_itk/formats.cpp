@@ -17,8 +17,4 @@ std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const 
   refuse_left_out(path, "legacy VTK", "ITK");
 }
 
-std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice&) {
-  refuse_left_out(path, "DICOM", "ITK");
-}
-
 }  // namespace ringsplat::detail

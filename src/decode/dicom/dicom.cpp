@@ -1,0 +1,263 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <numeric>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "base/log.hpp"
+#include "base/text.hpp"
+#include "decode/dicom/image.hpp"
+#include "decode/dicom/series.hpp"
+#include "decode/dicom/stack.hpp"
+#include "decode/progress.hpp"
+#include "decode/readers.hpp"
+#include "formats/formats.hpp"
+#include "formats/limits.hpp"
+#include "formats/slice_by_slice.hpp"
+#include "formats/whole_source.hpp"
+#include "ringsplat/base/error.hpp"
+#include "volume/forwarding_source.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+struct DicomFrame {
+  std::filesystem::path file;
+  Grid grid;  ///< its type after rescaling; several slices in a multi-frame file
+  DicomPlane plane;
+};
+
+/// Reads a file that was described before. Throws InputError when it is another one now.
+void read_image(const DicomFrame& frame, std::span<std::byte> out) {
+  auto image = DicomImage::open(frame.file);
+  if (!image || image->grid().dims != frame.grid.dims || image->grid().type != frame.grid.type)
+    throw InputError(fmt::format("{} has changed while it was read", frame.file.string()), "start again");
+  image->read(out);
+}
+
+template <class From, class To>
+void convert(const std::vector<std::byte>& in, std::span<std::byte> out) {
+  const auto* values = reinterpret_cast<const From*>(in.data());
+  auto* results = reinterpret_cast<To*>(out.data());
+  for (std::size_t i = 0; i < in.size() / sizeof(From); ++i) results[i] = To(values[i]);
+}
+
+/// Makes `voxels` the mean of itself and `next`, of which `part` counts; whole numbers are rounded.
+void mix(ScalarType type, std::span<const std::byte> next, double part, std::span<std::byte> voxels) {
+  visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    const auto* const other = reinterpret_cast<const T*>(next.data());
+    auto* const values = reinterpret_cast<T*>(voxels.data());
+    for (std::size_t i = 0; i < voxels.size() / sizeof(T); ++i) {
+      const double mean = (1 - part) * double(values[i]) + part * double(other[i]);
+      values[i] = T(std::is_integral_v<T> ? std::nearbyint(mean) : mean);
+    }
+  });
+}
+
+/// Slices are images of files, or lie between two.
+class DicomSource final : public SliceBySlice {
+ public:
+  DicomSource(const Grid& grid, std::vector<DicomFrame> images, std::vector<DicomSlice> slices)
+      : SliceBySlice(grid, files_of(images, slices), {{"encoding", "DICOM"}}),
+        images_(std::move(images)),
+        slices_(std::move(slices)) {}
+
+ private:
+  static std::vector<std::filesystem::path> files_of(const std::vector<DicomFrame>& images,
+                                                     const std::vector<DicomSlice>& slices) {
+    std::vector<std::filesystem::path> files;
+    for (const DicomSlice& slice : slices) files.push_back(images[slice.image].file);
+    return files;
+  }
+
+  void read_slice(int z, std::span<std::byte> out) override {
+    const DicomSlice& slice = slices_[std::size_t(z)];
+    read_file(images_[slice.image], out);
+    if (slice.part == 0) return;
+    std::vector<std::byte> next(out.size());
+    read_file(images_[slice.next], next);
+    mix(grid().type, next, slice.part, out);
+  }
+
+  void read_file(const DicomFrame& image, std::span<std::byte> out) {
+    require_unchanged(image.file);
+    const bool same = image.grid.type == grid().type;
+    std::vector<std::byte> raw(same ? 0 : image.grid.bytes());
+    read_image(image, same ? out : raw);
+    require_unchanged(image.file);
+    if (same) return;
+    // Slices with different rescaling may have different types; the volume is then float32.
+    visit_type(image.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
+  }
+
+  std::vector<DicomFrame> images_;
+  std::vector<DicomSlice> slices_;
+};
+
+/// The frames of one file. GDCM decodes all at once.
+class MultiFrameSource final : public WholeSource {
+ public:
+  /// `slices`: which frames are the volume's slices.
+  MultiFrameSource(const Grid& grid, DicomFrame frames, std::vector<DicomSlice> slices)
+      : WholeSource(grid), frames_(std::move(frames)), slices_(std::move(slices)) {}
+
+ private:
+  bool as_stored() const {
+    for (std::size_t z = 0; z < slices_.size(); ++z)
+      if (slices_[z].image != z || slices_[z].part != 0) return false;
+    return slices_.size() == std::size_t(frames_.grid.dims.z);
+  }
+
+  void decode(std::span<std::byte> voxels) override {
+    if (as_stored()) return read_image(frames_, voxels);
+    std::vector<std::byte> stored(frames_.grid.bytes());
+    read_image(frames_, stored);
+    const auto bytes = grid().slice_bytes(Axis::z);
+    const auto frame = [&](std::size_t i) { return std::span(stored).subspan(i * bytes, bytes); };
+    for (std::size_t z = 0; z < slices_.size(); ++z) {
+      const auto slice = voxels.subspan(z * bytes, bytes);
+      std::ranges::copy(frame(slices_[z].image), slice.begin());
+      if (slices_[z].part > 0) mix(grid().type, frame(slices_[z].next), slices_[z].part, slice);
+    }
+  }
+
+  DicomFrame frames_;
+  std::vector<DicomSlice> slices_;
+};
+
+void require_alike(const std::vector<DicomFrame>& images) {
+  constexpr double tolerated = 1e-2;
+  for (const auto& s : images) {
+    const auto &a = images.front().grid, &b = s.grid;
+    if (a.dims.x != b.dims.x || a.dims.y != b.dims.y)
+      throw InputError(fmt::format("{} is {} x {}, the slices before it are {} x {}", s.file.string(),
+                                   b.dims.x, b.dims.y, a.dims.x, a.dims.y),
+                       "take slices of one size only");
+    if (b.dims.z != 1)
+      throw InputError(fmt::format("{} holds {} frames", s.file.string(), b.dims.z),
+                       "put a multi-frame file alone into its folder");
+    if (glm::distance(a.direction[0], b.direction[0]) > tolerated ||
+        glm::distance(a.direction[1], b.direction[1]) > tolerated)
+      throw InputError(fmt::format("{} is turned against the slices before it (Image Orientation Patient)",
+                                   s.file.string()),
+                       "take slices of one orientation only");
+  }
+}
+
+DicomPlacing placing_of(const Grid& image, const VolumeChoice& choice, const std::filesystem::path& where) {
+  return {.normal = glm::normalize(glm::cross(image.direction[0], image.direction[1])),
+          .pixel = std::min(image.spacing.x, image.spacing.y),
+          .frame = choice.frame,
+          .where = where.string(),
+          .name_of = {}};
+}
+
+/// The third axis comes from the slices' positions: a tilted gantry shears the lattice.
+void place(const DicomStack& stack, const std::filesystem::path& where, Grid& grid) {
+  grid.dims.z = int(stack.slices.size());
+  grid.origin = stack.origin;
+  if (stack.slices.size() > 1) {
+    grid.spacing.z = glm::length(stack.step);
+    grid.direction[2] = stack.step / grid.spacing.z;
+  }
+  check_lattice(grid, where.string());
+}
+
+struct Opened {
+  std::unique_ptr<VolumeSource> source;
+  int frames = 1;
+};
+
+/// The images of a series that can be read; warns of the others. Throws the first complaint when none can.
+std::vector<DicomFrame> images_of(const DicomSeries& series) {
+  std::vector<DicomFrame> images;
+  std::vector<InputError> problems;
+  for (const auto& header : series.images) {
+    decode::progress(std::filesystem::file_size(header.file));
+    try {
+      if (const auto image = DicomImage::open(header.file))
+        images.push_back({header.file, image->grid(), {image->grid().origin, header.times}});
+    } catch (const InputError& error) {
+      problems.push_back(error);
+    }
+  }
+  if (images.empty() && !problems.empty()) throw InputError(problems.front());
+  for (const auto& problem : problems) log_warning_once("left out: {}", problem.what());
+  return images;
+}
+
+Opened open_series(const DicomSeries& series, const VolumeChoice& choice,
+                   const std::filesystem::path& where) {
+  auto images = images_of(series);
+  require_alike(images);
+  Grid grid = images.front().grid;
+  for (const auto& image : images)
+    if (image.grid.type != grid.type) grid.type = ScalarType::float32;
+  std::vector<DicomPlane> planes;
+  for (const auto& image : images) planes.push_back(image.plane);
+  auto placing = placing_of(grid, choice, where);
+  placing.name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
+  auto stack = stack_planes(planes, placing);
+  place(stack, where, grid);
+  return {std::make_unique<DicomSource>(grid, std::move(images), std::move(stack.slices)), stack.frames};
+}
+
+/// Where the frames have places of their own these count; GDCM takes frames for an even stack in their order.
+Opened open_frames(const DicomHeader& header, const VolumeChoice& choice) {
+  const auto image = DicomImage::open(header.file);
+  if (!image) throw InputError(fmt::format("{} has changed", header.file.string()), "start again");
+  DicomFrame frames{header.file, image->grid(), {}};
+  Grid grid = frames.grid;
+  std::vector<DicomSlice> slices(std::size_t(grid.dims.z));
+  for (std::size_t z = 0; z < slices.size(); ++z) slices[z] = {.image = z, .next = z};
+  int times = 1;
+  if (const auto& planes = image->planes()) {
+    grid.spacing = {planes->spacing.x, planes->spacing.y, grid.spacing.z};
+    grid.direction[0] = planes->row;
+    grid.direction[1] = planes->column;
+    auto placing = placing_of(grid, choice, header.file);
+    placing.name_of = [](std::size_t i) { return fmt::format("frame {}", i); };
+    auto stack = stack_planes(planes->planes, placing);
+    place(stack, header.file, grid);
+    slices = std::move(stack.slices);
+    times = stack.frames;
+  } else if (grid.spacing.z < 0) {  // the frames go against the normal
+    grid.spacing.z = -grid.spacing.z;
+    grid.direction[2] = -grid.direction[2];
+  }
+  return {std::make_unique<MultiFrameSource>(grid, std::move(frames), std::move(slices)), times};
+}
+
+VolumeNotes notes_of(const DicomSeries& series, int frames) {
+  VolumeNotes notes{.world = World::patient, .unit = "mm", .frames = frames};
+  notes.modality = series.modality.empty() ? "OT" : excerpt(series.modality);
+  std::transform(notes.modality.begin(), notes.modality.end(), notes.modality.begin(),
+                 [](unsigned char c) { return char(std::toupper(c)); });
+  const auto& type = series.rescale_type;
+  if (type == "HU" || (notes.modality == "CT" && (type.empty() || type == "US"))) notes.quantity = "HU";
+  return notes;
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> read_dicom(const std::filesystem::path& path, const VolumeChoice& choice) {
+  const bool folder = std::filesystem::is_directory(path);
+  const auto all = folder ? find_series(path, true) : find_series_of(path);
+  if (all.empty()) {
+    if (folder) refuse_without_images(path);
+    throw InputError(fmt::format("{} holds no DICOM image", path.string()), "give a file that has pixels");
+  }
+  const auto& series = choose_series(all, choice.series, path.string());
+  const bool multi_frame = series.images.size() == 1 && series.images.front().frames > 1;
+  auto opened = multi_frame ? open_frames(series.images.front(), choice) : open_series(series, choice, path);
+  auto notes = notes_of(series, opened.frames);
+  notes.series = describe(all);
+  return with_notes(std::move(opened.source), std::move(notes));
+}
+
+}  // namespace ringsplat::detail

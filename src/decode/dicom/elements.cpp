@@ -1,0 +1,272 @@
+#include "decode/dicom/elements.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "decode/dicom/schema.hpp"
+#include "formats/inflate_all.hpp"
+#include "formats/signatures.hpp"
+#include "ringsplat/base/error.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+constexpr std::uint64_t preamble = 128;
+constexpr std::uint32_t undefined_length = 0xFFFFFFFF;
+constexpr int deepest = 32;  // nested sequences
+constexpr std::uint64_t longest_value = 1 << 20;
+
+constexpr DicomTag transfer_syntax{0x0002, 0x0010}, meta_storage_class{0x0002, 0x0002};
+constexpr DicomTag item_begin{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
+constexpr DicomTag no_sequence{0xFFFF, 0xFFFF};  ///< parent of elements that are not kept
+constexpr std::uint16_t meta_group = 0x0002, delimiter_group = 0xFFFE;
+
+struct Element {
+  DicomTag tag;
+  std::uint64_t begin = 0;  ///< of its value in the file
+  std::uint32_t length = 0;
+  std::string vr;  ///< empty where the encoding has none
+  bool open_ended() const { return length == undefined_length; }
+  std::uint64_t end() const { return begin + length; }
+};
+
+struct Encoding {
+  bool explicit_vr = true, big_endian = false;
+};
+
+class Parser {
+ public:
+  explicit Parser(DicomFile& file) : file_(file) {}
+
+  void parse() {
+    auto at = parse_meta();
+    encoding_ = encoding_of(file_.transfer_syntax);
+    file_.big_endian = encoding_.big_endian;
+    if (file_.transfer_syntax == "1.2.840.10008.1.2.1.99") {
+      file_.inflated.emplace();
+      inflate_all(*file_.data, at, *file_.inflated);
+      file_.data = std::make_unique<InputFile>(file_.inflated->path());
+      at = 0;
+    }
+    file_.end = size();
+    parse_elements(at, size(), encoding_, {}, &file_.elements, 0);
+    if (!file_.pixels && file_.elements.find(dicom::rows) != nullptr) fail(size());
+  }
+
+ private:
+  std::uint64_t size() const { return file_.data->size(); }
+
+  [[noreturn]] void fail(std::uint64_t at) const {
+    throw InputError(fmt::format("{} is cut short or damaged at byte {}", file_.path.string(), at),
+                     "copy the file again");
+  }
+
+  static std::uint32_t number(std::span<const std::byte> bytes, bool big_endian) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < bytes.size(); ++i)
+      value = value << 8 | std::to_integer<std::uint32_t>(bytes[big_endian ? i : bytes.size() - 1 - i]);
+    return value;
+  }
+
+  /// `end`: of what contains the element.
+  Element element_at(std::uint64_t at, std::uint64_t end, const Encoding& encoding) const {
+    std::array<std::byte, 12> header{};
+    const auto got = std::min<std::uint64_t>(file_.data->read_some(at, header), end - at);
+    if (got < 8) fail(end);
+    const auto part = [&](std::size_t begin, std::size_t count) {
+      return number(std::span(header).subspan(begin, count), encoding.big_endian);
+    };
+    Element e;
+    e.tag = {std::uint16_t(part(0, 2)), std::uint16_t(part(2, 2))};
+    e.begin = at + 8;
+    if (!encoding.explicit_vr || e.tag.group == delimiter_group) {
+      e.length = part(4, 4);
+    } else {
+      e.vr = {char(header[4]), char(header[5])};
+      if (!std::all_of(e.vr.begin(), e.vr.end(), [](unsigned char c) { return std::isupper(c) != 0; }))
+        fail(at + 4);
+      e.length = part(6, 2);
+      constexpr std::string_view long_vrs = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
+      if (long_vrs.find(e.vr) != std::string_view::npos) {
+        if (got < header.size()) fail(end);
+        e.begin = at + header.size();
+        e.length = part(8, 4);
+      }
+    }
+    if (!e.open_ended() && e.end() > end) fail(end);
+    return e;
+  }
+
+  /// Meta elements are always explicit and little-endian; they end where another group begins.
+  std::uint64_t parse_meta() {
+    std::uint64_t at = preamble + 4;
+    while (at < size()) {
+      std::array<std::byte, 2> group{};
+      if (file_.data->read_some(at, group) < group.size()) fail(size());
+      if (number(group, false) != meta_group) break;
+      const Element e = element_at(at, size(), {});
+      if (e.open_ended()) fail(at);
+      if (e.tag == transfer_syntax) file_.transfer_syntax = text_of(e);
+      if (e.tag == meta_storage_class) file_.storage_class = text_of(e);
+      at = e.end();
+    }
+    return at;
+  }
+
+  /// PS3.6, table A-1; every compressed syntax has explicit element headers.
+  static Encoding encoding_of(const std::string& uid) {
+    return {.explicit_vr = !uid.empty() && uid != "1.2.840.10008.1.2",
+            .big_endian = uid == "1.2.840.10008.1.2.2"};
+  }
+
+  std::string bytes_of(const Element& e) const {
+    if (e.length > longest_value) fail(e.begin);
+    std::string bytes(e.length, '\0');
+    file_.data->read(e.begin, std::as_writable_bytes(std::span(bytes)));
+    return bytes;
+  }
+  std::string text_of(const Element& e) const {
+    auto text = bytes_of(e);
+    while (!text.empty() && (text.back() == '\0' || text.back() == ' ')) text.pop_back();
+    return text;
+  }
+
+  /// Parses elements up to `end`, or to the delimiter of an item of undefined length. `into` is null when
+  /// nothing is to be kept. Returns where they end.
+  std::uint64_t parse_elements(std::uint64_t at, std::uint64_t end, const Encoding& encoding, DicomTag parent,
+                               DicomItem* into, int depth) {
+    if (depth > deepest) fail(at);
+    while (at < end) {
+      if (depth == 0 && file_.pixels && only_zeros(at)) {
+        file_.end = at;
+        return end;
+      }
+      const Element e = element_at(at, end, encoding);
+      if (e.tag == item_end && depth > 0) return e.begin;
+      if (e.tag.group == delimiter_group) fail(at);
+      if (depth == 0 && e.tag.group == dicom::pixels.group) {
+        at = parse_pixels(e, end);
+        if (e.tag == dicom::pixels) file_.pixels->begin = e.begin, file_.pixels->end = at;
+      } else
+        at = parse_element(e, end, encoding, parent, into, depth);
+    }
+    return end;
+  }
+
+  std::uint64_t parse_element(const Element& e, std::uint64_t end, const Encoding& encoding, DicomTag parent,
+                              DicomItem* into, int depth) {
+    const auto* const rule = into == nullptr ? nullptr : find_dicom_rule(e.tag, parent);
+    const bool sequence = rule != nullptr && rule->vr == "SQ";
+    if (!sequence && !e.open_ended()) {
+      if (rule != nullptr) keep(e, *rule, *into);
+      return e.end();
+    }
+    std::vector<DicomItem> items;
+    // UN of undefined length: its content is implicit whatever the file is (PS3.5, 6.2.2).
+    const Encoding inner = e.vr == "UN" ? Encoding{.explicit_vr = false} : encoding;
+    const auto after =
+        parse_items(e, e.open_ended() ? end : e.end(), inner, sequence ? &items : nullptr, depth + 1);
+    if (sequence && !into->sequences.emplace(e.tag, std::move(items)).second) fail_twice(e.tag);
+    return after;
+  }
+
+  std::uint64_t parse_items(const Element& sequence, std::uint64_t end, const Encoding& encoding,
+                            std::vector<DicomItem>* items, int depth) {
+    for (auto at = sequence.begin; at < end;) {
+      const Element e = element_at(at, end, encoding);
+      if (e.tag == sequence_end && sequence.open_ended()) return e.begin;
+      if (e.tag != item_begin) fail(at);
+      if (items != nullptr) items->emplace_back();
+      // Items that are not kept may be an icon's compressed pixels, without elements.
+      if (items == nullptr && !e.open_ended())
+        at = e.end();
+      else
+        at = parse_elements(e.begin, e.open_ended() ? end : e.end(), encoding,
+                            items != nullptr ? sequence.tag : no_sequence,
+                            items != nullptr ? &items->back() : nullptr, depth);
+    }
+    if (sequence.open_ended()) fail(end);
+    return end;
+  }
+
+  void keep(const Element& e, const DicomRule& rule, DicomItem& into) {
+    const bool binary = rule.vr == "US" || rule.vr == "UL" || rule.vr == "FD";
+    auto value = binary ? bytes_of(e) : text_of(e);
+    if (encoding_.big_endian && binary) std::reverse(value.begin(), value.end());
+    if (value.empty()) return;
+    if (!into.values.emplace(e.tag, std::move(value)).second) fail_twice(e.tag);
+  }
+
+  [[noreturn]] void fail_twice(DicomTag tag) const {
+    throw InputError(fmt::format("{}: element {} is there twice", file_.path.string(), to_string(tag)),
+                     "copy the file again");
+  }
+
+  std::uint64_t parse_pixels(const Element& e, std::uint64_t end) {
+    if (e.tag == dicom::float_pixels || e.tag == dicom::double_pixels)
+      throw InputError(fmt::format("{}: its pixels are floating-point numbers", file_.path.string()),
+                       "convert it to integers, or to another format");
+    if (e.tag != dicom::pixels && !e.open_ended()) return e.end();
+    if (e.tag != dicom::pixels) fail(e.begin);
+    if (file_.pixels) fail_twice(e.tag);
+    file_.pixels.emplace();
+    file_.pixels->encapsulated = e.open_ended();
+    file_.pixels->words = e.vr != "OB";
+    if (!e.open_ended()) {
+      file_.pixels->fragments.push_back({e.begin, e.length});
+      return e.end();
+    }
+    for (auto at = e.begin; at < end;) {
+      const Element part = element_at(at, end, encoding_);
+      if (part.tag == sequence_end) return part.begin;
+      if (part.tag != item_begin || part.open_ended()) fail(at);
+      file_.pixels->fragments.push_back({part.begin, part.length});
+      at = part.end();
+    }
+    fail(end);
+  }
+
+  /// Some media pad a file to whole blocks.
+  bool only_zeros(std::uint64_t at) const {
+    std::vector<std::byte> window(64 * 1024);
+    for (std::size_t got = 0; (got = file_.data->read_some(at, window)) > 0; at += got)
+      if (std::any_of(window.begin(), window.begin() + std::ptrdiff_t(got),
+                      [](std::byte b) { return b != std::byte{0}; }))
+        return false;
+    return true;
+  }
+
+  DicomFile& file_;
+  Encoding encoding_;
+};
+
+}  // namespace
+
+std::string to_string(DicomTag tag) { return fmt::format("({:04X},{:04X})", tag.group, tag.element); }
+
+const std::string* DicomItem::find(DicomTag tag) const {
+  const auto found = values.find(tag);
+  return found == values.end() ? nullptr : &found->second;
+}
+
+const DicomItem* DicomItem::first_item(DicomTag sequence) const {
+  const auto found = sequences.find(sequence);
+  return found == sequences.end() || found->second.empty() ? nullptr : &found->second.front();
+}
+
+std::optional<DicomFile> read_dicom_file(const std::filesystem::path& path) {
+  if (!is_dicom(path)) return {};
+  DicomFile file;
+  file.path = path;
+  file.data = std::make_unique<InputFile>(path);
+  Parser(file).parse();
+  return file;
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,35 @@
+#pragma once
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "decode/dicom/planes.hpp"
+#include "ringsplat/volume/grid.hpp"
+
+namespace ringsplat::detail {
+
+/// The pixels and the geometry of one DICOM file, by GDCM, from a copy that was checked. Holds the copy in
+/// memory. Not for several threads at once.
+class DicomImage {
+ public:
+  /// Throws InputError for a damaged or unreadable file. Returns nothing for a file that is no DICOM image:
+  /// notes, a DICOMDIR, a report.
+  static std::optional<DicomImage> open(const std::filesystem::path& path);
+  ~DicomImage();
+  DicomImage(DicomImage&&) noexcept;
+
+  const Grid& grid() const;  ///< of all frames; its type is that after rescaling
+  /// Where its frames lie; nothing for a single one, and where GDCM alone knows.
+  const std::optional<DicomPlanes>& planes() const;
+  /// All frames, grid().bytes() bytes.
+  void read(std::span<std::byte> out);
+
+ private:
+  struct Parts;
+  explicit DicomImage(std::unique_ptr<Parts> parts);
+  std::unique_ptr<Parts> parts_;
+};
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,135 @@
+#include "decode/hdf5/axes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "base/log.hpp"
+#include "base/text.hpp"
+#include "formats/limits.hpp"
+
+namespace ringsplat::detail::hdf5 {
+namespace {
+
+using Role = DatasetAxis::Role;
+
+int count(const std::vector<DatasetAxis>& axes, Role role) {
+  return int(std::count_if(axes.begin(), axes.end(), [&](const auto& axis) { return axis.role == role; }));
+}
+
+bool spare(const std::vector<DatasetAxis>& axes) { return count(axes, Role::space) > 3; }
+
+std::string sizes_of(const std::vector<DatasetAxis>& axes) {
+  std::string text;
+  for (const auto& axis : axes) text += fmt::format("{}{}", text.empty() ? "" : " x ", axis.size);
+  return text;
+}
+
+/// Dimensions that no convention names: of more than three those of size 1 do not count, a last one of two to
+/// four is components, and the first is time.
+void settle_roles(DatasetMeaning& meaning, const std::string& where) {
+  auto& axes = meaning.axes;
+  for (auto& axis : axes)
+    if (spare(axes) && !axis.known && axis.size == 1) axis.role = Role::single;
+  auto& last = axes.back();
+  const bool components = last.size >= 2 && last.size <= 4;
+  if (spare(axes) && !last.known && components && count(axes, Role::channel) == 0) last.role = Role::channel;
+  const auto first =
+      std::find_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.role == Role::space; });
+  if (spare(axes) && !first->known && count(axes, Role::frame) == 0) first->role = Role::frame;
+  if (spare(axes) || count(axes, Role::frame) > 1 || count(axes, Role::channel) > 1)
+    throw InputError(
+        fmt::format("{}: which of its dimensions, {}, are z, y and x cannot be told", where, sizes_of(axes)),
+        "name them by the attribute DIMENSION_LABELS, or write one volume a dataset");
+  if (count(axes, Role::space) == 0)
+    throw InputError(fmt::format("{}: none of its dimensions, {}, is one of space", where, sizes_of(axes)),
+                     "name a dataset of three dimensions");
+}
+
+/// The lattice's directions in the world: where every axis of space has its own they are taken, else the axes
+/// lie along x, y, z in turn.
+std::array<int, 3> world_axes(const std::array<int, 3>& lattice, const std::vector<DatasetAxis>& axes) {
+  std::array<int, 3> world{0, 1, 2};
+  std::set<int> taken;
+  for (int k = 0; k < 3; ++k) {
+    const int axis = lattice[std::size_t(k)];
+    if (axis < 0) continue;
+    const auto along = axes[std::size_t(axis)].world;
+    if (!along || !taken.insert(*along).second) return {0, 1, 2};
+    world[std::size_t(k)] = *along;
+  }
+  for (int k = 0; k < 3; ++k)
+    if (lattice[std::size_t(k)] < 0)
+      for (int free = 0; free < 3; ++free)
+        if (taken.insert(free).second) {
+          world[std::size_t(k)] = free;
+          break;
+        }
+  return world;
+}
+
+}  // namespace
+
+void describe_by_name(DatasetAxis& axis) {
+  static const std::map<std::string, int> along{{"x", 0},   {"lon", 0},    {"longitude", 0}, {"easting", 0},
+                                                {"y", 1},   {"lat", 1},    {"latitude", 1},  {"northing", 1},
+                                                {"z", 2},   {"height", 2}, {"altitude", 2},  {"alt", 2},
+                                                {"lev", 2}, {"level", 2},  {"depth", 2},     {"plev", 2}};
+  static const std::set<std::string> of_time{"t", "time", "frame", "frames", "step"};
+  static const std::set<std::string> of_channels{"c",          "ch",  "channel", "channels", "component",
+                                                 "components", "rgb", "rgba",    "band"};
+  if (const auto found = along.find(axis.name); found != along.end()) {
+    axis.known = true;
+    axis.world = found->second;
+  }
+  if (of_time.count(axis.name) != 0) axis.known = true, axis.role = Role::frame;
+  if (of_channels.count(axis.name) != 0) axis.known = true, axis.role = Role::channel;
+}
+
+DatasetMeaning meaning_of(hid_t file, hid_t dataset, const std::string& path, const std::vector<int>& dims,
+                          const std::string& where) {
+  DatasetMeaning meaning;
+  for (const int size : dims) meaning.axes.push_back({.size = size});
+  describe_microscopy(dataset, meaning);
+  describe_netcdf(dataset, where, meaning);
+  describe_openpmd(file, dataset, path, where, meaning);
+  describe_vtkhdf(file, path, where, meaning);
+  describe_minc(file, dataset, path, where, meaning);
+  settle_roles(meaning, where);
+  for (const auto& axis : meaning.axes) {
+    if (axis.role == Role::frame) meaning.notes.frames = axis.size;
+    if (axis.role == Role::channel) meaning.notes.channels = axis.size;
+  }
+  return meaning;
+}
+
+std::array<int, 3> lattice_axes(const std::vector<DatasetAxis>& axes) {
+  std::array<int, 3> lattice{-1, -1, -1};
+  for (int axis = int(axes.size()) - 1, k = 0; axis >= 0; --axis)
+    if (axes[std::size_t(axis)].role == Role::space) lattice[std::size_t(k++)] = axis;
+  return lattice;
+}
+
+Grid lattice_of(const DatasetMeaning& meaning, const std::string& where) {
+  const auto lattice = lattice_axes(meaning.axes);
+  const auto world = world_axes(lattice, meaning.axes);
+  Grid grid;
+  grid.dims = glm::ivec3(1);
+  grid.direction = glm::dmat3(0);
+  for (int k = 0; k < 3; ++k) {
+    const int number = lattice[std::size_t(k)], along = world[std::size_t(k)];
+    const DatasetAxis axis = number < 0 ? DatasetAxis{} : meaning.axes[std::size_t(number)];
+    grid.dims[k] = axis.size;
+    grid.spacing[k] = axis.spacing;
+    grid.direction[k][along] = axis.sign;
+    grid.origin[along] = axis.first;
+  }
+  if (meaning.direction) grid.direction = *meaning.direction;
+  if (meaning.origin) grid.origin = *meaning.origin;
+  check_lattice(grid, where);
+  return grid;
+}
+
+}  // namespace ringsplat::detail::hdf5

@@ -1,0 +1,263 @@
+#include "decode/hdf5/datasets.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <set>
+
+#include "base/printable.hpp"
+#include "base/text.hpp"
+#include "decode/hdf5/attributes.hpp"
+
+namespace ringsplat::detail::hdf5 {
+namespace {
+
+constexpr int most_objects = 10'000, deepest = 32;
+constexpr std::size_t most_listed = 20;
+
+/// A dataset that could be a volume.
+struct Found {
+  std::string path, type;
+  std::vector<int> dims;
+  bool drawable = true;
+  int extended() const {  ///< dimensions of more than one voxel
+    return int(std::count_if(dims.begin(), dims.end(), [](int size) { return size > 1; }));
+  }
+};
+
+std::string shape_of(const Found& found) {
+  std::string text;
+  for (const int size : found.dims) text += fmt::format("{}{}", text.empty() ? "" : "x", size);
+  return text + " " + found.type;
+}
+
+/// Collects a group's datasets of numbers with two dimensions and more.
+class Walk {
+ public:
+  explicit Walk(hid_t file) : file_(file) {}
+
+  void group(const std::string& path, int depth = 0) {
+    const Id id(H5Gopen2(file_, path.c_str(), H5P_DEFAULT));
+    if (!id || depth > deepest || !first_visit(id.get())) return;
+    for (const std::string& name : names_in(id.get())) {
+      const std::string below = fmt::format("{}/{}", path == "/" ? "" : path, name);
+      if (++objects_ > most_objects) return;
+      const Id object(H5Oopen(id.get(), name.c_str(), H5P_DEFAULT));
+      if (!object) {
+        if (unreadable.empty()) unreadable = fmt::format("{} (HDF5: {})", below, innermost_reason());
+        continue;
+      }
+      const H5I_type_t kind = H5Iget_type(object.get());
+      if (kind == H5I_GROUP) group(below, depth + 1);
+      if (kind == H5I_DATASET) dataset(object.get(), below);
+    }
+  }
+  void dataset(hid_t id, const std::string& path) {
+    const Id type(H5Dget_type(id));
+    auto dims = dims_of(id);
+    if (!type || dims.size() < 2) return;
+    const auto value = value_type_of(type.get());
+    if (value) found.push_back({path, value->name, std::move(dims)});
+  }
+  bool complete() const { return objects_ <= most_objects; }
+
+  std::vector<Found> found;
+  std::string unreadable;  ///< the first object that could not be opened, and why
+
+ private:
+  bool first_visit(hid_t group) {
+    H5O_info_t info{};
+    if (H5Oget_info2(group, &info, H5O_INFO_BASIC) < 0) return false;
+    return visited_.insert(std::uint64_t(info.addr)).second;
+  }
+
+  /// Names of what lies in the group itself: links to elsewhere are not followed.
+  static std::vector<std::string> names_in(hid_t group) {
+    std::vector<std::string> names;
+    const auto add = [](hid_t, const char* name, const H5L_info_t* info, void* data) -> herr_t {
+      auto& list = *static_cast<std::vector<std::string>*>(data);
+      if (info->type == H5L_TYPE_HARD) list.emplace_back(name);
+      return list.size() > std::size_t(most_objects) ? 1 : 0;
+    };
+    H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, add, &names);
+    return names;
+  }
+
+  hid_t file_;
+  int objects_ = 0;
+  std::set<std::uint64_t> visited_;
+};
+
+/// Every access property list that opens through links: at a link to another file it fails.
+Id within_file() {
+  Id access(H5Pcreate(H5P_LINK_ACCESS));
+  const auto refuse = [](const char*, const char*, const char*, const char*, unsigned*, hid_t,
+                         void*) -> herr_t { return -1; };
+  H5Pset_elink_cb(access.get(), refuse, nullptr);
+  return access;
+}
+
+std::string listed(const std::vector<Found>& found, const std::string& below) {
+  std::string text;
+  for (std::size_t k = 0; k < found.size() && k < most_listed; ++k) {
+    std::string name = found[k].path;
+    if (below != "/" && name.rfind(below + "/", 0) == 0) name.erase(0, below.size() + 1);
+    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", ringsplat::excerpt(name, 120), shape_of(found[k]));
+  }
+  if (found.size() > most_listed) text += fmt::format(" and {} more", found.size() - most_listed);
+  return text;
+}
+
+/// The only dataset of three dimensions; in files without any, of two.
+std::string only_one(const Walk& walk, const std::filesystem::path& path, const std::string& below) {
+  auto found = walk.found;
+  std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.path < b.path; });
+  for (const int least : {3, 2, 0}) {
+    std::vector<Found> fit;
+    std::copy_if(found.begin(), found.end(), std::back_inserter(fit),
+                 [&](const Found& one) { return one.extended() >= least; });
+    if (fit.size() == 1 && walk.complete()) return fit.front().path;
+    if (fit.empty()) continue;
+    const auto name = below == "/" || fit.front().path.rfind(below + "/", 0) != 0
+                          ? fit.front().path
+                          : fit.front().path.substr(below.size() + 1);
+    throw InputError(fmt::format("{} holds several datasets: {}{}", path.string(), listed(fit, below),
+                                 walk.complete() ? "" : " and more"),
+                     fmt::format("name one: {}:{}", path.string(), ringsplat::excerpt(name, 120)));
+  }
+  if (!walk.unreadable.empty())
+    throw InputError(
+        fmt::format("{}: cannot open {}", path.string(), ringsplat::excerpt(walk.unreadable, 300)),
+        "the file is damaged, or a newer HDF5 wrote it: copy it again, or h5repack it there");
+  throw InputError(fmt::format("{} holds no dataset of numbers with three dimensions", path.string()),
+                   "h5dump -n lists what it holds");
+}
+
+/// openPMD's iterations in one file: the numbers in place of %T, ascending.
+std::vector<std::uint64_t> iterations_in(hid_t file, const std::string& before, const std::string& behind) {
+  const Id group(H5Gopen2(file, before.c_str(), H5P_DEFAULT));
+  std::vector<std::uint64_t> numbers;
+  if (!group || behind != "/") return numbers;
+  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
+    auto& list = *static_cast<std::vector<std::uint64_t>*>(data);
+    if (const auto number = number_in<std::uint64_t>(name)) list.push_back(*number);
+    return list.size() > std::size_t(most_objects) ? 1 : 0;
+  };
+  H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, add, &numbers);
+  std::sort(numbers.begin(), numbers.end());
+  return numbers;
+}
+
+Iterations choose_iteration(hid_t file, const std::filesystem::path& path, const VolumeChoice& choice) {
+  const Id root(H5Gopen2(file, "/", H5P_DEFAULT));
+  Iterations all;
+  if (!root || !text_of(root.get(), "openPMD")) return all;
+  const auto base = text_of(root.get(), "basePath").value_or("/data/%T/");
+  const auto at = base.find("%T");
+  if (at == std::string::npos) return all;
+  const auto numbers = iterations_in(file, base.substr(0, at), base.substr(at + 2));
+  if (numbers.empty()) return all;
+  all.count = int(numbers.size());
+  const int frame = choice.frame.value_or(0);
+  if (frame < 0 || frame >= all.count)
+    throw InputError(fmt::format("--frame {}: {} holds {} iterations", frame, path.string(), all.count),
+                     fmt::format("frames are numbered from 0 to {}", all.count - 1));
+  all.group = base.substr(0, at) + fmt::format("{}", numbers[std::size_t(frame)]);
+  return all;
+}
+
+/// Where volumes are in a file of a known convention.
+void walk_all(hid_t file, const Iterations& iterations, Walk& walk) {
+  if (H5Lexists(file, "VTKHDF", H5P_DEFAULT) > 0) {
+    walk.group("/VTKHDF/PointData");
+    walk.group("/VTKHDF/CellData");
+  }
+  if (!walk.found.empty()) return;
+  walk.group(iterations.group);
+}
+
+}  // namespace
+
+std::optional<ValueType> value_type_of(hid_t type) {
+  const std::size_t size = H5Tget_size(type);
+  const H5T_class_t kind = H5Tget_class(type);
+  if (kind == H5T_ENUM) {
+    const Id base(H5Tget_super(type));
+    auto value = base ? value_type_of(base.get()) : std::nullopt;
+    if (!value) return {};
+    value->labels = true;
+    value->name = H5Tget_nmembers(type) == 2 && size == 1 ? "bool" : "enumeration of " + value->name;
+    return value;
+  }
+  if (kind == H5T_FLOAT) {
+    if (size > sizeof(double)) return {};
+    return ValueType{size <= sizeof(float) ? ScalarType::float32 : ScalarType::float64, false, false,
+                     fmt::format("float{}", 8 * size)};
+  }
+  if (kind != H5T_INTEGER) return {};
+  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
+  const std::string name = fmt::format("{}int{}", is_signed ? "" : "u", 8 * size);
+  if (size == 1) return ValueType{is_signed ? ScalarType::int8 : ScalarType::uint8, false, false, name};
+  if (size == 2) return ValueType{is_signed ? ScalarType::int16 : ScalarType::uint16, false, false, name};
+  if (size == 3 || size == 4)
+    return ValueType{is_signed ? ScalarType::int32 : ScalarType::uint32, false, false, name};
+  if (size <= 8) return ValueType{ScalarType::float64, true, false, name};
+  return {};
+}
+
+std::vector<int> dims_of(hid_t dataset) {
+  const Id space(H5Dget_space(dataset));
+  if (!space || H5Sget_simple_extent_type(space.get()) != H5S_SIMPLE) return {};
+  const int rank = H5Sget_simple_extent_ndims(space.get());
+  if (rank < 1 || rank > H5S_MAX_RANK) return {};
+  std::vector<hsize_t> sizes(std::size_t(rank), 0);
+  H5Sget_simple_extent_dims(space.get(), sizes.data(), nullptr);
+  std::vector<int> dims;
+  for (const hsize_t size : sizes) {
+    if (size < 1 || size > hsize_t(std::numeric_limits<int>::max())) return {};
+    dims.push_back(int(size));
+  }
+  return dims;
+}
+
+Id open_file(const std::filesystem::path& file) {
+  const Id access(H5Pcreate(H5P_FILE_ACCESS));
+  H5Pset_file_locking(access.get(), false, true);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_WEAK);
+  return made(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()),
+              fmt::format("cannot open {}", file.string()));
+}
+
+Id open_object(hid_t file, const std::string& path, const std::string& where) {
+  const Id access = within_file();
+  Id object(H5Oopen(file, path.c_str(), access.get()));
+  if (!object)
+    fail(fmt::format("{}: it is not there, damaged, or in another file that a link names", where),
+         "h5dump -n lists what the file holds; links to other files are not followed");
+  return object;
+}
+
+std::string choose_dataset(hid_t file, const std::filesystem::path& path, const std::string& named,
+                           const VolumeChoice& choice, Iterations& iterations) {
+  iterations = choose_iteration(file, path, choice);
+  Walk walk(file);
+  if (named.empty() || named == "/") {
+    walk_all(file, iterations, walk);
+    return only_one(walk, path, iterations.group);
+  }
+  std::string full = named.front() == '/' ? named : fmt::format("/{}", named);
+  const bool whole = H5Lexists(file, named.substr(0, named.find('/', 1)).c_str(), H5P_DEFAULT) > 0;
+  if (iterations.group != "/" && !whole)
+    full = iterations.group + full;
+  else
+    iterations = {};
+  while (full.size() > 1 && full.back() == '/') full.pop_back();
+  const Id object = open_object(file, full, path.string() + ":" + ringsplat::excerpt(named, 200));
+  if (H5Iget_type(object.get()) == H5I_DATASET) return full;
+  walk.group(full);
+  return only_one(walk, path, iterations.group);
+}
+
+}  // namespace ringsplat::detail::hdf5

@@ -1,0 +1,21 @@
+#pragma once
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include "formats/stored_source.hpp"
+#include "ringsplat/formats/open.hpp"
+
+/// One function a format that libraries read; each throws InputError naming the file. `path` exists.
+namespace ringsplat::detail {
+
+/// An HDF5 file (also netCDF-4, VTKHDF, openPMD), or a dataset in one: "file.h5:/path/to/dataset". `in_place`
+/// becomes where the voxels lie in the file as they are, if they do.
+std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const VolumeChoice& choice,
+                                        std::optional<StoredVoxels>& in_place);
+/// One file or a folder of pages.
+std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice);
+/// A folder's series, or the series of one file.
+std::unique_ptr<VolumeSource> read_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
+
+}  // namespace ringsplat::detail

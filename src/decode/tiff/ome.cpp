@@ -1,0 +1,188 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+#include <string_view>
+#include <utility>
+
+#include "base/text.hpp"
+#include "decode/tiff/description.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+using Attributes = std::map<std::string, std::string>;
+
+/// A start tag, whatever its namespace.
+struct Element {
+  std::string name;
+  Attributes attributes;
+};
+
+/// XML's own entities, and characters by number as they are needed here: the two micro signs and the ring.
+std::string unescaped(std::string text) {
+  constexpr std::pair<std::string_view, std::string_view> entities[] = {
+      {"&lt;", "<"},          {"&gt;", ">"},          {"&quot;", "\""},       {"&apos;", "'"},
+      {"&#181;", "\xC2\xB5"}, {"&#xB5;", "\xC2\xB5"}, {"&#xb5;", "\xC2\xB5"}, {"&#956;", "\xCE\xBC"},
+      {"&#197;", "\xC3\x85"}, {"&#xC5;", "\xC3\x85"}, {"&amp;", "&"}};
+  for (const auto& [entity, plain] : entities)
+    for (auto at = text.find(entity); at != std::string::npos; at = text.find(entity, at + plain.size()))
+      text.replace(at, entity.size(), plain);
+  return text;
+}
+
+/// Where a tag ends; a '>' in quotes does not end it.
+std::size_t end_of_tag(std::string_view xml, std::size_t at) {
+  char quote = 0;
+  for (; at < xml.size(); ++at) {
+    if (quote != 0)
+      quote = xml[at] == quote ? char(0) : quote;
+    else if (xml[at] == '"' || xml[at] == '\'')
+      quote = xml[at];
+    else if (xml[at] == '>')
+      return at;
+  }
+  return xml.size();
+}
+
+Attributes attributes_in(std::string_view tag) {
+  Attributes attributes;
+  for (auto at = tag.find_first_of(" \t\r\n"); at < tag.size();) {
+    const auto equals = tag.find('=', at);
+    const auto open = equals == tag.npos ? equals : tag.find_first_of("\"'", equals);
+    const auto close = open == tag.npos ? open : tag.find(tag[open], open + 1);
+    if (close == tag.npos) break;
+    attributes[trimmed(std::string(tag.substr(at, equals - at)))] =
+        unescaped(std::string(tag.substr(open + 1, close - open - 1)));
+    at = close + 1;
+  }
+  return attributes;
+}
+
+/// The start tags with one of these names, in the text's order. Comments are skipped.
+std::vector<Element> start_tags(std::string_view xml, const std::set<std::string_view>& names) {
+  std::vector<Element> found;
+  for (auto at = xml.find('<'); at < xml.size(); at = xml.find('<', at)) {
+    if (xml.substr(at).starts_with("<!--")) {
+      at = std::min(xml.find("-->", at), xml.size());
+      continue;
+    }
+    const auto end = end_of_tag(xml, at);
+    const auto tag = xml.substr(at + 1, end - at - 1);
+    const auto full = tag.substr(0, tag.find_first_of(" \t\r\n/", 1));
+    const auto name = full.substr(full.find(':') + 1);
+    if (names.contains(name)) found.push_back({std::string(name), attributes_in(tag)});
+    at = end;
+  }
+  return found;
+}
+
+std::string text_in(const Attributes& a, const char* key) {
+  const auto found = a.find(key);
+  return found == a.end() ? std::string() : found->second;
+}
+
+std::optional<std::int64_t> count_in(const Attributes& a, const char* key) {
+  return number_in<std::int64_t>(trimmed(text_in(a, key)));
+}
+
+/// PhysicalSizeX, PhysicalSizeXUnit and so on. A missing unit is micrometres.
+void read_sizes(const Attributes& pixels, Microscopy& said) {
+  std::array<std::optional<double>, 3> sizes, scales;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto name = std::string("PhysicalSize") + char('X' + i);
+    const auto size = number_in<double>(trimmed(text_in(pixels, name.c_str())));
+    const auto unit = trimmed(text_in(pixels, (name + "Unit").c_str()));
+    if (size && std::isfinite(*size) && *size != 0) sizes[i] = std::abs(*size);
+    scales[i] = unit.empty() ? 1 : micrometres_in(unit);
+  }
+  said.sized = sizes[0].has_value();
+  if (!said.sized) return;
+  said.unit = scales[0] ? "um" : "";
+  said.depth = sizes[2].has_value() && scales[2].has_value() == scales[0].has_value();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool like_x = !sizes[i] || scales[i].has_value() != scales[0].has_value();
+    const auto from = like_x ? 0 : i;
+    said.spacing[int(i)] = *sizes[from] * scales[from].value_or(1);
+  }
+}
+
+/// Where runs of planes lie in the file by TiffData. A run without a count goes on to where the next begins.
+void read_runs(const std::vector<Element>& tags, std::int64_t samples, Microscopy& said) {
+  const auto slices = said.slices.value_or(1);
+  for (const auto& [name, a] : tags) {
+    if (name != "TiffData") continue;
+    const auto ifd = count_in(a, "IFD");
+    const auto c = count_in(a, "FirstC").value_or(0) / samples, z = count_in(a, "FirstZ").value_or(0),
+               t = count_in(a, "FirstT").value_or(0);
+    const auto all = std::int64_t(said.planes(slices).value_or(0));
+    const auto count = count_in(a, "PlaneCount").value_or(all);
+    if (c < 0 || z < 0 || t < 0 || c >= said.channels || z >= slices || t >= said.frames || count < 1 ||
+        ifd.value_or(0) < 0) {
+      said.problem = "a TiffData element lies outside of its sizes";
+      return;
+    }
+    Microscopy whole = said;
+    whole.runs.clear();
+    said.runs[*whole.plane(c, z, t, slices)] = {std::uint64_t(ifd.value_or(0)), std::uint64_t(count)};
+  }
+}
+
+void read_channels(const std::vector<Element>& tags, Microscopy& said, std::int64_t& samples) {
+  for (const auto& [name, a] : tags) {
+    if (name != "Channel") continue;
+    if (said.names.empty()) samples = count_in(a, "SamplesPerPixel").value_or(1);
+    said.names.push_back(trimmed(text_in(a, "Name")));
+  }
+  // The colours of a page count as channels there.
+  if (samples < 1 || said.channels % samples != 0) samples = 1;
+  said.channels /= samples;
+  if (said.channels < std::int64_t(said.names.size())) said.names.resize(std::size_t(said.channels));
+}
+
+}  // namespace
+
+Microscopy read_ome(const std::string& xml) {
+  Microscopy said;
+  said.by = "OME-XML";
+  const auto tags = start_tags(xml, {"BinaryOnly", "Pixels", "Channel", "TiffData", "UUID"});
+  std::set<std::string> files;
+  std::int64_t images = 0;
+  Attributes pixels;
+  for (const auto& [name, a] : tags) {
+    if (name == "BinaryOnly") {
+      const auto file = text_in(a, "MetadataFile");
+      said.problem = "what its pages are is in another file" + (file.empty() ? "" : ", " + excerpt(file));
+      return said;
+    }
+    if (name == "UUID" && a.contains("FileName")) files.insert(a.at("FileName"));
+    if (name == "Pixels" && ++images == 1) pixels = a;
+  }
+  if (files.size() > 1)
+    said.problem = fmt::format("it is one of {} files of an image", files.size());
+  else if (images != 1)
+    said.problem = fmt::format("it holds {} images", images);
+  if (!said.problem.empty()) return said;
+  const auto channels = count_in(pixels, "SizeC"), frames = count_in(pixels, "SizeT");
+  said.slices = count_in(pixels, "SizeZ");
+  if (!channels || !frames || !said.slices) said.problem = "SizeC, SizeT or SizeZ is missing";
+  said.channels = channels.value_or(1);
+  said.frames = frames.value_or(1);
+  read_sizes(pixels, said);
+  const auto order = text_in(pixels, "DimensionOrder");
+  if (auto sorted = order.substr(std::min<std::size_t>(2, order.size())); order.starts_with("XY")) {
+    said.order = sorted;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted != "CTZ") said.problem = fmt::format("DimensionOrder is '{}'", excerpt(order));
+  } else {
+    said.order = "ZCT";
+  }
+  std::int64_t samples = 1;
+  read_channels(tags, said, samples);
+  if (said.problem.empty() && said.planes(said.slices.value_or(1))) read_runs(tags, samples, said);
+  return said;
+}
+
+}  // namespace ringsplat::detail

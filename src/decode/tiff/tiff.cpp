@@ -1,0 +1,193 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "base/log.hpp"
+#include "base/natural_order.hpp"
+#include "base/text.hpp"
+#include "decode/progress.hpp"
+#include "decode/readers.hpp"
+#include "decode/tiff/file.hpp"
+#include "formats/left_out.hpp"
+#include "formats/limits.hpp"
+#include "formats/signatures.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/config.hpp"
+#include "volume/forwarding_source.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+  if (!std::filesystem::is_directory(path)) return {path};
+  std::vector<std::filesystem::path> files;
+  for (const auto& entry : std::filesystem::directory_iterator(path))
+    if (is_tiff(entry.path())) files.push_back(entry.path());
+  std::sort(files.begin(), files.end(), [](const auto& a, const auto& b) {
+    return naturally_before(a.filename().string(), b.filename().string());
+  });
+  return files;
+}
+
+/// What is taken of each file.
+struct Taken {
+  std::int64_t channel = 0, frame = 0;  ///< of its planes
+  TiffSamples samples;
+};
+
+std::string channel_name(const Microscopy& said, std::int64_t channel) {
+  const bool named = channel < std::int64_t(said.names.size()) && !said.names[std::size_t(channel)].empty();
+  return named ? fmt::format("{} ({})", channel, excerpt(said.names[std::size_t(channel)]))
+               : std::to_string(channel);
+}
+
+std::string channel_names(const Microscopy& said) {
+  constexpr std::int64_t most = 10;
+  std::vector<std::string> names;
+  for (std::int64_t c = 0; c < std::min(said.channels, most); ++c) names.push_back(channel_name(said, c));
+  if (said.channels > most) names.emplace_back("...");
+  return comma_list(names);
+}
+
+/// The channel with that number or name; nothing when there is none.
+std::optional<std::int64_t> find_channel(const Microscopy& said, const std::string& wanted) {
+  for (std::size_t c = 0; c < said.names.size(); ++c)
+    if (lower_case(said.names[c]) == lower_case(wanted)) return std::int64_t(c);
+  const auto number = number_in<std::int64_t>(wanted);
+  return number && *number >= 0 && *number < said.channels ? number : std::nullopt;
+}
+
+/// Which of the planes' channels. Colours within a page are told apart by take_samples().
+std::int64_t take_channel_of_planes(const TiffFile& file, const std::string& wanted) {
+  if (!file.microscopy || file.microscopy->channels == 1) return 0;
+  const Microscopy& said = *file.microscopy;
+  if (wanted.empty()) {
+    log_warning_once("{}: of the channels {} the first is shown; --channel takes another", file.path.string(),
+                     channel_names(said));
+    return 0;
+  }
+  if (const auto found = find_channel(said, wanted)) return *found;
+  throw InputError(fmt::format("--channel {}: {} has no such channel", wanted, file.path.string()),
+                   "its channels are " + channel_names(said));
+}
+
+TiffSamples take_samples(const TiffFile& file, const std::string& wanted) {
+  TiffSamples samples{.count = file.samples, .taken = {.index = 0}};
+  const bool several_planes = file.microscopy && file.microscopy->channels > 1;
+  const bool grey_and_alpha = file.samples == 2 && file.has_alpha;
+  constexpr int most_colours = 4;
+  if (file.samples == 1 || (grey_and_alpha && wanted.empty())) return samples;
+  samples.taken = choose_channel(several_planes ? std::string() : wanted, file.samples,
+                                 file.samples == 3 || file.samples == most_colours, file.path.string());
+  return samples;
+}
+
+Taken take(const TiffFile& file, const VolumeChoice& choice) {
+  Taken taken;
+  taken.channel = take_channel_of_planes(file, choice.channel);
+  taken.samples = take_samples(file, choice.channel);
+  const auto frames = file.microscopy ? file.microscopy->frames : 1;
+  taken.frame = choice.frame.value_or(0);
+  if (taken.frame < 0 || taken.frame >= frames)
+    throw InputError(
+        fmt::format("--frame {}: {} holds {} time points", taken.frame, file.path.string(), frames),
+        fmt::format("they are numbered from 0 to {}", frames - 1));
+  return taken;
+}
+
+void add_slices(const TiffFile& file, const Taken& taken, std::vector<TiffSlice>& slices) {
+  if (!file.microscopy) {
+    slices.insert(slices.end(), file.planes.begin(), file.planes.end());
+    return;
+  }
+  for (std::int64_t z = 0; z < file.slices(); ++z) {
+    const auto plane = file.microscopy->plane(taken.channel, z, taken.frame, file.slices());
+    if (!plane || *plane >= file.planes.size())
+      throw InputError(fmt::format("{}: slice {} of channel {} at time {} is not in the file (by its {})",
+                                   file.path.string(), z, taken.channel, taken.frame, file.microscopy->by),
+                       "write all planes into one file");
+    slices.push_back(file.planes[std::size_t(*plane)]);
+  }
+}
+
+/// The voxels' size, and the lattice as Fiji and napari show a stack: the default camera looks along +y, z is
+/// up. So columns run to the right, rows downwards, and slices away from the viewer.
+void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
+  grid.direction = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0));
+  notes.world = World::microscope;
+  if (!first.microscopy || (!first.microscopy->sized && !first.microscopy->depth)) return;
+  const Microscopy& said = *first.microscopy;
+  constexpr double most_apart = 1000, largest = 1e12;
+  const auto plausible = [&](double size) {
+    return size > said.spacing.x / most_apart && size < said.spacing.x * most_apart;
+  };
+  const auto path = first.path.string();
+  if (!(said.spacing.x > 1 / largest && said.spacing.x < largest) || !plausible(said.spacing.y)) {
+    log_warning_once("{}: pixels of {:g} x {:g} {} (by its {}) are taken for 1 x 1: give --spacing", path,
+                     said.spacing.x, said.spacing.y, said.unit, said.by);
+    return;
+  }
+  grid.spacing = said.spacing;
+  notes.unit = said.unit;
+  if (grid.dims.z == 1 || (said.depth && plausible(said.spacing.z))) return;
+  const bool image_j_one = said.by == "ImageJ" && !said.depth && plausible(said.spacing.z);
+  if (!image_j_one) grid.spacing.z = grid.spacing.x;
+  const auto taken = fmt::format("taken for {:g} {}", grid.spacing.z, said.unit);
+  log_warning_once("{}: the distance of slices is {} (by its {}) and {}{}: give --spacing", path,
+                   said.depth ? fmt::format("{:g} {}", said.spacing.z, said.unit) : "missing", said.by,
+                   trimmed(taken), image_j_one ? ", as ImageJ does" : ", as of columns");
+}
+
+/// Fills in how many channels and time points there are to choose from.
+void count(const TiffFile& first, VolumeNotes& notes) {
+  const auto most = std::int64_t(std::numeric_limits<int>::max());
+  const auto planes = first.microscopy ? first.microscopy->channels : 1;
+  notes.frames = first.microscopy ? int(std::min(first.microscopy->frames, most)) : 1;
+  notes.channels = int(planes > 1 ? std::min(planes, most) : first.samples);
+}
+
+}  // namespace
+
+std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
+  if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO) refuse_left_out(path, "TIFF", "OpenImageIO");
+  std::optional<TiffFile> first;
+  Taken taken;
+  std::vector<TiffSlice> slices;
+  for (const auto& file_path : files_of(path)) {
+    decode::progress();
+    const TiffFile file = read_tiff_file(file_path);
+    if (file.planes.empty()) continue;
+    if (!first) taken = take(file, choice);
+    if (!first) first = file;
+    const auto counts = [](const TiffFile& f) {
+      return f.microscopy ? std::pair(f.microscopy->channels, f.microscopy->frames)
+                          : std::pair(std::int64_t(1), std::int64_t(1));
+    };
+    if (file.width != first->width || file.height != first->height || file.type != first->type ||
+        file.samples != first->samples || counts(file) != counts(*first))
+      throw InputError(
+          fmt::format("{} is {} x {} {} in {} channels, the files before it are {} x {} {} in {}",
+                      file_path.string(), file.width, file.height, to_string(file.type),
+                      counts(file).first * file.samples, first->width, first->height, to_string(first->type),
+                      counts(*first).first * first->samples),
+          "all slices must have one size and type");
+    add_slices(file, taken, slices);
+  }
+  if (!first) throw InputError(fmt::format("{} has no pages", path.string()), "give a TIFF stack");
+  if (slices.size() > std::size_t(std::numeric_limits<int>::max()))
+    throw InputError(fmt::format("{} has {} slices", path.string(), slices.size()), "give fewer of them");
+  Grid grid;
+  grid.dims = {first->width, first->height, int(slices.size())};
+  grid.type = first->type;
+  VolumeNotes notes;
+  place(*first, grid, notes);
+  count(*first, notes);
+  check_lattice(grid, path.string());
+  return with_notes(tiff_source(grid, std::move(slices), taken.samples), notes);
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,108 @@
+#pragma once
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/log.hpp"
+#include "formats/decode/archive.hpp"
+#include "formats/stored_source.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/formats/open.hpp"
+
+/// What a process and the program that decodes for it say to each other, over a socket. Voxels go through
+/// memory that both share.
+namespace ringsplat::detail {
+
+enum class DecodedFormat : std::uint32_t { hdf5, tiff, dicom };
+
+/// Descriptors that the program is started with.
+inline constexpr int decode_socket = 3, decode_memory = 4;
+/// Exit code of a program of another version, which its only argument names.
+inline constexpr int other_version_code = 64;
+
+struct DecodeRequest {
+  enum class Kind : std::uint32_t {
+    open,   ///< a volume
+    read,   ///< `count` slices from `first` on, into the shared memory
+    facts,  ///< VolumeSource::facts()
+    close   ///< has no answer
+  };
+  Kind kind = Kind::open;
+  std::uint32_t source = 0;  ///< its number; of one that is opened a new one
+  int first = 0, count = 0;
+  DecodedFormat format = DecodedFormat::hdf5;
+  std::string folder = {}, path = {};  ///< the process's working folder, which a relative path begins at
+  VolumeChoice choice = {};
+};
+
+/// A volume that was opened.
+struct DecodedVolume {
+  Grid grid;
+  bool concurrent = true;
+  int layer_depth = 1;
+  VolumeNotes notes;
+  std::optional<StoredVoxels> in_place;  ///< where the voxels lie in the file as they are
+};
+
+struct DecodeAnswer {
+  struct LogLine {
+    LogLevel level = LogLevel::warning;
+    std::string text;
+  };
+  struct Failure {
+    ExitCode code = ExitCode::bad_input;
+    std::string what;  ///< with its hint
+  };
+  std::vector<LogLine> log = {};
+  std::optional<Failure> failure = std::nullopt;
+  DecodedVolume volume = {};  ///< when one was opened
+  Facts facts = {};           ///< when they were asked for
+};
+
+template <class Archive>
+void fields(Archive& archive, VolumeChoice& choice) {
+  archive(choice.frame, choice.channel, choice.series);
+}
+template <class Archive>
+void fields(Archive& archive, DecodeRequest& r) {
+  archive(r.kind, r.source, r.first, r.count, r.format, r.folder, r.path, r.choice);
+}
+template <class Archive>
+void fields(Archive& archive, VolumeNotes& notes) {
+  archive(notes.world, notes.unit, notes.quantity, notes.modality, notes.fill, notes.labels, notes.frames,
+          notes.channels, notes.series);
+}
+template <class Archive>
+void fields(Archive& archive, StoredVoxels& stored) {
+  archive(stored.file, stored.offset, stored.compressed, stored.skip, stored.big_endian, stored.type,
+          stored.rescale);
+}
+template <class Archive>
+void fields(Archive& archive, DecodedVolume& volume) {
+  archive(volume.grid, volume.concurrent, volume.layer_depth, volume.notes, volume.in_place);
+}
+template <class Archive>
+void fields(Archive& archive, Fact& fact) {
+  archive(fact.field, fact.value);
+}
+template <class Archive>
+void fields(Archive& archive, DecodeAnswer::LogLine& line) {
+  archive(line.level, line.text);
+}
+template <class Archive>
+void fields(Archive& archive, DecodeAnswer::Failure& failure) {
+  archive(failure.code, failure.what);
+}
+template <class Archive>
+void fields(Archive& archive, DecodeAnswer& answer) {
+  archive(answer.log, answer.failure, answer.volume, answer.facts);
+}
+
+/// Sends a message with its length before it; false when the other side is gone.
+bool send_message(int socket, std::span<const std::byte> message);
+/// Waits for the next one; nothing when the other side is gone.
+std::optional<Bytes> receive_message(int socket);
+
+}  // namespace ringsplat::detail

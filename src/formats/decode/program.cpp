@@ -1,0 +1,147 @@
+#include "formats/decode/program.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <utility>
+
+#include "base/child_program.hpp"
+#include "base/own_place.hpp"
+
+namespace ringsplat::detail {
+namespace {
+
+constexpr const char* program_name = "ringsplat-decode";
+
+/// Beside what this code is part of, where that looks for its libraries, in the folder of programs beside
+/// these, or in PATH.
+std::filesystem::path find_decode_program() {
+  const auto own = own_folder();
+  if (is_program(own / program_name)) return own / program_name;
+  for (const auto& folder : own_search_path())
+    for (const auto& place : {folder, folder / ".." / "bin"})
+      if (is_program(place / program_name)) return place / program_name;
+  if (const auto found = find_program(program_name)) return *found;
+  throw InputError(
+      fmt::format("{}, which reads DICOM, TIFF and HDF5, is missing", program_name),
+      fmt::format("it belongs beside ringsplat, here in {}: install again, or name its folder in PATH",
+                  own.string()));
+}
+
+}  // namespace
+
+std::shared_ptr<DecodeProgram> DecodeProgram::running() {
+  static std::mutex mutex;
+  static std::shared_ptr<DecodeProgram> last;
+  const std::lock_guard lock(mutex);
+  if (!last || last->ended()) last = std::make_shared<DecodeProgram>(find_decode_program());
+  return last;
+}
+
+DecodeProgram::DecodeProgram(const std::string& file) : owner_(::getpid()) {
+  std::array<int, 2> ends{-1, -1};
+  memory_ = ::memfd_create("voxels", MFD_CLOEXEC);
+  if (memory_ < 0 || ::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
+    throw RunError(fmt::format("{} cannot be started: {}", program_name, std::strerror(errno)),
+                   "free memory, or raise the limit of open files");
+  socket_ = ends[0];
+  child_ = start_program(file, {RINGSPLAT_VERSION}, ".", {ends[1], memory_});
+  ::close(ends[1]);
+}
+
+DecodeProgram::~DecodeProgram() {
+  if (shared_ != nullptr) ::munmap(const_cast<std::byte*>(shared_), shared_bytes_);
+  ::close(socket_);
+  ::close(memory_);
+  if (::getpid() != owner_ || ended_) return;
+  ::kill(child_, SIGKILL);
+  while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+bool DecodeProgram::ended() const {
+  const std::lock_guard lock(mutex_);
+  return ended_ || ::getpid() != owner_;  // a copy of the process that it belongs to
+}
+
+std::uint32_t DecodeProgram::new_source() {
+  const std::lock_guard lock(mutex_);
+  ++open_;
+  return ++sources_;
+}
+
+void DecodeProgram::close(std::uint32_t source) {
+  const std::lock_guard lock(mutex_);
+  if (ended_ || ::getpid() != owner_) return;
+  DecodeRequest request;
+  request.kind = DecodeRequest::Kind::close;
+  request.source = source;
+  send_message(socket_, to_bytes(request));
+  if (--open_ == 0) static_cast<void>(::ftruncate(memory_, 0));
+}
+
+void DecodeProgram::share(std::size_t bytes) {
+  struct stat status {};
+  if (::fstat(memory_, &status) != 0 ||
+      (std::uint64_t(status.st_size) < bytes && ::ftruncate(memory_, off_t(bytes)) != 0))
+    throw std::bad_alloc();
+  if (shared_bytes_ >= bytes) return;
+  if (shared_ != nullptr) ::munmap(const_cast<std::byte*>(shared_), shared_bytes_);
+  shared_bytes_ = 0;
+  void* const mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, memory_, 0);
+  shared_ = mapped == MAP_FAILED ? nullptr : static_cast<const std::byte*>(mapped);
+  if (shared_ == nullptr) throw std::bad_alloc();
+  shared_bytes_ = bytes;
+}
+
+std::optional<DecodeAnswer> DecodeProgram::answer_to(const DecodeRequest& request) {
+  if (ended_ || !send_message(socket_, to_bytes(request))) return {};
+  const auto message = receive_message(socket_);
+  return message ? from_bytes<DecodeAnswer>(*message) : std::nullopt;
+}
+
+DecodeAnswer DecodeProgram::ask(const DecodeRequest& request, const std::string& library,
+                                const std::string& path, std::span<std::byte> voxels) {
+  const std::lock_guard lock(mutex_);
+  if (!voxels.empty()) share(voxels.size());
+  auto answer = answer_to(request);
+  if (!answer) throw_why_it_ended(library, path);
+  for (const auto& line : answer->log) log_line_once(line.level, line.text);
+  if (answer->failure && answer->failure->code == ExitCode::bad_input)
+    throw InputError(answer->failure->what);
+  if (answer->failure) throw RunError(answer->failure->what);
+  if (!voxels.empty()) std::memcpy(voxels.data(), shared_, voxels.size());
+  return std::move(*answer);
+}
+
+void DecodeProgram::throw_why_it_ended(const std::string& library, const std::string& path) {
+  int status = 0;
+  if (!ended_) {
+    ::kill(child_, SIGKILL);  // should it live on and say what cannot be understood
+    while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
+    }
+  }
+  ended_ = true;
+  const int by = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
+  if (WIFEXITED(status) && WEXITSTATUS(status) == other_version_code)
+    throw InputError(fmt::format("{} is of another version than this program", program_name),
+                     "install them together");
+  const std::string how = by == SIGXCPU ? "comes to no end with it"
+                          : by == 0     ? fmt::format("ends on it (exit code {})", WEXITSTATUS(status))
+                                        : fmt::format("crashes on it ({})", strsignal(by));
+  throw InputError(fmt::format("{}: {} {}", path, library, how),
+                   "the file is damaged, or needs more memory than there is: copy it again");
+}
+
+}  // namespace ringsplat::detail

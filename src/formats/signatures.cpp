@@ -1,0 +1,49 @@
+#include "formats/signatures.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <system_error>
+
+#include "base/text.hpp"
+
+namespace ringsplat::detail {
+
+bool begins_with(const InputFile& file, std::uint64_t at, std::string_view signature) {
+  std::array<std::byte, 8> bytes{};
+  const auto part = std::span(bytes).first(signature.size());
+  return file.read_some(at, part) == part.size() &&
+         std::equal(part.begin(), part.end(), signature.begin(),
+                    [](std::byte b, char c) { return b == std::byte(static_cast<unsigned char>(c)); });
+}
+
+bool is_hdf5(const std::filesystem::path& path) {
+  const InputFile file(path);
+  // HDF5 File Format Specification, "Superblock": at 0, 512, 1024, ... twice as far each time.
+  constexpr std::uint64_t farthest = 1 << 20;
+  for (std::uint64_t at = 0; at <= farthest; at = at == 0 ? 512 : 2 * at)
+    if (begins_with(file, at, "\x89HDF\r\n\x1a\n")) return true;
+  return false;
+}
+
+std::pair<std::filesystem::path, std::string> split_dataset(const std::filesystem::path& path) {
+  std::error_code ignored;
+  const std::string text = path.string();
+  if (std::filesystem::exists(path, ignored)) return {path, ""};
+  for (auto at = text.find(':'); at != std::string::npos; at = text.find(':', at + 1))
+    if (std::filesystem::is_regular_file(text.substr(0, at), ignored))
+      return {text.substr(0, at), text.substr(at + 1)};
+  return {path, ""};
+}
+
+bool is_dicom(const std::filesystem::path& path) {
+  constexpr std::uint64_t preamble = 128;
+  return begins_with(InputFile(path), preamble, "DICM");
+}
+
+bool is_tiff(const std::filesystem::path& path) {
+  const auto ending = lower_case(path.extension().string());
+  return ending == ".tif" || ending == ".tiff";
+}
+
+}  // namespace ringsplat::detail
