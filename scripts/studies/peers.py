@@ -279,7 +279,7 @@ def draw(plt, rows):
     """A panel for each transfer function; points further left are faster, lower ones nearer to the field."""
     from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-    figure, panels = plt.subplots(1, len(FUNCTIONS), figsize=(5.4 * len(FUNCTIONS), 5.4), layout="constrained", sharex=True, sharey=True)
+    figure, panels = plt.subplots(1, len(FUNCTIONS), figsize=(5.4 * len(FUNCTIONS), 5.6), sharex=True, sharey=True)
     for panel, function in zip(panels, FUNCTIONS):
         of = {(row["shading"], row["program"]): (1e3 * float(row["seconds"]), float(row["rmse"])) for row in rows if row["function"] == function}
         for name, (colour, marker, line, programs) in FAMILIES.items():
@@ -296,7 +296,8 @@ def draw(plt, rows):
             axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
             axis.set_minor_formatter(NullFormatter())
     panels[0].set_ylabel("RMSE against the field, 1/255")
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="lower center", ncols=3)
+    figure.tight_layout(rect=(0, 0.1, 1, 0.97))
     figure.suptitle("Filled: Phong; open: unshaded. Lower left is better.", fontsize=10)
     return figure
 
