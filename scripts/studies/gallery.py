@@ -86,7 +86,7 @@ def render(volume, picture):
     except subprocess.TimeoutExpired:
         said = "took more than five minutes"
     # Lines of results have no meaning on a sheet.
-    lines = [line for line in re.split("[\r\n]", said) if line and not re.match(r"[^ ]*\.png: |loading|rendering", line)]
+    lines = [line for line in re.split("[\r\n]", said) if line and not re.match(r"[^ ]*\.png |loading|rendering", line)]
     Path(f"{picture}.txt").write_text("\n".join([volume.name, *lines]) + "\n")
     say(" ".join([volume.name, *lines])[:200])
 
