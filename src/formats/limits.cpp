@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <limits>
 #include <span>
 #include <vector>
@@ -53,9 +52,9 @@ void require_numbers(const std::filesystem::path& file, std::uint64_t offset, st
           fmt::format("{}: the header promises {} numbers, the file holds {}", file.string(), count, found),
           "the file was cut short or its sizes are wrong");
     for (std::size_t i = 0; i < got; ++i) {
-      const bool blank = std::isspace(std::to_integer<int>(window[i])) != 0;
-      found += !blank && !in_word;
-      in_word = !blank;
+      const bool between = separates_numbers(char(window[i]));
+      found += !between && !in_word;
+      in_word = !between;
     }
     offset += got;
   }

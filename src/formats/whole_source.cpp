@@ -15,4 +15,16 @@ void WholeSource::read_slices(int first, int count, std::span<std::byte> out) {
   std::memcpy(out.data(), voxels_.data() + std::size_t(first) * bytes, std::size_t(count) * bytes);
 }
 
+Facts WholeFileSource::facts() const {
+  Facts facts = files_.facts();
+  facts.insert(facts.begin(), {"encoding", "decoded as a whole"});
+  return facts;
+}
+
+void WholeFileSource::decode(std::span<std::byte> voxels) {
+  files_.require_unchanged(path_);
+  decode_file(voxels);
+  files_.require_unchanged(path_);
+}
+
 }  // namespace ringsplat::detail

@@ -1,7 +1,9 @@
 #pragma once
+#include <filesystem>
 #include <span>
 #include <vector>
 
+#include "formats/volume_files.hpp"
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat::detail {
@@ -20,6 +22,23 @@ class WholeSource : public VolumeSource {
 
   Grid grid_;
   std::vector<std::byte> voxels_;  ///< empty until they are first read
+};
+
+/// The same of a single file, which must not change meanwhile.
+class WholeFileSource : public WholeSource {
+ public:
+  WholeFileSource(const Grid& grid, const std::filesystem::path& path)
+      : WholeSource(grid), path_(path), files_({path}) {}
+  Facts facts() const final;
+
+ protected:
+  const std::filesystem::path path_;
+
+ private:
+  void decode(std::span<std::byte> voxels) final;
+  virtual void decode_file(std::span<std::byte> voxels) = 0;
+
+  VolumeFiles files_;
 };
 
 }  // namespace ringsplat::detail

@@ -93,12 +93,31 @@ std::vector<Format> nrrd_formats() {
          return write(f / "a.nhdr", nrrd("type: short\nencoding: gzip\nendian: little\nbyte skip: 3\n"
                                          "data file: data.raw.gz\n"));
        }},
-      {"nhdr with one file a slice", false,
+      {"nhdr with one file a slice", true,
        [](const Folder& f) {
          for (int z = 0; z < nz; ++z)
            write(f / fmt::format("s{}.bin", z), little.substr(std::size_t(z) * 40, 40));
          return write(f / "a.nhdr",
                       nrrd("type: short\nencoding: raw\nendian: little\ndata file: s%d.bin 0 2 1 2\n"));
+       }},
+      {"nhdr with a list of compressed rows, each behind a line", false,
+       [](const Folder& f) {
+         std::string list;
+         for (int row = 0; row < ny * nz; ++row) {
+           const auto name = fmt::format("r{}.gz", row);
+           write(f / name, "a line\n" + gzip(little.substr(std::size_t(row) * 10, 10)));
+           list += name + "\n";
+         }
+         return write(f / "a.nhdr", nrrd("type: short\nencoding: gzip\nendian: little\nline skip: 1\n"
+                                         "data file: LIST 1\n" +
+                                         list));
+       }},
+      {"nrrd hex", false,
+       [](const Folder& f) {
+         std::string digits;
+         for (const char c : big)
+           digits += fmt::format("{}{:02X}", c % 8 == 0 ? "\n" : "", static_cast<unsigned char>(c));
+         return write(f / "a.nrrd", nrrd("type: short\nencoding: hex\nendian: big\n", digits));
        }},
   };
 }

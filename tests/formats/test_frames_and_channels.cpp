@@ -42,7 +42,7 @@ bool same_place(const Grid& a, const Grid& b) {
 
 }  // namespace
 
-TEST_CASE("an NRRD's axes of time and lists are frames, wherever they stand", "[nrrd][frames][itk]") {
+TEST_CASE("an NRRD's axes of time and lists are frames, wherever they stand", "[nrrd][frames]") {
   const std::string behind = other + little + other, interlaced = interleaved(3, 1);
   const struct {
     const char* fields;
@@ -78,7 +78,7 @@ TEST_CASE("an NRRD's axes of time and lists are frames, wherever they stand", "[
     }
 }
 
-TEST_CASE("an NRRD's axis of vectors or colours is of channels", "[nrrd][channels][itk]") {
+TEST_CASE("an NRRD's axis of vectors or colours is of channels", "[nrrd][channels]") {
   const Folder folder;
   for (const bool packed : {false, true}) {
     const auto vectors =
@@ -108,8 +108,7 @@ TEST_CASE("an NRRD's axis of vectors or colours is of channels", "[nrrd][channel
   CHECK(voxels_of(rgb, {.channel = "b"}) == std::string("\0\7", 2));
 }
 
-TEST_CASE("one of an NRRD's frames or channels lies where a volume by itself would",
-          "[nrrd][orientation][itk]") {
+TEST_CASE("one of an NRRD's frames or channels lies where a volume by itself would", "[nrrd][orientation]") {
   const Folder folder;
   const struct {
     const char *space, *directions, *spacings;
@@ -149,7 +148,7 @@ TEST_CASE("one of an NRRD's frames or channels lies where a volume by itself wou
   }
 }
 
-TEST_CASE("NRRD axes that make no volume are refused", "[nrrd][bad][itk]") {
+TEST_CASE("NRRD axes that make no volume are refused", "[nrrd][bad]") {
   const auto with = [](const std::string& fields, std::size_t bytes = 720) {
     return nrrd(fields, std::string(bytes, 'v'), false);
   };

@@ -9,7 +9,6 @@
 #include "formats/files.hpp"
 #include "formats/nifti2.hpp"
 #include "formats/npy.hpp"
-#include "formats/nrrd/plain_nrrd.hpp"
 #include "formats/raw/raw_name.hpp"
 #include "formats/vti.hpp"
 #include "fuzz/driver.hpp"
@@ -117,11 +116,6 @@ std::vector<Input> nrrd_seeds() {
 void run_nrrd(std::span<const std::byte> input) {
   const auto text = text_of(input);
   open_and_use(contains(text, "data file") || contains(text, "datafile") ? "a.nhdr" : "a.nrrd", input);
-}
-
-void run_plain_nrrd(std::span<const std::byte> input) {
-  const auto file = write(folder_of_volumes() / "plain.nrrd", std::string(text_of(input)));
-  use(*detail::open_plain_nrrd(file), input.size() + bytes_beside, deflate_ratio);
 }
 
 /// Of time points, vectors and colours.
@@ -402,7 +396,6 @@ const Words raw_words{
 
 std::vector<Driver> volume_drivers() {
   return {{"nrrd", run_nrrd, all_nrrd_seeds, nrrd_words, 6000},
-          {"plain_nrrd", run_plain_nrrd, all_nrrd_seeds, nrrd_words, 6000},
           {"meta", run_meta, meta_seeds, meta_words, 6000},
           {"nifti",
            run_nifti,

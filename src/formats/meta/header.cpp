@@ -8,7 +8,6 @@
 #include <limits>
 #include <map>
 #include <optional>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -16,12 +15,13 @@
 #include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "formats/limits.hpp"
+#include "formats/text_reader.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-constexpr std::size_t longest_header = 1 << 20;  // bytes; a header has a few hundred
+constexpr std::uint64_t longest_header = 1 << 20;  // bytes; a header has a few hundred
 
 /// MET_LONG has 4 bytes wherever it was written.
 constexpr std::array<std::pair<std::string_view, ScalarType>, 10> element_types{{
@@ -99,21 +99,11 @@ class Reader {
   }
 
   void read_lines() {
-    std::string text(std::size_t(std::min<std::uint64_t>(file_.size(), longest_header)), '\0');
-    text.resize(file_.read_some(0, std::as_writable_bytes(std::span(text))));
-    std::size_t at = 0;
-    for (int line = 1; at < text.size(); ++line) {
-      const auto newline = text.find('\n', at);
-      const auto length = newline == std::string::npos ? std::string::npos : newline - at;
-      if (length == std::string::npos && text.size() == longest_header) break;
-      const bool last = take_line(text.substr(at, length), line);
-      at = length == std::string::npos ? text.size() : newline + 1;
-      if (last) {
-        end_ = at;
-        return;
-      }
-    }
-    fail_header("no line ElementDataFile");
+    TextReader text(file_, 0, longest_header);
+    auto line = text.line();
+    for (int number = 1; line && !take_line(*line, number); ++number) line = text.line();
+    if (!line) fail_header("no line ElementDataFile");
+    end_ = text.position();
   }
 
   /// True for the header's last line.

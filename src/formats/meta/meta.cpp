@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <span>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -14,8 +13,10 @@
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
 #include "formats/meta/header.hpp"
-#include "formats/slice_files.hpp"
+#include "formats/numbered_name.hpp"
+#include "formats/piece_files.hpp"
 #include "formats/stored_source.hpp"
+#include "formats/text_reader.hpp"
 #include "formats/text_source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
@@ -31,44 +32,13 @@ constexpr const char* pattern_hint = "write it as 'NAME%03d.raw FIRST LAST STEP'
                    hint);
 }
 
-/// A name in which "%d" or "%03d" stands for a number. Nothing else may follow a percent sign: MetaIO hands
-/// the name to printf.
-class NamePattern {
- public:
-  /// Not valid when the name is no such pattern.
-  explicit NamePattern(const std::string& name) {
-    const auto percent = name.find('%');
-    const auto letter = name.find_first_not_of("0123456789", percent + 1);
-    if (percent == std::string::npos || letter == std::string::npos || name[letter] != 'd' ||
-        name.find('%', letter) != std::string::npos)
-      return;
-    const auto digits = name.substr(percent + 1, letter - percent - 1);
-    constexpr int widest = 20;
-    width_ = digits.empty() ? 0 : number_in<int>(digits).value_or(widest + 1);
-    zeros_ = digits.starts_with('0');
-    before_ = name.substr(0, percent);
-    after_ = name.substr(letter + 1);
-    valid_ = width_ <= widest;
-  }
-  bool valid() const { return valid_; }
-  std::string name(std::int64_t number) const {
-    const auto digits = zeros_ ? fmt::format("{:0{}}", number, width_) : fmt::format("{:{}}", number, width_);
-    return before_ + digits + after_;
-  }
-
- private:
-  bool valid_ = false, zeros_ = false;
-  int width_ = 0;
-  std::string before_, after_;
-};
-
 struct Numbering {
   std::int64_t first = 1, last = 0, step = 1;
 };
 
 /// Splits "NAME FIRST LAST STEP". The name may have blanks only when all three numbers are given.
-std::pair<NamePattern, Numbering> parse_pattern(const std::filesystem::path& path, const MetaHeader& header,
-                                                std::int64_t files) {
+std::pair<NumberedName, Numbering> parse_pattern(const std::filesystem::path& path, const MetaHeader& header,
+                                                 std::int64_t files) {
   const auto words = words_of(header.data_file);
   const auto numbers = words.size() > 4 ? 3 : words.size() - 1;
   auto name_end = header.data_file.size();
@@ -82,7 +52,7 @@ std::pair<NamePattern, Numbering> parse_pattern(const std::filesystem::path& pat
   }
   for (std::size_t i = 0; i < numbers; ++i)
     name_end = header.data_file.find_last_not_of(" \t", header.data_file.find_last_of(" \t", name_end) - 1);
-  const NamePattern pattern(header.data_file.substr(0, numbers > 0 ? name_end + 1 : std::string::npos));
+  const NumberedName pattern(header.data_file.substr(0, numbers > 0 ? name_end + 1 : std::string::npos));
   if (!pattern.valid())
     fail_data_file(path, header,
                    "is no pattern of file names: it needs one %d and nothing else with a percent sign",
@@ -107,7 +77,7 @@ std::vector<std::string> names_of_pattern(const std::filesystem::path& path, con
     fail_data_file(path, header, fmt::format("names {} files, DimSize asks for {}", found, files),
                    "correct the numbers behind the name, or DimSize");
   std::vector<std::string> names;
-  for (std::int64_t i = 0; i < files; ++i) names.push_back(pattern.name(range.first + i * range.step));
+  for (std::int64_t i = 0; i < files; ++i) names.push_back(pattern.with(range.first + i * range.step));
   return names;
 }
 
@@ -119,15 +89,10 @@ std::vector<std::string> names_of_list(const std::filesystem::path& path, const 
   constexpr std::uint64_t longest_name = 4096;
   if (bytes / longest_name > std::uint64_t(files))
     fail_data_file(path, header, fmt::format("is followed by {} bytes", bytes), "give one file name a line");
-  std::string text(std::size_t(bytes), '\0');
-  file.read(header.end, std::as_writable_bytes(std::span(text)));
+  TextReader text(file, header.end);
   std::vector<std::string> names;
-  for (std::size_t at = 0; at < text.size();) {
-    const auto newline = std::min(text.find('\n', at), text.size());
-    const auto name = trimmed(text.substr(at, newline - at));
-    if (!name.empty()) names.push_back(name);
-    at = newline + 1;
-  }
+  for (auto line = text.line(); line; line = text.line())
+    if (const auto name = trimmed(*line); !name.empty()) names.push_back(name);
   if (std::int64_t(names.size()) != files)
     fail_data_file(path, header, fmt::format("names {} files, DimSize asks for {}", names.size(), files),
                    "give one file name a line");
@@ -164,11 +129,17 @@ std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path
       std::int64_t(bytes_of_volumes(path, std::uint64_t(files_of_frame), std::uint64_t(header.frames)));
   const auto names =
       is_list(header) ? names_of_list(path, header, files) : names_of_pattern(path, header, files);
-  SliceFiles slices{.files = {}, .header_size = header.header_size, .big_endian = header.big_endian};
   const auto first = names.begin() + std::ptrdiff_t(frame * files_of_frame);
+  std::vector<std::filesystem::path> chosen;
   for (auto name = first; name != first + std::ptrdiff_t(files_of_frame); ++name)
-    slices.files.push_back(path.parent_path() / *name);
-  return slice_files_source(grid, std::move(slices));
+    chosen.push_back(path.parent_path() / *name);
+  return piece_files_source(grid, chosen, [header](const Grid& piece, const std::filesystem::path& file) {
+    const auto size = InputFile(file).size();
+    const auto offset =
+        header.header_size < 0 ? size - std::min(size, piece.bytes()) : std::uint64_t(header.header_size);
+    return stored_source(
+        piece, {.file = file, .offset = offset, .big_endian = header.big_endian, .type = piece.type});
+  });
 }
 
 /// The offset of one file's voxels. HeaderSize applies only to uncompressed voxels in a file of their own.

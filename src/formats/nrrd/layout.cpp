@@ -1,169 +1,117 @@
 #include "formats/nrrd/layout.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <array>
+#include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
-#include <string>
-#include <vector>
 
 #include "formats/channels.hpp"
 #include "formats/limits.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
 using Role = NrrdLayout::Axis;
+using Axes = std::vector<NrrdAxis>;
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
-  throw InputError(fmt::format("{}: {}", path.string(), what),
-                   "extract one volume, or write its axes as [component] x y z [time]");
-}
-
-ScalarType type_of(const Nrrd& nrrd, const std::filesystem::path& path) {
-  switch (nrrd.type) {
-    case nrrdTypeChar:
-      return ScalarType::int8;
-    case nrrdTypeUChar:
-      return ScalarType::uint8;
-    case nrrdTypeShort:
-      return ScalarType::int16;
-    case nrrdTypeUShort:
-      return ScalarType::uint16;
-    case nrrdTypeInt:
-      return ScalarType::int32;
-    case nrrdTypeUInt:
-      return ScalarType::uint32;
-    case nrrdTypeFloat:
-      return ScalarType::float32;
-    case nrrdTypeDouble:
-      return ScalarType::float64;
-    default:
-      break;
-  }
-  throw InputError(
-      fmt::format("{}: voxels of type {} cannot be rendered", path.string(), airEnumStr(nrrdType, nrrd.type)),
-      "convert them to int32, uint32 or float32 first");
-}
-
-bool is_colour(int kind) {
-  return kind == nrrdKind3Color || kind == nrrdKind4Color || kind == nrrdKindRGBColor ||
-         kind == nrrdKindRGBAColor;
-}
+constexpr int most_components = 4;  ///< of an axis of which nobody says what it is
 
 /// Axes whose kind or missing direction says that they are not the lattice's.
-bool is_declared_other(const Nrrd& nrrd, unsigned axis) {
-  const auto& info = nrrd.axis[axis];
-  if (info.kind != nrrdKindUnknown && (nrrdKindIsDomain(info.kind) == 0 || info.kind == nrrdKindTime))
-    return true;
-  return nrrd.spaceDim > 0 && AIR_EXISTS(info.spaceDirection[0]) == 0;
+bool is_declared_other(const NrrdHeader& header, const NrrdAxis& axis) {
+  if (axis.kind != NrrdKind::unknown && axis.kind != NrrdKind::lattice) return true;
+  return header.space_axes > 0 && axis.direction.empty();
 }
 
-Role role_of(const Nrrd& nrrd, unsigned axis) {
-  const auto& info = nrrd.axis[axis];
-  constexpr std::size_t most_components = 4;
-  if (info.kind == nrrdKindTime || info.kind == nrrdKindList) return Role::frames;
-  if (info.kind == nrrdKindUnknown)
-    return axis == 0 && info.size <= most_components ? Role::channels : Role::frames;
-  return nrrdKindIsDomain(info.kind) != 0 ? Role::frames : Role::channels;
+Role role_of(const Axes& axes, std::size_t axis) {
+  const auto kind = axes[axis].kind;
+  if (kind == NrrdKind::unknown)
+    return axis == 0 && axes[axis].size <= most_components ? Role::channels : Role::frames;
+  return kind == NrrdKind::channels || kind == NrrdKind::colours ? Role::channels : Role::frames;
 }
 
 /// The lattice's axes, at most three.
-std::vector<unsigned> lattice_axes(const Nrrd& nrrd) {
-  std::vector<unsigned> axes;
-  for (unsigned axis = 0; axis < nrrd.dim; ++axis)
-    if (!is_declared_other(nrrd, axis)) axes.push_back(axis);
+std::vector<std::size_t> lattice_axes(const NrrdHeader& header) {
+  std::vector<std::size_t> axes;
+  for (std::size_t i = 0; i < header.axes.size(); ++i)
+    if (!is_declared_other(header, header.axes[i])) axes.push_back(i);
   if (axes.size() <= 3) return axes;
   // Nobody says so: a first axis as short as a colour, before long ones, is one.
-  const auto size = [&](unsigned axis) { return nrrd.axis[axis].size; };
-  constexpr std::size_t most_components = 4;
-  const bool colours =
-      axes.size() == 4 && axes[0] == 0 && nrrd.axis[0].kind == nrrdKindUnknown && size(0) >= 3 &&
-      size(0) <= most_components &&
-      std::all_of(axes.begin() + 1, axes.end(), [&](unsigned axis) { return size(axis) > most_components; });
+  const auto& first = header.axes[0];
+  const bool colours = axes.size() == 4 && axes[0] == 0 && first.kind == NrrdKind::unknown &&
+                       first.size >= 3 && first.size <= most_components &&
+                       std::all_of(axes.begin() + 1, axes.end(),
+                                   [&](auto axis) { return header.axes[axis].size > most_components; });
   if (colours) axes.erase(axes.begin());
   axes.resize(3);
   return axes;
 }
 
-/// As itk::NrrdImageIO has it, but for left-anterior-superior, which ITK 5.2 mirrors along the wrong axis.
-Grid grid_of(const Nrrd& nrrd, const std::vector<unsigned>& axes, const std::filesystem::path& path) {
-  Grid grid;
-  grid.type = type_of(nrrd, path);
-  grid.dims = glm::ivec3(1);
-  glm::dvec3 to_lps(1);
-  if (nrrd.space == nrrdSpaceRightAnteriorSuperior || nrrd.space == nrrdSpaceRightAnteriorSuperiorTime)
-    to_lps = {-1, -1, 1};
-  if (nrrd.space == nrrdSpaceLeftAnteriorSuperior || nrrd.space == nrrdSpaceLeftAnteriorSuperiorTime)
-    to_lps = {1, -1, 1};
-  std::array<unsigned, NRRD_DIM_MAX> indices{};
-  for (int i = 0; i < int(axes.size()); ++i) {
-    const auto axis = indices[std::size_t(i)] = axes[std::size_t(i)];
-    grid.dims[i] = int(nrrd.axis[axis].size);
-    double spacing = 1;
-    std::array<double, NRRD_SPACE_DIM_MAX> direction{};
-    const int status = nrrdSpacingCalculate(&nrrd, axis, &spacing, direction.data());
-    if (status == nrrdSpacingStatusNone || status == nrrdSpacingStatusUnknown) continue;
-    grid.spacing[i] = spacing;
-    if (status != nrrdSpacingStatusDirection) continue;
-    for (int k = 0; k < 3; ++k)
-      grid.direction[i][k] = k < int(nrrd.spaceDim) ? direction[std::size_t(k)] * to_lps[k] : 0.0;
-  }
-  if (axes.size() == 2 && nrrd.spaceDim >= 3)
-    grid.direction[2] = glm::normalize(glm::cross(grid.direction[0], grid.direction[1]));
-  std::array<double, NRRD_DIM_MAX> origin{};
-  const auto count = unsigned(axes.size());
-  if (nrrd.spaceDim > 0) {
-    if (AIR_EXISTS(nrrd.spaceOrigin[0]) != 0)
-      for (int k = 0; k < int(std::min(nrrd.spaceDim, 3U)); ++k)
-        grid.origin[k] = nrrd.spaceOrigin[k] * to_lps[k];
-  } else if (nrrdOriginCalculate(&nrrd, indices.data(), count, nrrdCenterCell, origin.data()) ==
-             nrrdOriginStatusOkay) {
-    for (int k = 0; k < int(count); ++k) grid.origin[k] = origin[std::size_t(k)];
-  }
-  check_lattice(grid, path.string());
-  return grid;
+/// Where the first voxel's centre is when the header has no space: half a voxel behind a cell's beginning.
+double first_centre(const NrrdAxis& axis) {
+  const double steps = axis.nodes ? axis.size - 1 : axis.size;
+  const double spacing = std::isnan(axis.spacing) ? (axis.max - axis.min) / steps : axis.spacing;
+  return axis.min + (axis.nodes ? 0 : spacing / 2);
 }
 
-void take_role(NrrdLayout& layout, Role role, int size, std::uint64_t stride,
-               const std::filesystem::path& path) {
+bool has_origin(const NrrdAxis& axis) {
+  return !std::isnan(axis.min) && !(std::isnan(axis.max) && std::isnan(axis.spacing));
+}
+
+void place(const NrrdHeader& header, const std::vector<const NrrdAxis*>& axes, Grid& grid) {
+  for (int i = 0; i < int(axes.size()); ++i) {
+    const auto& axis = *axes[std::size_t(i)];
+    grid.dims[i] = axis.size;
+    if (!std::isnan(axis.spacing)) grid.spacing[i] = axis.spacing;
+    if (axis.direction.empty()) continue;
+    grid.spacing[i] = axis.length();
+    grid.direction[i] = glm::dvec3(0);
+    for (int k = 0; k < std::min(header.space_axes, 3); ++k)
+      grid.direction[i][k] = axis.direction[std::size_t(k)] * (1.0 / grid.spacing[i]) * header.to_lps[k];
+  }
+  if (axes.size() == 2 && header.space_axes >= 3)
+    grid.direction[2] = glm::normalize(glm::cross(grid.direction[0], grid.direction[1]));
+  for (int k = 0; k < std::min<int>(int(header.origin.size()), 3); ++k)
+    grid.origin[k] = header.origin[std::size_t(k)] * header.to_lps[k];
+  const bool placed = header.space_axes == 0 && std::all_of(axes.begin(), axes.end(), [](const auto* axis) {
+                        return has_origin(*axis);
+                      });
+  for (int i = 0; placed && i < int(axes.size()); ++i) grid.origin[i] = first_centre(*axes[std::size_t(i)]);
+}
+
+void take_role(const NrrdHeader& header, NrrdLayout& layout, Role role, int size, std::uint64_t stride) {
   int& count = role == Role::frames ? layout.frames : layout.channels;
   if (count > 1)
-    fail(path, role == Role::frames ? "it has two axes of volumes" : "it has two axes of components");
+    header.fail(role == Role::frames ? "it has two axes of volumes" : "it has two axes of components");
   count = size;
   (role == Role::frames ? layout.frame_stride : layout.channel_stride) = stride;
 }
 
 }  // namespace
 
-Grid nrrd_grid(const Nrrd& nrrd, const std::filesystem::path& path) {
-  return grid_of(nrrd, lattice_axes(nrrd), path);
-}
-
-std::optional<NrrdLayout> nrrd_layout(const Nrrd& nrrd, const std::filesystem::path& path) {
-  const auto axes = lattice_axes(nrrd);
-  if (axes.size() == nrrd.dim) return {};
-  if (axes.empty() || axes.front() > 1) fail(path, "its first axes are not the lattice's");
-  if (axes.back() - axes.front() + 1 != axes.size()) fail(path, "an axis lies between those of the lattice");
+NrrdLayout nrrd_layout(const NrrdHeader& header) {
+  const auto lattice = lattice_axes(header);
+  if (lattice.empty() || lattice.front() > 1) header.fail("its first axes are not the lattice's");
+  if (lattice.back() - lattice.front() + 1 != lattice.size())
+    header.fail("an axis lies between those of the lattice");
   NrrdLayout layout;
-  layout.grid = grid_of(nrrd, axes, path);
-  if (axes.front() == 1) {
-    const auto& info = nrrd.axis[0];
-    layout.leading = int(info.size);
-    layout.leading_is = role_of(nrrd, 0);
-    layout.colours = is_colour(info.kind) ||
-                     (info.kind == nrrdKindUnknown && are_colours(layout.grid.type, layout.leading));
-    if (layout.leading > 1) take_role(layout, layout.leading_is, layout.leading, 0, path);
+  layout.grid.type = header.type;
+  layout.grid.dims = glm::ivec3(1);
+  std::vector<const NrrdAxis*> axes;
+  for (const auto i : lattice) axes.push_back(&header.axes[i]);
+  place(header, axes, layout.grid);
+  check_lattice(layout.grid, header.path.string());
+  if (lattice.front() == 1) {
+    const auto& first = header.axes[0];
+    layout.leading = first.size;
+    layout.leading_is = role_of(header.axes, 0);
+    layout.colours = first.kind == NrrdKind::colours
+                         ? first.size == 3 || first.size == 4
+                         : first.kind == NrrdKind::unknown && are_colours(header.type, first.size);
+    if (layout.leading > 1) take_role(header, layout, layout.leading_is, layout.leading, 0);
   }
-  for (unsigned axis = axes.back() + 1; axis < nrrd.dim; ++axis) {
-    const auto size = nrrd.axis[axis].size;
-    if (size > 1) take_role(layout, role_of(nrrd, axis), int(size), layout.volumes, path);
-    if (layout.volumes > std::uint64_t(std::numeric_limits<std::int64_t>::max()) / size)
-      fail(path, "its sizes overflow 64 bits");
-    layout.volumes *= size;
+  for (auto i = lattice.back() + 1; i < header.axes.size(); ++i) {
+    const int size = header.axes[i].size;
+    if (size > 1) take_role(header, layout, role_of(header.axes, i), size, layout.volumes);
+    layout.volumes *= std::uint64_t(size);
   }
   return layout;
 }

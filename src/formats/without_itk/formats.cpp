@@ -1,13 +1,8 @@
 #include "formats/formats.hpp"
 #include "formats/left_out.hpp"
-#include "formats/nrrd/plain_nrrd.hpp"
 
 /// A build without ITK.
 namespace ringsplat::detail {
-
-std::unique_ptr<VolumeSource> open_nrrd(const std::filesystem::path& path, const VolumeChoice&) {
-  return open_plain_nrrd(path);
-}
 
 std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice&) {
   refuse_left_out(path, "NIfTI", "ITK");

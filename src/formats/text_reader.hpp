@@ -1,0 +1,43 @@
+#pragma once
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/input_file.hpp"
+#include "formats/limits.hpp"
+
+namespace ringsplat::detail {
+
+/// Reads the bytes [begin, end) of a file as text, in order, through a small window. The file must outlive
+/// it.
+class TextReader {
+ public:
+  explicit TextReader(const InputFile& file, std::uint64_t begin = 0, std::uint64_t end = file_end)
+      : file_(file), offset_(begin), end_(end) {}
+
+  std::uint64_t position() const { return offset_ + at_; }  ///< the byte that is read next
+  /// The next character, which advance() passes; nothing at the end.
+  std::optional<char> peek() {
+    if (at_ == got_ && !refill()) return {};
+    return char(window_[at_]);
+  }
+  void advance() { ++at_; }
+
+  /// The next line without its end, which is "\n", "\r\n" or "\r"; nothing at the end. The rest of a line
+  /// that is longer than a MiB is left out.
+  std::optional<std::string> line();
+  /// The next word between blanks and commas; empty at the end. A word longer than any number is split.
+  std::string word();
+
+ private:
+  bool refill();
+
+  const InputFile& file_;
+  std::uint64_t offset_, end_;
+  std::vector<std::byte> window_ = std::vector<std::byte>(64 * 1024);
+  std::size_t at_ = 0, got_ = 0;
+};
+
+}  // namespace ringsplat::detail
