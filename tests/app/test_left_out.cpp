@@ -23,7 +23,7 @@ namespace {
 #if !RINGSPLAT_WITH_ITK
 TEST_CASE("a build without ITK refuses what ITK reads, and says how to have it") {
   const TemporaryFolder folder;
-  for (const std::string name : {"a.nii", "a.nii.gz", "a.hdr", "a.vtk"}) {
+  for (const std::string name : {"a.vtk"}) {
     write_text(folder / name, "whatever");
     check_refused({"info", folder / name}, name, "RINGSPLAT_WITH_ITK");
   }

@@ -32,7 +32,7 @@ const std::string little = samples<short>(), other(120, 'x');
 
 }  // namespace
 
-TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orders", "[nifti][itk]") {
+TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orders", "[nifti]") {
   const Folder folder;
   Nifti2 pair;
   pair.magic = "ni2";
@@ -57,7 +57,7 @@ TEST_CASE("NIfTI-2 is read in one file, compressed, as a pair, in both byte orde
   }
 }
 
-TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation][itk]") {
+TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation]") {
   std::vector<Nifti2> headers(8);
   headers[1].sform = 0, headers[1].qform = 1;
   headers[1].quaternion[2] = 0.6, headers[1].shift[0] = 5, headers[1].shift[1] = -6, headers[1].shift[2] = 7;
@@ -86,7 +86,7 @@ TEST_CASE("NIfTI-2 lies where the same NIfTI-1 lies", "[nifti][orientation][itk]
     }
 }
 
-TEST_CASE("a sheared sform is kept, whatever the qform says", "[nifti][orientation][itk]") {
+TEST_CASE("a sheared sform is kept, whatever the qform says", "[nifti][orientation]") {
   Nifti2 header;
   header.qform = 1, header.sform = 4;
   const double rows[] = {1, 0.1, 0.5, 5, 0, 2, -0.25, 6, 0.05, 0, 3, 7};
@@ -104,7 +104,47 @@ TEST_CASE("a sheared sform is kept, whatever the qform says", "[nifti][orientati
   }
 }
 
-TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti][itk]") {
+TEST_CASE("NIfTI-1's pairs and Analyze's are read by either file's name", "[nifti]") {
+  const Folder folder;
+  Nifti pair;
+  pair.magic = "ni1";
+  pair.offset = 0;
+  Nifti analyze = pair;
+  analyze.magic = "\0\0\0";
+  analyze.slope = 2;  // Analyze has other things there
+  for (const auto& header : {pair, analyze}) {
+    write(folder / "a.hdr", header.header().substr(0, 348));
+    write(folder / "a.img", little);
+    write(folder / "b.hdr", header.header().substr(0, 348));
+    write(folder / "b.img.gz", gzip(little));
+    write(folder / "C.HDR", header.header(true).substr(0, 348));
+    write(folder / "C.IMG", samples<short>(true));
+    for (const char* name : {"a.hdr", "a.img", "b.hdr", "b.img.gz", "C.HDR", "C.IMG"}) {
+      CAPTURE(name, header.magic);
+      const auto source = open_volume(folder / name);
+      CHECK((read_all(*source) == little));
+      CHECK(source->grid().spacing == glm::dvec3(1, 2, 3));
+      // Analyze knows no world.
+      CHECK(source->grid().origin == (header.magic[0] == 'n' ? glm::dvec3(10, 20, -30) : glm::dvec3(0)));
+    }
+  }
+  // A header that says it is one of a pair, before its voxels.
+  pair.offset = 352;
+  CHECK((voxels_of(write(folder / "d.nii", pair.header() + little)) == little));
+}
+
+TEST_CASE("a NIfTI-1's qform has its header's spacing exactly", "[nifti][orientation]") {
+  const Folder folder;
+  Nifti2 turned;
+  turned.sform = 0, turned.qform = 1;
+  turned.quaternion[0] = 0.1, turned.quaternion[1] = -0.2, turned.quaternion[2] = 0.3;
+  turned.spacing[1] = 0.7;
+  const auto grid = open_volume(write(folder / "a.nii", turned.header_of_nifti1() + little))->grid();
+  CHECK(grid.spacing == glm::dvec3(double(0.7F), 2, 3));
+  for (int axis = 0; axis < 3; ++axis) CHECK(glm::length(grid.direction[axis]) == Approx(1));
+}
+
+TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti]") {
   Nifti2 scaled;
   scaled.slope = 0.5, scaled.intercept = -3;
   const Folder folder;
@@ -116,7 +156,7 @@ TEST_CASE("NIfTI-2 slope and intercept are applied", "[nifti][itk]") {
     for (int x = 0; x < nx; ++x) CHECK(values[y * nx + x] == float(sample<short>(x, y, 1)) * 0.5F - 3);
 }
 
-TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti][itk]") {
+TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti]") {
   const Folder folder;
   Nifti2 four, five;
   four.dims[0] = 4, four.dims[4] = 3;
@@ -150,7 +190,7 @@ TEST_CASE("a NIfTI's time points are frames, its further axes channels", "[nifti
   }
 }
 
-TEST_CASE("a NIfTI of colours is shown by its luminance, with a warning", "[nifti][itk]") {
+TEST_CASE("a NIfTI of colours is shown by its luminance, with a warning", "[nifti]") {
   const Folder folder;
   for (const bool version_2 : {false, true}) {
     Nifti2 rgb;
@@ -174,7 +214,7 @@ TEST_CASE("a NIfTI of colours is shown by its luminance, with a warning", "[nift
   }
 }
 
-TEST_CASE("bad NIfTI-2 files are clear errors", "[nifti][bad][itk]") {
+TEST_CASE("bad NIfTI-2 files are clear errors", "[nifti][bad]") {
   const auto with = [](auto change) {
     Nifti2 header;
     change(header);
@@ -204,6 +244,8 @@ TEST_CASE("bad NIfTI-2 files are clear errors", "[nifti][bad][itk]") {
       file("64 bits", "int32, uint32 or float32", "a.nii", with([](Nifti2& h) { h.datatype = 1024; })),
       file("infinite row", "is not a number", "a.nii", with([](Nifti2& h) { h.rows[0] = endless; })),
       file("infinite spacing", "is not a number", "a.nii", with([](Nifti2& h) { h.spacing[2] = endless; })),
+      file("negative spacing", "pixdim[2] is -3", "a.nii",
+           with([](Nifti2& h) { h.sform = 0, h.spacing[2] = -3; })),
       file("singular", "leads nowhere", "a.nii", with([](Nifti2& h) { h.rows[10] = 0; })),
       file("offset in the header", "vox_offset is 100", "a.nii", with([](Nifti2& h) { h.offset = 100; })),
       file("negative offset", "vox_offset is -1", "a.nii", with([](Nifti2& h) { h.offset = -1; })),

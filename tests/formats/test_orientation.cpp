@@ -18,7 +18,7 @@ void check_near(const glm::dvec3& got, const glm::dvec3& wanted) {
 }
 }  // namespace
 
-TEST_CASE("NIfTI's right-anterior-superior becomes left-posterior-superior", "[orientation][itk]") {
+TEST_CASE("NIfTI's right-anterior-superior becomes left-posterior-superior", "[orientation]") {
   const Folder folder;
   Nifti file;
   const auto grid = open_volume(write(folder / "a.nii", file.header() + samples<short>()))->grid();
@@ -27,7 +27,7 @@ TEST_CASE("NIfTI's right-anterior-superior becomes left-posterior-superior", "[o
   check_near(world(grid, {4, 3, 2}), {10 - 4, 20 - 6, -30 + 6});
 }
 
-TEST_CASE("a turned NIfTI keeps its turn", "[orientation][itk]") {
+TEST_CASE("a turned NIfTI keeps its turn", "[orientation]") {
   const Folder folder;
   Nifti file;
   // Voxel x runs to superior, y to left (RAS -x), z to anterior.
@@ -106,7 +106,7 @@ TEST_CASE("a tilted gantry shears the lattice", "[orientation][itk]") {
   CHECK(grid.spacing.z == Approx(std::sqrt(17.0)));
 }
 
-TEST_CASE("--spacing replaces a file's own spacing", "[orientation][itk]") {
+TEST_CASE("--spacing replaces a file's own spacing", "[orientation]") {
   const Folder folder;
   RawDescription raw;
   raw.spacing = glm::dvec3(1, 1, 2.5);
@@ -116,7 +116,7 @@ TEST_CASE("--spacing replaces a file's own spacing", "[orientation][itk]") {
   CHECK((read_all(*source) == samples<short>()));
 }
 
-TEST_CASE("a volume's notes tell whose axes the world has", "[orientation][itk]") {
+TEST_CASE("a volume's notes tell whose axes the world has", "[orientation]") {
   const Folder folder;
   const auto world_of = [](const std::filesystem::path& path) { return open_volume(path)->notes().world; };
   CHECK(world_of(write(folder / "a.nii", Nifti().header() + samples<short>())) == World::patient);

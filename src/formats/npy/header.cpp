@@ -14,6 +14,7 @@
 
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "formats/binary_fields.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
@@ -164,9 +165,9 @@ NpyHeader read_npy_header(const std::filesystem::path& path) {
       start[6] > 3)
     throw InputError(fmt::format("{} is no NumPy array file of format 1 to 3", path.string()),
                      "write it with numpy.save");
-  // Little-endian: two bytes in format 1, four since.
-  std::uint64_t length = start[8] | std::uint64_t(start[9]) << 8;
-  if (start[6] > 1) length |= std::uint64_t(start[10]) << 16 | std::uint64_t(start[11]) << 24;
+  // Two bytes in format 1, four since.
+  const BinaryFields fields(std::as_bytes(std::span(start)), false);
+  const std::uint64_t length = start[6] > 1 ? fields.at<std::uint32_t>(8) : fields.at<std::uint16_t>(8);
   const std::uint64_t begin = start[6] > 1 ? 12 : 10;
   if (length > longest_header || begin + length > file.size())
     throw InputError(

@@ -4,10 +4,6 @@
 /// A build without ITK.
 namespace ringsplat::detail {
 
-std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, const VolumeChoice&) {
-  refuse_left_out(path, "NIfTI", "ITK");
-}
-
 std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice&) {
   refuse_left_out(path, "legacy VTK", "ITK");
 }
