@@ -15,7 +15,7 @@ class Ringsplat(CMakePackage):
     version("0.1.0")
 
     variant("mpi", default=True, description="Render on MPI ranks; without it in one process")
-    variant("itk", default=True, description="Read legacy VTK")
+    variant("itk", default=True, description="No format needs it")
     variant("openimageio", default=True, description="Write and read other pictures than PNG, read TIFF, draw text")
 
     depends_on("c", type="build")

@@ -1,4 +1,4 @@
-// What the program says in builds without ITK or OpenImageIO; other builds have none of these tests.
+// What the program says in builds without OpenImageIO; other builds have none of these tests.
 #include "app/program_runner.hpp"
 #include "ringsplat/config.hpp"
 #include "support/catch.hpp"
@@ -19,17 +19,6 @@ namespace {
 }
 
 }  // namespace
-
-#if !RINGSPLAT_WITH_ITK
-TEST_CASE("a build without ITK refuses what ITK reads, and says how to have it") {
-  const TemporaryFolder folder;
-  for (const std::string name : {"a.vtk"}) {
-    write_text(folder / name, "whatever");
-    check_refused({"info", folder / name}, name, "RINGSPLAT_WITH_ITK");
-  }
-  CHECK(lines_with(run_program({"--version"}).out, "without").size() == 1);
-}
-#endif
 
 #if !RINGSPLAT_WITH_OPENIMAGEIO
 TEST_CASE("a build without OpenImageIO refuses what that reads and writes, and says how to have it") {

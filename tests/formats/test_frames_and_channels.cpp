@@ -211,7 +211,7 @@ TEST_CASE("a MetaImage's fourth dimension is of frames, its channels are channel
   CHECK(voxels_of(text, {.channel = "1"}) == bytes_of(short(8)));
 }
 
-TEST_CASE("a legacy VTK file's vectors and colours are channels", "[vtk][channels][itk]") {
+TEST_CASE("a legacy VTK file's vectors and colours are channels", "[vtk][channels]") {
   const Folder folder;
   const auto header = [](const char* kind, const std::string& field) {
     return fmt::format(
@@ -237,4 +237,39 @@ TEST_CASE("a legacy VTK file's vectors and colours are channels", "[vtk][channel
   CHECK(open_volume(colours)->grid().type == ScalarType::uint8);
   CHECK(voxels_of(colours) == std::string(60, '\x36'));
   CHECK(says(log.text(), "voxels are colours"));
+}
+
+TEST_CASE("a legacy VTK file says in its header where and what it is", "[vtk]") {
+  const Folder folder;
+  const auto file = [&](const std::string& header, const std::string& data) {
+    return open_volume(write(folder / "a.vtk", "# vtk DataFile Version 2.0\n\n" + header + data));
+  };
+  const std::string points = "dataset structured_points\r\nDIMENSIONS 5 4 3\r\n";
+  const auto binary =
+      file("BINARY\r\n" + points +
+               "FIELD FieldData 1\nTIME 1 1 double\n12345678\nORIGIN 1 -2.5 3e1\n\nASPECT_RATIO 2 3 4\n"
+               "POINT_DATA 60\nSCALARS values short\n",
+           samples<short>(true));
+  CHECK(binary->grid().spacing == glm::dvec3(2, 3, 4));
+  CHECK(binary->grid().origin == glm::dvec3(1, -2.5, 30));
+  CHECK((read_all(*binary) == little));
+  const auto text = file("ASCII\n" + points + "COLOR_SCALARS c 1\n", text_of_samples());
+  CHECK(text->grid().type == ScalarType::float32);
+  CHECK(text->grid().spacing == glm::dvec3(1));
+  const auto head = [](const std::string& rest) { return "# vtk DataFile Version 3.0\nt\nBINARY\n" + rest; };
+  const std::string grid = "DATASET STRUCTURED_POINTS\nDIMENSIONS 5 4 3\n", data(480, 'v');
+  check_all({
+      files::file("another set", "no STRUCTURED_POINTS", "a.vtk", head("DATASET POLYDATA\n")),
+      files::file("cells", "values of cells", "a.vtk", head(grid + "CELL_DATA 24\nSCALARS v short\n" + data)),
+      files::file("tensors", "with SCALARS", "a.vtk", head(grid + "TENSORS t float\n")),
+      files::file("64 bits", "type long cannot", "a.vtk", head(grid + "SCALARS v long\n" + data)),
+      files::file("no components", "'scalars v short 0'", "a.vtk", head(grid + "SCALARS v short 0\n" + data)),
+      files::file("no type", "'scalars v'", "a.vtk", head(grid + "SCALARS v\n" + data)),
+      files::file("two numbers", "'dimensions 5 4'", "a.vtk",
+                  head("DATASET STRUCTURED_POINTS\nDIMENSIONS 5 4\nSCALARS v short\n" + data)),
+      files::file("long axes", "99999999999 voxels along axis 0", "a.vtk",
+                  head("DATASET STRUCTURED_POINTS\nDIMENSIONS 99999999999 1 1\nSCALARS v short\n" + data)),
+      files::file("no encoding", "neither ASCII nor BINARY", "a.vtk",
+                  "# vtk DataFile Version 3.0\nt\n" + grid + "SCALARS v short\n" + data),
+  });
 }

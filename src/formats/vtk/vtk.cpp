@@ -1,61 +1,171 @@
-#include <itkVTKImageIO.h>
+#include <fmt/format.h>
 
-#include <fstream>
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
+#include "base/input_file.hpp"
+#include "base/text.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
-#include "formats/itk_image.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
+#include "formats/text_reader.hpp"
+#include "formats/text_source.hpp"
+#include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-/// The byte after the last header line: COLOR_SCALARS, VECTORS or SCALARS, and LOOKUP_TABLE when it follows
-/// (VTK file formats, "Simple legacy formats").
-std::uint64_t header_end(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  std::string line;
-  constexpr int longest_header = 100;  // lines; ITK reads a dozen
-  for (int i = 0; i < longest_header && std::getline(stream, line); ++i) {
-    if (i == 0 && line.rfind("# vtk DataFile", 0) != 0) break;
-    const auto key = lower_case(line).substr(0, line.find(' '));
-    if (key != "scalars" && key != "color_scalars" && key != "vectors") continue;
-    const auto end = stream.tellg();
-    if (std::getline(stream, line) && lower_case(line).rfind("lookup_table", 0) == 0)
-      return std::uint64_t(stream.tellg());
-    return std::uint64_t(end);
+/// The header of a legacy VTK file of structured points (VTK file formats, "Simple legacy formats"), up to
+/// its first SCALARS, COLOR_SCALARS or VECTORS.
+struct Header {
+  Grid grid;
+  bool binary = false;  ///< big-endian; else numbers in text
+  int components = 1;   ///< numbers in a voxel
+  std::uint64_t end = 0;
+};
+
+constexpr const char* other_hint = "write it as STRUCTURED_POINTS with scalars, or as .nrrd or .mhd";
+
+/// Reads the words of each line, of which the first is the key.
+class Reader {
+ public:
+  explicit Reader(const std::filesystem::path& path) : path_(path), file_(path), text_(file_) {}
+
+  Header read() {
+    constexpr int most_lines = 100;  // a header has a dozen
+    if (const auto magic = text_.line(); !magic || !lower_case(*magic).starts_with("# vtk datafile"))
+      fail("is not a legacy VTK file");
+    text_.line();  // the title
+    for (int i = 0; i < most_lines; ++i) {
+      const auto line = text_.line();
+      if (!line) break;
+      words_ = words_of(lower_case(*line));
+      if (!words_.empty() && take_line()) return header_;
+    }
+    fail("is not a legacy VTK file with SCALARS");
   }
-  throw InputError(path.string() + " is not a legacy VTK file with SCALARS",
-                   "write it as STRUCTURED_POINTS with scalars, or as .nrrd or .mhd");
-}
+
+ private:
+  [[noreturn]] void fail(const std::string& what) const {
+    throw InputError(fmt::format("{} {}", path_.string(), what), other_hint);
+  }
+  [[noreturn]] void fail_line() const {
+    std::string line;
+    for (const auto& word : words_) line += (line.empty() ? "" : " ") + word;
+    throw InputError(fmt::format("{}: its header has a line '{}'", path_.string(), excerpt(line)),
+                     "correct the header");
+  }
+
+  /// True for the header's last line.
+  bool take_line() {
+    const auto& key = words_[0];
+    if (key == "ascii" || key == "binary") {
+      header_.binary = key == "binary";
+      has_encoding_ = true;
+    } else if (key == "dataset") {
+      if (words_.size() < 2 || words_[1] != "structured_points") fail("holds no STRUCTURED_POINTS");
+    } else if (key == "dimensions") {
+      take_dimensions();
+    } else if (key == "spacing" || key == "aspect_ratio") {
+      header_.grid.spacing = {number<double>(1), number<double>(2), number<double>(3)};
+    } else if (key == "origin") {
+      header_.grid.origin = {number<double>(1), number<double>(2), number<double>(3)};
+    } else if (key == "cell_data") {
+      fail("holds values of cells");
+    } else {
+      return take_values(key);
+    }
+    return false;
+  }
+
+  void take_dimensions() {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto size = number<std::int64_t>(axis + 1);
+      if (size > std::numeric_limits<int>::max())
+        throw InputError(fmt::format("{}: {} voxels along axis {}", path_.string(), size, axis),
+                         "correct the sizes in the header");
+      header_.grid.dims[int(axis)] = int(std::max<std::int64_t>(size, -1));
+    }
+  }
+
+  bool take_values(const std::string& key) {
+    if (key == "scalars") {
+      header_.grid.type = type(2);
+      header_.components = words_.size() > 3 ? number<int>(3) : 1;
+    } else if (key == "color_scalars") {
+      // In text they are numbers from 0 to 1.
+      header_.grid.type = header_.binary ? ScalarType::uint8 : ScalarType::float32;
+      header_.components = number<int>(2);
+    } else if (key == "vectors") {
+      header_.grid.type = type(2);
+      header_.components = 3;
+    } else {
+      return false;
+    }
+    if (!has_encoding_) fail("is neither ASCII nor BINARY");
+    if (header_.components < 1) fail_line();
+    check_lattice(header_.grid, path_.string());
+    header_.end = text_.position();
+    if (const auto next = text_.line(); next && lower_case(*next).starts_with("lookup_table"))
+      header_.end = text_.position();
+    return true;
+  }
+
+  template <class T>
+  T number(std::size_t word) const {
+    const auto value = word < words_.size() ? number_in<T>(words_[word]) : std::nullopt;
+    if (!value) fail_line();
+    return *value;
+  }
+
+  ScalarType type(std::size_t word) const {
+    constexpr std::pair<std::string_view, ScalarType> types[] = {{"char", ScalarType::int8},
+                                                                 {"signed_char", ScalarType::int8},
+                                                                 {"unsigned_char", ScalarType::uint8},
+                                                                 {"short", ScalarType::int16},
+                                                                 {"unsigned_short", ScalarType::uint16},
+                                                                 {"int", ScalarType::int32},
+                                                                 {"unsigned_int", ScalarType::uint32},
+                                                                 {"float", ScalarType::float32},
+                                                                 {"double", ScalarType::float64}};
+    if (word >= words_.size()) fail_line();
+    for (const auto& [name, type] : types)
+      if (name == words_[word]) return type;
+    throw InputError(
+        fmt::format("{}: voxels of type {} cannot be rendered", path_.string(), excerpt(words_[word])),
+        "convert them to int32, uint32 or float32 first");
+  }
+
+  std::filesystem::path path_;
+  InputFile file_;
+  TextReader text_;
+  Header header_;
+  std::vector<std::string> words_;  ///< of the line
+  bool has_encoding_ = false;
+};
 
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const VolumeChoice& choice) {
-  return with_itk(path, [&] {
-    const auto offset = header_end(path);
-    auto io = itk::VTKImageIO::New();
-    io->SetFileName(path.string());
-    io->ReadImageInformation();
-    Grid grid = lattice_of(*io, path);
-    grid.type = scalar_type_of(*io, path);
-    const auto components = int(io->GetNumberOfComponents());
-    const auto wide = interleaved_grid(grid, components, path.string());
-    std::unique_ptr<VolumeSource> source;
-    if (io->GetFileType() == itk::IOFileEnum::ASCII) {
-      require_numbers(path, offset, std::uint64_t(wide.voxels()));
-      source = itk_source(io.GetPointer(), wide, path);
-    } else {
-      source = stored_source(wide, {.file = path, .offset = offset, .big_endian = true, .type = grid.type});
-    }
-    if (components == 1) return source;
-    const auto taken =
-        choose_channel(choice.channel, components, are_colours(grid.type, components), path.string());
-    return with_notes(channel_source(std::move(source), grid, components, taken), {.channels = components});
-  });
+  const Header header = Reader(path).read();
+  const auto& grid = header.grid;
+  const auto wide = interleaved_grid(grid, header.components, path.string());
+  auto source =
+      header.binary
+          ? stored_source(wide, {.file = path, .offset = header.end, .big_endian = true, .type = grid.type})
+          : text_source(wide, path, header.end);
+  if (header.components == 1) return source;
+  const auto taken = choose_channel(choice.channel, header.components,
+                                    are_colours(grid.type, header.components), path.string());
+  return with_notes(channel_source(std::move(source), grid, header.components, taken),
+                    {.channels = header.components});
 }
 
 }  // namespace ringsplat::detail
