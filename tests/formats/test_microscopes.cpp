@@ -231,6 +231,9 @@ TEST_CASE("a microscope's voxels have the size that it tells, in micrometres", "
                                     "PhysicalSizeZUnit='pixel'"),
               {0.2, 0.3, 3}, "")
             .empty());
+  // The micro sign in Latin-1, which is no UTF-8.
+  CHECK(check(xml("7.ome.tif", xy + "PhysicalSizeZ='2' PhysicalSizeXUnit='\xB5m'"), {0.2, 0.3, 2}, "um")
+            .empty());
   CHECK(check(xml("6.ome.tif", ""), {1, 1, 1}, "").empty());
 }
 

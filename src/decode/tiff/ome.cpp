@@ -3,17 +3,20 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "base/text.hpp"
 #include "decode/tiff/description.hpp"
+#include "formats/xml_reader.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-using Attributes = std::map<std::string, std::string>;
+using Attributes = XmlReader::Attributes;
 
 /// A start tag, whatever its namespace.
 struct Element {
@@ -21,67 +24,39 @@ struct Element {
   Attributes attributes;
 };
 
-/// XML's own entities, and characters by number as they are needed here: the two micro signs and the ring.
-std::string unescaped(std::string text) {
-  constexpr std::pair<std::string_view, std::string_view> entities[] = {
-      {"&lt;", "<"},          {"&gt;", ">"},          {"&quot;", "\""},       {"&apos;", "'"},
-      {"&#181;", "\xC2\xB5"}, {"&#xB5;", "\xC2\xB5"}, {"&#xb5;", "\xC2\xB5"}, {"&#956;", "\xCE\xBC"},
-      {"&#197;", "\xC3\x85"}, {"&#xC5;", "\xC3\x85"}, {"&amp;", "&"}};
-  for (const auto& [entity, plain] : entities)
-    for (auto at = text.find(entity); at != std::string::npos; at = text.find(entity, at + plain.size()))
-      text.replace(at, entity.size(), plain);
-  return text;
-}
+/// The start tags with one of these names, in the text's order.
+class StartTags : XmlReader {
+ public:
+  StartTags(const char* encoding, const std::set<std::string>& names) : XmlReader(encoding), names_(names) {}
 
-/// Where a tag ends; a '>' in quotes does not end it.
-std::size_t end_of_tag(std::string_view xml, std::size_t at) {
-  char quote = 0;
-  for (; at < xml.size(); ++at) {
-    if (quote != 0)
-      quote = xml[at] == quote ? char(0) : quote;
-    else if (xml[at] == '"' || xml[at] == '\'')
-      quote = xml[at];
-    else if (xml[at] == '>')
-      return at;
+  /// False when the text is no XML; then what was found before.
+  bool read(std::string_view xml) {
+    return parse([&](std::span<std::byte> window) {
+             const auto count = std::min(window.size(), xml.size());
+             std::memcpy(window.data(), xml.data(), count);
+             xml.remove_prefix(count);
+             return count;
+           })
+        .empty();
   }
-  return xml.size();
-}
+  const std::vector<Element>& found() const { return found_; }
 
-Attributes attributes_in(std::string_view tag) {
-  Attributes attributes;
-  for (auto at = tag.find_first_of(" \t\r\n"); at < tag.size();) {
-    const auto equals = tag.find('=', at);
-    const auto open = equals == tag.npos ? equals : tag.find_first_of("\"'", equals);
-    const auto close = open == tag.npos ? open : tag.find(tag[open], open + 1);
-    if (close == tag.npos) break;
-    attributes[trimmed(std::string(tag.substr(at, equals - at)))] =
-        unescaped(std::string(tag.substr(open + 1, close - open - 1)));
-    at = close + 1;
-  }
-  return attributes;
-}
-
-/// The start tags with one of these names, in the text's order. Comments are skipped.
-std::vector<Element> start_tags(std::string_view xml, const std::set<std::string_view>& names) {
-  std::vector<Element> found;
-  for (auto at = xml.find('<'); at < xml.size(); at = xml.find('<', at)) {
-    if (xml.substr(at).starts_with("<!--")) {
-      at = std::min(xml.find("-->", at), xml.size());
-      continue;
-    }
-    const auto end = end_of_tag(xml, at);
-    const auto tag = xml.substr(at + 1, end - at - 1);
-    const auto full = tag.substr(0, tag.find_first_of(" \t\r\n/", 1));
+ private:
+  void on_start(const std::string& full, const Attributes& attributes) override {
     const auto name = full.substr(full.find(':') + 1);
-    if (names.contains(name)) found.push_back({std::string(name), attributes_in(tag)});
-    at = end;
+    if (names_.contains(name)) found_.push_back({name, attributes});
   }
-  return found;
-}
 
-std::string text_in(const Attributes& a, const char* key) {
-  const auto found = a.find(key);
-  return found == a.end() ? std::string() : found->second;
+  std::set<std::string> names_;
+  std::vector<Element> found_;
+};
+
+std::vector<Element> start_tags(const std::string& xml, const std::set<std::string>& names) {
+  StartTags tags(nullptr, names);
+  if (tags.read(xml)) return tags.found();
+  // Some programs write the micro sign in Latin-1 and do not say so.
+  StartTags latin("ISO-8859-1", names);
+  return latin.read(xml) ? latin.found() : tags.found();
 }
 
 std::optional<std::int64_t> count_in(const Attributes& a, const char* key) {

@@ -1,15 +1,10 @@
 #include "formats/vti/header.hpp"
 
-#include <expat.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <exception>
 #include <initializer_list>
-#include <map>
-#include <memory>
-#include <new>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -17,27 +12,25 @@
 
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "formats/xml_reader.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-constexpr int window_bytes = 64 * 1024;
 constexpr int deepest = 32;  ///< elements within each other; a file has seven
 
-class Parser {
+class Parser : XmlReader {
  public:
-  explicit Parser(const std::filesystem::path& path)
-      : path_(path), file_(path), parser_(XML_ParserCreate(nullptr), &XML_ParserFree) {
-    if (!parser_) throw std::bad_alloc();
-    XML_SetUserData(parser_.get(), this);
-    XML_SetElementHandler(parser_.get(), &Parser::on_start, &Parser::on_end);
-    XML_SetCharacterDataHandler(parser_.get(), &Parser::on_text);
-    XML_SetStartDoctypeDeclHandler(parser_.get(), &Parser::on_doctype);
-  }
+  explicit Parser(const std::filesystem::path& path) : path_(path), file_(path) {}
 
   VtiHeader read() {
-    parse();
+    const auto problem = parse([this](std::span<std::byte> window) {
+      const auto got = file_.read_some(read_, window);
+      read_ += got;
+      return got;
+    });
+    if (!problem.empty()) fail(problem);
     if (!has_image_) fail("it holds no ImageData");
     if (pieces_ == 0) fail("its ImageData has no Piece");
     for (const auto i : appended_) {
@@ -53,97 +46,42 @@ class Parser {
   }
 
  private:
-  using Attributes = std::map<std::string, std::string>;
-
   [[noreturn]] void fail(const std::string& what,
                          const std::string& hint = "write it anew with VTK's XML writer") const {
     throw InputError(fmt::format("{}: {}", path_.string(), what), hint);
   }
-  int line() const { return int(XML_GetCurrentLineNumber(parser_.get())); }
-  std::uint64_t position() const { return std::uint64_t(XML_GetCurrentByteIndex(parser_.get())); }
-  std::uint64_t behind() const { return position() + std::uint64_t(XML_GetCurrentByteCount(parser_.get())); }
+  void on_text(std::string_view text) override {
+    if (is_inline_ && !has_text_ && open_.back() == "DataArray")
+      has_text_ = text.find_first_not_of(" \t\r\n") != std::string_view::npos;
+  }
+  void on_document_type() override { fail("it declares a document type"); }
 
-  void parse() {
-    for (std::uint64_t at = 0; !done_;) {
-      void* window = XML_GetBuffer(parser_.get(), window_bytes);
-      if (window == nullptr) throw std::bad_alloc();
-      const auto got =
-          file_.read_some(at, std::span(static_cast<std::byte*>(window), std::size_t(window_bytes)));
-      at += got;
-      const bool last = got == 0;
-      const auto status = XML_ParseBuffer(parser_.get(), int(got), last ? 1 : 0);
-      if (error_) std::rethrow_exception(error_);
-      if (status != XML_STATUS_OK && !done_)
-        fail(fmt::format("line {} is no XML: {}", line(), XML_ErrorString(XML_GetErrorCode(parser_.get()))));
-      if (last) return;
-    }
-  }
-
-  /// Exceptions must not pass through expat.
-  template <class F>
-  void guarded(F&& f) noexcept {
-    if (error_ || done_) return;
-    try {
-      f();
-    } catch (...) {
-      error_ = std::current_exception();
-    }
-    if (error_ || done_) XML_StopParser(parser_.get(), XML_FALSE);
-  }
-  static void on_start(void* self, const char* name, const char** attributes) {
-    auto& parser = *static_cast<Parser*>(self);
-    parser.guarded([&] {
-      Attributes list;
-      for (; *attributes != nullptr; attributes += 2) list.emplace(attributes[0], attributes[1]);
-      parser.start(name, list);
-    });
-  }
-  static void on_end(void* self, const char*) {
-    auto& parser = *static_cast<Parser*>(self);
-    parser.guarded([&] { parser.end(); });
-  }
-  static void on_text(void* self, const char* text, int length) {
-    auto& parser = *static_cast<Parser*>(self);
-    if (parser.is_inline_ && !parser.has_text_ && parser.open_.back() == "DataArray")
-      parser.has_text_ =
-          std::string_view(text, std::size_t(length)).find_first_not_of(" \t\r\n") != std::string_view::npos;
-  }
-  static void on_doctype(void* self, const char*, const char*, const char*, int) {
-    auto& parser = *static_cast<Parser*>(self);
-    parser.guarded([&] { parser.fail("it declares a document type"); });
-  }
-
-  void start(const std::string& name, const Attributes& attributes) {
+  void on_start(const std::string& name, const Attributes& attributes) override {
     if (int(open_.size()) == deepest) fail(fmt::format("line {} is nested too deeply", line()));
-    if (is_inline_ && has_text_ && !inline_end_) inline_end_ = position();
+    if (is_inline_ && has_text_ && !inline_end_) inline_end_ = begin();
     const std::string within = open_.empty() ? "" : open_.back();
     open_.push_back(name);
     if (within.empty()) return start_file(name, attributes);
     if (name == "ImageData" && open_.size() == 2) return start_image(attributes);
     if (name == "Piece" && within == "ImageData") return start_piece(attributes);
-    if (name == "PointData" && within == "Piece") header_.point_scalars = text(attributes, "Scalars", "");
-    if (name == "CellData" && within == "Piece") header_.cell_scalars = text(attributes, "Scalars", "");
+    if (name == "PointData" && within == "Piece") header_.point_scalars = text_in(attributes, "Scalars");
+    if (name == "CellData" && within == "Piece") header_.cell_scalars = text_in(attributes, "Scalars");
     if (name == "DataArray" && (within == "PointData" || within == "CellData"))
       return start_array(attributes, within == "CellData");
     if (name == "AppendedData" && open_.size() == 2) start_appended(attributes);
   }
 
-  void end() {
+  void on_end() override {
     // An array's keys are elements before or behind its data.
-    if (is_inline_ && !has_text_ && open_.back() != "DataArray") inline_begin_ = behind();
+    if (is_inline_ && !has_text_ && open_.back() != "DataArray") inline_begin_ = end();
     if (is_inline_ && open_.back() == "DataArray") {
       header_.arrays.back().begin = inline_begin_;
-      header_.arrays.back().end = inline_end_.value_or(std::max(inline_begin_, position()));
+      header_.arrays.back().end = inline_end_.value_or(std::max(inline_begin_, begin()));
       is_inline_ = false;
     }
     open_.pop_back();
   }
 
-  static std::string text(const Attributes& attributes, const std::string& key,
-                          const std::string& otherwise) {
-    const auto found = attributes.find(key);
-    return found == attributes.end() ? otherwise : found->second;
-  }
   template <class T>
   std::vector<T> numbers(const Attributes& attributes, const std::string& key, std::size_t count) const {
     const auto found = attributes.find(key);
@@ -168,16 +106,16 @@ class Parser {
   }
 
   void start_file(const std::string& name, const Attributes& attributes) {
-    const auto type = text(attributes, "type", "");
+    const auto type = text_in(attributes, "type");
     if (name != "VTKFile") fail(fmt::format("it is no VTK file, its XML is of '{}'", excerpt(name)));
     if (type != "ImageData")
       fail(fmt::format("it holds '{}'", excerpt(type)),
            "only ImageData is a volume: resample it to one, in ParaView with Resample To Image");
-    header_.big_endian = one_of<bool>("byte_order", text(attributes, "byte_order", "LittleEndian"),
+    header_.big_endian = one_of<bool>("byte_order", text_in(attributes, "byte_order", "LittleEndian"),
                                       {{"LittleEndian", false}, {"BigEndian", true}});
-    header_.header_bytes =
-        one_of<int>("header_type", text(attributes, "header_type", "UInt32"), {{"UInt32", 4}, {"UInt64", 8}});
-    header_.compressor = one_of<VtiCompressor>("compressor", text(attributes, "compressor", ""),
+    header_.header_bytes = one_of<int>("header_type", text_in(attributes, "header_type", "UInt32"),
+                                       {{"UInt32", 4}, {"UInt64", 8}});
+    header_.compressor = one_of<VtiCompressor>("compressor", text_in(attributes, "compressor"),
                                                {{"", VtiCompressor::none},
                                                 {"vtkZLibDataCompressor", VtiCompressor::zlib},
                                                 {"vtkLZ4DataCompressor", VtiCompressor::lz4},
@@ -213,23 +151,23 @@ class Parser {
 
   void start_array(const Attributes& attributes, bool of_cells) {
     VtiArray array;
-    array.name = text(attributes, "Name", "");
-    array.type = text(attributes, "type", "");
+    array.name = text_in(attributes, "Name");
+    array.type = text_in(attributes, "type");
     array.of_cells = of_cells;
-    const auto components = number_in<int>(text(attributes, "NumberOfComponents", "1"));
+    const auto components = number_in<int>(text_in(attributes, "NumberOfComponents", "1"));
     if (!components || *components < 1)
       fail(fmt::format("the array '{}' has no number of components", excerpt(array.name)));
     array.components = *components;
-    const auto format = text(attributes, "format", "ascii");
+    const auto format = text_in(attributes, "format", "ascii");
     is_inline_ = format != "appended";
     if (is_inline_) {
       array.format =
           one_of<VtiFormat>("format", format, {{"ascii", VtiFormat::ascii}, {"binary", VtiFormat::base64}});
-      inline_begin_ = behind();
+      inline_begin_ = end();
       inline_end_.reset();
       has_text_ = false;
     } else {
-      const auto offset = number_in<std::uint64_t>(text(attributes, "offset", ""));
+      const auto offset = number_in<std::uint64_t>(text_in(attributes, "offset"));
       if (!offset) fail(fmt::format("the array '{}' has no offset", excerpt(array.name)));
       array.begin = *offset;
       appended_.push_back(header_.arrays.size());
@@ -239,22 +177,22 @@ class Parser {
 
   /// Behind an underscore; what it is, is no XML.
   void start_appended(const Attributes& attributes) {
-    appended_format_ = one_of<VtiFormat>("encoding", text(attributes, "encoding", "base64"),
+    appended_format_ = one_of<VtiFormat>("encoding", text_in(attributes, "encoding", "base64"),
                                          {{"base64", VtiFormat::base64}, {"raw", VtiFormat::raw}});
     std::array<char, 256> blanks{};
-    const auto begin = behind();
-    const auto got = file_.read_some(begin, std::as_writable_bytes(std::span(blanks)));
+    const auto behind = end();
+    const auto got = file_.read_some(behind, std::as_writable_bytes(std::span(blanks)));
     const auto mark = std::string_view(blanks.data(), got).find_first_not_of(" \t\r\n");
     if (mark == std::string_view::npos || blanks[mark] != '_')
       fail("its appended data does not begin with an underscore");
-    appended_begin_ = begin + mark + 1;
+    appended_begin_ = behind + mark + 1;
     done_ = true;
+    stop();
   }
 
   std::filesystem::path path_;
   InputFile file_;
-  std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_;
-  std::exception_ptr error_;
+  std::uint64_t read_ = 0;  ///< bytes of the file
   VtiHeader header_;
   std::vector<std::string> open_;
   bool has_image_ = false, is_inline_ = false, has_text_ = false;
