@@ -1,7 +1,7 @@
 // -o FILM.mp4: what the program gives ffmpeg, and what it says where that fails.
 #include "app/program_runner.hpp"
+#include "base/child_program.hpp"
 #include "images/image_io.hpp"
-#include "serve/program.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -85,7 +85,7 @@ TEST_CASE("what cannot be a film is refused before anything is drawn, and so is 
 }
 
 TEST_CASE("the ffmpeg that is installed makes a film that it can read", "[mpi][openimageio]") {
-  const auto ffmpeg = serve::find_program("ffmpeg");
+  const auto ffmpeg = find_program("ffmpeg");
   if (!ffmpeg) {
     WARN("skipped: install ffmpeg");
     return;
