@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cctype>
+#include <string_view>
 
 #include "classify/colour_maps.hpp"
 #include "command_line/completion_scripts.hpp"
 #include "options/option_values.hpp"
+#include "options/split.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "volume/synth.hpp"
 
@@ -60,26 +62,23 @@ void offer_known(Offers& offers, const Option& option) {
 }
 
 /// Words of a form stand for themselves; what is a kind of value has a capital letter.
-bool is_word(const std::string& part) {
+bool is_word(std::string_view part) {
   return !part.empty() && std::all_of(part.begin(), part.end(), [](unsigned char c) {
     return std::islower(c) != 0 || std::isdigit(c) != 0 || c == '.' || c == '-';
   });
 }
 
-bool is_of_files(const std::string& part) {
+bool is_of_files(std::string_view part) {
   return part.starts_with("FILE") || part.starts_with("VOLUME") || part.starts_with("LIST");
 }
 
 void offer_values(Offers& offers, const Option& option) {
   offer_known(offers, option);
   bool files = option.is_positional() && option.form.size() == 1;  // pictures to compare
-  for (std::size_t at = 0; at <= option.form.size();) {
-    const auto bar = std::min(option.form.find('|', at), option.form.size());
-    const std::string part = option.form.substr(at, bar - at);
-    if (is_word(part)) offers.add(part);
+  for (const auto part : split(option.form, "|")) {
+    if (is_word(part)) offers.add(std::string(part));
     if (part == "FOLDER") offers.add_paths(":folders");
     files = files || is_of_files(part);
-    at = bar + 1;
   }
   if (files) offers.add_paths(":files");
 }

@@ -10,6 +10,7 @@
 
 #include "base/printable.hpp"
 #include "options/option_values.hpp"
+#include "options/split.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -75,13 +76,7 @@ int faces_to(double number, const Part& part, Axis axis, const ClipText& clip, c
 ClipText parse_clip(const std::string& text, const std::string& option) {
   ClipText clip;
   clip.option = option;
-  std::vector<std::string_view> parts;
-  for (std::string_view rest = text;;) {
-    const auto comma = rest.find(',');
-    parts.push_back(rest.substr(0, comma));
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
+  const auto parts = split(text, ",");
   if (parts.size() != clip.parts.size())
     throw InputError(fmt::format("{} '{}' has {} part{} instead of three", option, printable(text),
                                  parts.size(), parts.size() == 1 ? "" : "s"),

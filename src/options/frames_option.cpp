@@ -8,6 +8,7 @@
 
 #include "base/printable.hpp"
 #include "options/option_tables.hpp"
+#include "options/split.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -30,13 +31,7 @@ bool take(std::string_view text, std::optional<int>& number) {
 
 FrameRange parse_frames(const std::string& text, const std::string& option) {
   const std::string given = fmt::format("{} '{}'", option, printable(text));
-  std::vector<std::string_view> parts;
-  for (std::string_view rest = text;;) {
-    const auto colon = rest.find(':');
-    parts.push_back(rest.substr(0, colon));
-    if (colon == std::string_view::npos) break;
-    rest.remove_prefix(colon + 1);
-  }
+  const auto parts = split(text, ":");
   FrameRange range;
   range.text = text;
   // Launchers take a : that stands alone for the beginning of another program's arguments.

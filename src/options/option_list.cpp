@@ -1,5 +1,7 @@
 #include "options/option_list.hpp"
 
+#include "options/split.hpp"
+
 namespace ringsplat::app {
 
 Option option_of(const char* heading, const char* names, const char* form, const char* fallback,
@@ -12,12 +14,7 @@ Option option_of(const char* heading, const char* names, const char* form, const
                 .reader = {},
                 .mark = mark};
   if (fallback != nullptr) option.fallback = *fallback == *initial ? reader.initial : fallback;
-  for (std::string_view rest = names;;) {
-    const auto comma = rest.find(',');
-    option.names.emplace_back(rest.substr(0, comma));
-    if (comma == std::string_view::npos) break;
-    rest.remove_prefix(comma + 1);
-  }
+  for (const auto name : split(names, ",")) option.names.emplace_back(name);
   option.reader = std::move(reader);
   return option;
 }

@@ -12,20 +12,11 @@
 
 #include "base/text.hpp"
 #include "images/srgb.hpp"
+#include "options/split.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
-
-std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
-  std::vector<std::string_view> parts;
-  for (std::size_t at = 0;;) {
-    const auto end = text.find_first_of(separators, at);
-    parts.push_back(text.substr(at, end - at));
-    if (end == std::string_view::npos) return parts;
-    at = end + 1;
-  }
-}
 
 /// `text` as 1 or `count` numbers separated by x, * or commas; one number stands for all.
 template <class T>
