@@ -2,17 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <bit>
 #include <cstdint>
-#include <cstring>
-#include <optional>
-#include <string>
 #include <type_traits>
-#include <vector>
 
 #include "frame/frame_fields.hpp"
-#include "frame/frame_spec_bytes.hpp"
 #include "net/link_counts.hpp"
 #include "net/message.hpp"
 #include "protocol/bundle_engine.hpp"
@@ -45,51 +39,33 @@ void add_messages(WireHash& hash) {
     hash.text(to_string(NodeId{Role(role), 0}));
 }
 
-/// Gives every field of a frame a value of its own, so that swapping any two changes the bytes.
-class Filler {
- public:
+/// Adds the fields of a frame in the order of their bytes.
+struct AddFields {
+  WireHash& hash;
   template <class T>
-  void operator()(const char*, T& value) {
-    fill(value);
-  }
-  template <class T>
-  void fill(T& value) {
-    if constexpr (HasFields<T>) {
+  void operator()(const char* name, const T& value) {
+    hash.text(name);
+    if constexpr (HasFields<const T>)
       fields(value, *this);
-    } else if constexpr (std::is_enum_v<T>) {
-      value = last_of(value);
-    } else {
-      static_assert(std::is_trivially_copyable_v<T>);
-      std::array<unsigned char, sizeof(T)> bytes;
-      for (unsigned char& byte : bytes) byte = ++last_;
-      std::memcpy(&value, bytes.data(), sizeof(T));
-    }
+    else if constexpr (std::is_trivially_copyable_v<T>)
+      hash.number(sizeof(T));
+    else
+      hash.number(sizeof(typename T::value_type));
   }
-  void fill(bool& value) { value = !value; }
-  void fill(std::string& text) { text = "name"; }
-  template <class T>
-  void fill(std::vector<T>& values) {
-    fill(values.emplace_back());
-  }
-  template <class T>
-  void fill(std::optional<T>& value) {
-    fill(value.emplace());
-  }
-
- private:
-  unsigned char last_ = 0;
 };
 
-FrameSpec sample_frame(const Method& how) {
-  FrameSpec frame;
-  frame.how = how;
-  Filler().fill(frame);
-  return frame;
-}
-
 void add_announcement(WireHash& hash) {
-  hash.bytes(encode(sample_frame(Splats{})));
-  hash.bytes(encode(sample_frame(Sheets{})));
+  for (const Method& how : {Method(Splats{}), Method(Sheets{})}) {
+    FrameSpec frame;
+    frame.how = how;
+    fields(frame, AddFields{hash});
+  }
+  using Function = TransferFunction;
+  hash.layout(&Function::ColourPoint::value, &Function::ColourPoint::srgb);
+  hash.layout(&Function::OpacityPoint::value, &Function::OpacityPoint::opacity);
+  hash.layout(&PhongMaterial::ambient, &PhongMaterial::diffuse, &PhongMaterial::specular,
+              &PhongMaterial::exponent);
+  hash.layout(&VoxelBox::first, &VoxelBox::end);
   hash.order({ImagePlane::screen, ImagePlane::slices});
   hash.order({Shading::none, Shading::phong});
   hash.order({KernelMethod::qee, KernelMethod::texture});

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <span>
 #include <string>
 
 #include "base/fingerprint.hpp"
@@ -16,10 +15,6 @@ class WireHash {
  public:
   void number(std::uint64_t value) { hash_.add(fmt::format("{} ", value)); }
   void text(const std::string& text) { hash_.add(text + '\n'); }
-  void bytes(std::span<const std::byte> bytes) {
-    number(bytes.size());
-    hash_.add(bytes);
-  }
 
   /// Adds each member's offset. Forgetting a member does not compile: the members and `Padding` bytes must
   /// fill the struct.

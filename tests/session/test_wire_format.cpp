@@ -50,13 +50,3 @@ TEST_CASE("members that change places or grow change a layout's hash, and choice
   CHECK(layout_of<0, Pair>() != layout_of<4, Wide>());
   CHECK(order_of<Early>() != order_of<Late>());
 }
-
-TEST_CASE("bytes are told from others of the same sum, and from fewer") {
-  const auto hash_of = [](const std::string& text) {
-    WireHash hash;
-    hash.bytes(std::as_bytes(std::span(text)));
-    return hash.value();
-  };
-  CHECK(hash_of("ab") != hash_of("ba"));
-  CHECK(hash_of("a") != hash_of(std::string("a\0", 2)));
-}
