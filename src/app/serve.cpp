@@ -15,7 +15,7 @@
 #include "app/series_loader.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
-#include "base/log_listener.hpp"
+#include "base/log_to_stderr.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
 #include "forecast/role_choice.hpp"
@@ -182,9 +182,12 @@ std::unique_ptr<serve::OpenedPage> open_in_browser(const std::string& url) {
 class Warnings {
  public:
   Warnings() {
-    set_log_listener([this](const std::string& text) { take(text); });
+    set_log_sink([this](LogLevel level, const std::string& text) {
+      log_to_stderr(level, text);
+      if (level >= LogLevel::warning) take(text);
+    });
   }
-  ~Warnings() { set_log_listener({}); }
+  ~Warnings() { set_log_sink({}); }
   Warnings(const Warnings&) = delete;
   Warnings& operator=(const Warnings&) = delete;
 

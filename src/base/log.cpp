@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/lack_of_memory.hpp"
-#include "base/log_listener.hpp"
+#include "base/log_to_stderr.hpp"
 #include "base/printable.hpp"
 
 namespace ringsplat {
@@ -29,11 +29,6 @@ bool is_first_rank = true;
 std::function<void(LogLevel, const std::string&)>& log_sink() {
   static std::function<void(LogLevel, const std::string&)> sink;
   return sink;
-}
-
-std::function<void(const std::string&)>& log_listener() {
-  static std::function<void(const std::string&)> listener;
-  return listener;
 }
 
 spdlog::level::level_enum to_spdlog(LogLevel level) {
@@ -64,16 +59,15 @@ void set_log_sink(std::function<void(LogLevel level, const std::string& text)> s
   log_sink() = std::move(sink);
 }
 
-void set_log_listener(std::function<void(const std::string& text)> listener) {
-  log_listener() = std::move(listener);
+void log_to_stderr(LogLevel level, const std::string& text) {
+  logger().log(to_spdlog(level), printable(text));
 }
 
 void log_line(LogLevel level, const std::string& text) {
   if (log_sink())
     log_sink()(level, printable(text));
   else
-    logger().log(to_spdlog(level), printable(text));
-  if (log_listener() && level >= LogLevel::warning) log_listener()(printable(text));
+    log_to_stderr(level, text);
 }
 
 void log_line_once(LogLevel level, const std::string& text) {
