@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "classify/phong.hpp"
 #include "ringsplat/base/image.hpp"
+#include "ringsplat/classify/material.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
