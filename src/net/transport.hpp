@@ -2,6 +2,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "net/message.hpp"
 
@@ -20,6 +21,12 @@ class Transport {
   virtual std::optional<Message> receive() = 0;
   /// True when every message sent has left this rank's memory.
   virtual bool sends_done() = 0;
+  /// A rank's turn begins: lets go of messages that were to leave later; false when there were none.
+  virtual bool begin_turn() { return false; }
+  /// Whether messages came, since it was last asked, that receive() does not return.
+  virtual bool relayed() { return false; }
+  /// What messages wait for on this rank, in words; empty when none does.
+  virtual std::string waiting_for() const { return {}; }
   /// Waits until something may have happened: a millisecond at most, or ten on a rank that has no work.
   virtual void wait_next() = 0;
   /// Waits as wait_next() while no frame is under way on this rank, and then ever longer, up to some

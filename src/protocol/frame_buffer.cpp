@@ -23,16 +23,9 @@ bool FrameBuffer::advance() {
     complete(std::move(frame));
     return true;
   }
-  if (!settling_.empty() && settling_.front().reports_missing == 0) {
-    Settling settled = std::move(settling_.front());
-    settling_.pop_front();
-    hand_over(std::move(settled));
-    return true;
-  }
   const auto most = std::size_t(options_.frames_in_flight);
-  // One more frame may wait for its link counts, so that collecting them does not delay the next frame.
-  if (!no_more_ && frames_.size() < most && frames_.size() + settling_.size() <= most) return announce_next();
-  if (no_more_ && frames_.empty() && settling_.empty() && !shut_down_) {
+  if (!no_more_ && frames_.size() < most) return announce_next();
+  if (no_more_ && frames_.empty() && !shut_down_) {
     shut_down_ = true;
     announce(Kind::shutdown, 0);
     return true;
@@ -103,9 +96,6 @@ void FrameBuffer::receive(Message message) {
     case Kind::report:
       take_report(frame_of(h), message);
       return;
-    case Kind::link_report:
-      take_link_report(message);
-      return;
     default:
       throw RunError(
           fmt::format("the frame buffer cannot use a {} (from {})", name(h.kind), to_string(h.from())));
@@ -157,40 +147,10 @@ void FrameBuffer::complete(Frame&& frame) {
   last_completed_ = now;
   if (options_.trace) options_.trace->of(id())->add(Activity::frame, stats.frame, -1, frame.announced, now);
   check_conservation(stats);
-  if (!layout_.routed()) {
-    source_.done(std::move(stats));
-    return;
-  }
-  const std::int64_t number = stats.frame;
-  const auto ranks = std::size_t(layout_.ranks());
-  settling_.push_back({std::move(stats), std::vector<std::vector<LinkCounts>>(ranks),
-                       std::vector<bool>(ranks), layout_.ranks()});
-  announce(Kind::link_query, number);
-}
-
-void FrameBuffer::take_link_report(const Message& message) {
-  const Header& h = message.header;
-  const auto frame = std::find_if(settling_.begin(), settling_.end(),
-                                  [&](const Settling& s) { return s.stats.frame == h.frame; });
-  const auto rank = std::size_t(h.source);
-  if (frame == settling_.end() || h.source_role != Role::host || frame->reported[rank])
-    throw RunError(
-        fmt::format("{} reported its links for frame {} without being asked", to_string(h.from()), h.frame));
-  frame->links[rank] = decode_link_counts(message.body(), layout_, h.source);
-  frame->reported[rank] = true;
-  --frame->reports_missing;
-}
-
-void FrameBuffer::hand_over(Settling&& settled) {
-  for (const auto& counts : settled.links)
-    settled.stats.links.insert(settled.stats.links.end(), counts.begin(), counts.end());
-  source_.done(std::move(settled.stats));
+  source_.done(std::move(stats));
 }
 
 std::string FrameBuffer::waiting_for() const {
-  if (frames_.empty() && !settling_.empty())
-    return fmt::format("the frame buffer waits for {} rank(s) to report their links for frame {}",
-                       settling_.front().reports_missing, settling_.front().stats.frame);
   if (frames_.empty()) return {};
   const Frame& f = frames_.front();
   std::string who;

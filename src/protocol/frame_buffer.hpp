@@ -11,13 +11,11 @@
 namespace ringsplat {
 
 /// The frame buffer announces frames and takes tiles. A frame is complete when every node has reported and
-/// every tile that Renderers report has arrived; then it checks the conservation sums. In a mesh with
-/// manhattan routing it then asks every rank what its links carried for the frame: by now all of it has
-/// arrived.
+/// every tile that Renderers report has arrived; then it checks the conservation sums.
 class FrameBuffer final : public Node {
  public:
-  /// `engine` and `source` must outlive it. `announce` carries an announcement, a drop, a link query or a
-  /// shutdown to every rank, this one included.
+  /// `engine` and `source` must outlive it. `announce` carries an announcement, a drop or a shutdown to every
+  /// rank, this one included.
   FrameBuffer(const Layout& layout, const ProtocolOptions& options, Engine& engine, FrameSource& source,
               Post announce);
 
@@ -26,7 +24,7 @@ class FrameBuffer final : public Node {
   void drop_frame(std::int64_t) override {}
   void receive(Message message) override;
   bool advance() override;
-  bool idle() const override { return frames_.empty() && settling_.empty(); }
+  bool idle() const override { return frames_.empty(); }
   std::string waiting_for() const override;
 
  private:
@@ -41,13 +39,6 @@ class FrameBuffer final : public Node {
     FrameStats stats;
     bool complete() const { return reports_missing == 0 && tiles_here == tiles_reported; }
   };
-  /// A complete frame that waits for its link counts.
-  struct Settling {
-    FrameStats stats;
-    std::vector<std::vector<LinkCounts>> links;  ///< by rank
-    std::vector<bool> reported;
-    int reports_missing = 0;
-  };
 
   bool drop_unwanted();
   bool announce_next();
@@ -55,9 +46,7 @@ class FrameBuffer final : public Node {
   Frame& frame_of(const Header& header);
   void take_tile(Frame& frame, const Message& message);
   void take_report(Frame& frame, const Message& message);
-  void take_link_report(const Message& message);
   void complete(Frame&& frame);
-  void hand_over(Settling&& settled);
   void announce(Kind kind, std::int64_t frame, Bytes body = {});
 
   Layout layout_;
@@ -66,7 +55,6 @@ class FrameBuffer final : public Node {
   FrameSource& source_;
   Post announce_;
   std::deque<Frame> frames_;
-  std::deque<Settling> settling_;
   std::int64_t next_frame_ = 0;
   bool no_more_ = false, shut_down_ = false;
   double last_completed_ = 0;

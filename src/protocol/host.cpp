@@ -16,14 +16,8 @@
 namespace ringsplat {
 
 Host::Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
-           FrameSource* source, LockStep* lock_step)
-    : layout_(layout), options_(options), transport_(transport), lock_step_(lock_step), source_(source) {
-  if (layout.routed()) {
-    MeshRouter::Observer observer;
-    if (lock_step != nullptr)
-      observer = [lock_step](const Link& link, const Header& header) { lock_step->record(link, header); };
-    router_.emplace(layout, options.link_slots, transport, std::move(observer));
-  }
+           FrameSource* source)
+    : layout_(layout), options_(options), transport_(transport), source_(source) {
   if (layout.idle > 0) transport.only_first_work(layout.working_ranks());
   const Post send = [this](Message m) { post(std::move(m)); };
   for (const NodeId node : layout.nodes_on(transport.rank())) {
@@ -45,37 +39,11 @@ Host::Host(const Layout& layout, const ProtocolOptions& options, Transport& tran
 }
 
 void Host::post(Message message) {
-  if (lock_step_ == nullptr || lock_step_->may_leave(message.header)) {
-    start(std::move(message));
-    return;
-  }
-  ++lock_step_->kept;
-  kept_.push_back(std::move(message));
-}
-
-void Host::start(Message message) {
   const int to = layout_.rank_of(message.header.to());
   if (to == rank())
     local_.push_back(std::move(message));
-  else if (router_)
-    router_->post(std::move(message));
   else
     transport_.send(to, std::move(message));
-}
-
-bool Host::release_kept() {
-  bool released = false;
-  for (auto message = kept_.begin(); message != kept_.end();) {
-    if (!lock_step_->may_leave(message->header)) {
-      ++message;
-      continue;
-    }
-    --lock_step_->kept;
-    start(std::move(*message));
-    message = kept_.erase(message);
-    released = true;
-  }
-  return released;
 }
 
 void Host::announce(Message message) {
@@ -93,10 +61,6 @@ void Host::announce(Message message) {
 void Host::take_announcement(const Message& message) {
   if (message.header.kind == Kind::shutdown) {
     shutting_down_ = true;
-    return;
-  }
-  if (message.header.kind == Kind::link_query) {
-    answer_link_query(message.header.frame);
     return;
   }
   if (message.header.kind == Kind::drop) {
@@ -121,18 +85,6 @@ void Host::drop_announced() {
   }
 }
 
-/// Bypasses the mesh: answers would count themselves.
-void Host::answer_link_query(std::int64_t frame) {
-  Message answer(
-      {.kind = Kind::link_report, .destination_role = Role::frame_buffer, .source = rank(), .frame = frame},
-      encode(router_ ? router_->take_counts(frame) : std::vector<LinkCounts>()));
-  const int to = layout_.rank_of(frame_buffer_id);
-  if (to == rank())
-    local_.push_back(std::move(answer));
-  else
-    transport_.send(to, std::move(answer));
-}
-
 Node* Host::local_node(NodeId id) {
   for (const auto& node : nodes_)
     if (node->id() == id) return node.get();
@@ -143,7 +95,6 @@ void Host::take(Message message) {
   const Header& h = message.header;
   switch (h.kind) {
     case Kind::announcement:
-    case Kind::link_query:
     case Kind::drop:
     case Kind::shutdown:
       announce(std::move(message));
@@ -171,19 +122,17 @@ bool Host::take_arrived() {
       take(std::move(message));
     } else if (auto message = transport_.receive()) {
       check(message->header, layout_);
-      if (router_) message = router_->take(std::move(*message));
-      if (message) take(std::move(*message));
+      take(std::move(*message));
     } else {
       break;
     }
     moved = true;
   }
-  if (router_) router_->return_credits();
-  return moved;
+  return transport_.relayed() || moved;
 }
 
 bool Host::step() {
-  bool moved = lock_step_ != nullptr && release_kept();
+  bool moved = transport_.begin_turn();
   // Messages first: tokens, accepts and messages in transit unblock other ranks.
   moved = take_arrived() || moved;
   for (const auto& node : nodes_) {
@@ -194,10 +143,7 @@ bool Host::step() {
   return moved;
 }
 
-bool Host::finished() {
-  // Neighbours may still owe credits: receive them, so that none stays in the network.
-  return shutting_down_ && local_.empty() && (!router_ || router_->idle()) && transport_.sends_done();
-}
+bool Host::finished() { return shutting_down_ && local_.empty() && transport_.sends_done(); }
 
 void Host::run() {
   double last_progress = now_seconds();
@@ -227,9 +173,7 @@ bool Host::idle() const {
 }
 
 void Host::wait() {
-  if (!kept_.empty()) {
-    lock_step_->wait();
-  } else if (!idle()) {
+  if (!idle()) {
     transport_.wait_next();
   } else if (source_ != nullptr && rank() == 0) {
     transport_.wait_between_frames([this](std::chrono::nanoseconds most) { source_->pause(most); });
@@ -260,7 +204,7 @@ std::string Host::waiting_for() const {
     const std::string one = node->waiting_for();
     if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
   }
-  const std::string links = router_ ? router_->waiting_for() : std::string();
+  const std::string links = transport_.waiting_for();
   if (!links.empty()) all += (all.empty() ? "" : "; ") + links;
   return all;
 }

@@ -7,8 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "net/mesh_lock_step.hpp"
-#include "net/mesh_router.hpp"
 #include "net/transport.hpp"
 #include "protocol/frame_source.hpp"
 #include "protocol/node.hpp"
@@ -16,14 +14,13 @@
 
 namespace ringsplat {
 
-/// One rank: its nodes, its mesh router, and the progress loop that gives them messages and time. Messages in
-/// transit are forwarded between the nodes' bounded pieces of work.
+/// One rank: its nodes, and the progress loop that gives them messages and time. What comes is taken between
+/// the nodes' bounded pieces of work.
 class Host {
  public:
   /// All that is passed by reference or pointer must outlive it. `source` is needed on rank 0 only.
-  /// `lock_step`, if given, sets the pace at which payloads and tokens leave their nodes.
   Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
-       FrameSource* source, LockStep* lock_step = nullptr);
+       FrameSource* source);
 
   /// Handles the messages that have arrived and lets every node work a little; false when nothing could be
   /// done.
@@ -38,8 +35,6 @@ class Host {
 
  private:
   void post(Message message);
-  void start(Message message);
-  bool release_kept();
   void wait();
   bool idle() const;
   bool take_arrived();
@@ -47,17 +42,13 @@ class Host {
   void take(Message message);
   void take_announcement(const Message& message);
   void drop_announced();
-  void answer_link_query(std::int64_t frame);
   void report_stall();
   Node* local_node(NodeId id);
 
   Layout layout_;
   ProtocolOptions options_;
   Transport& transport_;
-  LockStep* lock_step_;
   FrameSource* source_;
-  std::optional<MeshRouter> router_;  ///< in a mesh with manhattan routing
-  std::deque<Message> kept_;          ///< messages held for a later step of the lock-step clock
   std::vector<std::unique_ptr<Node>> nodes_;
   std::deque<Message> local_;  ///< messages between nodes of this rank
   std::map<std::int64_t, Announcement> early_frames_;

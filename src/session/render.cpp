@@ -10,10 +10,11 @@
 #include "frame/frame_needs.hpp"
 #include "model/charge.hpp"
 #include "net/agree.hpp"
+#include "net/lock_step_transport.hpp"
 #include "net/same_facts.hpp"
 #include "protocol/bundle_engine.hpp"
-#include "protocol/host.hpp"
 #include "protocol/loopback_run.hpp"
+#include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
@@ -166,9 +167,13 @@ void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
   std::optional<ChargedTransport> charged;
   if (simulation.machine) charged.emplace(plain, *simulation.machine);
   Transport& transport = charged ? static_cast<Transport&>(*charged) : plain;
-  std::optional<LockStep> lock_step;
-  if (simulation.step_seconds > 0) lock_step.emplace(simulation.step_seconds, charge);
-  Host(layout, protocol, transport, engine, &frames, lock_step ? &*lock_step : nullptr).run();
+  Between between;
+  if (simulation.step_seconds > 0)
+    between.pace = [&](Transport& links) {
+      return std::make_unique<LockStepTransport>(links,
+                                                 std::make_shared<LockStep>(simulation.step_seconds, charge));
+    };
+  Rank(layout, protocol, transport, engine, &frames, between).host().run();
 }
 
 }  // namespace

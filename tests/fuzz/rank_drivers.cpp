@@ -10,7 +10,7 @@
 #include "fuzz/other_process.hpp"
 #include "net/loopback.hpp"
 #include "protocol/bundle_engine.hpp"
-#include "protocol/host.hpp"
+#include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
 #include "session/directed_frames.hpp"
@@ -82,8 +82,8 @@ class Rank {
       : frames_(rank == 0 ? director_of({jobs()[job].spec}, [](FrameResult&&) {}) : Director{},
                 scene_of(job).grid, jobs()[job].layout.renderers),
         engine_(engine_of(job, rank)),
-        host_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
-  Host& host() { return host_; }
+        rank_(jobs()[job].layout, jobs()[job].protocol, transport, *engine_, &frames_) {}
+  Host& host() { return rank_.host(); }
 
  private:
   std::unique_ptr<Engine> engine_of(std::size_t job, int rank) {
@@ -101,7 +101,7 @@ class Rank {
   }
   DirectedFrames frames_;
   std::unique_ptr<Engine> engine_;
-  Host host_;
+  ringsplat::Rank rank_;
 };
 
 /// Delivers an input's parts, one whenever the rank has nothing left to do, so that no answer comes before

@@ -135,9 +135,6 @@ TEST_CASE("reports that come twice, are cut short or are of no frame under way a
   CHECK_THROWS_WITH(
       lone.buffer.receive(Message(make_header(Kind::report, gp_1, frame_buffer_id, 0), std::move(body))),
       Catch::Matchers::Contains("sent a report of"));
-  CHECK_THROWS_WITH(
-      lone.buffer.receive(Message(make_header(Kind::link_report, {Role::host, 1}, frame_buffer_id, 0))),
-      Catch::Matchers::Contains("without being asked"));
 }
 
 TEST_CASE("as many frames are under way as may be, and the end is told when all are over") {

@@ -5,7 +5,7 @@
 #include <set>
 
 #include "net/loopback.hpp"
-#include "protocol/host.hpp"
+#include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
@@ -261,28 +261,28 @@ TEST_CASE("the watchdog ends a rank's run and says whom it waits for") {
   DirectedFrames frames({.next_frame = [] { return std::optional(small_view(48)); }, .frame_done = {}},
                         scene.grid, mesh.renderers);
   std::vector<std::unique_ptr<Engine>> engines;
-  std::vector<std::unique_ptr<Host>> hosts;
+  std::vector<std::unique_ptr<Rank>> ranks;
   for (int rank = 0; rank < mesh.ranks(); ++rank) {
     engines.push_back(make_engines({.grid = scene.grid,
                                     .gps = mesh.gps,
                                     .renderers = mesh.renderers,
                                     .slices = std::make_shared<const SliceStore>(
                                         rank < mesh.gps ? std::move(scene.stores.at(rank)) : SliceStore())}));
-    hosts.push_back(
-        std::make_unique<Host>(mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05},
-                               network.transport(rank), *engines.back(), &frames));
+    ranks.push_back(
+        std::make_unique<Rank>(mesh, ProtocolOptions{.slots = 1, .link_slots = 1, .stall_timeout = 0.05},
+                               network.transport(rank), *engines.back(), rank == 0 ? &frames : nullptr));
   }
   constexpr int stopped = 5;  // Renderer 1
   for (bool moved = true; moved; network.turn()) {
     moved = false;
     for (int rank = 0; rank < mesh.ranks(); ++rank)
-      moved = (rank != stopped && hosts[std::size_t(rank)]->step()) || moved;
+      moved = (rank != stopped && ranks[std::size_t(rank)]->host().step()) || moved;
   }
   std::string report;
-  for (const auto& host : hosts) {
-    if (host->rank() == stopped) continue;
+  for (const auto& rank : ranks) {
+    if (rank->host().rank() == stopped) continue;
     try {
-      host->run();
+      rank->host().run();
     } catch (const RunError& e) {
       report += e.what();
     }
