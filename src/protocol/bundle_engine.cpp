@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 #include <utility>
 #include <vector>
 
 #include "base/byte_stream.hpp"
 #include "net/message.hpp"
+#include "protocol/engine_decorator.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -89,11 +89,14 @@ Bytes join_lengths(std::vector<SlicePayload>& slices) {
   return body;
 }
 
-class BundleEncoder final : public Encoder {
+class BundleEncoder final : public EncoderDecorator {
  public:
   BundleEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Bundles bundles,
                 BundleContent content)
-      : inner_(std::move(inner)), bundles_(std::move(bundles)), content_(content), slices_(inner_->shown()) {
+      : EncoderDecorator(std::move(inner)),
+        bundles_(std::move(bundles)),
+        content_(content),
+        slices_(inner_->shown()) {
     shows_nothing_ = slices_.empty();
     // A frame that shows nothing has one step nevertheless (GpFrame).
     if (shows_nothing_) slices_.push_back(0);
@@ -111,7 +114,6 @@ class BundleEncoder final : public Encoder {
   }
 
   EncodeCounts left_out(std::size_t) const override { return inner_->left_out(owned_); }
-  bool prepare() override { return inner_->prepare(); }
 
   void begin(int bundle) override {
     const auto at = [this](int step) { return std::lower_bound(slices_.begin(), slices_.end(), step); };
@@ -138,10 +140,6 @@ class BundleEncoder final : public Encoder {
   }
 
   EncodedStep finish() override { return std::move(joined_); }
-
-  void take_news(std::span<const std::byte> news) override { inner_->take_news(news); }
-  StageSeconds stages() const override { return inner_->stages(); }
-  std::uint64_t slice_memory() const override { return inner_->slice_memory(); }
 
  private:
   void add_slice(int step, EncodedStep&& slice) {
@@ -176,7 +174,6 @@ class BundleEncoder final : public Encoder {
     all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
   }
 
-  std::unique_ptr<Encoder> inner_;
   Bundles bundles_;
   BundleContent content_;
   std::vector<int> slices_;  ///< steps of slices that are shown
@@ -188,12 +185,10 @@ class BundleEncoder final : public Encoder {
   EncodedStep joined_;
 };
 
-class BundlePainter final : public Painter {
+class BundlePainter final : public PainterDecorator {
  public:
   BundlePainter(Painter& inner, int renderer, Bundles bundles)
-      : inner_(inner), renderer_(renderer), bundles_(std::move(bundles)) {}
-
-  bool prepare() override { return inner_.prepare(); }
+      : PainterDecorator(inner), renderer_(renderer), bundles_(std::move(bundles)) {}
 
   void begin(const PayloadToDraw& payload) override {
     read(payload);
@@ -207,12 +202,6 @@ class BundlePainter final : public Painter {
     inner_.begin(slices_[next_]);
     return false;
   }
-
-  bool conclude() override { return inner_.conclude(); }
-  void news(int gp, Bytes& news) override { inner_.news(gp, news); }
-  ItemCounts counts() const override { return inner_.counts(); }
-  double composite_seconds() const override { return inner_.composite_seconds(); }
-  void finish(const std::function<void(int, Bytes)>& deliver) override { inner_.finish(deliver); }
 
  private:
   /// Finds the payloads of the bundle's slices.
@@ -240,17 +229,16 @@ class BundlePainter final : public Painter {
         "all ranks must run the same build with the same options");
   }
 
-  Painter& inner_;
   int renderer_;
   Bundles bundles_;
   std::vector<PayloadToDraw> slices_;  ///< the payload's
   std::size_t next_ = 0;               ///< the slice that is drawn
 };
 
-class BundleEngine final : public Engine {
+class BundleEngine final : public EngineDecorator {
  public:
   BundleEngine(std::unique_ptr<Engine> inner, int bundle, BundleContent content)
-      : inner_(std::move(inner)), bundle_(bundle), content_(content) {}
+      : EngineDecorator(std::move(inner)), bundle_(bundle), content_(content) {}
 
   FramePlan plan(const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
@@ -261,17 +249,15 @@ class BundleEngine final : public Engine {
     return std::make_unique<BundleEncoder>(inner_->encoder(gp, a), gp, of_slices, Bundles(of_slices, bundle_),
                                            content_);
   }
-  Painter& painter(int renderer, const Announcement& a) override {
-    return *(painters_[renderer] = std::make_unique<BundlePainter>(inner_->painter(renderer, a), renderer,
-                                                                   Bundles(inner_->plan(a), bundle_)));
-  }
-  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
 
  private:
-  std::unique_ptr<Engine> inner_;
+  std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
+    return std::make_unique<BundlePainter>(inner_->painter(renderer, a), renderer,
+                                           Bundles(inner_->plan(a), bundle_));
+  }
+
   int bundle_;
   BundleContent content_;
-  std::map<int, std::unique_ptr<BundlePainter>> painters_;
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 
 #include "model/charge.hpp"
 #include "net/message.hpp"
-#include "simulate/engine_decorator.hpp"
+#include "protocol/engine_decorator.hpp"
 
 namespace ringsplat {
 namespace {
@@ -52,9 +52,9 @@ class ChargedEncoder final : public EncoderDecorator {
 
 /// Pays for a payload of splats before the next one is begun. Sheets are painted while no payload is there,
 /// as long as the Renderer can keep more slices, and at the end.
-class ChargedPainter final : public Painter {
+class ChargedPainter final : public PainterDecorator {
  public:
-  ChargedPainter(Painter& inner, const Machine& machine) : inner_(inner), machine_(machine) {
+  ChargedPainter(Painter& inner, const Machine& machine) : PainterDecorator(inner), machine_(machine) {
     debt_.owe(machine.renderer.frame);
   }
 
@@ -74,9 +74,6 @@ class ChargedPainter final : public Painter {
     return !debt_.pay() && !(slices_kept_ > most_slices_kept && pay_for_samples());
   }
   bool conclude() override { return inner_.conclude() || pay_for_samples(); }
-  void news(int gp, Bytes& news) override { inner_.news(gp, news); }
-  ItemCounts counts() const override { return inner_.counts(); }
-  double composite_seconds() const override { return inner_.composite_seconds(); }
   void finish(const std::function<void(int, Bytes)>& deliver) override {
     inner_.finish([&](int tile, Bytes bytes) {
       constexpr double bytes_of_pixel = 4 * sizeof(float);
@@ -108,7 +105,6 @@ class ChargedPainter final : public Painter {
     return false;
   }
 
-  Painter& inner_;
   const Machine& machine_;
   Debt debt_{machine_.poll_interval}, samples_debt_{painting_piece(machine_)};
   int slices_kept_ = 0;  ///< placed since all was painted
@@ -117,22 +113,20 @@ class ChargedPainter final : public Painter {
   bool painted_ = false;  ///< the payload is drawn, but its simulated time is still passing
 };
 
-class ChargedEngine final : public Engine {
+class ChargedEngine final : public EngineDecorator {
  public:
   ChargedEngine(std::unique_ptr<Engine> inner, const Machine& machine)
-      : inner_(std::move(inner)), machine_(machine) {}
+      : EngineDecorator(std::move(inner)), machine_(machine) {}
 
-  FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     Debt& debt = debts_.try_emplace(gp, machine_.poll_interval).first->second;
     return std::make_unique<ChargedEncoder>(inner_->encoder(gp, a), machine_, debt, has_work(gp, plan(a)));
   }
-  Painter& painter(int renderer, const Announcement& a) override {
-    return *(painters_[renderer] = std::make_unique<ChargedPainter>(inner_->painter(renderer, a), machine_));
-  }
-  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
 
  private:
+  std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
+    return std::make_unique<ChargedPainter>(inner_->painter(renderer, a), machine_);
+  }
   static bool has_work(int gp, const FramePlan& plan) {
     for (const FramePlan::Tile& tile : plan.tiles)
       if (tile.renderer != FramePlan::nobody)
@@ -140,10 +134,8 @@ class ChargedEngine final : public Engine {
     return false;
   }
 
-  std::unique_ptr<Engine> inner_;
   Machine machine_;
   std::map<int, Debt> debts_;  ///< by GP
-  std::map<int, std::unique_ptr<ChargedPainter>> painters_;
 };
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 #include "base/byte_stream.hpp"
 #include "net/message.hpp"
+#include "protocol/engine_decorator.hpp"
 #include "ringsplat/base/error.hpp"
-#include "simulate/engine_decorator.hpp"
 
 namespace ringsplat {
 namespace {
@@ -122,24 +122,21 @@ class CountingPainter final : public Painter {
   ItemCounts counts_;
 };
 
-class CountingEngine final : public Engine {
+class CountingEngine final : public EngineDecorator {
  public:
   CountingEngine(std::unique_ptr<Engine> inner, double voxel_weight)
-      : inner_(std::move(inner)), voxel_weight_(voxel_weight) {}
+      : EngineDecorator(std::move(inner)), voxel_weight_(voxel_weight) {}
 
-  FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a), voxel_weight_);
   }
-  Painter& painter(int renderer, const Announcement& a) override {
-    return *(painters_[renderer] = std::make_unique<CountingPainter>(renderer, inner_->plan(a)));
-  }
-  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
 
  private:
-  std::unique_ptr<Engine> inner_;
+  std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
+    return std::make_unique<CountingPainter>(renderer, inner_->plan(a));
+  }
+
   double voxel_weight_;
-  std::map<int, std::unique_ptr<CountingPainter>> painters_;
 };
 
 }  // namespace

@@ -1,0 +1,66 @@
+#pragma once
+#include <map>
+#include <memory>
+#include <utility>
+
+#include "protocol/engine.hpp"
+
+/// Engines that change what another engine does. These forward everything; derived ones override what they
+/// change.
+namespace ringsplat {
+
+class EncoderDecorator : public Encoder {
+ public:
+  explicit EncoderDecorator(std::unique_ptr<Encoder> inner) : inner_(std::move(inner)) {}
+  std::vector<int> shown() override { return inner_->shown(); }
+  EncodeCounts left_out(std::size_t steps) const override { return inner_->left_out(steps); }
+  bool prepare() override { return inner_->prepare(); }
+  void begin(int step) override { inner_->begin(step); }
+  bool work() override { return inner_->work(); }
+  EncodedStep finish() override { return inner_->finish(); }
+  void take_news(std::span<const std::byte> news) override { inner_->take_news(news); }
+  StageSeconds stages() const override { return inner_->stages(); }
+  std::uint64_t slice_memory() const override { return inner_->slice_memory(); }
+
+ protected:
+  std::unique_ptr<Encoder> inner_;
+};
+
+class PainterDecorator : public Painter {
+ public:
+  /// `inner` must outlive it.
+  explicit PainterDecorator(Painter& inner) : inner_(inner) {}
+  bool prepare() override { return inner_.prepare(); }
+  void begin(const PayloadToDraw& payload) override { inner_.begin(payload); }
+  bool work() override { return inner_.work(); }
+  bool conclude() override { return inner_.conclude(); }
+  void news(int gp, Bytes& news) override { inner_.news(gp, news); }
+  ItemCounts counts() const override { return inner_.counts(); }
+  double composite_seconds() const override { return inner_.composite_seconds(); }
+  void finish(const std::function<void(int tile, Bytes bytes)>& deliver) override { inner_.finish(deliver); }
+
+ protected:
+  Painter& inner_;
+};
+
+class EngineDecorator : public Engine {
+ public:
+  explicit EngineDecorator(std::unique_ptr<Engine> inner) : inner_(std::move(inner)) {}
+  FramePlan plan(const Announcement& a) override { return inner_->plan(a); }
+  std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override { return inner_->encoder(gp, a); }
+  Painter& painter(int renderer, const Announcement& a) final {
+    return *(painters_[renderer] = make_painter(renderer, a));
+  }
+  std::unique_ptr<Canvas> canvas(const Announcement& a) override { return inner_->canvas(a); }
+
+ protected:
+  /// The Renderer's painter of a frame.
+  virtual std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) = 0;
+
+  std::unique_ptr<Engine> inner_;
+
+ private:
+  std::map<int, std::unique_ptr<Painter>> painters_;  ///< by Renderer, of its last frame
+};
+
+}  // namespace ringsplat
