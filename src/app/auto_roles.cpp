@@ -9,8 +9,8 @@
 #include "base/process.hpp"
 #include "forecast/machine_forecast.hpp"
 #include "forecast/probe.hpp"
-#include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "net/launcher.hpp"
 #include "program/progress.hpp"
 #include "volume/slice_store.hpp"
 
@@ -55,8 +55,7 @@ Layout choose_on_machine(const RenderOptions& o, const std::vector<Camera>& came
     const auto source = open_volume(o.volume);
     const MachineForecast forecast(*source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour),
                                    probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras),
-                                   machine, o.run.engine.simulation.voxel_weight, launch.ranks(),
-                                   o.run.protocol);
+                                   machine, o.run.simulation.voxel_weight, launch.ranks(), o.run.protocol);
     const auto predictions = o.run.bundle ? forecast.predict_all(layouts) : forecast.predict_bundles(layouts);
     chosen = predictions.front().layout;
     say_choice(predictions);
@@ -68,8 +67,7 @@ Layout choose_on_machine(const RenderOptions& o, const std::vector<Camera>& came
 
 Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, const std::vector<Place>& places, Launch& launch) {
-  if (const auto& machine = o.run.engine.simulation.machine)
-    return choose_on_machine(o, cameras, *machine, launch);
+  if (const auto& machine = o.run.simulation.machine) return choose_on_machine(o, cameras, *machine, launch);
   auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
   if (std::holds_alternative<Sheets>(o.frame.how))
     if (const auto ring = colocated_ring(layouts)) {

@@ -134,7 +134,7 @@ void FrameOutput::warn(const std::string& label, const std::string& why, int& fr
 
 void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) {
   const auto& [result, file, volume, range, whole, refinements] = frame;
-  const bool drawn = !options_.run.engine.simulation.count_only, written = !options_.output.empty();
+  const bool drawn = !options_.run.simulation.count_only, written = !options_.output.empty();
   const std::string label =
       written && !names_film(options_.output) ? file.string() : fmt::format("frame {}", result.spec.frame);
   const Overlay overlay = written && annotation_ ? annotation_->overlay(result.spec, range) : Overlay{};

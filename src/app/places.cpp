@@ -13,8 +13,8 @@
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
-#include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "net/launcher.hpp"
 
 namespace ringsplat::app {
 namespace {

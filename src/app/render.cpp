@@ -10,7 +10,7 @@
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
 #include "base/log.hpp"
-#include "model/charge.hpp"
+#include "net/launcher.hpp"
 #include "program/text_output.hpp"
 #include "record/trace_json.hpp"
 #include "session/render_frames.hpp"

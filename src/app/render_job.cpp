@@ -20,8 +20,8 @@
 #include "frame/frame_needs.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
-#include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "net/launcher.hpp"
 #include "options/first_view.hpp"
 #include "program/text_output.hpp"
 #include "study/error_budget.hpp"
@@ -235,7 +235,7 @@ Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Laun
 /// Says on rank 0 what the method errs, unless its error is measured.
 void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const ValueRange& range,
                        Progress& progress, const Launch& launch) {
-  const bool drawn = !o.run.engine.simulation.count_only;
+  const bool drawn = !o.run.simulation.count_only;
   if (launch.rank() != 0 || o.error.truth || !drawn) return;
   const auto why_it_errs = std::holds_alternative<Splats>(frame.how) ? why_splats_err : why_sheets_err;
   if (const std::string why = why_it_errs(frame.shown.transfer_function, range); !why.empty()) {

@@ -21,8 +21,8 @@
 #include "forecast/role_choice.hpp"
 #include "formats/label_names.hpp"
 #include "frame/frame_needs.hpp"
-#include "model/charge.hpp"
 #include "net/blocks.hpp"
+#include "net/launcher.hpp"
 #include "options/first_view.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
@@ -77,7 +77,7 @@ void refuse_long_series(const std::vector<SeriesEntry>& series) {
 Job prepare(const ServeOptions& options, Launch& launch) {
   Job job;
   RenderOptions& o = job.picture = options.picture;
-  if (o.run.engine.simulation.machine || simulated())
+  if (o.run.simulation.machine || simulated())
     throw InputError("nobody can look at simulated ranks", "use ringsplat render");
   const auto [places, layout] = settle_ranks(o.run, launch);
   job.layout = layout;

@@ -3,13 +3,13 @@
 #include <limits>
 
 #include "base/log.hpp"
-#include "model/charge.hpp"
+#include "net/launcher.hpp"
 
 namespace ringsplat::app {
 
 void prepare_simulation(RunOptions& options, Launch& launch) {
   ProtocolOptions& protocol = options.protocol;
-  SimulationOptions& simulation = options.engine.simulation;
+  SimulationOptions& simulation = options.simulation;
   launch.check_on_all_ranks([&] {
     if (!options.machine.empty()) simulation.machine = read_machine(options.machine);
     if (simulation.step_seconds > 0 && !simulated())
@@ -25,8 +25,9 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
       log_warning(
           "--machine has no effect here: only simulated ranks have a clock to charge (scripts/simulate.sh)");
     simulation.machine.reset();
-    return;
   }
+  simulate(simulation, options.engine);
+  if (!simulated()) return;
   // Simulated time leaps while ranks wait; the simulator itself detects that no rank can go on.
   protocol.stall_timeout = std::numeric_limits<double>::infinity();
   if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;

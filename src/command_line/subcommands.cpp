@@ -46,7 +46,7 @@ Command settle_render(const OptionList& list, AllOptions& all) {
   if (o.colour.colours == "list") return Say{list_of_colour_maps()};
   require_volume("render", o.volume);
   // A run that only counts has no picture; a run for statistics needs none.
-  if (o.output.empty() && o.stats.empty() && !o.run.engine.simulation.count_only)
+  if (o.output.empty() && o.stats.empty() && !o.run.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
                      fmt::format("for instance ringsplat render {} -o out.png", o.volume.path));
   settle_picture(list, o);

@@ -18,14 +18,16 @@ class FramePainter : public Painter {
   virtual void begin_frame(std::shared_ptr<const Frame> frame) = 0;
 };
 
-/// One rank's engine of one method. `Parts`, made of the EngineSetup, has
+/// One rank's engine of one method. `Parts`, made of the EngineSetup and what else it needs, has
 ///   Frame   the announced frame as the rank's nodes share it: number, shown, geometry, plan,
 ///   Kept    what a GP keeps from frame to frame, one for each level of its store,
 /// and frame(spec), encoder(frame, kept) and painter(renderer).
 template <class Parts>
 class FrameEngine final : public Engine {
  public:
-  explicit FrameEngine(const EngineSetup& setup) : parts_(setup), take_(setup.take) {}
+  template <class... More>
+  explicit FrameEngine(const EngineSetup& setup, const More&... more)
+      : parts_(setup, more...), take_(setup.take) {}
 
   FramePlan plan(const Announcement& a) override { return frame(a)->plan; }
 

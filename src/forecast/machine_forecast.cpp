@@ -9,7 +9,7 @@
 #include "forecast/probe.hpp"
 #include "forecast/token_times.hpp"
 #include "frame/work_dealing.hpp"
-#include "session/engines.hpp"
+#include "simulate/work_costs.hpp"
 
 namespace ringsplat::app {
 namespace {

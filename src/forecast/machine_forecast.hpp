@@ -4,11 +4,11 @@
 
 #include "forecast/role_choice.hpp"
 #include "frame/work_estimate.hpp"
-#include "model/machine.hpp"
 #include "options/transfer_function_option.hpp"
 #include "protocol/protocol_options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "simulate/machine.hpp"
 
 namespace ringsplat::app {
 

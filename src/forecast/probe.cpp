@@ -11,6 +11,7 @@
 #include "options/method_options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"
+#include "simulate/simulation.hpp"
 #include "volume/clipped.hpp"
 #include "volume/value_statistics.hpp"
 
@@ -175,7 +176,7 @@ std::vector<ViewCosts> render_views(const Section& section, const std::vector<Fr
   ProtocolOptions protocol;
   protocol.frames_in_flight = 1;
   EngineOptions engine;
-  engine.simulation.count_only = machine != nullptr;
+  if (machine != nullptr) simulate({.count_only = true}, engine);
   render_frames(std::move(scene), layout, protocol, director, wiring, engine);
   return costs;
 }

@@ -2,12 +2,12 @@
 #include <vector>
 
 #include "forecast/role_choice.hpp"
-#include "model/machine.hpp"
 #include "net/transport.hpp"
 #include "options/transfer_function_option.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "scene/load.hpp"
+#include "simulate/machine.hpp"
 
 /// Measurements from which layouts are chosen.
 namespace ringsplat::app {

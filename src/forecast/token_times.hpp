@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "forecast/role_choice.hpp"
-#include "model/machine.hpp"
 #include "ringsplat/net/layout.hpp"
+#include "simulate/machine.hpp"
 
 namespace ringsplat::app {
 

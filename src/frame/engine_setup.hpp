@@ -25,12 +25,10 @@ struct EngineSetup {
   WorkCosts splat_costs = usual_splat_costs, sheet_costs = usual_sheet_costs;
   /// This rank's GP's slices, shared by its engines; an empty store without a GP.
   std::shared_ptr<const SliceStore> slices;
-  int threads = 1;          ///< threads that share a node's work
-  bool skip_empty = true;   ///< leave out slices that the transfer function makes transparent
-  bool count_work = false;  ///< tell what parts will take a Painter (PaintWork), for runs that only count
-  double voxel_weight = 1;  ///< of such runs: voxels of its slice that each voxel stands for
-  bool timed = false;       ///< measure seconds by stage
-  TakePicture take = {};    ///< called on the frame buffer's rank
+  int threads = 1;         ///< threads that share a node's work
+  bool skip_empty = true;  ///< leave out slices that the transfer function makes transparent
+  bool timed = false;      ///< measure seconds by stage
+  TakePicture take = {};   ///< called on the frame buffer's rank
 
   SliceDealing dealing() const { return {gps, bundle}; }
 };

@@ -142,10 +142,6 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   return g;
 }
 
-glm::dvec2 narrowed(const glm::dvec2& half, double voxel_weight) {
-  return glm::min(half, glm::max(half / std::sqrt(voxel_weight), glm::dvec2(narrowest_half_width)));
-}
-
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry) {
   Footprint footprint = make_footprint(geometry.view, geometry.traversal.axis, splats.kernel_radius);
   if (splats.kernel.normalisation == Normalisation::none) footprint.weight = 1;

@@ -41,8 +41,6 @@ Axis traversed_axis(const FrameSpec& spec, const Grid& grid);
 /// Throws InputError when a view cannot be drawn by the frame's method, or the clip box is none of the
 /// volume's.
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
-/// Half extents, in pixels, of the kernels of voxels that are `voxel_weight` times as many in a slice.
-glm::dvec2 narrowed(const glm::dvec2& half, double voxel_weight);
 /// The footprint that all voxels of a frame share.
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);
 

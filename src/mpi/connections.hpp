@@ -12,13 +12,9 @@ namespace ringsplat {
 inline constexpr std::size_t largest_mpi_part = std::size_t{1} << 30;
 
 /// Both duplicate `comm` (a collective call) and return errors as exceptions (RunError). All ranks
-/// must give the same `largest_part` (at least a header's size); tests use small ones.
+/// must give the same `largest_part` (at least a header's size); tests use small ones. Simulated ranks have a
+/// transport of their own (simulate/smpi).
 std::unique_ptr<Transport> make_mpi_transport(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
 std::unique_ptr<Collectives> make_mpi_collectives(MPI_Comm comm, std::size_t largest_part = largest_mpi_part);
-
-/// A transport that waits in MPI itself, for simulated ranks. Throws RunError for a message of more than
-/// `largest_message` bytes; that much address space, but no memory, is reserved for each receive.
-std::unique_ptr<Transport> make_blocking_transport(MPI_Comm comm,
-                                                   std::size_t largest_message = std::size_t{64} << 20);
 
 }  // namespace ringsplat

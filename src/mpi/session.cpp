@@ -13,7 +13,6 @@
 
 #include "base/clock.hpp"
 #include "base/lack_of_memory.hpp"
-#include "model/charge.hpp"
 #include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
 #include "net/launcher.hpp"
@@ -48,9 +47,7 @@ MpiSession::~MpiSession() { MPI_Finalize(); }
 
 int MpiSession::rank() const { return state_->rank; }
 int MpiSession::ranks() const { return state_->ranks; }
-std::unique_ptr<Transport> MpiSession::make_transport() {
-  return simulated() ? make_blocking_transport(MPI_COMM_WORLD) : make_mpi_transport(MPI_COMM_WORLD);
-}
+std::unique_ptr<Transport> MpiSession::make_transport() { return make_mpi_transport(MPI_COMM_WORLD); }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
 
 std::vector<std::string> MpiSession::introductions(const std::string& mine) const {

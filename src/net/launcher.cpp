@@ -4,6 +4,9 @@
 #include <array>
 #include <cstdlib>
 
+// A function of SimGrid's. Weak: null when the program is linked with another MPI.
+extern "C" void smpi_execute_benched(double seconds) __attribute__((weak));
+
 namespace ringsplat {
 
 bool started_by_launcher() {
@@ -20,5 +23,7 @@ std::optional<int> launched_processes() {
       return std::atoi(text);
   return {};
 }
+
+bool simulated() { return smpi_execute_benched != nullptr; }
 
 }  // namespace ringsplat

@@ -9,4 +9,7 @@ bool started_by_launcher();
 /// How many processes that launcher started; nothing when it does not say.
 std::optional<int> launched_processes();
 
+/// True when this program runs under SimGrid's simulated MPI.
+bool simulated();
+
 }  // namespace ringsplat

@@ -85,7 +85,7 @@ struct Header {
   std::uint32_t magic = 0x32505352;  // "RSP2"
   Kind kind = Kind::stall;
   Role source_role = Role::host, destination_role = Role::host;
-  std::uint8_t counted = 0;  ///< 1: only the payload's first counted_bytes mean anything (simulation)
+  std::uint8_t unused = 0;
   std::int32_t source = 0, destination = 0;  ///< index within the role
   std::int64_t frame = 0;
   std::array<std::byte, 16> fields{};  ///< the kind's own: see fields_of()
@@ -119,8 +119,6 @@ Fields fields_of(const Header& header) {
 
 /// The place that a token, a payload or an accept is about; nothing for other kinds.
 std::optional<TokenPlace> token_place(const Header& header);
-
-inline constexpr std::size_t counted_bytes = 96;  ///< of the message, header included
 
 /// A header and its body. `wire` holds room for the header and then the body, so that a
 /// message leaves as one block without a copy; it is empty when there is no body.

@@ -139,16 +139,16 @@ constexpr OptionRow<Run> machine_rows[] = {
      [](Run& o) { return value(o.machine); }},
     {"--count-only", nullptr, nullptr,
      "Send payloads of the right size but draw nothing: for time and traffic, no picture",
-     [](Run& o) { return flag(o.engine.simulation.count_only); }},
+     [](Run& o) { return flag(o.simulation.count_only); }},
     {"--voxel-weight", nullptr, initial,
      "With --count-only: so many voxels of its slice for which each voxel stands",
      [](Run& o) {
-       return value(o.engine.simulation.voxel_weight, {1.0, 1e6});
+       return value(o.simulation.voxel_weight, {1.0, 1e6});
      }},
     {"--step-seconds", nullptr, initial,
      "Tokens move one GP per step of a common clock, which lasts so long; 0: freely",
      [](Run& o) {
-       return value(o.engine.simulation.step_seconds, {0.0, 1e6});
+       return value(o.simulation.step_seconds, {0.0, 1e6});
      }},
 };
 

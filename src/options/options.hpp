@@ -18,6 +18,7 @@
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "session/render.hpp"
+#include "simulate/simulation.hpp"
 
 /// Settings of the subcommands. option_tables.hpp has the options that set them.
 namespace ringsplat::app {
@@ -56,8 +57,9 @@ struct RunOptions {
   ProtocolOptions protocol;
   std::optional<int> threads_per_rank;  ///< without it the rank's share of the cores
   EngineOptions engine;                 ///< its threads are settled when the ranks' cores are known
+  SimulationOptions simulation;
   LoopbackOptions loopback;
-  std::string machine;  ///< a file; empty: none. Read into engine.simulation.
+  std::string machine;  ///< a file; empty: none. Read into `simulation`.
 };
 
 /// One of several views: what it says instead of the options' camera.

@@ -8,9 +8,9 @@
 #include "base/text.hpp"
 #include "forecast/machine_forecast.hpp"
 #include "forecast/role_choice.hpp"
-#include "model/charge.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
+#include "net/launcher.hpp"
 #include "net/same_facts.hpp"
 #include "options/option_values.hpp"
 #include "program/build_id.hpp"
@@ -155,22 +155,21 @@ Layout layout_on_ranks(const RunOptions& o, int ranks, int cores) {
 }  // namespace
 
 std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, int ranks, int cores) {
-  if (o.choose_bundle && !o.engine.simulation.machine)
+  if (o.choose_bundle && !o.simulation.machine)
     throw InputError("--bundle auto follows from a described machine's costs, but these ranks are real",
                      "give a number, or leave it out: slices are then dealt one by one");
   if (!over_mpi)
     throw InputError("--gps auto and --renderers auto give ranks their roles, but this is one process",
                      "start it with mpirun -n N; ringsplat info VOLUME --ranks N predicts without it");
-  if (simulated() && !o.engine.simulation.machine)
+  if (simulated() && !o.simulation.machine)
     throw InputError(
         "--gps auto and --renderers auto measure frames by this machine's clock, not the simulated one",
         "name the machine that is simulated with --machine, whose costs then decide, or give both numbers");
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
-  auto layouts = o.engine.simulation.machine
-                     ? rings_on_machine(ranks)
-                     : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
+  auto layouts = o.simulation.machine ? rings_on_machine(ranks)
+                                      : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
   layouts = in_bundles(std::move(layouts), o.bundle.value_or(1));
   std::erase_if(layouts, [&](const Layout& l) {
     return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||

@@ -63,7 +63,7 @@ struct SlicePayload {
 
 std::size_t joined_bytes(const std::vector<SlicePayload>& slices) {
   std::size_t bytes = 0;
-  for (const SlicePayload& slice : slices) bytes += padding(bytes) + sizeof(BundlePart) + slice.head.bytes;
+  for (const SlicePayload& slice : slices) bytes = joined_with(bytes, slice.head.bytes);
   return bytes;
 }
 
@@ -81,22 +81,10 @@ Bytes join(std::vector<SlicePayload>& slices) {
   return body;
 }
 
-/// Bytes that are as many, and were never written or read, so that they take no memory.
-Bytes join_lengths(std::vector<SlicePayload>& slices) {
-  Bytes body = Message::body_buffer();
-  body.resize(body.size() + joined_bytes(slices));
-  slices.clear();
-  return body;
-}
-
 class BundleEncoder final : public EncoderDecorator {
  public:
-  BundleEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Bundles bundles,
-                BundleContent content)
-      : EncoderDecorator(std::move(inner)),
-        bundles_(std::move(bundles)),
-        content_(content),
-        slices_(inner_->shown()) {
+  BundleEncoder(std::unique_ptr<Encoder> inner, int gp, const FramePlan& of_slices, Bundles bundles)
+      : EncoderDecorator(std::move(inner)), bundles_(std::move(bundles)), slices_(inner_->shown()) {
     shows_nothing_ = slices_.empty();
     // A frame that shows nothing has one step nevertheless (GpFrame).
     if (shows_nothing_) slices_.push_back(0);
@@ -156,26 +144,21 @@ class BundleEncoder final : public EncoderDecorator {
 
   void add_part(int step, EncodedPart&& part, std::size_t renderer) {
     EncodedPart& all = joined_.parts[renderer];
-    if (kept_[renderer].empty()) all.slices = 0;
     all.items += part.items;
     all.passes += part.passes;
-    all.slices += part.slices;
     all.tiles.insert(all.tiles.end(), part.tiles.begin(), part.tiles.end());
-    all.work.blocks += part.work.blocks;
-    all.work.samples += part.work.samples;
     const std::uint64_t bytes = Message::body_size(part.payload);
     kept_[renderer].push_back({{step, part.passes, bytes}, std::move(part.payload)});
   }
 
   void join_part(std::size_t renderer) {
     EncodedPart& all = joined_.parts[renderer];
-    all.payload = content_ == BundleContent::payloads ? join(kept_[renderer]) : join_lengths(kept_[renderer]);
+    all.payload = join(kept_[renderer]);
     std::sort(all.tiles.begin(), all.tiles.end());
     all.tiles.erase(std::unique(all.tiles.begin(), all.tiles.end()), all.tiles.end());
   }
 
   Bundles bundles_;
-  BundleContent content_;
   std::vector<int> slices_;  ///< steps of slices that are shown
   bool shows_nothing_ = false;
   std::size_t owned_ = 0;                  ///< how many of them this GP has
@@ -213,8 +196,7 @@ class BundlePainter final : public PainterDecorator {
     slices_.clear();
     for (std::size_t at = 0; at < body.size();) {
       BundlePart part{};
-      at += padding(at);
-      if (!take(body, at, part) || part.bytes > body.size() - at) refuse(payload, "is cut short");
+      if (!take_part(body, at, part)) refuse(payload, "is cut short");
       if (part.slice_step < least || part.slice_step >= bundles_.end(payload.step))
         refuse(payload, fmt::format("has slice {} out of its place", part.slice_step));
       least = part.slice_step + 1;
@@ -237,8 +219,8 @@ class BundlePainter final : public PainterDecorator {
 
 class BundleEngine final : public EngineDecorator {
  public:
-  BundleEngine(std::unique_ptr<Engine> inner, int bundle, BundleContent content)
-      : EngineDecorator(std::move(inner)), bundle_(bundle), content_(content) {}
+  BundleEngine(std::unique_ptr<Engine> inner, int bundle)
+      : EngineDecorator(std::move(inner)), bundle_(bundle) {}
 
   FramePlan plan(const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
@@ -246,8 +228,8 @@ class BundleEngine final : public EngineDecorator {
   }
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     const FramePlan of_slices = inner_->plan(a);
-    return std::make_unique<BundleEncoder>(inner_->encoder(gp, a), gp, of_slices, Bundles(of_slices, bundle_),
-                                           content_);
+    return std::make_unique<BundleEncoder>(inner_->encoder(gp, a), gp, of_slices,
+                                           Bundles(of_slices, bundle_));
   }
 
  private:
@@ -257,13 +239,21 @@ class BundleEngine final : public EngineDecorator {
   }
 
   int bundle_;
-  BundleContent content_;
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_bundle_engine(std::unique_ptr<Engine> inner, int bundle, BundleContent content) {
-  return std::make_unique<BundleEngine>(std::move(inner), bundle, content);
+std::size_t joined_with(std::size_t joined, std::size_t bytes) {
+  return joined + padding(joined) + sizeof(BundlePart) + bytes;
+}
+
+bool take_part(std::span<const std::byte> joined, std::size_t& at, BundlePart& part) {
+  at += padding(at);
+  return take(joined, at, part) && part.bytes <= joined.size() - at;
+}
+
+std::unique_ptr<Engine> make_bundle_engine(std::unique_ptr<Engine> inner, int bundle) {
+  return std::make_unique<BundleEngine>(std::move(inner), bundle);
 }
 
 }  // namespace ringsplat

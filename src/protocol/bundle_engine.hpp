@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <span>
 
 #include "protocol/engine.hpp"
 
@@ -13,15 +14,17 @@ struct BundlePart {
   std::uint64_t bytes = 0;  ///< of the slice's payload, which follows; the next part is aligned like this one
 };
 
-/// What a joined payload has: the slices' payloads, or only their length, where nobody draws it.
-enum class BundleContent { payloads, length };
+/// Bytes of a joined payload of `joined` bytes behind which comes a slice's payload of `bytes` bytes.
+std::size_t joined_with(std::size_t joined, std::size_t bytes);
+/// Takes the head of a joined payload's part behind byte `at`, and moves `at` to the slice's payload. Returns
+/// false when the part is not whole.
+bool take_part(std::span<const std::byte> joined, std::size_t& at, BundlePart& part);
 
 /// An engine whose steps are bundles: up to `bundle` consecutive slices, all of one GP, which are the steps
 /// of `inner`. A Renderer's payloads of a bundle's slices are joined to one, so that a token passes the
 /// bundle as it passes a slice, by payload, accept and token. Bundles are those of the volume: where a frame
 /// shows a part of it, its first and its last bundle may be shorter. Painters draw slice by slice, so no bit
 /// depends on `bundle`.
-std::unique_ptr<Engine> make_bundle_engine(std::unique_ptr<Engine> inner, int bundle,
-                                           BundleContent content = BundleContent::payloads);
+std::unique_ptr<Engine> make_bundle_engine(std::unique_ptr<Engine> inner, int bundle);
 
 }  // namespace ringsplat

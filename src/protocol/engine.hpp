@@ -40,28 +40,19 @@ struct FramePlan {
   std::vector<bool> drawing(int renderers) const;
 };
 
-/// Work that is not counted by items.
-struct PaintWork {
-  std::uint64_t blocks = 0;   ///< of slices, looked through for what can be seen; splats have none
-  std::uint64_t samples = 0;  ///< pixels of a slice that are composited, or of what lies between two slices
-};
-
 /// One step's part for one Renderer.
 struct EncodedPart {
   Bytes payload;             ///< made in Message::body_buffer(); empty: nothing to draw
   std::uint64_t items = 0;   ///< items in the payload; a Painter draws, clips or hides each
   std::uint32_t passes = 0;  ///< non-empty (tile, pass) pairs (Neumann 1992, Fig. 3)
   std::vector<int> tiles;    ///< tiles with items, ascending
-  std::uint32_t slices = 1;  ///< that have items in the payload
-  bool counted = false;      ///< only the message's first counted_bytes have content (simulations)
-  PaintWork work;            ///< what it takes a Painter besides its items, where EngineSetup asks for it
 };
 
 struct EncodeCounts {
   std::uint64_t voxels = 0;   ///< of the slice, transparent ones included
   std::uint64_t visible = 0;  ///< of these, visible ones
   std::uint64_t outside = 0;  ///< skipped, because they lie outside the image
-  std::uint64_t blocks = 0;   ///< as PaintWork's
+  std::uint64_t blocks = 0;   ///< of the slice, looked through for what can be seen; splats have none
 };
 
 struct EncodedStep {
@@ -95,8 +86,8 @@ class Encoder {
 
 struct ItemCounts {
   std::uint64_t drawn = 0, clipped = 0, hidden = 0;
-  PaintWork work = {};
-  std::uint64_t slices = 0;  ///< begun
+  std::uint64_t blocks = 0;   ///< of slices, looked through for what can be seen; splats have none
+  std::uint64_t samples = 0;  ///< pixels of a slice that are composited, or of what lies between two slices
 };
 
 /// A payload for a Renderer to draw; `body` stays valid until then.

@@ -90,10 +90,9 @@ void Gp::use_token(Frame& frame, PreparedSlice& slice, HeldToken token) {
     pass_token(frame, slice, token);
     return;
   }
-  Header h = make_header(
+  const Header h = make_header(
       id(), {Role::renderer, token.renderer}, frame.number,
       PayloadFields{.place = {slice.step, token.renderer, token.sequence}, .passes = part.passes});
-  h.counted = part.counted;
   frame.stats.splats_sent += part.items;
   frame.stats.payload_bytes_sent += Message::body_size(part.payload);
   ++frame.stats.payloads_sent;

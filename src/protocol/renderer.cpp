@@ -154,8 +154,8 @@ void Renderer::deliver(Frame& frame) {
   stats.splats_drawn = counts.drawn;
   stats.splats_clipped = counts.clipped;
   stats.splats_hidden = counts.hidden;
-  stats.blocks = counts.work.blocks;
-  stats.samples = counts.work.samples;
+  stats.blocks = counts.blocks;
+  stats.samples = counts.samples;
   post_(make_report(id(), number, stats));
   frames_.pop_front();
 }

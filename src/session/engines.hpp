@@ -1,21 +1,26 @@
 #pragma once
+#include <functional>
 #include <memory>
+#include <vector>
 
 #include "frame/engine_setup.hpp"
-#include "model/machine.hpp"
 #include "protocol/engine.hpp"
 
 namespace ringsplat {
 
+/// The engine of one method.
+struct MethodEngine {
+  const char* method;
+  std::function<std::unique_ptr<Engine>(const EngineSetup& setup)> make;
+};
+/// Those that draw.
+std::vector<MethodEngine> drawing_engines();
+
 /// The engines of one rank. A frame's engine is found by the name of its method and made on first use.
-std::unique_ptr<Engine> make_engines(const EngineSetup& setup);
+std::unique_ptr<Engine> make_engines(const EngineSetup& setup,
+                                     std::vector<MethodEngine> methods = drawing_engines());
 
-/// What work costs on a described machine, when each voxel stands for `voxel_weight` of its slice and slices
-/// travel in bundles of `bundle`.
-WorkCosts splat_costs(const Machine& machine, double voxel_weight, int bundle = 1);
-WorkCosts sheet_costs(const Machine& machine, double voxel_weight, int bundle = 1);
-
-/// A Renderer's software for a payload and its accept on a described machine.
-double payload_message_seconds(const Machine& machine);
+/// The same, whose steps are the setup's bundles.
+std::unique_ptr<Engine> make_rank_engine(const EngineSetup& setup);
 
 }  // namespace ringsplat

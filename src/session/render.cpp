@@ -8,11 +8,8 @@
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_needs.hpp"
-#include "model/charge.hpp"
 #include "net/agree.hpp"
-#include "net/lock_step_transport.hpp"
 #include "net/same_facts.hpp"
-#include "protocol/bundle_engine.hpp"
 #include "protocol/loopback_run.hpp"
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
@@ -20,9 +17,6 @@
 #include "session/engines.hpp"
 #include "session/render_frames.hpp"
 #include "session/wire_format.hpp"
-#include "simulate/charged_engine.hpp"
-#include "simulate/charged_transport.hpp"
-#include "simulate/counting_engine.hpp"
 
 namespace ringsplat {
 namespace {
@@ -132,48 +126,27 @@ namespace {
 std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
                                     std::shared_ptr<const VolumeSketch> sketch, SliceStore slices, bool timed,
                                     const EngineOptions& options, TakePicture take) {
-  const auto& [machine, count_only, voxel_weight, step_seconds] = options.simulation;
-  // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order (net/mesh.hpp). A
-  // described machine's costs are those of looking at every voxel.
-  const bool skip_empty = !layout.routed() && !machine && !count_only;
-  const int bundle = layout.bundle;
-  auto engine =
-      make_engines({.grid = grid,
+  EngineSetup setup{.grid = grid,
                     .gps = layout.gps,
                     .renderers = layout.renderers,
-                    .bundle = bundle,
+                    .bundle = layout.bundle,
                     .colocated = layout.placement == Placement::colocated,
                     .sketch = std::move(sketch),
-                    .splat_costs = machine ? splat_costs(*machine, voxel_weight, bundle) : usual_splat_costs,
-                    .sheet_costs = machine ? sheet_costs(*machine, voxel_weight, bundle) : usual_sheet_costs,
                     .slices = std::make_shared<const SliceStore>(std::move(slices)),
                     .threads = options.threads_per_rank,
-                    .skip_empty = skip_empty,
-                    .count_work = count_only,
-                    .voxel_weight = count_only ? voxel_weight : 1,
+                    // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
+                    // (net/mesh.hpp).
+                    .skip_empty = !layout.routed(),
                     .timed = timed,
-                    .take = std::move(take)});
-  if (bundle > 1)
-    engine = make_bundle_engine(std::move(engine), bundle,
-                                count_only ? BundleContent::length : BundleContent::payloads);
-  if (count_only) engine = make_counting_engine(std::move(engine), voxel_weight);
-  if (machine) engine = make_charged_engine(std::move(engine), *machine);
-  return engine;
+                    .take = std::move(take)};
+  return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup);
 }
 
 void run_on_transport(Engine& engine, FrameSource& frames, const Layout& layout,
-                      const ProtocolOptions& protocol, Transport& plain,
-                      const SimulationOptions& simulation) {
-  std::optional<ChargedTransport> charged;
-  if (simulation.machine) charged.emplace(plain, *simulation.machine);
-  Transport& transport = charged ? static_cast<Transport&>(*charged) : plain;
-  Between between;
-  if (simulation.step_seconds > 0)
-    between.pace = [&](Transport& links) {
-      return std::make_unique<LockStepTransport>(links,
-                                                 std::make_shared<LockStep>(simulation.step_seconds, charge));
-    };
-  Rank(layout, protocol, transport, engine, &frames, between).host().run();
+                      const ProtocolOptions& protocol, Transport& plain, const EngineOptions& options) {
+  const auto network = options.network ? options.network(plain) : nullptr;
+  Transport& transport = network ? *network : plain;
+  Rank(layout, protocol, transport, engine, &frames, {.pace = options.pace}).host().run();
 }
 
 }  // namespace
@@ -197,7 +170,7 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
     run_loopback(layout, protocol, engine_of, frames, wiring.loopback);
   else
     run_on_transport(*engine_of(wiring.transport->rank()), frames, layout, protocol, *wiring.transport,
-                     options.simulation);
+                     options);
 }
 
 Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,

@@ -1,8 +1,8 @@
 #pragma once
-#include <optional>
+#include <functional>
+#include <memory>
 #include <span>
 
-#include "model/machine.hpp"
 #include "net/collectives.hpp"
 #include "net/loopback_options.hpp"
 #include "net/transport.hpp"
@@ -13,6 +13,9 @@
 
 namespace ringsplat {
 
+class Engine;
+struct EngineSetup;
+
 /// How a run's ranks talk: over a transport between processes, or, when `transport` is null, all in this
 /// process over a loopback network.
 struct Wiring {
@@ -21,18 +24,14 @@ struct Wiring {
   LoopbackOptions loopback = {};
 };
 
-/// Options of runs that measure time or counts instead of making pictures (docs/simulation.md).
-struct SimulationOptions {
-  std::optional<Machine> machine;  ///< nodes charge its costs to the simulated clock
-  bool count_only = false;  ///< payloads have their true size but carry only counts, and nothing is drawn
-  double voxel_weight = 1;  ///< with count_only: voxels of a slice that each voxel stands for
-  double step_seconds = 0;  ///< seconds a lock step of payloads and tokens; 0: no lock step
-};
-
-/// How a node does its work. No option changes a picture; count_only makes none.
+/// How a node does its work. No option changes a picture.
 struct EngineOptions {
   int threads_per_rank = 1;  ///< threads that share a node's work; they never call MPI
-  SimulationOptions simulation = {};
+
+  // What studies of machines put in place of a run's parts (simulate/simulation.hpp); empty: the usual ones.
+  std::function<std::unique_ptr<Engine>(EngineSetup setup)> engine = {};
+  std::function<std::unique_ptr<Transport>(Transport& network)> network = {};  ///< on which messages travel
+  std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};  ///< at which they leave their nodes
 };
 
 /// Throws InputError that names the option when it asks for more threads than any machine has cores.

@@ -22,9 +22,8 @@ namespace {
 
 void add_messages(WireHash& hash) {
   hash.text(std::endian::native == std::endian::big ? "big" : "little");
-  hash.layout(&Header::magic, &Header::kind, &Header::source_role, &Header::destination_role,
-              &Header::counted, &Header::source, &Header::destination, &Header::frame, &Header::fields,
-              &Header::bytes);
+  hash.layout(&Header::magic, &Header::kind, &Header::source_role, &Header::destination_role, &Header::unused,
+              &Header::source, &Header::destination, &Header::frame, &Header::fields, &Header::bytes);
   hash.layout(&TokenPlace::step, &TokenPlace::renderer, &TokenPlace::sequence);
   hash.layout(&TokenFields::place, &TokenFields::credits);
   hash.layout(&PayloadFields::place, &PayloadFields::passes);
@@ -33,7 +32,6 @@ void add_messages(WireHash& hash) {
   hash.layout(&TileFields::tile);
   hash.layout(&CreditFields::channel, &CreditFields::slots);
   hash.number(Header{}.magic);
-  hash.number(counted_bytes);
   for (std::uint8_t kind = 0; kind < kinds; ++kind) hash.text(name(Kind(kind)));
   for (auto role = std::uint8_t(Role::gp); role <= std::uint8_t(Role::host); ++role)
     hash.text(to_string(NodeId{Role(role), 0}));

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -13,7 +12,6 @@
 #include "raster/opaque_news.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
-#include "sheet_engine/sample_counter.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
@@ -30,7 +28,7 @@ constexpr int side = CellRanges::side;
 class SheetEncoder final : public Encoder {
  public:
   SheetEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
-               SliceBlocks& blocks, bool skip_empty, bool count_work)
+               SliceBlocks& blocks, bool skip_empty)
       : frame_(std::move(frame)),
         whole_store_(store),
         store_(store.level(frame_->shown.reduction.factor)),
@@ -46,7 +44,6 @@ class SheetEncoder final : public Encoder {
       opaque_.emplace_back(rect.width(), rect.height());
     }
     tile_marked_.resize(std::size_t(regions.count()));
-    if (count_work) samples_.emplace(*frame_);
     find_volume_range();
   }
 
@@ -73,7 +70,6 @@ class SheetEncoder final : public Encoder {
                          frame_->shown.transfer_function);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
                .blocks = states_.size()};
-    if (samples_) samples_->begin(step, int(parts_.size()));
     next_row_ = 0;
     elsewhere_ = byte_elsewhere();
     for (Part& part : parts_) part.begin();
@@ -93,10 +89,7 @@ class SheetEncoder final : public Encoder {
     step.parts.resize(parts_.size());
     step.counts = counts_;
     for (std::size_t r = 0; r < parts_.size(); ++r)
-      if (parts_[r].present > 0) {
-        const std::uint64_t looked_at = write(parts_[r], step.parts[r]);
-        if (samples_) step.parts[r].work = {looked_at, samples_->samples()[r]};
-      }
+      if (parts_[r].present > 0) write(parts_[r], step.parts[r]);
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
         step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(static_cast<int>(region));
@@ -157,7 +150,6 @@ class SheetEncoder final : public Encoder {
   void send(std::uint32_t block, int column, int row, const PixelWindow& window, const PixelRect& touched) {
     const bool seen = sees(states_[block]);
     const auto voxels = std::uint64_t(block_width(column)) * std::uint64_t(block_height(row));
-    if (samples_ && seen) samples_->add(column, row);
     (touched.empty() ? counts_.outside : counts_.visible) += voxels;
     for_each_region(touched, [&](int region, Part& part) {
       if (hidden(region, window)) return;
@@ -194,8 +186,7 @@ class SheetEncoder final : public Encoder {
     return std::uint8_t(std::max_element(blocks.begin(), blocks.end()) - blocks.begin());
   }
 
-  /// Returns how many blocks the payload has a byte for.
-  std::uint64_t write(const Part& part, EncodedPart& out) const {
+  void write(const Part& part, EncodedPart& out) const {
     const auto row_of = [this](const Said& said) { return int(said.block) / columns_; };
     const int first = row_of(part.said.front()), rows = row_of(part.said.back()) + 1 - first;
     SheetHeader header;
@@ -211,23 +202,21 @@ class SheetEncoder final : public Encoder {
                         std::size_t(rows) * (sizeof(BlockRow) + std::size_t(columns_)) +
                         part.voxels * size_of(slice_.type));
     append(out.payload, header);
-    std::uint64_t bytes = 0;
     auto next = part.said.begin();
     for (int row = first; row < first + rows; ++row) {
       const auto begin = next;
       while (next != part.said.end() && row_of(*next) == row) ++next;
-      bytes += append_row({begin, next}, out.payload);
+      append_row({begin, next}, out.payload);
     }
     const std::size_t before = out.payload.size();
     out.payload.resize(before + part.voxels * size_of(slice_.type));
     copy_voxels(part, out.payload.data() + before);
     out.items = part.present;
     out.passes = 1;
-    return bytes;
   }
 
-  /// Appends what is said of a row's blocks, from the first to the last; returns of how many.
-  std::uint64_t append_row(std::span<const Said> said, Bytes& payload) const {
+  /// Appends what is said of a row's blocks, from the first to the last.
+  void append_row(std::span<const Said> said, Bytes& payload) const {
     const auto column_of = [this](const Said& one) { return std::uint16_t(int(one.block) % columns_); };
     BlockRow row;
     if (!said.empty()) row = {column_of(said.front()), std::uint16_t(column_of(said.back()) + 1)};
@@ -235,7 +224,6 @@ class SheetEncoder final : public Encoder {
     auto next = said.begin();
     for (std::uint16_t column = row.first; column < row.end; ++column)
       append(payload, column == column_of(*next) ? (next++)->byte : elsewhere_);
-    return std::uint64_t(row.end - row.first);
   }
 
   /// Copies the voxels of the present blocks to `to`.
@@ -280,8 +268,7 @@ class SheetEncoder final : public Encoder {
   int columns_ = 1;  ///< of blocks
   std::span<const BlockState> states_;
   int next_row_ = 0;
-  std::uint8_t elsewhere_ = 0;            ///< the byte of blocks of which nothing is said
-  std::optional<SampleCounter> samples_;  ///< where Painters' work is to be told
+  std::uint8_t elsewhere_ = 0;  ///< the byte of blocks of which nothing is said
   EncodeCounts counts_;
   std::vector<Part> parts_;        ///< by Renderer
   std::vector<bool> tile_marked_;  ///< by region: has a block of the slice
@@ -290,9 +277,8 @@ class SheetEncoder final : public Encoder {
 }  // namespace
 
 std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
-                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty,
-                                            bool count_work) {
-  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty, count_work);
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty) {
+  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty);
 }
 
 }  // namespace ringsplat

@@ -4,7 +4,6 @@
 
 #include "engine_parts/frame_plan.hpp"
 #include "sheet_engine/slice_blocks.hpp"
-#include "sheet_engine/weighed_encoder.hpp"
 
 namespace ringsplat {
 namespace {
@@ -19,10 +18,7 @@ class SheetParts {
     return make_sheet_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
-    if (setup_.voxel_weight > 1)
-      return make_weighed_encoder(std::move(frame), setup_.renderers, *setup_.slices, setup_.voxel_weight);
-    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty,
-                              setup_.count_work);
+    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty);
   }
   std::unique_ptr<FramePainter<SheetFrame>> painter(int renderer) {
     return make_sheet_painter(renderer, setup_.renderers, threads_);

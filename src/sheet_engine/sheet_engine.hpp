@@ -12,12 +12,10 @@ namespace ringsplat {
 class SliceBlocks;
 
 /// A GP's encoder for one frame. `store` and `blocks` must outlive it; `blocks` is kept from frame to frame,
-/// one for each level of the store. EngineSetup explains `skip_empty` and
-/// `count_work`. Throws RunError when the slices that
+/// one for each level of the store. EngineSetup explains `skip_empty`. Throws RunError when the slices that
 /// the frame traverses were not loaded.
 std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
-                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty,
-                                            bool count_work = false);
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty);
 
 /// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
 std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,

@@ -78,9 +78,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     }
     step_ = step;
     take_range(payload_->header);
-    ++counts_.slices;
     counts_.drawn += payload_->header.present;
-    for (const BlockRow& row : payload_->rows) counts_.work.blocks += std::uint64_t(row.end - row.first);
+    for (const BlockRow& row : payload_->rows) counts_.blocks += std::uint64_t(row.end - row.first);
   }
 
   bool work() override {
@@ -271,7 +270,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       tiles_.drop_slab();
       return;
     }
-    counts_.work.samples += tiles_.marked() * tile_side * tile_side;
+    counts_.samples += tiles_.marked() * tile_side * tile_side;
     slabs_.push_back(make_slab(*frame_, rays_, step));
   }
 

@@ -5,9 +5,10 @@
 #include <optional>
 #include <utility>
 
-#include "model/charge.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
 #include "protocol/engine_decorator.hpp"
+#include "simulate/charge.hpp"
 
 namespace ringsplat {
 namespace {
@@ -16,8 +17,9 @@ class ChargedEncoder final : public EncoderDecorator {
  public:
   /// `debt` is the GP's. A frame's setup is paid before its first slice, even while an earlier frame is being
   /// encoded.
-  ChargedEncoder(std::unique_ptr<Encoder> inner, const Machine& machine, Debt& debt, bool has_work)
-      : EncoderDecorator(std::move(inner)), machine_(machine), debt_(debt) {
+  ChargedEncoder(std::unique_ptr<Encoder> inner, const Machine& machine, Debt& debt, bool sheets,
+                 bool has_work)
+      : EncoderDecorator(std::move(inner)), machine_(machine), debt_(debt), sheets_(sheets) {
     if (has_work) debt_.owe(machine.gp.frame);
   }
 
@@ -38,7 +40,7 @@ class ChargedEncoder final : public EncoderDecorator {
 
  private:
   double seconds_of(const EncodedStep& step) const {
-    if (step.counts.blocks == 0)
+    if (!sheets_)
       return encoding_seconds(machine_, double(step.counts.voxels), double(step.counts.visible), step.slices);
     double sent = 0;
     for (const EncodedPart& part : step.parts) sent += double(part.items);
@@ -47,6 +49,7 @@ class ChargedEncoder final : public EncoderDecorator {
 
   const Machine& machine_;
   Debt& debt_;
+  bool sheets_;
   std::optional<EncodedStep> encoded_;  ///< encoded, but its simulated time is still passing
 };
 
@@ -54,7 +57,8 @@ class ChargedEncoder final : public EncoderDecorator {
 /// as long as the Renderer can keep more slices, and at the end.
 class ChargedPainter final : public PainterDecorator {
  public:
-  ChargedPainter(Painter& inner, const Machine& machine) : PainterDecorator(inner), machine_(machine) {
+  ChargedPainter(Painter& inner, const Machine& machine, const SlicesOf& slices_of, bool sheets)
+      : PainterDecorator(inner), machine_(machine), slices_of_(slices_of), sheets_(sheets) {
     debt_.owe(machine.renderer.frame);
   }
 
@@ -63,6 +67,7 @@ class ChargedPainter final : public PainterDecorator {
     before_ = inner_.counts();
     inner_.begin(payload);
     passes_ = payload.passes;
+    slices_ = slices_of_(payload.body);
     painted_ = false;
   }
   bool work() override {
@@ -85,17 +90,17 @@ class ChargedPainter final : public PainterDecorator {
  private:
   void owe_for_payload(const ItemCounts& now) {
     const double items = double(now.drawn + now.clipped - before_.drawn - before_.clipped),
-                 blocks = double(now.work.blocks - before_.work.blocks),
-                 samples = double(now.work.samples - before_.work.samples),
-                 slices = double(now.slices - before_.slices);
-    if (blocks == 0) {
-      debt_.owe(drawing_seconds(machine_, items, double(passes_), samples, slices));
+                 blocks = double(now.blocks - before_.blocks),
+                 samples = double(now.samples - before_.samples);
+    if (!sheets_) {
+      debt_.owe(drawing_seconds(machine_, items, double(passes_), samples, slices_));
       return;
     }
-    if (before_.work.blocks == 0) debt_.owe(machine_.sheets.table);
-    debt_.owe(placing_seconds(machine_, blocks, items, slices));
+    // The frame's first payload says what the tables are made for.
+    if (before_.blocks == 0) debt_.owe(machine_.sheets.table);
+    debt_.owe(placing_seconds(machine_, blocks, items, slices_));
     samples_debt_.owe(samples * machine_.sheets.sample);
-    slices_kept_ += int(slices);
+    slices_kept_ += slices_;
   }
 
   /// Once all is painted that could be, the slices are no longer needed.
@@ -106,27 +111,32 @@ class ChargedPainter final : public PainterDecorator {
   }
 
   const Machine& machine_;
+  const SlicesOf& slices_of_;
+  bool sheets_;
   Debt debt_{machine_.poll_interval}, samples_debt_{painting_piece(machine_)};
-  int slices_kept_ = 0;  ///< placed since all was painted
-  std::uint32_t passes_ = 0;
+  int slices_kept_ = 0;       ///< placed since all was painted
+  std::uint32_t passes_ = 0;  ///< the payload's
+  int slices_ = 0;
   ItemCounts before_;     ///< the payload
   bool painted_ = false;  ///< the payload is drawn, but its simulated time is still passing
 };
 
 class ChargedEngine final : public EngineDecorator {
  public:
-  ChargedEngine(std::unique_ptr<Engine> inner, const Machine& machine)
-      : EngineDecorator(std::move(inner)), machine_(machine) {}
+  ChargedEngine(std::unique_ptr<Engine> inner, const Machine& machine, SlicesOf slices_of)
+      : EngineDecorator(std::move(inner)), machine_(machine), slices_of_(std::move(slices_of)) {}
 
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
     Debt& debt = debts_.try_emplace(gp, machine_.poll_interval).first->second;
-    return std::make_unique<ChargedEncoder>(inner_->encoder(gp, a), machine_, debt, has_work(gp, plan(a)));
+    return std::make_unique<ChargedEncoder>(inner_->encoder(gp, a), machine_, debt, of_sheets(a),
+                                            has_work(gp, plan(a)));
   }
 
  private:
   std::unique_ptr<Painter> make_painter(int renderer, const Announcement& a) override {
-    return std::make_unique<ChargedPainter>(inner_->painter(renderer, a), machine_);
+    return std::make_unique<ChargedPainter>(inner_->painter(renderer, a), machine_, slices_of_, of_sheets(a));
   }
+  static bool of_sheets(const Announcement& a) { return method_of(a.body) == Sheets::name; }
   static bool has_work(int gp, const FramePlan& plan) {
     for (const FramePlan::Tile& tile : plan.tiles)
       if (tile.renderer != FramePlan::nobody)
@@ -135,13 +145,15 @@ class ChargedEngine final : public EngineDecorator {
   }
 
   Machine machine_;
+  SlicesOf slices_of_;
   std::map<int, Debt> debts_;  ///< by GP
 };
 
 }  // namespace
 
-std::unique_ptr<Engine> make_charged_engine(std::unique_ptr<Engine> inner, const Machine& machine) {
-  return std::make_unique<ChargedEngine>(std::move(inner), machine);
+std::unique_ptr<Engine> make_charged_engine(std::unique_ptr<Engine> inner, const Machine& machine,
+                                            SlicesOf slices_of) {
+  return std::make_unique<ChargedEngine>(std::move(inner), machine, std::move(slices_of));
 }
 
 }  // namespace ringsplat

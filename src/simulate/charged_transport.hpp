@@ -1,45 +1,46 @@
 #pragma once
+#include <utility>
+
 #include "base/clock.hpp"
-#include "model/charge.hpp"
-#include "model/machine.hpp"
-#include "net/transport.hpp"
+#include "net/transport_decorator.hpp"
+#include "simulate/charge.hpp"
+#include "simulate/counted_payload.hpp"
+#include "simulate/machine.hpp"
 
 namespace ringsplat {
 
 /// Charges the software costs of messages between ranks. The simulator adds the network's time itself.
-class ChargedTransport final : public Transport {
+class ChargedTransport final : public TransportDecorator {
  public:
-  /// Both must outlive it.
-  ChargedTransport(Transport& transport, const Machine& machine)
-      : transport_(transport), machine_(machine), shared_(shares_cores(machine, transport.ranks())) {}
-  int rank() const override { return transport_.rank(); }
-  int ranks() const override { return transport_.ranks(); }
+  /// `transport` must outlive it. `count_only`: payloads only count.
+  ChargedTransport(Transport& transport, const Machine& machine, bool count_only)
+      : TransportDecorator(transport),
+        machine_(machine),
+        count_only_(count_only),
+        shared_(shares_cores(machine, transport.ranks())) {}
 
   void send(int destination, Message message) override {
-    const Header& h = message.header;
+    Header& h = message.header;
     charge(sending_seconds(machine_, static_cast<double>(sizeof(Header) + h.bytes)));
     if (h.kind == Kind::token) charge(machine_.gp.token);
-    transport_.send(destination, std::move(message));
+    if (h.kind == Kind::payload && count_only_) h.magic = counted_magic;
+    inner_.send(destination, std::move(message));
   }
   std::optional<Message> receive() override {
-    auto message = transport_.receive();
+    auto message = inner_.receive();
     if (message) charge(machine_.message.receive);
     return message;
   }
-  bool sends_done() override { return transport_.sends_done(); }
   /// A rank that waits has yielded its core, where others may compute.
   void wait_next() override {
     const double since = now_seconds();
-    transport_.wait_next();
+    inner_.wait_next();
     if (shared_ && now_seconds() > since) sleep_simulated(machine_.message.wake);
   }
-  void wait_between_frames(const Sleep& sleep) override { transport_.wait_between_frames(sleep); }
-  void note_progress() override { transport_.note_progress(); }
-  void only_first_work(int ranks) override { transport_.only_first_work(ranks); }
 
  private:
-  Transport& transport_;
-  const Machine& machine_;
+  Machine machine_;
+  bool count_only_;
   bool shared_;  ///< there are more ranks than cores
 };
 

@@ -7,9 +7,14 @@
 #include <map>
 
 #include "base/byte_stream.hpp"
+#include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
+#include "protocol/bundle_engine.hpp"
 #include "protocol/engine_decorator.hpp"
 #include "ringsplat/base/error.hpp"
+#include "simulate/counted_payload.hpp"
+#include "simulate/measured_engines.hpp"
+#include "simulate/meter.hpp"
 
 namespace ringsplat {
 namespace {
@@ -35,37 +40,71 @@ std::vector<std::uint64_t> tile_bits(const FramePlan& plan) {
   return bits;
 }
 
+/// What the measured payloads of a step's slices say together.
+struct Measured {
+  std::size_t bytes = 0;
+  int slices = 0;
+  PaintWork work;
+
+  void add(const MeasuredPayload& slice, bool joined) {
+    bytes = joined ? joined_with(bytes, slice.bytes) : slice.bytes;
+    ++slices;
+    work.blocks += slice.work.blocks;
+    work.samples += slice.work.samples;
+  }
+};
+
+Measured read_measured(std::span<const std::byte> body, bool joined) {
+  Measured all;
+  for (std::size_t at = 0; at < body.size();) {
+    BundlePart part;
+    MeasuredPayload slice;
+    if ((joined && !take_part(body, at, part)) || !take(body, at, slice)) break;
+    all.add(slice, joined);
+  }
+  return all;
+}
+
+/// How many times as many voxels and items there are as an encoder says. Sheets' blocks are weighed where
+/// they are encoded: so many more are so much smaller.
+struct Weights {
+  double voxels, items;
+};
+
 class CountingEncoder final : public EncoderDecorator {
  public:
-  CountingEncoder(std::unique_ptr<Encoder> inner, const FramePlan& plan, double voxel_weight)
-      : EncoderDecorator(std::move(inner)), bits_(tile_bits(plan)), weight_(voxel_weight) {}
+  CountingEncoder(std::unique_ptr<Encoder> inner, const FramePlan& plan, Weights weights)
+      : EncoderDecorator(std::move(inner)),
+        bits_(tile_bits(plan)),
+        joined_(!plan.slices_of_steps.empty()),
+        weights_(weights) {}
 
   void take_news(std::span<const std::byte>) override {}
 
   EncodedStep finish() override {
     EncodedStep step = inner_->finish();
-    // Encoders of blocks weigh them themselves: so many more are so much smaller.
-    const bool blocks = step.counts.blocks > 0;
-    step.counts = {weighted(step.counts.voxels), weighted(step.counts.visible), weighted(step.counts.outside),
-                   step.counts.blocks};
-    for (EncodedPart& part : step.parts) {
-      if (part.payload.empty()) continue;
-      Said said;
-      said.items = (blocks ? part.items : weighted(part.items)) & ((std::uint64_t{1} << 40) - 1);
-      said.slices = part.slices & ((1U << 24) - 1);
-      said.work = part.work;
-      const std::size_t bytes = Message::body_size(part.payload);
-      for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
-      part.payload = counted(std::max(sizeof said, blocks ? bytes : std::size_t(weighted(bytes))), said);
-      part.items = static_cast<std::uint32_t>(said.items);
-      part.counted = true;
-    }
+    step.counts = {times(weights_.voxels, step.counts.voxels), times(weights_.voxels, step.counts.visible),
+                   times(weights_.voxels, step.counts.outside), step.counts.blocks};
+    for (EncodedPart& part : step.parts)
+      if (!part.payload.empty()) count(part);
     return step;
   }
 
  private:
-  std::uint64_t weighted(std::uint64_t count) const {
-    return static_cast<std::uint64_t>(std::llround(weight_ * double(count)));
+  static std::uint64_t times(double weight, std::uint64_t count) {
+    return static_cast<std::uint64_t>(std::llround(weight * double(count)));
+  }
+
+  void count(EncodedPart& part) const {
+    const Measured measured =
+        read_measured(std::span<const std::byte>(part.payload).subspan(sizeof(Header)), joined_);
+    Said said;
+    said.items = times(weights_.items, part.items) & ((std::uint64_t{1} << 40) - 1);
+    said.slices = std::uint64_t(measured.slices) & ((1U << 24) - 1);
+    said.work = measured.work;
+    for (const int tile : part.tiles) said.tiles |= bits_[std::size_t(tile)];
+    part.payload = counted(std::max(sizeof said, std::size_t(times(weights_.items, measured.bytes))), said);
+    part.items = static_cast<std::uint32_t>(said.items);
   }
 
   /// The rest is never written or read, so it takes no memory until it is sent.
@@ -78,7 +117,8 @@ class CountingEncoder final : public EncoderDecorator {
   }
 
   std::vector<std::uint64_t> bits_;  ///< by tile
-  double weight_;
+  bool joined_;                      ///< steps are bundles
+  Weights weights_;
 };
 
 class CountingPainter final : public Painter {
@@ -96,9 +136,8 @@ class CountingPainter final : public Painter {
   }
   bool work() override {
     counts_.drawn += here_.items;
-    counts_.work.blocks += here_.work.blocks;
-    counts_.work.samples += here_.work.samples;
-    counts_.slices += here_.slices;
+    counts_.blocks += here_.work.blocks;
+    counts_.samples += here_.work.samples;
     return true;
   }
   void news(int, Bytes&) override {}
@@ -128,7 +167,9 @@ class CountingEngine final : public EngineDecorator {
       : EngineDecorator(std::move(inner)), voxel_weight_(voxel_weight) {}
 
   std::unique_ptr<Encoder> encoder(int gp, const Announcement& a) override {
-    return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a), voxel_weight_);
+    const bool sheets = method_of(a.body) == Sheets::name;
+    return std::make_unique<CountingEncoder>(inner_->encoder(gp, a), inner_->plan(a),
+                                             Weights{voxel_weight_, sheets ? 1 : voxel_weight_});
   }
 
  private:
@@ -141,8 +182,16 @@ class CountingEngine final : public EngineDecorator {
 
 }  // namespace
 
-std::unique_ptr<Engine> make_counting_engine(std::unique_ptr<Engine> inner, double voxel_weight) {
-  return std::make_unique<CountingEngine>(std::move(inner), voxel_weight);
+std::unique_ptr<Engine> make_counting_engine(const EngineSetup& setup, double voxel_weight) {
+  auto engine = make_measured_engines(setup, voxel_weight);
+  if (setup.bundle > 1) engine = make_bundle_engine(std::move(engine), setup.bundle);
+  return std::make_unique<CountingEngine>(std::move(engine), voxel_weight);
+}
+
+int slices_counted(std::span<const std::byte> payload) {
+  Said said;
+  std::size_t at = 0;
+  return take(payload, at, said) ? int(said.slices) : 0;
 }
 
 }  // namespace ringsplat

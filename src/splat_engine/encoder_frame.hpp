@@ -11,8 +11,8 @@ namespace ringsplat {
 
 /// State that the bands of a frame's slices share; constant while they work.
 struct EncoderFrame {
-  /// `splat_frame` must outlive it. `count_pixels`: as EngineSetup's count_work.
-  explicit EncoderFrame(const SplatFrame& splat_frame, bool count_pixels = false);
+  /// `splat_frame` must outlive it.
+  explicit EncoderFrame(const SplatFrame& splat_frame);
 
   /// News from a Renderer's Painter::opaque_news. Throws RunError when the bytes are no such news.
   void take_opaque_news(std::span<const std::byte> news);
@@ -22,8 +22,6 @@ struct EncoderFrame {
   FrameShading shading;
   KernelReach reach;
   int stride;                       ///< between voxels of one pass
-  bool count_pixels;                ///< that a Renderer will composite
-  KernelReach beyond_voxel;         ///< pixels that the voxels it stands for reach beyond its own window
   std::vector<PixelRect> rects;     ///< by region
   std::vector<OpaqueTiles> opaque;  ///< by region
   std::vector<OpaqueCover> covers;  ///< made of `opaque`, by region

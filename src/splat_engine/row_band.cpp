@@ -14,7 +14,6 @@ RowBand::RowBand(const EncoderFrame& frame)
       frame_(frame),
       stride_(frame.stride),
       counts_(frame.rects.size()),
-      pixels_(frame.count_pixels ? frame.rects : std::span<const PixelRect>()),
       x_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].x),
       y_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].y),
       beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51) {}
@@ -48,15 +47,6 @@ void RowBand::begin_row() {
   dda_.begin_row(rows_.slice().index, row_);
   x_.begin_row(dda_.row_start().x);
   y_.begin_row(dda_.row_start().y);
-}
-
-void RowBand::count_pixels(int region, int first, std::uint64_t mask) {
-  begin_row();
-  const KernelReach& beyond = frame_.beyond_voxel;
-  for (; mask != 0; mask &= mask - 1) {
-    const PixelWindow w = window_of(std::uint32_t(first + std::countr_zero(mask)));
-    pixels_.include(region, {w.x0 - beyond.x, w.y0 - beyond.y, w.x1 + beyond.x, w.y1 + beyond.y});
-  }
 }
 
 int RowBand::find_row() {

@@ -13,7 +13,6 @@
 #include "ringsplat/base/bytes.hpp"
 #include "splat/encode.hpp"
 #include "splat_engine/encoder_frame.hpp"
-#include "splat_engine/pixel_runs.hpp"
 #include "splat_engine/row_axis.hpp"
 #include "splat_engine/row_classifier.hpp"
 #include "view/slice_dda.hpp"
@@ -52,8 +51,6 @@ class RowBand {
   /// Regions with splats of the slice, in any order.
   std::span<const int> used_regions() const { return used_; }
   const RegionCounts& counts(int region) const { return counts_[std::size_t(region)]; }
-  /// Of the slice, where EncoderFrame asks for them.
-  PixelRuns& pixels() { return pixels_; }
   virtual std::size_t part_bytes(int region) const = 0;
   /// Appends the region's parts of all `bands` of the slice to a Renderer's payload and empties them. All
   /// bands must be of this one's type.
@@ -83,7 +80,6 @@ class RowBand {
     RegionCounts& counts = counts_[std::size_t(region)];
     if (counts.splats == 0) used_.push_back(region);
     counts.splats += std::uint32_t(std::popcount(mask));
-    if (frame_.count_pixels) count_pixels(region, first, mask);
     std::uint16_t& passes = counts.passes[std::size_t(row_offset_)];
     const unsigned all_columns = (1U << stride_) - 1;
     for (; mask != 0 && passes != all_columns; mask &= mask - 1)
@@ -119,7 +115,6 @@ class RowBand {
   KernelReach reach_;
 
  private:
-  void count_pixels(int region, int first, std::uint64_t mask);
   int find_row();
   /// Columns of the row whose windows can meet the image.
   Columns in_view(Columns all);
@@ -129,7 +124,6 @@ class RowBand {
   int stride_;
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
-  PixelRuns pixels_;
   RowAxis x_, y_;
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ outside them; plus a margin for
   /// rounding.

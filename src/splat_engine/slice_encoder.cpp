@@ -26,7 +26,7 @@ namespace {
 class SliceEncoder final : public Encoder {
  public:
   SliceEncoder(std::shared_ptr<const SplatFrame> frame, int renderers, const SliceStore& store,
-               EmptySpace& empty_space, ThreadTeam& threads, bool skip_empty, bool timed, bool count_work)
+               EmptySpace& empty_space, ThreadTeam& threads, bool skip_empty, bool timed)
       : announced_(std::move(frame)),
         whole_store_(store),
         store_(store.level(announced_->shown.reduction.factor)),
@@ -34,7 +34,6 @@ class SliceEncoder final : public Encoder {
         threads_(threads),
         skip_empty_(skip_empty),
         timed_(timed),
-        count_work_(count_work),
         renderers_(renderers) {
     check_loaded(store_, geometry().traversal.axis, announced_->number);
     if (announced_->shown.shading == Shading::phong && !store_.has_normals())
@@ -65,7 +64,7 @@ class SliceEncoder final : public Encoder {
   }
 
   void begin(int step) override {
-    if (!frame_) frame_.emplace(*announced_, count_work_);
+    if (!frame_) frame_.emplace(*announced_);
     const SliceView slice = store_.slice(geometry().traversal.axis, slice_at(step), geometry().box);
     voxels_ = std::uint64_t(slice.width) * std::uint64_t(slice.height);
     VisibleVoxels& visible = empty_space_.voxels(slice, announced_->shown.transfer_function, geometry().box);
@@ -108,7 +107,6 @@ class SliceEncoder final : public Encoder {
       bands_.front()->append_parts(region, bands(), part.payload);
       const RegionCounts counts = counts_of(region);
       part.items += counts.splats;
-      if (count_work_) part.work.samples += pixels_of(region);
       for (const auto bits : counts.passes) part.passes += std::uint32_t(std::popcount(bits));
       part.tiles.push_back(region);
     }
@@ -191,19 +189,12 @@ class SliceEncoder final : public Encoder {
     return sum;
   }
 
-  /// That a Renderer will composite in the region.
-  std::uint64_t pixels_of(int region) const {
-    RowBand& first = *bands_.front();
-    for (const auto& band : bands().subspan(1)) first.pixels().join(band->pixels(), region);
-    return first.pixels().take(region);
-  }
-
   std::shared_ptr<const SplatFrame> announced_;
   const SliceStore& whole_store_;
   const SliceStore& store_;  ///< the frame's level
   EmptySpace& empty_space_;
   ThreadTeam& threads_;
-  bool skip_empty_, timed_, count_work_;
+  bool skip_empty_, timed_;
   int renderers_;
   std::optional<EncoderFrame> frame_;  ///< made for the first slice: a GP may have none
   std::uint64_t voxels_ = 0;           ///< of the slice
@@ -217,10 +208,9 @@ class SliceEncoder final : public Encoder {
 
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
                                             const SliceStore& store, EmptySpace& empty_space,
-                                            ThreadTeam& threads, bool skip_empty, bool timed,
-                                            bool count_work) {
+                                            ThreadTeam& threads, bool skip_empty, bool timed) {
   return std::make_unique<SliceEncoder>(std::move(frame), renderers, store, empty_space, threads, skip_empty,
-                                        timed, count_work);
+                                        timed);
 }
 
 }  // namespace ringsplat

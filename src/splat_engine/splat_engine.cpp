@@ -16,12 +16,11 @@ class SplatParts {
       : setup_(setup), dealer_(setup), encoder_threads_(setup.threads), painter_threads_(setup.threads) {}
 
   std::shared_ptr<const SplatFrame> frame(const FrameSpec& spec) {
-    return make_splat_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_,
-                            setup_.voxel_weight);
+    return make_splat_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SplatFrame> frame, EmptySpace& space) {
     return make_splat_encoder(std::move(frame), setup_.renderers, *setup_.slices, space, encoder_threads_,
-                              setup_.skip_empty, setup_.timed, setup_.count_work);
+                              setup_.skip_empty, setup_.timed);
   }
   std::unique_ptr<FramePainter<SplatFrame>> painter(int renderer) {
     return make_splat_painter(renderer, setup_.renderers, painter_threads_);

@@ -12,14 +12,12 @@ namespace ringsplat {
 class EmptySpace;
 
 /// A GP's encoder for one frame. `store`, `empty_space` and `threads` must outlive it; `empty_space` is kept
-/// from frame to frame, one for each level of the store. EngineSetup explains `skip_empty`, `timed` and
-/// `count_work`.
-/// Payloads have the same bytes with any number of threads. Throws RunError when the slices that the frame
-/// traverses were not loaded.
+/// from frame to frame, one for each level of the store. EngineSetup explains `skip_empty` and
+/// `timed`. Payloads have the same bytes with any number of threads. Throws RunError when the slices that the
+/// frame traverses were not loaded.
 std::unique_ptr<Encoder> make_splat_encoder(std::shared_ptr<const SplatFrame> frame, int renderers,
                                             const SliceStore& store, EmptySpace& empty_space,
-                                            ThreadTeam& threads, bool skip_empty = true, bool timed = false,
-                                            bool count_work = false);
+                                            ThreadTeam& threads, bool skip_empty = true, bool timed = false);
 
 /// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
 std::unique_ptr<FramePainter<SplatFrame>> make_splat_painter(int renderer, int renderers,

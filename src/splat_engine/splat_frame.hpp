@@ -16,15 +16,17 @@ struct SplatFrame {
   FrameGeometry geometry;
   Footprint footprint;
   FramePlan plan;
-  double voxel_weight = 1;  ///< as EngineSetup's
 };
 
 class RegionDealer;
 
 /// `spec` must be of this method; without a `dealer` regions are dealt in turn. Throws InputError when its
-/// view cannot be drawn. `voxel_weight`: as EngineSetup's.
-std::shared_ptr<const SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid,
-                                                   SliceDealing dealing, int renderers,
-                                                   RegionDealer* dealer = nullptr, double voxel_weight = 1);
+/// view cannot be drawn.
+std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, const Grid& grid, SliceDealing dealing,
+                                             int renderers, RegionDealer* dealer = nullptr);
+/// The same of a geometry that was made of `spec`.
+std::shared_ptr<SplatFrame> make_splat_frame(const FrameSpec& spec, FrameGeometry geometry,
+                                             SliceDealing dealing, int renderers,
+                                             RegionDealer* dealer = nullptr);
 
 }  // namespace ringsplat

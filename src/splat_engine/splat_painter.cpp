@@ -56,7 +56,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
     slice_ = geometry().traversal.slice_at(step, geometry().slices);
     voxel_ = voxel_of_slice();
     next_part_ = 0;
-    ++counts_.slices;
     // Waking a thread costs as much as some hundred splats.
     constexpr std::size_t bytes_worth_a_thread = 4096;
     lanes_in_use_ = int(std::clamp(std::min(parts_.size(), body.size() / bytes_worth_a_thread),
@@ -82,7 +81,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       counts_.drawn += counts.drawn;
       counts_.clipped += counts.clipped;
       counts_.hidden += counts.hidden;
-      counts_.work.samples += counts.work.samples;
+      counts_.samples += counts.samples;
       busy += std::exchange(lane.busy, 0);
       compositing += std::exchange(lane.compositing, 0);
     }
@@ -116,7 +115,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       if (!lane.drawing && !take_part(lane)) return;
       if (!lane.reader->more()) {
         const ScopedSeconds composited(lane.compositing);
-        lane.counts.work.samples += lane.reader->sum().composite(voxel_);
+        lane.counts.samples += lane.reader->sum().composite(voxel_);
         lane.drawing = false;
         continue;
       }

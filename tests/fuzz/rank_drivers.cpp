@@ -9,7 +9,6 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "net/loopback.hpp"
-#include "protocol/bundle_engine.hpp"
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
@@ -88,16 +87,15 @@ class Rank {
  private:
   std::unique_ptr<Engine> engine_of(std::size_t job, int rank) {
     const Layout& layout = jobs()[job].layout;
-    auto engine = make_engines(
-        {.grid = scene_of(job).grid,
-         .gps = layout.gps,
-         .renderers = layout.renderers,
-         .bundle = layout.bundle,
-         .slices = std::make_shared<const SliceStore>(rank < layout.gps ? scene_of(job).stores.at(rank)
-                                                                        : SliceStore()),
-         .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }});
-    if (layout.bundle > 1) engine = make_bundle_engine(std::move(engine), layout.bundle);
-    return jobs()[job].count_only ? make_counting_engine(std::move(engine), 1) : std::move(engine);
+    const EngineSetup setup{
+        .grid = scene_of(job).grid,
+        .gps = layout.gps,
+        .renderers = layout.renderers,
+        .bundle = layout.bundle,
+        .slices = std::make_shared<const SliceStore>(rank < layout.gps ? scene_of(job).stores.at(rank)
+                                                                       : SliceStore()),
+        .take = [this](std::int64_t frame, Image&& p) { frames_.take_picture(frame, std::move(p)); }};
+    return jobs()[job].count_only ? make_counting_engine(setup, 1) : make_rank_engine(setup);
   }
   DirectedFrames frames_;
   std::unique_ptr<Engine> engine_;

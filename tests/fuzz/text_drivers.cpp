@@ -11,12 +11,12 @@
 #include "formats/files.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "fuzz/driver.hpp"
-#include "model/machine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 #include "serve/client_message.hpp"
 #include "serve/levels.hpp"
 #include "session/render_frames.hpp"
+#include "simulate/machine.hpp"
 #include "study/calibration_cache.hpp"
 #include "study/study_list.hpp"
 

@@ -57,20 +57,24 @@ TEST_CASE(
   CHECK(posted.messages.empty());
 }
 
-TEST_CASE("without content a bundle's payload is as long, and says as much") {
+TEST_CASE("a bundle's payload has its slices' payloads and says as much as they do") {
   const Announcement frame = announcement(0, part_of_a_volume);
-  const auto part = [&](BundleContent content) {
-    const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4, content);
-    return encoded(*engine->encoder(1, frame), 1).parts.front();
-  };
-  const EncodedPart drawn = part(BundleContent::payloads), counted = part(BundleContent::length);
-  CHECK(drawn.payload.size() == sizeof(Header) + 4 * (sizeof(BundlePart) + sizeof(ToyItem)));
-  CHECK(counted.payload.size() == drawn.payload.size());
-  for (const EncodedPart& one : {drawn, counted}) {
-    CHECK(one.slices == 4);
-    CHECK(one.items == 4);
-    CHECK(one.passes == 4);
+  const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4);
+  const EncodedPart part = encoded(*engine->encoder(1, frame), 1).parts.front();
+  CHECK(part.items == 4);
+  CHECK(part.passes == 4);
+  const auto body = std::span<const std::byte>(part.payload).subspan(sizeof(Header));
+  std::size_t at = 0, joined = 0;
+  for (int slice = 1; slice <= 4; ++slice) {
+    BundlePart head;
+    REQUIRE(take_part(body, at, head));
+    CHECK(head.slice_step == slice + 1);
+    CHECK(head.bytes == sizeof(ToyItem));
+    joined = joined_with(joined, head.bytes);
+    at += head.bytes;
   }
+  CHECK(joined == body.size());
+  CHECK(at == body.size());
 }
 
 TEST_CASE("a damaged payload of a bundle is refused with the Renderer's and the bundle's number") {

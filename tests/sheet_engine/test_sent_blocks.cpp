@@ -3,7 +3,6 @@
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
-#include "sheet_engine/weighed_encoder.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
 #include "support/message_of.hpp"
@@ -29,24 +28,6 @@ EncodedStep encoded(Encoder& encoder, int step) {
   while (!encoder.work()) {
   }
   return encoder.finish();
-}
-
-struct Sum {
-  double payloads = 0, items = 0, bytes = 0, told = 0, samples = 0;
-};
-
-Sum sum_of(Encoder& encoder) {
-  Sum sum;
-  for (const int step : {20, 50, 90, 120})
-    for (const EncodedPart& part : encoded(encoder, step).parts) {
-      if (part.payload.empty()) continue;
-      ++sum.payloads;
-      sum.items += part.items;
-      sum.bytes += double(Message::body_size(part.payload));
-      sum.told += double(part.work.blocks);
-      sum.samples += double(part.work.samples);
-    }
-  return sum;
 }
 
 }  // namespace
@@ -95,25 +76,4 @@ TEST_CASE("a GP refuses sheets of slices whose cells' ranges were not loaded, un
   CHECK(says(encode(dealt(*source, 1).at(0)), "ranges of the cells between slices were not loaded"));
   CHECK(encode(dealt_for_sheets(*source).at(0)).empty());
   CHECK(encode(dealt(*source, 13).at(12)).empty());
-}
-
-TEST_CASE("voxels that stand for others are counted as the blocks of these") {
-  // A volume, and one of every fourth of its voxels along x and y.
-  const Grid fine = make_grid({192, 192, 128}),
-             coarse = make_grid({48, 48, 128}, ScalarType::uint8, {4, 4, 1});
-  Sum sums[2];
-  for (const bool weighed : {false, true}) {
-    const auto frame = seen_from_above(weighed ? coarse : fine, ramp(110, 255, 0.3));
-    const auto stores = dealt_for_sheets(*synth_source("ball", frame->geometry.grid));
-    SliceBlocks blocks;
-    const auto encoder = weighed ? make_weighed_encoder(frame, renderers, stores.at(0), 16)
-                                 : make_sheet_encoder(frame, renderers, stores.at(0), blocks, false, true);
-    sums[int(weighed)] = sum_of(*encoder);
-  }
-  const auto& [real, weighed] = sums;
-  CHECK(weighed.payloads == Approx(real.payloads).epsilon(0.1));
-  CHECK(weighed.items == Approx(real.items).epsilon(0.1));
-  CHECK(weighed.bytes == Approx(real.bytes).epsilon(0.1));
-  CHECK(weighed.told == Approx(real.told).epsilon(0.15));
-  CHECK(weighed.samples == Approx(real.samples).epsilon(0.1));
 }

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "model/charge.hpp"
+#include "simulate/charge.hpp"
 
 namespace ringsplat::sort_last {
 namespace {

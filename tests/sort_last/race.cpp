@@ -14,9 +14,10 @@
 
 #include "base/process.hpp"
 #include "images/image_io.hpp"
-#include "model/charge.hpp"
+#include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/formats/open.hpp"
+#include "simulate/charge.hpp"
 #include "sort_last/icet_communicator.hpp"
 #include "sort_last/section_painter.hpp"
 

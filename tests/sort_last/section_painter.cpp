@@ -6,9 +6,10 @@
 #include <vector>
 
 #include "classify/normals.hpp"
-#include "model/charge.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
+#include "simulate/charge.hpp"
+#include "simulate/meter.hpp"
 #include "volume/clipped.hpp"
 
 namespace ringsplat::sort_last {
@@ -90,17 +91,17 @@ std::shared_ptr<const SplatFrame> SectionPainter::frame_of(const FrameSpec& spec
   return frame;
 }
 
-double SectionPainter::cost_of(const EncodedStep& step) const {
+double SectionPainter::cost_of(const EncodedStep& encoded, double samples) const {
   // Without a machine: as many as a visible voxel takes nanoseconds on one core, more or less.
   constexpr double visible_voxel = 80, transparent_voxel = 3;
   if (!machine_)
-    return visible_voxel * double(step.counts.visible) + transparent_voxel * double(step.counts.voxels);
-  double seconds = encoding_seconds(*machine_, voxel_weight_ * double(step.counts.voxels),
-                                    voxel_weight_ * double(step.counts.visible));
-  for (const EncodedPart& part : step.parts)
+    return visible_voxel * double(encoded.counts.visible) + transparent_voxel * double(encoded.counts.voxels);
+  double seconds = encoding_seconds(*machine_, voxel_weight_ * double(encoded.counts.voxels),
+                                    voxel_weight_ * double(encoded.counts.visible));
+  for (const EncodedPart& part : encoded.parts)
     if (!part.payload.empty())
       seconds += drawing_seconds(*machine_, voxel_weight_ * double(part.items), part.passes,
-                                 pixel_weight_ * double(part.work.samples));
+                                 pixel_weight_ * samples);
   return seconds;
 }
 
@@ -111,14 +112,15 @@ Drawn SectionPainter::draw(const FrameSpec& spec, Image& picture) {
   if (machine_) charge(machine_->gp.frame + machine_->renderer.frame);
   const auto frame = frame_of(spec);
   // A described machine's costs are those of looking at every voxel.
-  const auto encoder =
-      make_splat_encoder(frame, 1, store_, space_, threads_, !machine_, false, machine_.has_value());
+  const auto encoder = make_splat_encoder(frame, 1, store_, space_, threads_, !machine_);
+  const auto meter = machine_ ? make_splat_meter(frame) : nullptr;
   painter_->begin_frame(frame);
   for (const int step : encoder->shown()) {
     encoder->begin(step);
     while (!encoder->work()) continue;
     const EncodedStep encoded = encoder->finish();
-    const double cost = cost_of(encoded);
+    const double samples = meter ? double(meter->work_of(step, encoded.parts).front().samples) : 0;
+    const double cost = cost_of(encoded, samples);
     if (machine_) charge(cost);
     const int slice = section_.first + frame->geometry.traversal.slice_at(step, section_.slices());
     drawn.costs[std::size_t(slice)] = cost;

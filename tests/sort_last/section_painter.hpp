@@ -6,10 +6,10 @@
 
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
-#include "model/machine.hpp"
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
+#include "simulate/machine.hpp"
 #include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat::sort_last {
@@ -49,7 +49,8 @@ class SectionPainter {
 
  private:
   std::shared_ptr<const SplatFrame> frame_of(const FrameSpec& spec) const;
-  double cost_of(const EncodedStep& step) const;
+  /// `samples`: pixels that its one Renderer composites.
+  double cost_of(const EncodedStep& encoded, double samples) const;
 
   Grid whole_;
   Section section_;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "net/message.hpp"
+#include "simulate/counted_payload.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {
@@ -21,13 +22,14 @@ Callback& payload_callback() {
 
 void copy(smx_activity_t transfer, void* buffer, std::size_t size) {
   Header header;
-  bool payload = false;
+  bool payload = false, counted = false;
   if (size >= sizeof(Header)) {
     std::memcpy(&header, buffer, sizeof(Header));
-    payload = header.magic == Header{}.magic && header.kind == Kind::payload;
+    counted = header.magic == counted_magic;
+    payload = (counted || header.magic == Header{}.magic) && header.kind == Kind::payload;
   }
   if (payload && payload_callback()) payload_callback()(size);
-  const std::size_t said = payload && header.counted != 0 ? std::min(size, counted_bytes) : size;
+  const std::size_t said = payload && counted ? std::min(size, counted_bytes) : size;
   // SimGrid declares the same type under two names and installs neither.
   smpi_comm_copy_buffer_callback(reinterpret_cast<simgrid::kernel::activity::CommImpl*>(transfer), buffer,
                                  said);

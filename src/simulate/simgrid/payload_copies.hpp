@@ -4,7 +4,7 @@
 
 namespace ringsplat::simgrid_platform {
 
-/// Makes SimGrid copy only the first bytes of payloads that only count (Header::counted); it still charges
+/// Makes SimGrid copy only the first bytes of payloads that only count (counted_magic); it still charges
 /// their true size. Otherwise a large volume's frame moves hundreds of gigabytes through this machine's
 /// memory.
 void copy_only_what_counts();

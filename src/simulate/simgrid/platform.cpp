@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <map>
 
-#include "model/machine.hpp"
 #include "net/mesh.hpp"
 #include "ringsplat/base/error.hpp"
+#include "simulate/machine.hpp"
 #include "simulate/simgrid/link_monitor.hpp"
 #include "simulate/simgrid/payload_copies.hpp"
 #include "simulate/simgrid/route_zone.hpp"

@@ -1,4 +1,4 @@
-#include "sheet_engine/sample_counter.hpp"
+#include "simulate/sample_counter.hpp"
 
 #include <algorithm>
 
@@ -50,9 +50,9 @@ void SampleCounter::mark(const PixelWindow& pixels, std::vector<bool>& marked) {
                 top = tile(pixels.y0, rect.y0, rect.y1), bottom = tile(pixels.y1, rect.y0, rect.y1);
       for (int v = top; v <= bottom; ++v)
         for (int u = left; u <= right; ++u) {
-          auto here = marked[first + std::size_t(v) * std::size_t(columns) + std::size_t(u)];
-          if (!here) samples_[std::size_t(renderer)] += tile_side * tile_side;
-          here = true;
+          const std::size_t here = first + std::size_t(v) * std::size_t(columns) + std::size_t(u);
+          if (!marked[here]) samples_[std::size_t(renderer)] += tile_side * tile_side;
+          marked[here] = true;
         }
     }
 }

@@ -1,4 +1,4 @@
-#include "model/machine.hpp"
+#include "simulate/machine.hpp"
 
 #include <fmt/format.h>
 

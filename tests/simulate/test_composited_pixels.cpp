@@ -2,6 +2,8 @@
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
 #include "net/message.hpp"
+#include "simulate/measured_engines.hpp"
+#include "simulate/meter.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
@@ -32,12 +34,13 @@ struct Pixels {
 };
 
 Pixels pixels_of(const FrameSpec& spec, const Grid& grid, double voxel_weight, int threads_of_gp = 1) {
-  const auto frame = make_splat_frame(spec, grid, 1, renderers, nullptr, voxel_weight);
+  const auto frame = make_weighed_frame(spec, grid, 1, renderers, voxel_weight);
   const auto source = synth_source("ball", grid);
   const auto stores = dealt(*source, 1);
   EmptySpace space;
   ThreadTeam threads(threads_of_gp), alone;
-  const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), space, threads, false, false, true);
+  const auto encoder = make_splat_encoder(frame, renderers, stores.at(0), space, threads, false);
+  const auto meter = make_splat_meter(frame, voxel_weight);
   std::vector<std::unique_ptr<FramePainter<SplatFrame>>> painters;
   for (int r = 0; r < renderers; ++r) {
     painters.push_back(make_splat_painter(r, renderers, alone));
@@ -49,9 +52,9 @@ Pixels pixels_of(const FrameSpec& spec, const Grid& grid, double voxel_weight, i
     while (!encoder->work()) {
     }
     const EncodedStep encoded = encoder->finish();
+    for (const PaintWork& work : meter->work_of(step, encoded.parts)) pixels.counted += double(work.samples);
     for (int r = 0; r < renderers; ++r) {
       const EncodedPart& part = encoded.parts[std::size_t(r)];
-      pixels.counted += double(part.work.samples);
       if (part.payload.empty()) continue;
       Painter& painter = *painters[std::size_t(r)];
       painter.begin({step, part.passes, std::span(part.payload).subspan(sizeof(Header))});
@@ -59,7 +62,7 @@ Pixels pixels_of(const FrameSpec& spec, const Grid& grid, double voxel_weight, i
       }
     }
   }
-  for (const auto& painter : painters) pixels.composited += double(painter->counts().work.samples);
+  for (const auto& painter : painters) pixels.composited += double(painter->counts().samples);
   return pixels;
 }
 

@@ -1,5 +1,6 @@
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
+#include "simulate/measured_engines.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
@@ -19,7 +20,7 @@ double splats_of_a_voxel(const Grid& grid, double voxel_weight) {
   spec.shown.shading = Shading::none;
   spec.division.region_size = 32;
   spec.how = Splats{};
-  const auto frame = make_splat_frame(spec, grid, 1, renderers, nullptr, voxel_weight);
+  const auto frame = make_weighed_frame(spec, grid, 1, renderers, voxel_weight);
   const auto source = synth_source("ball", grid);
   const auto stores = dealt(*source, 1);
   EmptySpace space;

@@ -1,4 +1,4 @@
-#include "model/charge.hpp"
+#include "simulate/charge.hpp"
 
 #include <cmath>
 #include <ctime>
@@ -9,10 +9,8 @@ extern "C" int smpi_nanosleep(const timespec* time, timespec* left) __attribute_
 
 namespace ringsplat {
 
-bool simulated() { return smpi_execute_benched != nullptr; }
-
 void charge(double seconds) {
-  if (simulated() && seconds > 0) smpi_execute_benched(seconds);
+  if (smpi_execute_benched != nullptr && seconds > 0) smpi_execute_benched(seconds);
 }
 
 void sleep_simulated(double seconds) {

@@ -2,9 +2,6 @@
 
 namespace ringsplat {
 
-/// True when this program runs under SimGrid's simulated MPI, whose clock charge() moves.
-bool simulated();
-
 /// Advances this rank's simulated clock by so many seconds of computing; does nothing outside of a
 /// simulation.
 void charge(double seconds);

@@ -14,6 +14,7 @@
 #include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
 #include "ringsplat/base/error.hpp"
+#include "simulate/counted_payload.hpp"
 
 namespace ringsplat {
 namespace {
@@ -64,8 +65,8 @@ class ReceiveBuffers {
   std::byte* memory_;
 };
 
-/// Blocks in MPI until a message is here or one has left. For simulated MPI, where polling an empty queue
-/// costs simulated time, and where a blocked rank holds no core.
+/// Blocks in MPI until a message is here or one has left: with simulated MPI polling an empty queue costs
+/// simulated time, and a blocked rank holds no core.
 class BlockingTransport final : public Transport {
  public:
   BlockingTransport(MPI_Comm comm, std::size_t largest_message)
@@ -159,10 +160,14 @@ class BlockingTransport final : public Transport {
     const std::byte* first = buffers_.at(index);
     Header header;
     std::memcpy(&header, first, std::min(size, sizeof(Header)));
-    // A counting payload's rest was never written; not reading it saves its memory.
-    const std::size_t said = header.counted != 0 ? std::min(size, counted_bytes) : size;
+    // The rest of a payload that only counts was never written; not reading it saves its memory.
+    const bool counted = header.magic == counted_magic;
     Bytes block(size);
-    std::memcpy(block.data(), first, said);
+    std::memcpy(block.data(), first, counted ? std::min(size, counted_bytes) : size);
+    if (counted) {
+      header.magic = Header{}.magic;
+      std::memcpy(block.data(), &header, sizeof(Header));
+    }
     buffers_.forget(index, size);
     post_receive(index);
     here_.push_back(Message::from_wire(std::move(block), status.MPI_SOURCE));
@@ -178,7 +183,8 @@ class BlockingTransport final : public Transport {
 
 }  // namespace
 
-std::unique_ptr<Transport> make_blocking_transport(MPI_Comm comm, std::size_t largest_message) {
+std::unique_ptr<Transport> make_mpi_transport(MPI_Comm comm, std::size_t) {
+  constexpr std::size_t largest_message = std::size_t{64} << 20;
   return std::make_unique<BlockingTransport>(comm, largest_message);
 }
 

@@ -1,4 +1,4 @@
-#include "sheet_engine/weighed_encoder.hpp"
+#include "simulate/weighed_encoder.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "engine_parts/checks.hpp"
-#include "net/message.hpp"
 #include "sheet_engine/block_windows.hpp"
-#include "sheet_engine/sample_counter.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/transparent_values.hpp"
+#include "simulate/meter.hpp"
+#include "simulate/sample_counter.hpp"
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
@@ -167,12 +167,11 @@ class WeighedEncoder final : public Encoder {
   void write(const Part& part, std::uint64_t samples, EncodedPart& out) const {
     constexpr std::uint64_t voxels = CellRanges::side * CellRanges::side;
     const auto rows = std::uint64_t(part.last_row - part.first_row + 1);
-    out.payload = Message::body_buffer();
-    out.payload.resize(out.payload.size() + sizeof(SheetHeader) + rows * sizeof(BlockRow) + part.all_bytes() +
-                       part.present * voxels * size_of(slice_.type));
+    const std::uint64_t bytes = sizeof(SheetHeader) + rows * sizeof(BlockRow) + part.all_bytes() +
+                                part.present * voxels * size_of(slice_.type);
+    out.payload = measured_payload({bytes, {part.all_bytes(), samples}});
     out.items = std::uint32_t(part.present);
     out.passes = 1;
-    out.work = {part.all_bytes(), samples};
   }
 
   std::shared_ptr<const SheetFrame> frame_;

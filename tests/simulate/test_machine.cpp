@@ -1,8 +1,9 @@
 #include <filesystem>
 
-#include "model/charge.hpp"
-#include "model/machine.hpp"
+#include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
+#include "simulate/charge.hpp"
+#include "simulate/machine.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,0 +1,156 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <glm/common.hpp>
+#include <utility>
+
+#include "base/byte_stream.hpp"
+#include "net/message.hpp"
+#include "raster/slice_buffer.hpp"
+#include "screen/pixel_window.hpp"
+#include "simulate/meter.hpp"
+#include "splat/encode.hpp"
+#include "splat/voxel_run.hpp"
+#include "view/slice_dda.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// Pixels that a lattice of `weight` voxels within a voxel's cell reaches beyond the voxel itself.
+KernelReach beyond_voxel_of(const FrameGeometry& g, double weight) {
+  if (weight <= 1) return {0, 0};
+  const auto [u, v] = in_plane(g.traversal.axis);
+  const glm::dvec2 cell = glm::abs(glm::dvec2(g.view.linear[u])) + glm::abs(glm::dvec2(g.view.linear[v])),
+                   beyond = 0.5 * (1 - 1 / std::sqrt(weight)) * cell;
+  return {std::llround(beyond.x), std::llround(beyond.y)};
+}
+
+std::size_t bytes_of_voxel(Precision precision) {
+  switch (precision) {
+    case Precision::half:
+      return sizeof(HalfVoxel);
+    case Precision::u8:
+      return sizeof(ByteVoxel);
+    case Precision::float32:
+      break;
+  }
+  return sizeof(FloatVoxel);
+}
+
+/// The pixels of a slice that a Renderer composites in a region: in each row the run from the first to the
+/// last pixel block that a kernel may reach (as SplatSum does).
+class PixelRuns {
+ public:
+  explicit PixelRuns(const PixelRect& rect) : rect_(rect) {}
+
+  /// Adds the window of a kernel, of which only what lies in the region counts.
+  void include(const PixelWindow& window) {
+    const auto inside = [](std::int64_t pixel, int first, int pixels) {
+      return int(std::clamp<std::int64_t>(pixel - first, 0, pixels));
+    };
+    const int x0 = inside(window.x0, rect_.x0, rect_.width()),
+              x1 = inside(window.x1 + 1, rect_.x0, rect_.width()),
+              y0 = inside(window.y0, rect_.y0, rect_.height()),
+              y1 = inside(window.y1 + 1, rect_.y0, rect_.height());
+    if (x0 >= x1) return;
+    rows_.resize(std::size_t(rect_.height()));
+    for (int y = y0; y < y1; ++y) rows_[std::size_t(y)].include(x0, x1);
+  }
+  /// Their pixels; forgets them.
+  std::uint64_t take() {
+    std::uint64_t pixels = 0;
+    for (const PixelRun& run : rows_)
+      if (!run.empty())
+        pixels += std::uint64_t(in_whole_blocks(run.end) - run.first / block_pixels * block_pixels);
+    rows_.clear();
+    return pixels;
+  }
+
+ private:
+  PixelRect rect_;
+  std::vector<PixelRun> rows_;  ///< none where nothing was added
+};
+
+std::vector<PixelRuns> runs_in(const Regions& regions) {
+  std::vector<PixelRuns> runs;
+  for (int region = 0; region < regions.count(); ++region) runs.emplace_back(regions.rect(region));
+  return runs;
+}
+
+class SplatMeter final : public Meter {
+ public:
+  SplatMeter(std::shared_ptr<const SplatFrame> frame, double voxel_weight)
+      : frame_(std::move(frame)),
+        reach_(kernel_reach(frame_->footprint)),
+        beyond_(beyond_voxel_of(geometry(), voxel_weight)),
+        dda_(geometry().view, geometry().traversal.axis,
+             geometry().grid.slice_width(geometry().traversal.axis)),
+        pixels_(runs_in(geometry().regions)) {}
+
+  std::vector<PaintWork> work_of(int step, const std::vector<EncodedPart>& parts) override {
+    std::vector<PaintWork> work(parts.size());
+    slice_ = geometry().traversal.slice_at(step, geometry().slices);
+    for (std::size_t r = 0; r < parts.size(); ++r) {
+      if (parts[r].payload.empty()) continue;
+      const auto body = std::span<const std::byte>(parts[r].payload).subspan(sizeof(Header));
+      if (frame_->splats.payload == PayloadForm::words)
+        include_words(body);
+      else
+        include_runs(body);
+      for (const int region : parts[r].tiles) work[r].samples += pixels_[std::size_t(region)].take();
+    }
+    return work;
+  }
+
+ private:
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+
+  void include(int region, const Anchored& at) {
+    const PixelWindow w = pixel_window(at, reach_);
+    pixels_[std::size_t(region)].include(
+        {w.x0 - beyond_.x, w.y0 - beyond_.y, w.x1 + beyond_.x, w.y1 + beyond_.y});
+  }
+
+  void include_words(std::span<const std::byte> body) {
+    SplatGroup group;
+    for (std::size_t at = 0; take(body, at, group);)
+      for (std::uint32_t k = 0; k < group.count; ++k) {
+        Splat splat;
+        if (!take(body, at, splat)) return;
+        Anchored anchored{};
+        anchored.anchor_x = std::int64_t{group.base_x} + splat.anchor_x;
+        anchored.anchor_y = std::int64_t{group.base_y} + splat.anchor_y;
+        include(group.region, anchored);
+      }
+  }
+
+  void include_runs(std::span<const std::byte> body) {
+    BlockGroup group;
+    for (std::size_t at = 0; take(body, at, group); at += group.voxels * bytes_of_voxel(precision()))
+      for (std::uint32_t k = 0; k < group.blocks; ++k) {
+        VoxelBlock block;
+        if (!take(body, at, block)) return;
+        dda_.begin_row(slice_, int(block.row));
+        for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1) {
+          const glm::dvec3 position = dda_.position(block.first + std::uint32_t(std::countr_zero(mask)));
+          include(group.region, anchor(position.x, position.y));
+        }
+      }
+  }
+
+  Precision precision() const { return frame_->splats.precision; }
+
+  std::shared_ptr<const SplatFrame> frame_;
+  KernelReach reach_, beyond_;
+  SliceDda dda_;
+  std::vector<PixelRuns> pixels_;  ///< by region
+  int slice_ = 0;
+};
+
+}  // namespace
+
+std::unique_ptr<Meter> make_splat_meter(std::shared_ptr<const SplatFrame> frame, double voxel_weight) {
+  return std::make_unique<SplatMeter>(std::move(frame), voxel_weight);
+}
+
+}  // namespace ringsplat
