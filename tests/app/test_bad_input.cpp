@@ -349,8 +349,9 @@ TEST_CASE("a missing program for what libraries read is named with where it belo
   const auto file = fs::path(RINGSPLAT_TEST_DATA) / "../fuzz/crashes/hdf5/never_closes";
   const Ended ended = run_command("env PATH=/bin " + command_of(away / "ringsplat", {"info", file.string()}));
   CHECK(ended.code == 2);
-  CHECK_THAT(ended.err, Contains("ringsplat-decode, which reads DICOM, TIFF and HDF5, is missing") &&
-                            Contains("here in " + away.path().string()));
+  CHECK_THAT(ended.err,
+             Catch::Matchers::Contains("ringsplat-decode, which reads DICOM, TIFF and HDF5, is missing") &&
+                 Catch::Matchers::Contains("here in " + away.path().string()));
 }
 
 TEST_CASE("what HDF5 says of damaged files does not reach stderr") {
