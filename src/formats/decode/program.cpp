@@ -140,8 +140,7 @@ void DecodeProgram::throw_why_it_ended(const std::string& library, const std::st
   const std::string how = by == SIGXCPU ? "comes to no end with it"
                           : by == 0     ? fmt::format("ends on it (exit code {})", WEXITSTATUS(status))
                                         : fmt::format("crashes on it ({})", strsignal(by));
-  throw InputError(fmt::format("{}: {} {}", path, library, how),
-                   "the file is damaged, or needs more memory than there is: copy it again");
+  throw InputError(fmt::format("{}: {} {}", path, library, how), "the file is damaged: copy it again");
 }
 
 }  // namespace ringsplat::detail
