@@ -8,7 +8,7 @@ namespace ringsplat {
 
 /// Options of runs that measure time or counts instead of making pictures (docs/simulation.md).
 struct SimulationOptions {
-  std::optional<Machine> machine;  ///< nodes charge its costs to the simulated clock
+  std::optional<Machine> machine = {};  ///< nodes charge its costs to the simulated clock
   bool count_only = false;  ///< payloads have their true size but carry only counts, and nothing is drawn
   double voxel_weight = 1;  ///< with count_only: voxels of a slice that each voxel stands for
   double step_seconds = 0;  ///< seconds a lock step of payloads and tokens; 0: no lock step

@@ -33,7 +33,7 @@ double splats_of_a_voxel(const Grid& grid, double voxel_weight) {
     }
     const EncodedStep encoded = encoder->finish();
     visible += double(encoded.counts.visible);
-    for (const EncodedPart& part : encoded.parts) splats += part.items;
+    for (const EncodedPart& part : encoded.parts) splats += double(part.items);
   }
   return splats / visible;
 }
