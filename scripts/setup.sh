@@ -20,7 +20,6 @@ drawing=(
   "libopenimageio-dev fonts-dejavu-core: pictures, and text in them"
   "libpng-dev: pictures in builds without OpenImageIO"
   "libboost-dev libturbojpeg0-dev: the viewer's server and its JPEGs"
-  "libinsighttoolkit5-dev: NIfTI, legacy VTK"
   "libgdcm-dev: DICOM"
   "libhdf5-dev: HDF5"
   "libexpat1-dev liblz4-dev liblzma-dev: VTK's XML"

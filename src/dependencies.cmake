@@ -18,15 +18,6 @@ find_package(ZLIB REQUIRED)
 find_package(EXPAT REQUIRED)
 find_package(LibLZMA REQUIRED)
 find_package(TBB CONFIG REQUIRED)
-option(RINGSPLAT_WITH_ITK "No format needs ITK" ON)
-if(RINGSPLAT_WITH_ITK)
-  find_package(ITK COMPONENTS ITKIOImageBase ITKIONRRD ITKNrrdIO ITKIONIFTI ITKNIFTI ITKIOVTK)
-  if(NOT ITK_FOUND)
-    message(FATAL_ERROR "There is no ITK 5 (Debian: libinsighttoolkit5-dev). Install it, or do without its formats with "
-      "-DRINGSPLAT_WITH_ITK=OFF.")
-  endif()
-endif()
-
 # Of Boost only headers: Beast and Asio, for the viewer's server.
 find_package(Boost 1.74 REQUIRED)
 
@@ -84,11 +75,4 @@ elseif(NOT RINGSPLAT_SIMULATION STREQUAL "OFF")
   elseif(NOT RINGSPLAT_SIMULATION STREQUAL "AUTO")
     message(FATAL_ERROR "SimGrid 3.32 or later is missing (Debian: libsimgrid-dev)")
   endif()
-endif()
-
-# ITK 5.2 describes itself by variables; this target carries only what the readers need.
-if(RINGSPLAT_WITH_ITK AND NOT TARGET ringsplat_itk)
-  add_library(ringsplat_itk INTERFACE)
-  target_include_directories(ringsplat_itk SYSTEM INTERFACE ${ITK_INCLUDE_DIRS})
-  target_link_libraries(ringsplat_itk INTERFACE ${ITK_LIBRARIES})
 endif()

@@ -12,10 +12,6 @@ target_link_libraries(ringsplat_library INTERFACE ${rooms})
 set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/ringsplat)
 set_target_properties(ringsplat_flags PROPERTIES EXPORT_NAME flags)
 set(libraries ringsplat_flags)
-if(RINGSPLAT_WITH_ITK)
-  set_target_properties(ringsplat_itk PROPERTIES EXPORT_NAME itk)
-  list(APPEND libraries ringsplat_itk)
-endif()
 if(RINGSPLAT_WITH_OPENIMAGEIO)
   list(APPEND libraries ringsplat_openimageio)
 endif()
@@ -35,8 +31,6 @@ install(DIRECTORY ${PROJECT_SOURCE_DIR}/include/ringsplat DESTINATION ${CMAKE_IN
   FILES_MATCHING PATTERN "*.hpp" ${left_out})
 install(FILES ${PROJECT_BINARY_DIR}/include/ringsplat/config.hpp DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ringsplat)
 
-# The package asks ITK for the modules that dependencies.cmake asked for.
-list(JOIN ITK_MODULES_REQUESTED " " RINGSPLAT_ITK_COMPONENTS)
 configure_package_config_file(src/ringsplat-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config.cmake
   INSTALL_DESTINATION ${package_folder})
 write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/ringsplat-config-version.cmake COMPATIBILITY SameMinorVersion)

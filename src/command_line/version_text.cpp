@@ -11,7 +11,6 @@ std::string version_text(const std::string& mpi) {
   std::vector<std::string> with, without;
   const auto add = [&](bool there, const std::string& name) { (there ? with : without).push_back(name); };
   add(!mpi.empty(), mpi.empty() ? "MPI" : mpi);
-  add(RINGSPLAT_WITH_ITK, "ITK");
   add(RINGSPLAT_WITH_OPENIMAGEIO, "OpenImageIO");
   std::string text = "ringsplat " RINGSPLAT_VERSION;
   if (!with.empty()) text += "\nwith " + joined(with, ", ");

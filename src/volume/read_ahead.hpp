@@ -35,8 +35,7 @@ class NotingSource final : public ForwardingSource {
 /// gives what is there, waits for what is being read or will be, and reads all else itself. An error of the
 /// thread is thrown where its slices are asked for.
 ///
-/// The source is used by one thread at a time, and no other source may be opened while the thread reads:
-/// ITK's messages are silenced, and HDF5 is called, for the whole process. finish() waits for that.
+/// The source is used by one thread at a time. finish() waits until the thread reads no more.
 class ReadAheadSource final : public ForwardingSource {
  public:
   ReadAheadSource(std::unique_ptr<VolumeSource> source, std::vector<SliceRun> runs, std::size_t most_bytes);

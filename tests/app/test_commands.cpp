@@ -316,7 +316,7 @@ TEST_CASE("the presets come as JSON too") {
             .size() == 1);
 }
 
-TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi][itk][openimageio]") {
+TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   fs::create_directory(folder / "series");
   files::Dicom slice;
@@ -338,7 +338,7 @@ TEST_CASE("info and render warn once of what is wrong with a volume", "[mpi][itk
   }
 }
 
-TEST_CASE("info lists a folder's DICOM series, and --series takes one", "[mpi][itk][openimageio]") {
+TEST_CASE("info lists a folder's DICOM series, and --series takes one", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   files::Dicom other;
   other.series = "1.2.3.400.50.6";

@@ -125,7 +125,7 @@ TEST_CASE("the chosen transfer function and its picture are the same on 1, 2, 3 
   }
 }
 
-TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi][itk][openimageio]") {
+TEST_CASE("what was chosen goes to stderr when a file goes to stdout", "[mpi][openimageio]") {
   const Files files;
   const Ended ended = files.render(files.usual, {"--tf-out", "-"});
   REQUIRE(ended.code == 0);

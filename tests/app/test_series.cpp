@@ -228,7 +228,7 @@ TEST_CASE("a volume of denormal numbers is the same wherever it comes in a serie
   CHECK_FALSE(same("lit-0000.png", "plain-0000.png"));
 }
 
-TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[mpi][itk][openimageio]") {
+TEST_CASE("one file's own frames are a series, as its volumes by themselves", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   constexpr int frames = 3, side = 12;
   std::string voxels;
@@ -271,7 +271,7 @@ TEST_CASE("a camera may move on with each volume of a series", "[mpi][openimagei
   CHECK_THAT(other.err, Catch::Matchers::Contains("give --orbit 3"));
 }
 
-TEST_CASE("what cannot be a series is refused with a way out", "[mpi][itk][openimageio]") {
+TEST_CASE("what cannot be a series is refused with a way out", "[mpi][openimageio]") {
   const Series series;
   const auto refused = [&](const std::vector<std::string>& words, const std::string& why) {
     const Ended ended = run_program(words);

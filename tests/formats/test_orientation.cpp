@@ -83,7 +83,7 @@ TEST_CASE("MetaImage offset, matrix and spacing are kept", "[orientation]") {
   check_near(world(grid, {0, 0, 1}), {7, 8, 13});
 }
 
-TEST_CASE("DICOM pixel spacing is row before column, slices lie where they say", "[orientation][itk]") {
+TEST_CASE("DICOM pixel spacing is row before column, slices lie where they say", "[orientation]") {
   const Folder folder;
   write_dicom_series(folder.path());
   const auto grid = open_volume(folder.path())->grid();
@@ -92,7 +92,7 @@ TEST_CASE("DICOM pixel spacing is row before column, slices lie where they say",
   check_near(world(grid, {4, 3, 2}), {-6, -14, -24});
 }
 
-TEST_CASE("a tilted gantry shears the lattice", "[orientation][itk]") {
+TEST_CASE("a tilted gantry shears the lattice", "[orientation]") {
   const Folder folder;
   for (int z = 0; z < nz; ++z) {
     Dicom slice;

@@ -12,7 +12,6 @@
 #include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "decode/tiff/file.hpp"
-#include "formats/left_out.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
@@ -153,7 +152,10 @@ void count(const TiffFile& first, VolumeNotes& notes) {
 }  // namespace
 
 std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
-  if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO) refuse_left_out(path, "TIFF", "OpenImageIO");
+  if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO)
+    throw InputError(
+        fmt::format("{}: TIFF is read by OpenImageIO, which this build does without", path.string()),
+        "build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON, or convert the file to a plain .nrrd or .mha");
   std::optional<TiffFile> first;
   Taken taken;
   std::vector<TiffSlice> slices;
