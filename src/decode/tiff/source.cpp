@@ -29,6 +29,12 @@ SampleType sample_type_of(ScalarType type) {
       ->second;
 }
 
+/// What the library says; of tiles that are larger than any image, why they are not read.
+std::string in_words(const std::string& problem) {
+  const bool too_large = problem.find("bad_alloc") != std::string::npos;
+  return too_large ? "its parts are too large for a file of its size" : one_line(problem);
+}
+
 class TiffSource final : public SliceBySlice {
  public:
   TiffSource(const Grid& grid, std::vector<TiffSlice> slices, const TiffSamples& samples)
@@ -69,7 +75,7 @@ class TiffSource final : public SliceBySlice {
         image_->read(slice.page, samples_.count, sample_type_of(grid().type), out.data());
     if (!problem.empty())
       throw InputError(
-          fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), one_line(problem)),
+          fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
           "the file was cut short or damaged");
   }
 
@@ -85,7 +91,7 @@ std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path) {
   const InputFile readable(path);
   auto [file, problem] = open_image_file(path);
   if (!file)
-    throw InputError(fmt::format("{} is not a readable TIFF file: {}", path.string(), one_line(problem)),
+    throw InputError(fmt::format("{} is not a readable TIFF file: {}", path.string(), in_words(problem)),
                      "check the file with another viewer");
   return std::move(file);
 }
