@@ -21,8 +21,6 @@ double shaped_opacity(double y0, double y1, const CurveShape& given, double t) {
   // Moves t so that the midpoint becomes 0.5.
   double s = t < shape.midpoint ? 0.5 * t / shape.midpoint
                                 : 0.5 + 0.5 * (t - shape.midpoint) / (1.0 - shape.midpoint);
-  if (shape.sharpness > nearly_step) return s < 0.5 ? y0 : y1;
-  if (shape.sharpness < nearly_linear) return (1.0 - s) * y0 + s * y1;
   // VTK's curve (class vtkPiecewiseFunction): a power presses t together about its middle; a cubic Hermite
   // curve with the same slope at both ends follows.
   const double power = 1.0 + 10.0 * shape.sharpness;

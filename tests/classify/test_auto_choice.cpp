@@ -361,7 +361,21 @@ TEST_CASE("opacities scale as a volume of another density would") {
   clear_above(tf, 200);
   CHECK(tf.evaluate(199).opacity > 0.4);
   CHECK(tf.evaluate(200).opacity == 0);
-  clear_at(tf, 100, true);
-  CHECK(tf.evaluate(100).opacity == 0);
-  CHECK(tf.evaluate(100.6).opacity > 0.09);
+  for (const bool whole : {false, true}) {
+    TransferFunction cleared = tf;
+    clear_at(cleared, 100, whole);
+    CHECK(cleared.evaluate(100).opacity == 0);
+    for (const double beside : {99.49, 100.51}) CHECK(cleared.evaluate(beside).opacity > 0.09);
+    for (const double near : {99.51, 100.49}) CHECK((cleared.evaluate(near).opacity == 0) == whole);
+  }
+}
+
+TEST_CASE("a logarithmic axis has eight steps a decade") {
+  TransferFunction tf;
+  tf.colours = {{1, glm::dvec3(0)}, {1000, glm::dvec3(1)}};
+  tf.opacities = {{1, 0.0}, {10, 1.0}, {100, 0.0}};
+  const TransferFunction stepped = at_logarithmic_steps(tf);
+  CHECK(stepped.colours.size() == 25);
+  CHECK(stepped.opacities.size() == 17);
+  CHECK(stepped.evaluate(std::pow(10, 0.375)).opacity == Approx(0.375));
 }

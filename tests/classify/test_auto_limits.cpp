@@ -82,10 +82,54 @@ TEST_CASE("a field has both signs about zero when its median is within a tenth o
   CHECK_FALSE(diverging(-100, 20, 0));
 }
 
+TEST_CASE("a field has both signs when the rarer one has a tenth as many voxels as the other") {
+  const auto diverging = [](std::uint64_t negative, std::uint64_t positive) {
+    Bins bins;
+    for (int v = -100; v < 100; ++v)
+      bins.push_back({double(v), v + 1.0, v == 0 ? 40000 : v < 0 ? negative : positive});
+    return chosen(bins, "diverging");
+  };
+  CHECK(diverging(11, 100));
+  CHECK_FALSE(diverging(9, 100));
+  CHECK(diverging(100, 11));
+  CHECK_FALSE(diverging(100, 9));
+}
+
+TEST_CASE("positive values are logarithmic when a twentieth or less is above a tenth of the largest") {
+  const auto logarithmic = [](std::uint64_t large) {
+    return chosen({{1, 1.5, 300},
+                   {2, 3, 6000},
+                   {10, 20, 1500},
+                   {30, 40, 1000},
+                   {100, 200, 600},
+                   {300, 400, 600 - large},
+                   {5000, 6000, large - 20},
+                   {9000, 9500, 20}},
+                  "logarithmic");
+  };
+  CHECK(logarithmic(490));
+  CHECK_FALSE(logarithmic(510));
+}
+
+TEST_CASE("a bin counts as within from the low end on and below the high one") {
+  CHECK(share_within(values({1, 2, 4, 8}), 1, 3) == Approx(6.0 / 15));
+}
+
+TEST_CASE("voxels are outliers that lie further away than fifty times the others' span") {
+  for (const double gap : {490.0, 510.0})
+    for (const bool above : {false, true}) {
+      Bins bins = even_but_for(0, 10, 1000, 0, 0);
+      const double far = above ? 10 + gap : -gap;
+      bins.insert(above ? bins.end() : bins.begin(), {far, far, 1});
+      const KeptBins kept = without_outliers(bins);
+      CHECK((above ? kept.last == 9 : kept.first == 1) == (gap > 500));
+    }
+}
+
 TEST_CASE("values are Hounsfield units when there is air, soft tissue, and less between them") {
-  const auto ct = [](std::uint64_t air, std::uint64_t between, std::uint64_t soft) {
-    return chosen({{-1024, -1000, 1000},
-                   {-1000, -900, air},
+  const auto ct = [](std::uint64_t air, std::uint64_t between, std::uint64_t soft, double lowest = -1024) {
+    return chosen({{lowest, lowest + 1, 1000},
+                   {-895, -890, air},
                    {-500, -300, between},
                    {0, 100, soft},
                    {500, 600, 10},
@@ -95,6 +139,16 @@ TEST_CASE("values are Hounsfield units when there is air, soft tissue, and less 
   CHECK(ct(4000, 900, 1000));
   CHECK_FALSE(ct(4000, 1100, 1000));
   CHECK_FALSE(ct(4000, 100, 90));  // under three hundredths of soft tissue
+  CHECK(ct(4000, 900, 1000, -901));
+  CHECK_FALSE(ct(4000, 900, 1000, -899));
+}
+
+TEST_CASE("a fill value is that of a thousandth of all voxels") {
+  for (const std::uint64_t count : {9U, 11U}) {
+    Bins bins{{-9999, -9999, count}};
+    for (int k = 0; k < 10; ++k) bins.push_back({100.0 * k, 100.0 * (k + 1), 999});
+    CHECK(data_of(statistics_of(bins)).fill_below.has_value() == (count > 10));
+  }
 }
 
 TEST_CASE("a value at one end is a fill value from a gap on, a known one from a smaller gap") {

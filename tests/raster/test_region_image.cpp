@@ -1,6 +1,7 @@
 #include "raster/region_image.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
@@ -63,6 +64,16 @@ TEST_CASE("tiles whose pixels let through less than the threshold are found opaq
   fill(image, width, 1);
   for (int slice = 0; slice < 8; ++slice) image.slices_composited();
   CHECK(image.opaque_tiles().opaque() == 0);
+}
+
+TEST_CASE("a pixel that lets through just the threshold is not opaque") {
+  for (const float alpha : {0.75F, std::nextafter(0.75F, 1.0F)}) {
+    RegionImage image({0, 0, width, height});
+    image.begin_frame(0.25F);
+    fill(image, width, alpha);
+    image.slices_composited(8);
+    CHECK((image.opaque_tiles().opaque() > 0) == (alpha > 0.75F));
+  }
 }
 
 TEST_CASE("regions without pixels and tiles of another size are refused") {

@@ -57,6 +57,15 @@ TransferFunction steep() {
 
 }  // namespace
 
+TEST_CASE("a block counts as transparent up to a millionth before an end that is visible") {
+  TransferFunction tf = steep();
+  tf.opacities = {{40.0, 0.0}, {40.0, 0.5}, {60.0, 0.5}, {60.0, 0.0}};
+  const TransparentValues transparent(tf);
+  CHECK(transparent.holding(0, 40 - 1e-4) == 0);
+  CHECK(transparent.holding(0, 40 - 1e-5) == TransparentValues::nowhere);
+  CHECK(transparent.holding(60, 100) == 1);
+}
+
 TEST_CASE("entries are the slabs that many small pieces make") {
   const TransferFunction tf = steep();
   SlabTable table;

@@ -243,6 +243,36 @@ TEST_CASE("differences at the volume's faces are one-sided, so that a ramp is li
     }
 }
 
+TEST_CASE("no point at which a slab is lit lies beyond its sheets") {
+  // One slab seen from above, from 1 at its front to 0, with an opaque layer near either end: one hides most
+  // of the other, and centroid and spread reach beyond its end. There the gradient is perpendicular to the
+  // light.
+  for (const bool at_front : {true, false}) {
+    const double leaning_front = at_front ? -1 : 0.5, leaning_back = at_front ? 0.5 : -1;
+    const Volume volume = make_volume({3, 3, 2}, ScalarType::float64, [&](int x, int, int z) {
+      return z + (x - 1) * (z == 1 ? leaning_front : leaning_back);
+    });
+    TransferFunction tf = constant_opacity(0);
+    const double front = at_front ? 1 - 1e-9 : 0.95, back = at_front ? 0.999 : 1 - 1e-12;
+    tf.opacities = {{0.01, 0.0}, {0.01, back},  {0.06, back},  {0.06, 0.0},
+                    {0.94, 0.0}, {0.94, front}, {0.99, front}, {0.99, 0.0}};
+    FrameSpec spec = lit(sheets_spec(tf, 33, {.elevation = 90}, 1, 2));
+    spec.shown.material = {.ambient = 0, .diffuse = 1, .specular = 0};
+    spec.shown.light = {1, 0, 1};
+    const auto slab = truth::integrate_slab(truth::TransferCurve(tf), 1, 0, 1);
+    REQUIRE((at_front ? slab.centroid - slab.spread < -0.05 : slab.centroid + slab.spread > 1.05));
+    const auto light = [&](double t) {
+      const double leaning = leaning_front + t * (leaning_back - leaning_front);
+      return std::abs(leaning + 1) / std::sqrt(2 * (leaning * leaning + 1));
+    };
+    const double inner = at_front ? slab.centroid + slab.spread : slab.centroid - slab.spread;
+    const auto colour =
+        truth::method_truth(scene_of(volume, spec), std::vector<truth::Pixel>{{16, 16}}).front();
+    CHECK(colour.w == Approx(slab.opacity).epsilon(1e-9));
+    CHECK(colour.x == Approx(slab.opacity * 0.5 * light(inner)).epsilon(1e-6));
+  }
+}
+
 TEST_CASE("slabs beside a voxel that is not a number are empty") {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   // Seen along y. A missing slice costs the slabs on both sides, or at the face one slice and a half.

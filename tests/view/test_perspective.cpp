@@ -57,6 +57,19 @@ TEST_CASE("the eye stands before the box's centre, so far that the fields of vie
   }
 }
 
+TEST_CASE("a target moves the eye of a fitted view aside only, unless it lies before the box") {
+  const LatticeFrame lattice{.dims = {40, 24, 10}};
+  const auto distance = [&](std::optional<double> before_centre) {
+    // Seen from above: the box reaches half of ten voxels towards the viewer.
+    Camera camera{.elevation = 90, .fov = 40, .fit = Fit::box};
+    if (before_centre) camera.target = glm::dvec3(25, 8, 4.5 + *before_centre);
+    return make_view(camera, lattice, 256, 192).eye->z - 4.5;
+  };
+  const double usual = distance(std::nullopt);
+  for (const double inside : {-20.0, -3.0, 0.0, 4.9}) CHECK(distance(inside) == Approx(usual));
+  for (const double outside : {0.5, 7.0}) CHECK(distance(5 + outside) == Approx(usual + outside));
+}
+
 TEST_CASE("a given distance decides how large the volume appears") {
   const LatticeFrame lattice = tilted();
   const double radius = bounding_radius(lattice);
