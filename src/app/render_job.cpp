@@ -119,13 +119,6 @@ void require_memory(Job& job, Launch& launch) {
 
 }  // namespace
 
-bool splats_can_draw(const RenderOptions& o, const std::vector<Camera>& cameras) {
-  const bool chosen = o.method.engine || o.method.quality || o.budget.max_error;
-  const bool perspective =
-      std::any_of(cameras.begin(), cameras.end(), [](const Camera& camera) { return camera.fov > 0; });
-  return !chosen && !perspective && !o.frames && o.path != "-";
-}
-
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes,
                    needs_normals(o.frame),
@@ -191,24 +184,6 @@ MadeFunction make_transfer_function(const RenderOptions& o, const Plan& plan, co
   return made;
 }
 
-/// Says what has been chosen. Sheets interpolate values, so that labels between others appear.
-void tell(const MadeFunction& made, const RenderOptions& o, bool splats_instead, Progress& progress) {
-  if (!made.said.empty() && !simulated())
-    progress.print(made.said +
-                   (splats_instead ? "; drawn with splats (--quality paper), which do not mix labels" : ""));
-  const bool sheets = std::holds_alternative<Sheets>(o.frame.how),
-             sheets_asked = o.method.slabs || o.method.light_points;
-  if (!made.labels || !sheets || (splats_instead && !sheets_asked)) return;
-  progress.clear();
-  if (splats_instead)
-    log_warning("{} has no effect on labels, which splats draw; hint: --quality best draws them with sheets",
-                o.method.slabs ? "--slabs" : "--light-points");
-  else
-    log_warning(
-        "sheets interpolate values: voxels between two labels get other labels' colours; hint: --quality "
-        "paper does not");
-}
-
 }  // namespace
 
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
@@ -223,13 +198,10 @@ Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch)
 
 namespace {
 
-/// Loads what splats need and sheets do not.
-Scene reload_for_splats(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
-  RenderOptions& o = job.options;
-  o.frame.how = Splats{};
-  job.load = load_options(o, agree_on_axes(o, job.plan, job.volume.grid, launch));
-  require_memory(job, launch);
-  return reload(job, wiring, progress, launch);
+std::string why_it_errs(const FrameSpec& frame, const ValueRange& range) {
+  const bool splats = std::holds_alternative<Splats>(frame.how);
+  if (frame.shown.interpolation == Interpolation::nearest) return splats ? "" : why_labels_merge(range);
+  return (splats ? why_splats_err : why_sheets_err)(frame.shown.transfer_function, range);
 }
 
 /// Says on rank 0 what the method errs, unless its error is measured.
@@ -237,8 +209,7 @@ void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const Val
                        Progress& progress, const Launch& launch) {
   const bool drawn = !o.run.simulation.count_only;
   if (launch.rank() != 0 || o.error.truth || !drawn) return;
-  const auto why_it_errs = std::holds_alternative<Splats>(frame.how) ? why_splats_err : why_sheets_err;
-  if (const std::string why = why_it_errs(frame.shown.transfer_function, range); !why.empty()) {
+  if (const std::string why = why_it_errs(frame, range); !why.empty()) {
     progress.clear();
     log_warning("{}", why);
   }
@@ -248,25 +219,20 @@ void warn_of_steepness(const RenderOptions& o, const FrameSpec& frame, const Val
 
 FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& progress, Launch& launch) {
   const RenderOptions& o = job.options;
-  const bool sheets = std::holds_alternative<Sheets>(o.frame.how);
-  TransferFunction function;
-  bool labels = false, splats_instead = false;
+  MadeFunction made;
   launch.check_on_rank_0([&] {
-    MadeFunction made = make_transfer_function(o, job.plan, scene);
-    labels = made.labels;
-    splats_instead = labels && sheets && splats_can_draw(o, job.plan.cameras);
-    tell(made, o, splats_instead, progress);
-    function = std::move(made.function);
+    made = make_transfer_function(o, job.plan, scene);
+    if (!made.said.empty() && !simulated()) progress.print(made.said);
   });
-  if (launch.of_rank_0(splats_instead)) scene = reload_for_splats(job, wiring, progress, launch);
   FrameSpec frame = o.frame;
-  frame.shown.transfer_function = std::move(function);
+  frame.shown.transfer_function = std::move(made.function);
+  frame.shown.interpolation = made.interpolation;
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, wiring, progress, launch);
   ValueRange without_outliers = scene.values.range;
   without_outliers.low = scene.values.histogram.low;
   without_outliers.high = scene.values.histogram.high;
-  if (!labels) warn_of_steepness(o, frame, without_outliers, progress, launch);
+  warn_of_steepness(o, frame, without_outliers, progress, launch);
   return frame;
 }
 

@@ -41,9 +41,6 @@ Job prepare(const RenderOptions& given, Launch& launch);
 /// Throws InputError when the frame's view cannot be rendered at some level.
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid);
 
-/// Splats can draw these views of a volume of labels instead of sheets that nobody has asked for.
-bool splats_can_draw(const RenderOptions& o, const std::vector<Camera>& cameras);
-
 /// The part that all frames share, with the transfer function for the loaded scene, and under --max-error the
 /// shortcuts. May load the scene again, for another engine or after a calibration. On all ranks; the result
 /// is rank 0's.

@@ -29,6 +29,8 @@ class SeriesLoader {
   /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
   /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
   Scene load(std::size_t k);
+  /// From now on reduced levels have voxels that are picked, not filtered.
+  void leave_out_prefilter() { plan_.load.prefilter = false; }
   /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be
   /// opened: nothing happens, as load() will tell.
   void read_ahead(std::size_t k);
@@ -38,7 +40,7 @@ class SeriesLoader {
   OpenedVolume open_like_the_first(std::size_t k);
 
   const std::vector<SeriesEntry> entries_;
-  const Plan plan_;
+  Plan plan_;
   Progress& progress_;
   Progress silent_{true};
   Launch& launch_;

@@ -129,7 +129,7 @@ std::vector<serve::Label> labels_of(const std::vector<double>& values, const std
 }
 
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
-                                    const Scene& scene, const Launch& launch) {
+                                    const Scene& scene, MadeFunction made, const Launch& launch) {
   const RenderOptions& o = job.picture;
   serve::ViewerOptions v;
   v.version = RINGSPLAT_VERSION;
@@ -148,10 +148,8 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   for (const SeriesEntry& entry : job.series) v.frames.push_back(entry.name);
   v.frame = o.frame;
   v.initial.camera = o.frame.shown.camera;
-  MadeFunction made = job.transfer_function->make(scene.values);
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  if (made.labels)
-    log_warning("the viewer interpolates values: voxels between two labels get other labels' colours");
+  v.frame.shown.interpolation = made.interpolation;
   v.initial.transfer_function = std::move(made.function);
   check(v.initial.transfer_function, o.transfer_function);
   if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
@@ -212,10 +210,12 @@ class Warnings {
 };
 
 std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const Job& job,
-                                            const VolumeNotes& notes, const Scene& scene, Launch& launch) {
+                                            const VolumeNotes& notes, const Scene& scene, MadeFunction made,
+                                            Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   launch.check_on_rank_0([&] {
-    viewer = std::make_unique<serve::Viewer>(viewer_options(options, job, notes, scene, launch));
+    viewer =
+        std::make_unique<serve::Viewer>(viewer_options(options, job, notes, scene, std::move(made), launch));
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(
           "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "
@@ -293,7 +293,16 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   SeriesLoader loader(job.series, std::move(job.volume), {job.load, job.layout, wiring, job.ahead_bytes},
                       progress, launch);
   Scene scene = loader.load(0);
-  viewer = start_viewer(options, job, notes, scene, launch);
+  MadeFunction made;
+  launch.check_on_rank_0([&] { made = job.transfer_function->make(scene.values); });
+  if (launch.of_rank_0(made.interpolation == Interpolation::nearest) && job.load.factors.size() > 1) {
+    // A mean of labels is another label.
+    job.picture.frame.shown.reduction.prefilter = false;
+    loader.leave_out_prefilter();
+    scene = {};
+    scene = loader.load(0);
+  }
+  viewer = start_viewer(options, job, notes, scene, std::move(made), launch);
   if (viewer) warnings.show_on(*viewer);
   const auto opened = viewer && options.open ? open_in_browser(viewer->url()) : nullptr;
   if (!viewer) leave_the_end_to_rank_0();

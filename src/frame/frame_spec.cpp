@@ -79,6 +79,7 @@ json to_json(const Shown& s) {
          {"opaque_threshold", s.opaque_threshold},
          {"undersample", s.reduction.factor},
          {"prefilter", s.reduction.prefilter}};
+  if (s.interpolation != Interpolation::linear) j["interpolation"] = name(s.interpolation);
   if (s.clip) j["clip"] = to_json(*s.clip);
   return j;
 }
@@ -133,6 +134,10 @@ void check(const Sheets& sheets) {
 }
 
 }  // namespace
+
+const char* name(Interpolation interpolation) {
+  return interpolation == Interpolation::linear ? "linear" : "nearest";
+}
 
 const char* name(PayloadForm form) { return form == PayloadForm::words ? "words" : "runs"; }
 

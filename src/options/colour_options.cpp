@@ -29,6 +29,13 @@ constexpr OptionRow<Render> colour_rows[] = {
      "Each whole number is a label with a colour of its own, 0 is clear; found by itself in most files of "
      "labels",
      [](Render& o) { return flag(o.colour.labels); }},
+    {"--interpolation", nullptr, nullptr,
+     "The values between voxels, which sheets and the field's truth ask for: linear, or the nearest voxel's; "
+     "without it nearest for labels, else linear",
+     [](Render& o) {
+       return choice(o.colour.interpolation,
+                     {{"linear", Interpolation::linear}, {"nearest", Interpolation::nearest}});
+     }},
 };
 
 }  // namespace

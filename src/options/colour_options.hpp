@@ -2,6 +2,8 @@
 #include <optional>
 #include <string>
 
+#include "ringsplat/frame/frame_spec.hpp"
+
 namespace ringsplat::app {
 
 /// Values from `low` to `high` > low, both finite.
@@ -16,6 +18,8 @@ struct ColourOptions {
   std::string colours;               ///< a colour map's name; empty: its own colours
   bool log = false;                  ///< on a logarithmic axis
   bool labels = false;               ///< a colour for each value instead
+  /// Between voxels; without a value nearest for labels, else linear.
+  std::optional<Interpolation> interpolation;
 };
 
 /// "LO:HI". Throws InputError that names `option`.

@@ -108,7 +108,8 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
   if (ramp_)
     said = fmt::format("--tf {}: the file has no opacities, so a ramp from clear at {:g} to opaque at {:g}",
                        tf.name, plain(made.range.low), plain(made.range.high));
-  return {std::move(made.function), said, made.labels};
+  const Interpolation usual = made.labels ? Interpolation::nearest : Interpolation::linear;
+  return {std::move(made.function), said, made.labels, colour_.interpolation.value_or(usual)};
 }
 
 std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,

@@ -15,6 +15,7 @@ struct MadeFunction {
   TransferFunction function;
   std::string said;  ///< what "auto" has chosen and why, in one line; empty when nothing was chosen
   bool labels = false;
+  Interpolation interpolation = Interpolation::linear;
 };
 
 /// The choice of --tf: a preset, fitted to the volume's values, or a file; changed as the colour options say.

@@ -72,8 +72,7 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   check(function.function, o.transfer_function);
   if (!function.said.empty()) log_info("{}", function.said);
   o.frame.shown.transfer_function = function.function;
-  const bool sheets = std::holds_alternative<Sheets>(o.frame.how);
-  if (function.labels && sheets && app::splats_can_draw(o, cameras)) o.frame.how = Splats{};
+  o.frame.shown.interpolation = function.interpolation;
   for (const Camera& camera : cameras) {
     made.frames.push_back(o.frame);
     made.frames.back().shown.camera = camera;

@@ -65,6 +65,7 @@ void add_announcement(WireHash& hash) {
               &PhongMaterial::exponent);
   hash.layout(&VoxelBox::first, &VoxelBox::end);
   hash.order({ImagePlane::screen, ImagePlane::slices});
+  hash.order({Interpolation::linear, Interpolation::nearest});
   hash.order({Shading::none, Shading::phong});
   hash.order({KernelMethod::qee, KernelMethod::texture});
   hash.order({Normalisation::none, Normalisation::constant, Normalisation::exact});

@@ -164,14 +164,13 @@ class GroupPainter {
       w.cut = some_miss || leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
-      w.place[0] = s.sheet == slab_->step - 1 ? s.place : front_place(s, w);
+      w.place[0] = p_.nearest                   ? voxel_place(s, w, 0)
+                   : s.sheet == slab_->step - 1 ? s.place
+                                                : front_place(s, w);
       F low = w.place[0], high = w.place[0];
       for (int i = 1; i <= pieces; ++i) {
         w.sheet[std::size_t(i)] = sheet_at(s, w.at_faces, i, w.corner);
-        const auto& sheet = w.sheet[std::size_t(i)];
-        const F number = i == pieces ? Sampler::value(w.back, sheet, p_.pitch)
-                                     : Sampler::value_between(w.front, w.back, sheet, i, pieces, p_.pitch);
-        w.place[std::size_t(i)] = place_of(number);
+        w.place[std::size_t(i)] = p_.nearest ? voxel_place(s, w, std::min(i, pieces - 1)) : sheet_place(w, i);
         low = min(low, w.place[std::size_t(i)]);
         high = max(high, w.place[std::size_t(i)]);
       }
@@ -188,6 +187,27 @@ class GroupPainter {
     return place_of(Sampler::value(w.front, sheet_at(s, w.at_faces, 0, w.corner), p_.pitch));
   }
 
+  HWY_INLINE F sheet_place(const Work& w, int i) const {
+    const auto& sheet = w.sheet[std::size_t(i)];
+    return place_of(i == slab_->pieces
+                        ? Sampler::value(w.back, sheet, p_.pitch)
+                        : Sampler::value_between(w.front, w.back, sheet, i, slab_->pieces, p_.pitch));
+  }
+
+  /// Of the voxel that is nearest to the middle of piece i; of two the one with the greater number, although
+  /// positions are rounded down.
+  HWY_NOINLINE F voxel_place(const State& s, const Work& w, int i) const {
+    const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
+    constexpr std::int32_t rounding = 1;
+    const auto nearest = [&](I a, I b, std::int32_t most) HWY_ATTR {
+      const I middle = add(a, down_signed<1>(sub(b, a)));
+      return add(min(max(middle, set_int(0)), set_int(most)), set_int(one_voxel / 2 + rounding));
+    };
+    const auto sheet =
+        Sampler::sheet(nearest(from.u, to.u, most_u()), nearest(from.v, to.v, most_v()), p_.pitch, w.corner);
+    return place_of(Sampler::voxel(2 * i < slab_->pieces ? w.front : w.back, sheet));
+  }
+
   HWY_INLINE M may_show(F low, F high) const {
     const PlaceMap& map = p_.places;
     M shows = both(greater(high, set(map.visible_low)), greater(set(map.visible_high), low));
@@ -199,14 +219,14 @@ class GroupPainter {
     return shows;
   }
 
-  HWY_INLINE I entry_of(F place) const { return to_int(min(max(place, set(0.0F)), set(float(255)))); }
+  HWY_INLINE I entry_of(F place) const { return to_int(min(max(place, set(0.0F)), set(p_.last_entry))); }
 
   /// Finds the lanes that a single slab serves: its opacity, and what the value half-way may change of it,
   /// are small. Divides the tiles into those where it serves all and others.
   void divide() {
     whole_count_ = split_count_ = 0;
-    const bool may_be_whole =
-        p_.adaptive && slab_->pieces > 1 && !slab_->face && p_.places.even && p_.depths == nullptr;
+    const bool may_be_whole = p_.adaptive && slab_->pieces > 1 && !slab_->face && p_.places.even &&
+                              p_.depths == nullptr && !p_.nearest;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
       const State& s = state_[t];
@@ -339,11 +359,15 @@ class GroupPainter {
     }
     for (int i = 0; i < pieces; ++i) {
       const auto front = std::size_t(i), back = front + 1;
-      const bool may_be_whole = i == 0 && pieces > 1 && !slab_->face;
-      const M here = i == 0 ? w.visible : w.split;
-      const F end =
-          may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)]) : w.place[back];
-      const TableSlab slab = Unpack(Look(p_.table, entry_of(w.place[front]), entry_of(end)));
+      const bool may_be_whole = i == 0 && pieces > 1 && !slab_->face && !p_.nearest;
+      M here = i == 0 ? w.visible : w.split;
+      if (p_.nearest) here = both(here, may_show(w.place[front], w.place[front]));
+      const F end = may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)])
+                    : p_.nearest ? w.place[front]
+                                 : w.place[back];
+      // A ValueTable is one row.
+      const I row = p_.nearest ? set_int(0) : entry_of(w.place[front]);
+      const TableSlab slab = Unpack(Look(p_.table, row, entry_of(end)));
       F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, w.place[front], end);
       if (!Rays::same_lengths || w.cut || slab_->face) opacity = Shortened(opacity, length_in_box(s, w, i));
       if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(s, slab));

@@ -37,7 +37,7 @@ struct SheetSlab {
   int step = 0;                  ///< of its back
   int pieces = 1;                ///< slabs in it; its sheets are 0 ... pieces
   std::array<std::int32_t, Traversal::most_slabs + 1> shift_u{},
-      shift_v{};  ///< of each sheet against slice 0
+      shift_v{};                                         ///< of each sheet against slice 0
   std::array<float, Traversal::most_slabs + 1> slice{};  ///< of each sheet, from the middle one, for EyeGrid
 };
 
@@ -94,11 +94,14 @@ struct SheetPaint {
   SheetRays rays;
   PlaceMap places;
   GradientLight light;
-  const std::uint64_t* table = nullptr;  ///< SlabTable::entries()
-  const float* depths = nullptr;         ///< SlabTable::depths(), where opacities follow from these
-  float slab_length = 1;                 ///< of the table's slabs, in unit lengths
-  std::ptrdiff_t pitch = 0;              ///< numbers from a plane's row to the next
-  bool floats = false;                   ///< planes are floats, not 16-bit numbers
+  const std::uint64_t* table =
+      nullptr;                    ///< of SlabTable, or of ValueTable where values are the nearest voxels'
+  float last_entry = 255;         ///< of an axis
+  const float* depths = nullptr;  ///< SlabTable::depths(), where opacities follow from these
+  float slab_length = 1;          ///< of the table's slabs, in unit lengths
+  std::ptrdiff_t pitch = 0;       ///< numbers from a plane's row to the next
+  bool floats = false;            ///< planes are floats, not 16-bit numbers
+  bool nearest = false;           ///< values are the nearest voxels', not interpolated
   bool lit = false, adaptive = false;
   int light_points = 1;
   float opaque_threshold = 0;

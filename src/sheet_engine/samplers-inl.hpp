@@ -15,6 +15,7 @@
 ///   Plane    what it reads; planes of whole numbers can be added and subtracted,
 ///   Sheet    where lanes lie in a plane, and their weights,
 ///   value()    in a plane's numbers,
+///   voxel()    the number of the voxel below each lane,
 ///   gradient() up to a factor that is the same for all sheets,
 /// and the same between two slices.
 HWY_BEFORE_NAMESPACE();
@@ -44,6 +45,7 @@ HWY_INLINE PairWeights PairWeightsAt(I u, I v) {
   return {sub_halves(along, lower), lower};
 }
 inline constexpr float pair_unit = 1.0F / 16384;
+HWY_INLINE F FirstOf(I pairs) { return to_float(sum_of_products(pairs, set_int(1))); }
 
 /// What samplers of whole numbers share: a sheet between two slices is a sum of multiples of both, divided.
 /// Half-way they are the slices themselves.
@@ -105,6 +107,7 @@ struct PatchSampler : BetweenSlices<PatchSampler> {
   static HWY_INLINE F value(const P& p, const Sheet& s, std::ptrdiff_t) {
     return mul(to_float(Sum(p, s)), set(unit));
   }
+  static HWY_INLINE F voxel(const Plane& p, const Sheet& s) { return FirstOf(Pairs(p, s, 0, 0)); }
   template <class Along>
   static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s, std::ptrdiff_t) {
     const I u = add(sum_of_products(sub_halves(Pairs(p, s, 0, 1), Pairs(p, s, 0, -1)), s.weights.upper),
@@ -172,6 +175,7 @@ struct PairSampler : BetweenSlices<PairSampler> {
   static HWY_INLINE F value(const P& p, const Sheet& s, std::ptrdiff_t pitch) {
     return mul(to_float(Sum(p, s, pitch)), set(unit));
   }
+  static HWY_INLINE F voxel(const Plane& p, const Sheet& s) { return FirstOf(Pairs(p, s, 0)); }
   template <class P, class Along>
   static HWY_INLINE Gradient gradient(const P& p, const Along& along, const Sheet& s, std::ptrdiff_t pitch) {
     const auto across = [&](std::ptrdiff_t plus, std::ptrdiff_t minus, I weights) HWY_ATTR {
@@ -241,6 +245,7 @@ struct FloatSampler {
   static HWY_INLINE F value(const Plane& p, const Sheet& s, std::ptrdiff_t pitch) {
     return Mix(s.fy, AlongRow(p, s, 0), AlongRow(p, s, pitch));
   }
+  static HWY_INLINE F voxel(const Plane& p, const Sheet& s) { return gather(p.origin, s.at); }
   static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s,
                                       std::ptrdiff_t pitch) {
     const auto difference = [&](std::ptrdiff_t plus, std::ptrdiff_t minus)

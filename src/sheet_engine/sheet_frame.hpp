@@ -21,8 +21,14 @@ struct SheetFrame {
   double step_length() const {
     return shown.opacity_correction ? geometry.traversal.slice_distance : double(shown.reduction.factor);
   }
-  /// From slice to slice.
-  int slabs() const { return geometry.traversal.slabs_for(sheets.slabs); }
+  bool nearest() const { return shown.interpolation == Interpolation::nearest; }
+  /// From slice to slice. Nearest values change half-way, where one must end.
+  int slabs() const {
+    const int slabs = geometry.traversal.slabs_for(sheets.slabs);
+    return nearest() ? slabs + slabs % 2 : slabs;
+  }
+  /// Beyond the first and the last slice's centre.
+  int slabs_in_half() const { return nearest() ? slabs() / 2 : Traversal::slabs_in_half(slabs()); }
   /// Slices to either side that are drawn with a slice's voxels: those that the slabs at it lie between, and
   /// for gradients one more.
   int reach() const { return lit() ? 2 : 1; }

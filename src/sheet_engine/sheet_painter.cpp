@@ -18,6 +18,7 @@
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/sheet_rays.hpp"
 #include "sheet_engine/slab_table.hpp"
+#include "sheet_engine/value_table.hpp"
 #include "sheet_engine/visible_tiles.hpp"
 #include "volume/cell_ranges.hpp"
 
@@ -109,10 +110,13 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
  private:
   const FrameGeometry& geometry() const { return frame_->geometry; }
+  bool whole_numbers() const {
+    return geometry().grid.type != ScalarType::float32 && geometry().grid.type != ScalarType::float64;
+  }
 
   void take_range(const SheetHeader& header) {
     const bool known = std::isfinite(header.low) && std::isfinite(header.high) && header.low <= header.high;
-    if (!known && geometry().grid.type != ScalarType::float32 && geometry().grid.type != ScalarType::float64)
+    if (!known && whole_numbers())
       throw RunError(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
                                  renderer_, header.low, header.high),
                      "all ranks must run the same build");
@@ -165,11 +169,11 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void make_ready() {
     ready_ = true;
     const Sheets& sheets = frame_->sheets;
-    table_.set_function(frame_->shown.transfer_function, low_, high_);
-    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, table_.axis(), frame_->slabs());
+    fill_table();
+    const bool rounded = !frame_->nearest() && table_.axis().even();
+    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, rounded, frame_->slabs());
     std::tie(code_.below, code_.above) = beyond_function();
     if (cut_) code_.least = low_, code_.most = high_;
-    table_.set_length(frame_->step_length() / frame_->slabs());
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
         std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slots));
@@ -179,9 +183,11 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     paint_.rays = rays_;
     paint_.places = place_map();
     paint_.light = gradient_light(*frame_, code_.floats ? largest_number() : 4095);
-    paint_.table = table_.entries();
-    paint_.depths = table_.depths().empty() ? nullptr : &table_.depths().front().whole;
-    paint_.slab_length = float(frame_->step_length() / frame_->slabs());
+    paint_.nearest = frame_->nearest();
+    paint_.table = paint_.nearest ? values_.entries() : table_.entries();
+    paint_.last_entry = paint_.nearest ? float(values_.last()) : TableAxis::last;
+    if (!paint_.nearest && !table_.depths().empty()) paint_.depths = &table_.depths().front().whole;
+    paint_.slab_length = float(slab_length());
     paint_.pitch = planes_.pitch();
     paint_.floats = code_.floats;
     paint_.lit = frame_->lit();
@@ -191,9 +197,38 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     paint_.face_pieces = 0.5F * float(frame_->slabs());
   }
 
+  double slab_length() const { return frame_->step_length() / frame_->slabs(); }
+
+  /// The one that the frame uses.
+  void fill_table() {
+    const TransferFunction& tf = frame_->shown.transfer_function;
+    if (frame_->nearest()) {
+      values_.set_function(tf, low_, high_, whole_numbers());
+      values_.set_length(slab_length());
+    } else {
+      table_.set_function(tf, low_, high_);
+      table_.set_length(slab_length());
+    }
+  }
+
   double largest_number() const { return std::max(std::abs(code_.of(low_)), std::abs(code_.of(high_))); }
 
   PlaceMap place_map() const {
+    PlaceMap map = frame_->nearest() ? places_of_values() : places_of_sheets();
+    set_transparent(map);
+    return map;
+  }
+
+  PlaceMap places_of_values() const {
+    PlaceMap map;
+    const double a_number = values_.steps_a_unit() / code_.scale;
+    map.even = true;
+    map.scale = float(a_number);
+    map.offset = float(-code_.of(values_.low()) * a_number);
+    return map;
+  }
+
+  PlaceMap places_of_sheets() const {
     PlaceMap map;
     const TableAxis& axis = table_.axis();
     map.count = axis.count;
@@ -206,7 +241,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     const double a_number = axis.ramps[0].rise / code_.scale;
     map.scale = float(a_number);
     map.offset = float(-code_.of(axis.ramps[0].from) * a_number);
-    set_transparent(map);
     return map;
   }
 
@@ -356,6 +390,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   double low_ = 0, high_ = 0;  ///< of the volume's values; kept for the next frame
   PlaneCode code_;
   SlabTable table_;
+  ValueTable values_;  ///< instead, where values are the nearest voxels'
   ScalarPlanes planes_;
   SheetPaint paint_;
   bool cut_ = false;    ///< outliers lie beyond the table's axis

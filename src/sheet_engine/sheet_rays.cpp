@@ -133,7 +133,7 @@ SheetSlab make_slab(const SheetFrame& frame, const SheetRays& rays, int step) {
   SheetSlab slab;
   slab.step = step + 1;
   slab.face = step < 0 || step == slices - 1;
-  slab.pieces = slab.face ? Traversal::slabs_in_half(frame.slabs()) : frame.slabs();
+  slab.pieces = slab.face ? frame.slabs_in_half() : frame.slabs();
   const double way = frame.geometry.traversal.ascending ? 1 : -1;
   const double front = step < 0 ? frame.slice_at(0) - 0.5 * way : frame.slice_at(step);
   const double length = slab.face ? 0.5 : 1;

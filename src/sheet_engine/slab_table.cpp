@@ -4,15 +4,10 @@
 #include <cmath>
 
 #include "sheet_engine/fill_slab_table.hpp"
+#include "sheet_engine/uniform_slab.hpp"
 
 namespace ringsplat {
 namespace {
-
-/// Extinction of an opacity per unit length. That of opacity 1 would be infinite.
-double extinction(double opacity) {
-  constexpr double most = 1e4;
-  return opacity < 1 ? std::min(-std::log1p(-opacity), most) : most;
-}
 
 /// At a jump a value has the opacity behind it, also when its entry lies a rounding before.
 double jump_nudge(const TableAxis& axis) { return 0.5 * TableAxis::narrowest * axis.ramps[0].width; }
@@ -73,20 +68,6 @@ std::vector<SlabTable::Depth> depths_of(const TransferFunction& tf, const SlabTa
 /// A slab that no entry shows may have been rounded away: it keeps its colour.
 std::uint64_t faint_slab(const glm::dvec3& colour) {
   return packed({0, colour.r, colour.g, colour.b, 0.5, std::sqrt(1.0 / 12)});
-}
-
-/// The slab of one value: a uniform medium.
-std::uint64_t uniform_slab(double extinction_here, const glm::dvec3& colour, double length) {
-  const double x = extinction_here * length, opacity = -std::expm1(-x);
-  if (!(opacity > 0)) return 0;
-  double centroid = 0.5, spread = std::sqrt(1.0 / 12);
-  if (x > 1e-3) {
-    const double left = std::exp(-x) / opacity;
-    centroid = 1 / x - left;
-    const double square = 2 / (x * x) - left * (1 + 2 / x);
-    spread = std::sqrt(std::max(0.0, square - centroid * centroid));
-  }
-  return packed({opacity, colour.r, colour.g, colour.b, centroid, spread});
 }
 
 /// By entry: the steepness' code of values near it.

@@ -105,12 +105,12 @@ double PlaneCode::finite(double value) const {
   return std::clamp(!std::isinf(value) ? value : value > 0 ? above : below, least, most);
 }
 
-PlaneCode PlaneCode::choose(ScalarType type, double low, double high, const TableAxis& axis, int pieces) {
+PlaneCode PlaneCode::choose(ScalarType type, double low, double high, bool rounded, int pieces) {
   const bool whole_numbers = type != ScalarType::float32 && type != ScalarType::float64;
   if (whole_numbers) {
     const double most = most_whole(pieces);
     if (high - low <= most) return {.offset = low};
-    if (axis.even()) return {.offset = low, .scale = most / (high - low)};
+    if (rounded) return {.offset = low, .scale = most / (high - low)};
   }
   // Powers of two change no digit. Only doubles need them.
   const double largest = std::max(std::abs(low), std::abs(high));

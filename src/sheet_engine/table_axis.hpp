@@ -49,10 +49,10 @@ struct PlaneCode {
   double finite(double value) const;
   double of(double value) const { return (finite(value) - offset) * scale; }
 
-  /// Whole numbers where they are exact, or where a step is a sixteenth of an even axis' entry, an eighth
-  /// with four pieces and a quarter with eight. Differences and sums of as many of them fit 16 bits.
-  /// `pieces`: slabs a slice.
-  static PlaneCode choose(ScalarType type, double low, double high, const TableAxis& axis, int pieces);
+  /// Whole numbers where they are exact, or, where they may be `rounded`, where a step is a sixteenth of an
+  /// even axis' entry, an eighth with four pieces and a quarter with eight. Differences and sums of as many
+  /// of them fit 16 bits. `pieces`: slabs a slice.
+  static PlaneCode choose(ScalarType type, double low, double high, bool rounded, int pieces);
 };
 
 }  // namespace ringsplat

@@ -82,4 +82,14 @@ std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range) 
       tf.name, layers, nodes, resolved);
 }
 
+std::string why_labels_merge(const ValueRange& range) {
+  constexpr double told_apart = 65535;
+  if (!(range.high - range.low > told_apart)) return {};
+  return fmt::format(
+      "values run from {:.10g} to {:.10g}, of which sheets tell {:.0f} apart: neighbouring labels may have "
+      "each "
+      "other's colours; hint: --quality paper tells all apart",
+      range.low, range.high, told_apart + 1);
+}
+
 }  // namespace ringsplat::app

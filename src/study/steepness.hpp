@@ -15,4 +15,7 @@ std::string why_splats_err(const TransferFunction& tf, const ValueRange& range);
 /// The same of sheets, whose tables have a thousand nodes for all values; empty where these suffice.
 std::string why_sheets_err(const TransferFunction& tf, const ValueRange& range);
 
+/// Why sheets give labels each other's colours; empty where there are not too many values for that.
+std::string why_labels_merge(const ValueRange& range);
+
 }  // namespace ringsplat::app

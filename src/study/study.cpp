@@ -48,11 +48,12 @@ std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
   return synth_source(s.synth, grid);
 }
 
-FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, const TransferFunction& tf) {
+FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, const MadeFunction& made) {
   FrameSpec spec;
   spec.shown.width = list.width;
   spec.shown.height = list.height;
-  spec.shown.transfer_function = tf;
+  spec.shown.transfer_function = made.function;
+  spec.shown.interpolation = made.interpolation;
   spec.how = setting.how;
   spec.shown.opacity_correction = setting.opacity_correction;
   spec.shown.shading = setting.shading;
@@ -125,13 +126,14 @@ nlohmann::ordered_json columns_of(const Method& method) {
 }
 
 nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
-                              const Camera& camera, const Timed& timed, TruthKind truth,
-                              const truth::SampledError& error, const KeptPictures& kept) {
+                              Interpolation interpolation, const Camera& camera, const Timed& timed,
+                              TruthKind truth, const truth::SampledError& error, const KeptPictures& kept) {
   const NodeStats sum = timed.stats.total();
   nlohmann::ordered_json row{{"scene", s.name}, {"setting", setting.name}};
   row.update(columns_of(setting.how));
   row.update({{"opacity_correction", setting.opacity_correction},
               {"phong", setting.shading == Shading::phong},
+              {"interpolation", name(interpolation)},
               {"azimuth", camera.azimuth},
               {"elevation", camera.elevation},
               {"roll", camera.roll},
@@ -176,21 +178,20 @@ class SceneStudy {
   SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
       : list_(list), scene_list_(s), pictures_(pictures) {
     WholeVolume volume = read_whole(*open_scene(s));
-    transfer_function_ =
-        TransferFunctionChoice(s.transfer_function, s.colour).make(volume.statistics).function;
+    made_ = TransferFunctionChoice(s.transfer_function, s.colour).make(volume.statistics);
     scene_ = make_scene(std::move(volume));
   }
 
   void run(const StudyList::Setting& setting, nlohmann::ordered_json& rows) {
-    FrameSpec spec = frame_of(list_, setting, transfer_function_);
+    FrameSpec spec = frame_of(list_, setting, made_);
     spec.shown.clip = clip_box(scene_list_.clip, scene_.grid);
     const auto timed = render_views(list_, scene_list_, spec);
     for (std::size_t v = 0; v < list_.views.size(); ++v)
       for (const TruthKind kind : list_.truths) {
         const auto truth = truth_of(timed[v].image, kind, spec, v);
         const auto error = truth::sampled_error(timed[v].image, truth->sample, truth->colours);
-        rows.push_back(row_of(scene_list_, setting, list_.views[v], timed[v], kind, error,
-                              keep(setting, spec, timed[v], kind, v)));
+        rows.push_back(row_of(scene_list_, setting, made_.interpolation, list_.views[v], timed[v], kind,
+                              error, keep(setting, spec, timed[v], kind, v)));
       }
   }
 
@@ -231,7 +232,7 @@ class SceneStudy {
   const StudyList& list_;
   const StudyList::Scene& scene_list_;
   StudyPictures& pictures_;
-  TransferFunction transfer_function_;
+  MadeFunction made_;
   truth::Scene scene_;
   std::map<std::tuple<TruthKind, Shading, std::size_t>, std::shared_ptr<const SampledTruth>> known_;
 };

@@ -258,6 +258,8 @@ class Reader {
       s.colour.colours = text(item);
     else if (item.name == "log")
       s.colour.log = flag(item);
+    else if (item.name == "interpolation")
+      s.colour.interpolation = one_of(item, {Interpolation::linear, Interpolation::nearest});
     else if (item.name == "clip")
       s.clip = parse_clip(text(item), item.fullname());
     else

@@ -19,6 +19,7 @@ void set_method(truth::Scene& scene, const Sheets& sheets) {
 
 void set_frame(truth::Scene& scene, const FrameSpec& spec) {
   scene.transfer_function = spec.shown.transfer_function;
+  scene.nearest = spec.shown.interpolation == Interpolation::nearest;
   scene.camera = spec.shown.camera;
   scene.clip = spec.shown.clip;
   scene.width = spec.shown.width;

@@ -31,6 +31,13 @@ struct Cell {
   }
 };
 
+/// The voxel nearest to a place. Of two that are equally near it is the one with the greater number, however
+/// the place is rounded: rays often run along voxels' faces.
+inline glm::ivec3 nearest_voxel(const glm::dvec3& place, const glm::ivec3& dims) {
+  constexpr double rounding = 1e-9;
+  return glm::clamp(glm::ivec3(glm::floor(place + (0.5 + rounding))), glm::ivec3(0), dims - 1);
+}
+
 struct CellValues {
   Corners<double> corners;
   double low, high;

@@ -21,7 +21,8 @@ namespace {
 /// The part of a ray inside one cell.
 struct Crossing {
   double enter, leave;
-  glm::ivec3 cell;  ///< its low corner; −1 in the half voxel before the first centre
+  glm::ivec3 cell;     ///< its low corner; −1 in the half voxel before the first centre
+  glm::ivec3 nearest;  ///< the voxel whose value it has where values are not interpolated
 };
 
 /// The values along a crossing: a cubic polynomial of s' = (s − enter) / (leave − enter), in Bernstein's form
@@ -103,25 +104,29 @@ class FieldIntegrator {
   }
 
  private:
-  /// The cells along a ray, front to back. Each cut is computed from the ray's start.
+  /// The cells along a ray, front to back, and where values are not interpolated the parts of them that are
+  /// nearest to one voxel. Each cut is computed from the ray's start.
   std::vector<Crossing> crossings(const LatticeRay& ray) const {
     std::vector<double> cuts{ray.enter, ray.leave};
     const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
     for (int k = 0; k < 3; ++k) {
       if (ray.step[k] == 0) continue;
-      const double low = std::ceil(std::min(first[k], last[k])),
-                   high = std::floor(std::max(first[k], last[k]));
+      const double in_voxel = scene_.nearest ? 2 : 1;
+      const double low = std::ceil(in_voxel * std::min(first[k], last[k])),
+                   high = std::floor(in_voxel * std::max(first[k], last[k]));
       for (double plane = low; plane <= high; ++plane) {
-        const double s = (plane - ray.origin[k]) / ray.step[k];
+        const double s = (plane / in_voxel - ray.origin[k]) / ray.step[k];
         if (s > ray.enter && s < ray.leave) cuts.push_back(s);
       }
     }
     std::sort(cuts.begin(), cuts.end());
     std::vector<Crossing> crossings;
     for (std::size_t i = 0; i + 1 < cuts.size(); ++i)
-      if (cuts[i] < cuts[i + 1])
+      if (cuts[i] < cuts[i + 1]) {
+        const glm::dvec3 middle = ray.at(0.5 * (cuts[i] + cuts[i + 1]));
         crossings.push_back(
-            {cuts[i], cuts[i + 1], glm::ivec3(glm::floor(ray.at(0.5 * (cuts[i] + cuts[i + 1]))))});
+            {cuts[i], cuts[i + 1], glm::ivec3(glm::floor(middle)), nearest_voxel(middle, scene_.grid.dims)});
+      }
     return crossings;
   }
 
@@ -129,7 +134,8 @@ class FieldIntegrator {
     const glm::ivec3 last = scene_.grid.dims - 1;
     const Cell cell{glm::clamp(crossing.cell, glm::ivec3(0), last),
                     glm::clamp(crossing.cell + 1, glm::ivec3(0), last)};
-    const auto values = cell_values(scene_, curve_, cell);
+    const Cell shown = scene_.nearest ? Cell{crossing.nearest, crossing.nearest} : cell;
+    const auto values = cell_values(scene_, curve_, shown);
     if (!values || !curve_.visible(values->low, values->high)) return;
     Corners<glm::dvec3> normals{};
     if (scene_.shaded) normals = cell_normals(gradients_, cell);

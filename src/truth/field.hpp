@@ -16,6 +16,8 @@ namespace ringsplat::truth {
 /// where one of the voxels to interpolate is not a number. Opacity 1 over any length ends the ray with the
 /// colour at its front.
 ///
+/// Where Scene::nearest is set the volume is of boxes, each with its voxel's value; shading is as above.
+///
 /// A ray is cut where it crosses from cell to cell, where the value crosses a point of the transfer function,
 /// and where the surface turns away from the light or the viewer: between those the integrand is smooth.
 /// Pieces are halved until the Lobatto rule of order eight changes by less than its share of `tolerance`, the

@@ -31,6 +31,7 @@ struct Scene {
   Grid grid;
   std::vector<double> values;  ///< grid.voxels() of them, x fastest; all scalar types fit exactly
   TransferFunction transfer_function;
+  bool nearest = false;  ///< a place has its nearest voxel's value; else values are interpolated
   Camera camera;
   int width = 512, height = 512;  ///< pixels
   bool shaded = true;

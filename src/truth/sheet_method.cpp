@@ -24,8 +24,9 @@ struct SheetPlace {
   double share;  ///< of the way to the next slice
 };
 
-std::vector<SheetPlace> sheet_places(int slices, int slabs) {
-  const int in_half = Traversal::slabs_in_half(slabs);
+std::vector<SheetPlace> sheet_places(int slices, int slabs, bool nearest) {
+  if (nearest) slabs += slabs % 2;
+  const int in_half = nearest ? slabs / 2 : Traversal::slabs_in_half(slabs);
   std::vector<SheetPlace> places;
   for (int j = 0; j < in_half; ++j) places.push_back({-0.5 + 0.5 * j / in_half, 0, 0.0});
   for (int i = 0; i < slices; ++i)
@@ -57,7 +58,8 @@ class SheetTracer {
         rays_(scene),
         traversal_(choose_traversal(rays_.view(), lattice_of(scene.grid), SliceRule::most_crossed)),
         axis_(int(traversal_.axis)),
-        places_(sheet_places(scene.grid.dims[axis_], traversal_.slabs_for(scene.sheets->slabs))),
+        places_(
+            sheet_places(scene.grid.dims[axis_], traversal_.slabs_for(scene.sheets->slabs), scene.nearest)),
         curve_(scene.transfer_function),
         phong_(scene, rays_.view()),
         gradients_(scene) {}
@@ -78,6 +80,7 @@ class SheetTracer {
       }
       if (!front) front = sheet(ray, first);
       Sheet back = sheet(ray, second);
+      if (scene_.nearest) front->value = back.value = value_between(ray, front->z, back.z);
       add_slab(ray, *front, back, part, seen);
       front = std::move(back);
     }
@@ -119,6 +122,13 @@ class SheetTracer {
     sheet.place[axis_] = at.share;
     if (const auto values = cell_values(scene_, curve_, sheet.cell)) sheet.value = values->at(sheet.place);
     return sheet;
+  }
+
+  /// That of the voxel nearest to the middle between two sheets.
+  std::optional<double> value_between(const LatticeRay& ray, double front, double back) const {
+    const glm::ivec3 voxel = nearest_voxel(meets(ray, 0.5 * (front + back)), scene_.grid.dims);
+    const auto values = cell_values(scene_, curve_, {voxel, voxel});
+    return values ? std::optional(values->low) : std::nullopt;
   }
 
   const glm::dvec3& normal(Sheet& sheet) const {

@@ -24,6 +24,9 @@ namespace ringsplat::truth {
 /// at t, or is the mean of that at t − d and at t + d (moved into [0, 1]), with gradients interpolated
 /// linearly from one sheet to the other. The image plane is no part of this: the picture of sheets in the
 /// slices' plane has its warp as an error.
+///
+/// Where Scene::nearest is set, q is rounded up to an even number and the outermost half slices have q/2
+/// slabs. Both sheets of a slab then have the value of the voxel that is nearest to the middle between them.
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels);
 
 }  // namespace ringsplat::truth

@@ -57,6 +57,11 @@ TEST_CASE("steep surfaces and bone are said to err with splats, soft presets are
   CHECK(steepness_of("mr-surface", 0, 4095) == Approx(steepness_of("mr-surface", 0, 1)));
 }
 
+TEST_CASE("labels that are too far apart for sheets to tell them from their neighbours are said") {
+  CHECK(why_labels_merge(range_from(0, 65535)) == "");
+  CHECK_THAT(why_labels_merge(range_from(0, 65536)), Catch::Matchers::Contains("--quality paper"));
+}
+
 TEST_CASE("more thin layers than sheets resolve are said") {
   const auto layers = [](int count, double half) {
     std::vector<TransferFunction::OpacityPoint> points;

@@ -39,6 +39,7 @@ FrameSpec unusual_spec() {
   spec.shown.transfer_function = ramp(20, 255, 0.9);
   spec.shown.transfer_function.name = "bone, thin";
   spec.shown.transfer_function.nan_srgb = {0, 0.25, 1};
+  spec.shown.interpolation = Interpolation::nearest;
   spec.shown.shading = Shading::none;
   spec.shown.material = {.ambient = 0.125, .diffuse = 0.5, .specular = 0.75, .exponent = 3};
   spec.shown.light = {1, 2, 3};

@@ -33,7 +33,7 @@ def test_a_picture_has_the_bits_of_the_programs(kind, engine, view, exr_of, npy,
     assert rs_array[..., 3].max() > 0.1
 
 
-def test_labels_are_drawn_by_splats_as_by_the_program(exr_of, npy, tmp_path):
+def test_labels_are_drawn_as_by_the_program(exr_of, npy, tmp_path):
     labels = (blob((24, 24, 24)) * 4).astype(np.uint8)
     file = npy(labels)
     assert saved(rs.render(file, size=64, labels=True), tmp_path / "l.exr") == exr_of(file, "--size", 64, "--labels")

@@ -244,6 +244,22 @@ def same_as_program(options, server):
                        check=True, stdout=subprocess.DEVNULL)
 
 
+def make_labels(options):
+    """Five labels in a cube's octants; so large that the viewer has reduced levels of it."""
+    path, side = os.path.join(options.scratch, "labels_72x72x72_uint8.raw"), 72
+    known = (0, 2, 41, 17, 3, 77, 10, 2)
+    with open(path, "wb") as file:
+        for z in range(side):
+            for y in range(side):
+                file.write(bytes(known[(x > 30) + 2 * (y > 40) + 4 * (z > 24)] if min(x, y, z) > 5 else 0 for x in range(side)))
+    return path
+
+
+def labels(options, server):
+    expect([one["value"] for one in server.client().hello["volume"]["labels"]] == [2, 3, 10, 17, 41, 77], "other labels")
+    same_as_program(options, server)
+
+
 def ends(options, server):
     client = server.client()
     client.view()
@@ -346,7 +362,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "opens": (opens, "--open", "XDG_RUNTIME_DIR={scratch}/own", "PATH={scratch}/bin:/usr/bin:/bin"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
          "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
-         "same_as_program": (same_as_program,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
+         "same_as_program": (same_as_program,), "labels": (labels,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
@@ -374,6 +390,8 @@ if __name__ == "__main__":
     fake_browser(given)
     if "--frames" in more:
         given.volume = make_series(given)
+    if given.case == "labels":
+        given.volume = make_labels(given)
     running = start(given, *(word.format(scratch=given.scratch) for word in more))
     try:
         test(given, running)

@@ -77,9 +77,16 @@ std::unique_ptr<VolumeSource> retyped(const std::string& name, glm::ivec3 dims, 
 
 TEST_CASE("sheets draw the same bits for any ranks, regions, roles and order of messages") {
   const auto source = synth_source("jack", make_grid({41, 37, 45}));
+  struct {
+    Sheets sheets;
+    Interpolation interpolation;
+  } const cases[] = {{{}, Interpolation::linear},
+                     {{ImagePlane::slices, 2}, Interpolation::linear},
+                     {{}, Interpolation::nearest}};
   for (const Camera& camera : views)
-    for (const Sheets& sheets : {Sheets{}, Sheets{ImagePlane::slices, 2}}) {
+    for (const auto& [sheets, interpolation] : cases) {
       FrameSpec spec = sheets_view(camera, sheets);
+      spec.shown.interpolation = interpolation;
       const Image alone = render_loopback(*source, spec, 1, 1).image;
       REQUIRE(shows_something(alone));
       for (const std::uint64_t seed : {1U, 2U, 3U}) {
@@ -103,7 +110,7 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
     ScalarType type;
     double scale;
     Sheets sheets;
-    bool layered = false;
+    bool layered = false, nearest = false;
   } const cases[] = {{ScalarType::uint8, 1, {}},
                      {ScalarType::uint8, 1, {.slabs = 1, .light_points = 1}},
                      {ScalarType::uint8, 1, {.slabs = 2}},
@@ -114,11 +121,15 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
                      {ScalarType::float32, 1e-3, {}},
                      {ScalarType::float64, 1e35, {.slabs = 4}},
                      {ScalarType::uint8, 1, {}, true},
-                     {ScalarType::float32, 1e-3, {}, true}};
-  for (const auto& [type, scale, sheets, layered] : cases)
+                     {ScalarType::float32, 1e-3, {}, true},
+                     {ScalarType::uint8, 1, {}, true, true},
+                     {ScalarType::uint16, 257, {.slabs = 1, .light_points = 1}, false, true},
+                     {ScalarType::float32, 1e-3, {}, false, true}};
+  for (const auto& [type, scale, sheets, layered, nearest] : cases)
     for (const Camera& camera : views) {
       const auto source = retyped("jack", {30, 34, 27}, type, scale, storage);
       FrameSpec spec = sheets_view(camera, sheets);
+      spec.shown.interpolation = nearest ? Interpolation::nearest : Interpolation::linear;
       spec.shown.transfer_function = layered ? thin_layers(scale) : two_bands(scale);
       const Image best = render_loopback(*source, spec, 1, 1).image;
       INFO(fmt::format("{} values, azimuth {}, {} slabs", to_string(type), camera.azimuth, sheets.slabs));

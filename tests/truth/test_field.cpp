@@ -46,6 +46,34 @@ TEST_CASE("a constant volume is a box of its voxels' faces") {
   }
 }
 
+TEST_CASE("without interpolation each voxel is a box of its own value") {
+  const glm::ivec3 dims(5, 4, 3);
+  const auto value = [](int x, int y, int z) {
+    return x == 2 && y == 1 ? std::numeric_limits<double>::quiet_NaN() : double((x + 2 * y + 3 * z) % 4);
+  };
+  const Volume volume = make_volume(dims, ScalarType::float32, value, {1.0, 1.5, 2.0});
+  TransferFunction tf = constant_opacity(0);
+  tf.opacities = {{0.0, 0.0}, {1.0, 0.1}, {2.0, 0.7}, {3.0, 0.3}};
+  for (const Camera& camera :
+       {oblique, Camera{.azimuth = 90, .pan = {0.013, 0.007}}, Camera{.azimuth = 200, .elevation = -60}}) {
+    FrameSpec spec = plain_spec(tf, size, camera);
+    spec.shown.interpolation = Interpolation::nearest;
+    const auto depth = [&](const truth::CubeRay& ray) {
+      double sum = 0;
+      for (int z = 0; z < dims.z; ++z)
+        for (int y = 0; y < dims.y; ++y)
+          for (int x = 0; x < dims.x; ++x) {
+            const glm::dvec3 corner(x, y, z), all(dims);
+            const double opacity = tf.evaluate(value(x, y, z)).opacity;
+            if (opacity > 0)
+              sum -= std::log1p(-opacity) * truth::length_in_box(ray, corner / all, (corner + 1.0) / all);
+          }
+      return sum;
+    };
+    CHECK(largest_error(volume, spec, depth) < 1e-9);
+  }
+}
+
 TEST_CASE("a transfer function with a jump cuts a slab out of a ramp, exactly") {
   // Values 0 … 15 along z; opaque matter where they lie in [5.25, 9.75].
   const Volume volume = make_volume({16, 16, 16}, ScalarType::float64, [](int, int, int z) { return z; });

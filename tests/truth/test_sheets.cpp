@@ -1,8 +1,12 @@
 // Pictures of the sheets engine against its own method's truth and against the field.
 #include <fmt/format.h>
 
+#include <glm/geometric.hpp>
 #include <limits>
+#include <random>
 
+#include "classify/label_function.hpp"
+#include "options/method_options.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 
@@ -138,8 +142,8 @@ TEST_CASE("the lower face of a box belongs to it, the upper one does not") {
            {rendered(volume, spec), method_image(volume, spec), field_image(volume, spec)})
         for (int y = 0; y < 16; ++y)
           for (int x = 0; x < 16; ++x) {
-            const bool inside = x - 1 >= part.first.x && x - 1 < part.end.x && y - 1 >= part.first.y &&
-                                y - 1 < part.end.y;
+            const bool inside =
+                x - 1 >= part.first.x && x - 1 < part.end.x && y - 1 >= part.first.y && y - 1 < part.end.y;
             INFO(x << ' ' << y << (clipped ? " clipped" : ""));
             REQUIRE((image.pixel(x, y)[3] > 0.5F) == inside);
             if (!inside) REQUIRE(image.pixel(x, y)[3] == 0.0F);
@@ -150,9 +154,9 @@ TEST_CASE("the lower face of a box belongs to it, the upper one does not") {
 TEST_CASE("a slab that adds a fiftieth or more to a pixel is lit at two points, others at one") {
   const Volume volume = make_volume({16, 16, 8}, ScalarType::float32, pattern);
   const auto drawn = [&](double opacity, bool adaptive) {
-    return rendered(volume, sheets_spec(constant_opacity(opacity), Shading::phong,
-                                        {.slabs = 1, .light_points = 2, .adaptive = adaptive},
-                                        {.elevation = 90}, 48));
+    return rendered(
+        volume, sheets_spec(constant_opacity(opacity), Shading::phong,
+                            {.slabs = 1, .light_points = 2, .adaptive = adaptive}, {.elevation = 90}, 48));
   };
   CHECK(largest_difference(drawn(0.1, true), drawn(0.1, false)) == 0);
   CHECK(largest_difference(drawn(0.012, true), drawn(0.012, false)) > 0);
@@ -196,6 +200,87 @@ TEST_CASE("a jump from clear to opaque, and all opaque") {
     CHECK(of_noise < 0.6);
     CHECK(of_smooth < 0.3);
   }
+}
+
+namespace {
+
+/// A ball of cells about twenty points; each cell's number is one of `labels`, 0 outside.
+Volume pieces(ScalarType type, const std::vector<double>& labels, int n = 40) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(0, n);
+  std::vector<glm::dvec3> points(20);
+  for (auto& point : points) point = {place(random), place(random), place(random)};
+  return make_volume(glm::ivec3(n), type, [&](int x, int y, int z) {
+    const glm::dvec3 here(x, y, z);
+    const auto nearest = std::min_element(points.begin(), points.end(), [&](const auto& a, const auto& b) {
+      return glm::distance(a, here) < glm::distance(b, here);
+    });
+    const bool inside = glm::distance(here, glm::dvec3(0.5 * (n - 1))) < 0.45 * n;
+    return inside ? labels[std::size_t(nearest - points.begin()) % labels.size()] : 0;
+  });
+}
+
+FrameSpec label_spec(const TransferFunction& tf, Shading shading, const Sheets& sheets,
+                     const Camera& camera) {
+  FrameSpec spec = sheets_spec(tf, shading, sheets, camera, 128);
+  spec.shown.interpolation = Interpolation::nearest;
+  return spec;
+}
+
+}  // namespace
+
+TEST_CASE("labels keep their values between voxels, whatever their numbers, and are near the field") {
+  struct {
+    ScalarType type;
+    std::vector<double> labels;
+  } const cases[] = {{ScalarType::uint8, {1, 2, 3, 7, 41}},
+                     {ScalarType::int32, {1002, 17, 2035, 14175, 3}},
+                     {ScalarType::float32, {-3, 1, 250, 4000, 60000}}};
+  struct {
+    Camera camera;
+    double field;
+  } const views[] = {{{}, 0.1},
+                     {{.azimuth = 20, .elevation = 10}, 2},
+                     {{.azimuth = 45, .elevation = 35}, 7},
+                     {{.azimuth = 30, .elevation = 20, .fov = 50}, 3.2}};
+  for (const auto& [type, labels] : cases) {
+    const Volume volume = pieces(type, labels);
+    std::vector<double> ascending = labels;
+    std::sort(ascending.begin(), ascending.end());
+    const TransferFunction tf = label_function(ascending);
+    for (const auto& [camera, bound] : views)
+      for (const Shading shading : {Shading::none, Shading::phong}) {
+        const FrameSpec spec = label_spec(tf, shading, {}, camera);
+        const double method = table_error(volume, spec), field = field_error(volume, spec);
+        UNSCOPED_INFO(fmt::format("{}, azimuth {}, {}: method {:.3f}, field {:.3f}", to_string(type),
+                                  camera.azimuth, shading == Shading::none ? "unlit" : "lit", method, field));
+        CHECK(method < 0.1);
+        CHECK(field < bound);
+      }
+  }
+}
+
+TEST_CASE("no label that is not there is seen between others, in any quality") {
+  // Of red, green and blue labels the volume has no green one.
+  const Volume volume = pieces(ScalarType::uint8, {1, 3});
+  TransferFunction tf = constant_opacity(0);
+  tf.colours = {{1.5, {1, 0, 0}}, {1.5, {0, 1, 0}}, {2.5, {0, 1, 0}}, {2.5, {0, 0, 1}}};
+  tf.opacities = {{0.5, 0.0}, {0.5, 0.9}};
+  for (const Sheets& sheets : {app::sheets_of(app::Quality::draft), app::sheets_of(app::Quality::normal),
+                               app::sheets_of(app::Quality::best), Sheets{.slabs = 1}})
+    for (const Camera& camera : {Camera{}, oblique, Camera{.azimuth = 30, .elevation = 20, .fov = 50}}) {
+      FrameSpec spec = label_spec(tf, Shading::phong, sheets, camera);
+      spec.shown.material.specular = 0;
+      const auto green = [&] {
+        const Image image = rendered(volume, spec);
+        float most = 0;
+        for (std::size_t k = 1; k < image.rgba.size(); k += 4) most = std::max(most, image.rgba[k]);
+        return most;
+      };
+      CHECK(green() == 0.0F);
+      spec.shown.interpolation = Interpolation::linear;
+      CHECK(green() > 0.1F);
+    }
 }
 
 TEST_CASE("values that are not a number, infinite, tiny and huge") {

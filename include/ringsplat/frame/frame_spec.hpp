@@ -17,6 +17,11 @@ namespace ringsplat {
 
 enum class Shading { none, phong };
 
+/// The values between voxels, where sheets and the field's truth ask for them: trilinear, or the nearest
+/// voxel's, as between labels there are no others. Splats classify voxels and ask for none.
+enum class Interpolation { linear, nearest };
+const char* name(Interpolation interpolation);
+
 /// How splats travel from GPs to Renderers: the paper's six words each, or runs of voxels whose positions
 /// follow from the view.
 enum class PayloadForm { words, runs };
@@ -35,6 +40,7 @@ struct Shown {
   Camera camera;
   int width = 512, height = 512;  ///< pixels
   TransferFunction transfer_function;
+  Interpolation interpolation = Interpolation::linear;
   Shading shading = Shading::phong;
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
@@ -67,8 +73,10 @@ struct Sheets {
   /// Wherever the slices' plane would have more pixels than the screen, or rays are not parallel: the screen.
   ImagePlane image_plane = ImagePlane::screen;
   double plane_samples = 1;  ///< in the slices' plane: most pixels a voxel along either axis, at least 1
-  int slabs = 3;             ///< pre-integrated slabs from slice to slice, as by Traversal::slabs_for
-  int light_points = 2;      ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
+  /// Pre-integrated slabs from slice to slice, as by Traversal::slabs_for; with nearest values an even
+  /// number.
+  int slabs = 3;
+  int light_points = 2;  ///< where a slab is lit: at its opacity's centroid, or at centroid ± spread
   /// Take one slab or one light point where two would hardly differ (docs/sheets.md).
   bool adaptive = true;
   bool operator==(const Sheets&) const = default;

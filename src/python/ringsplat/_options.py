@@ -43,6 +43,7 @@ class PictureOptions(TypedDict, total=False):
     colours: str
     log: bool
     labels: bool
+    interpolation: Literal['linear', 'nearest']
     quality: Literal['paper', 'draft', 'normal', 'best']
     engine: Literal['splats', 'sheets']
     slabs: Literal[1, 2, 3, 4]
