@@ -8,6 +8,7 @@
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "options/option_values.hpp"
+#include "program/kept_measurements.hpp"
 #include "study/calibration.hpp"
 #include "study/calibration_cache.hpp"
 
@@ -82,7 +83,7 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
     views = calibration_views(job.plan.cameras, frame, scene.grid);
     place.key = calibration_key(o, frame, job.layout, scene.values.histogram, views);
     if (const auto folder = cache_folder()) {
-      place.file = calibration_file(*folder, place.key);
+      place.file = kept_file(*folder, calibration_kind, place.key);
       measured = read_calibration(place.file, place.key, settings);
     }
   }

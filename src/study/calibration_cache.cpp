@@ -1,16 +1,10 @@
 #include "study/calibration_cache.hpp"
 
-#include <fmt/format.h>
-
 #include <cmath>
-#include <cstdlib>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 
-#include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "frame/frame_spec_bytes.hpp"
+#include "program/kept_measurements.hpp"
 
 namespace ringsplat::app {
 
@@ -18,22 +12,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 namespace {
-
-/// Size and time of the last change; for a folder only the time. Zeros when the path cannot be read.
-json identity_of(const fs::path& path) {
-  std::error_code ignored;
-  const auto changed = fs::last_write_time(path, ignored).time_since_epoch().count();
-  const auto bytes = fs::is_directory(path, ignored) ? 0 : fs::file_size(path, ignored);
-  return {{"path", fs::weakly_canonical(path, ignored).string()}, {"bytes", bytes}, {"changed", changed}};
-}
-
-/// Identifies a build by its version and the program's file, as one version may be built more than once.
-json this_program() {
-  json j = identity_of("/proc/self/exe");
-  j.erase("path");
-  j["version"] = RINGSPLAT_VERSION;
-  return j;
-}
 
 json views_json(const FrameSpec& reference, const std::vector<Camera>& views) {
   json all = json::array();
@@ -105,47 +83,18 @@ std::string calibration_key(const RenderOptions& o, const FrameSpec& reference, 
       .dump(-1, ' ', false, json::error_handler_t::replace);
 }
 
-std::optional<fs::path> cache_folder() {
-  const char* cache = std::getenv("XDG_CACHE_HOME");
-  if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "ringsplat";
-  const char* home = std::getenv("HOME");
-  if (home != nullptr && *home != '\0') return fs::path(home) / ".cache" / "ringsplat";
-  return std::nullopt;
-}
-
-fs::path calibration_file(const fs::path& folder, const std::string& key) {
-  return folder / fmt::format("calibration-{:016x}.json", std::hash<std::string>{}(key));
-}
-
 std::optional<std::vector<MeasuredShortcuts>> read_calibration(const fs::path& file, const std::string& key,
                                                                const std::vector<Shortcuts>& settings) {
-  std::error_code ignored;
-  if (!fs::exists(file, ignored)) return std::nullopt;
-  std::string problem;
-  try {
-    std::ifstream in(file, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(in), {}};
-    const json stored = json::parse(text);
-    if (stored.at("key") == json::parse(key)) return measurements(stored.at("measured"), settings);
-    problem = "it was made for something else";
-  } catch (const std::exception& e) {
-    problem = e.what();
-  }
-  log_warning("the calibration {} cannot be used and is made again: {}", file.string(), problem);
-  return std::nullopt;
+  std::optional<std::vector<MeasuredShortcuts>> measured;
+  read_kept(file, calibration_kind, key, [&](const json& rows) { measured = measurements(rows, settings); });
+  return measured;
 }
 
 void write_calibration(const fs::path& file, const std::string& key,
                        const std::vector<MeasuredShortcuts>& measured) {
   json rows = json::array();
   for (const auto& m : measured) rows.push_back(to_json(m));
-  try {
-    fs::create_directories(file.parent_path());
-    write_text(file, json{{"key", json::parse(key)}, {"measured", rows}}.dump(1) + "\n");
-  } catch (const std::exception& e) {
-    log_warning("the calibration cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where",
-                e.what());
-  }
+  write_kept(file, calibration_kind, key, rows);
 }
 
 }  // namespace ringsplat::app

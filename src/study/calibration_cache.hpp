@@ -17,12 +17,8 @@ namespace ringsplat::app {
 std::string calibration_key(const RenderOptions& options, const FrameSpec& reference, const Layout& layout,
                             const Histogram& histogram, const std::vector<Camera>& views);
 
-/// $XDG_CACHE_HOME/ringsplat, else ~/.cache/ringsplat (XDG base directory specification, which says to ignore
-/// a relative XDG_CACHE_HOME); nothing without a home folder.
-std::optional<std::filesystem::path> cache_folder();
-
-/// The file of `key` in `folder`.
-std::filesystem::path calibration_file(const std::filesystem::path& folder, const std::string& key);
+/// What is kept, in a word (program/kept_measurements.hpp).
+inline constexpr const char* calibration_kind = "calibration";
 
 /// Reads a file that was written for `key`: a measurement for each of `settings`, in their order. Nothing
 /// when there is no such file; warns when it cannot be understood.
@@ -30,8 +26,6 @@ std::optional<std::vector<MeasuredShortcuts>> read_calibration(const std::filesy
                                                                const std::string& key,
                                                                const std::vector<Shortcuts>& settings);
 
-/// Creates the folder if needed, writes beside the file and renames. Only warns on failure: the next run then
-/// measures again.
 void write_calibration(const std::filesystem::path& file, const std::string& key,
                        const std::vector<MeasuredShortcuts>& measured);
 

@@ -1,0 +1,75 @@
+#include "program/kept_measurements.hpp"
+
+#include <fmt/format.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+
+namespace ringsplat::app {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::optional<fs::path> cache_folder() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "ringsplat";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return fs::path(home) / ".cache" / "ringsplat";
+  return std::nullopt;
+}
+
+json identity_of(const fs::path& path) {
+  std::error_code ignored;
+  const auto changed = fs::last_write_time(path, ignored).time_since_epoch().count();
+  const auto bytes = fs::is_directory(path, ignored) ? 0 : fs::file_size(path, ignored);
+  return {{"path", fs::weakly_canonical(path, ignored).string()}, {"bytes", bytes}, {"changed", changed}};
+}
+
+json this_program() {
+  json j = identity_of("/proc/self/exe");
+  j.erase("path");
+  j["version"] = RINGSPLAT_VERSION;
+  return j;
+}
+
+fs::path kept_file(const fs::path& folder, const std::string& kind, const std::string& key) {
+  return folder / fmt::format("{}-{:016x}.json", kind, std::hash<std::string>{}(key));
+}
+
+bool read_kept(const fs::path& file, const std::string& kind, const std::string& key,
+               const std::function<void(const json&)>& take) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored)) return false;
+  std::string problem;
+  try {
+    std::ifstream in(file, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    const json stored = json::parse(text);
+    if (stored.at("key") == json::parse(key)) {
+      take(stored.at("measured"));
+      return true;
+    }
+    problem = "it was made for something else";
+  } catch (const std::exception& e) {
+    problem = e.what();
+  }
+  log_warning("the {} {} cannot be used and is made again: {}", kind, file.string(), problem);
+  return false;
+}
+
+void write_kept(const fs::path& file, const std::string& kind, const std::string& key, const json& measured) {
+  try {
+    fs::create_directories(file.parent_path());
+    write_text(file, json{{"key", json::parse(key)}, {"measured", measured}}.dump(1) + "\n");
+  } catch (const std::exception& e) {
+    log_warning("the {} cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where", kind,
+                e.what());
+  }
+}
+
+}  // namespace ringsplat::app
