@@ -7,11 +7,12 @@
 
 #include "base/log.hpp"
 #include "base/process.hpp"
-#include "forecast/machine_forecast.hpp"
-#include "forecast/probe.hpp"
+#include "forecast/forecast.hpp"
+#include "forecast/sampled_volume.hpp"
+#include "forecast/this_machine.hpp"
 #include "net/blocks.hpp"
 #include "net/launcher.hpp"
-#include "program/progress.hpp"
+#include "program/layouts.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat::app {
@@ -40,60 +41,38 @@ void say_choice(const std::vector<Prediction>& predictions) {
            1e3 * best.seconds, name(best.limit), others);
 }
 
-void say(const FrameCosts& costs, const RankCosts& ranks, const std::vector<Prediction>& predictions) {
-  log_info("measured {}; a message takes {:.1f} us, the ranks share {} core{}", describe(costs),
-           1e6 * ranks.hop, ranks.cores, ranks.cores == 1 ? "" : "s");
-  say_choice(predictions);
-}
-
-/// By the described machine's costs, which rank 0 works out.
-Layout choose_on_machine(const RenderOptions& o, const std::vector<Camera>& cameras, const Machine& machine,
-                         Launch& launch) {
-  const auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks());
-  Layout chosen;
-  launch.check_on_rank_0([&] {
-    const auto source = open_volume(o.volume);
-    const MachineForecast forecast(*source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour),
-                                   probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras),
-                                   machine, o.run.simulation.voxel_weight, launch.ranks(), o.run.protocol);
-    const auto predictions = o.run.bundle ? forecast.predict_all(layouts) : forecast.predict_bundles(layouts);
-    chosen = predictions.front().layout;
-    say_choice(predictions);
-  });
-  return value_of<Layout>(launch.collectives().broadcast(block_of_value(chosen), 0), "a layout");
+/// What the real ranks run on. A hop says little of a machine where ranks wait for cores.
+Machine machine_of(const std::vector<Place>& places, double hop) {
+  const int hosts = hosts_of(places), ranks = int(places.size());
+  Machine machine = this_machine(hosts, std::max(1, shared_cores(places) / hosts));
+  if (!shares_cores(machine, ranks) && ranks > 1) machine.platform.latency = hop;
+  return machine;
 }
 
 }  // namespace
 
 Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, const std::vector<Place>& places, Launch& launch) {
-  if (const auto& machine = o.run.simulation.machine) return choose_on_machine(o, cameras, *machine, launch);
-  auto layouts = layouts_to_choose_from(o.run, launch.over_mpi(), launch.ranks(), ranks_with_cores(places));
-  if (std::holds_alternative<Sheets>(o.frame.how))
-    if (const auto ring = colocated_ring(layouts)) {
-      if (launch.rank() == 0)
-        log_info("chose {} without a measurement: sheets are the Renderers' work, so each of them draws",
-                 describe(*ring));
-      return *ring;
-    }
-  layouts = those_that_fit(std::move(layouts), grid, load);
-  RankCosts ranks = usual_rank_costs(launch.ranks(), shared_cores(places));
-  ranks.hop = measure_hop(*launch.transport());
+  const auto& described = o.run.simulation.machine;
+  const int ranks = launch.ranks();
+  auto layouts =
+      layouts_to_choose_from(o.run, launch.over_mpi(), ranks,
+                             described ? ranks_with_own_cores(*described, ranks) : ranks_with_cores(places));
+  if (!described) layouts = those_that_fit(std::move(layouts), grid, load);
+  const double hop = described ? 0 : measure_hop(*launch.transport());
   Layout chosen;
   launch.check_on_rank_0([&] {
-    Progress progress;
-    progress.begin("measuring a frame", 0);
     const auto source = open_volume(o.volume);
-    const auto views = probe_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras);
-    const FrameCosts costs = measure_frame_costs(
-        *source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour), views, load);
-    progress.end();
-    const auto predictions = predict_all(costs, ranks, layouts);
+    const Machine machine = described ? *described : machine_of(places, hop);
+    Forecast forecast(*source, o.frame, TransferFunctionChoice(o.transfer_function, o.colour),
+                      some_views(cameras.empty() ? std::vector{o.frame.shown.camera} : cameras), machine,
+                      o.run.simulation.voxel_weight, ranks, o.run.protocol);
+    const auto predictions =
+        o.run.bundle || !described ? forecast.predict_all(layouts) : forecast.predict_bundles(layouts);
     chosen = predictions.front().layout;
-    say(costs, ranks, predictions);
+    say_choice(predictions);
   });
-  const Block block = launch.collectives().broadcast(block_of_value(chosen), 0);
-  return value_of<Layout>(block, "a layout");
+  return value_of<Layout>(launch.collectives().broadcast(block_of_value(chosen), 0), "a layout");
 }
 
 int drawing_renderers(const Layout& layout, const std::vector<Place>& places, const Launch& launch) {

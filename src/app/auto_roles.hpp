@@ -8,11 +8,11 @@
 
 namespace ringsplat::app {
 
-/// The layout for --gps auto and --renderers auto. Rank 0 measures what frames of these views cost, all ranks
-/// measure what a message costs, and rank 0 prints its choice and the reason on stderr. Layouts whose GPs
-/// cannot hold their slices are left out. Sheets get a colocated ring without a measurement. `cameras` are
-/// needed on rank 0 only; without any, the options' own view is measured. All ranks call it before the volume
-/// is loaded; all throw the same InputError.
+/// The layout for --gps auto and --renderers auto: the one in which frames of these views are foreseen to
+/// take least, on the described machine or on this one. All ranks measure what a message costs; rank 0 prints
+/// its choice on stderr. Layouts whose GPs cannot hold their slices are left out. `cameras` are needed on
+/// rank 0 only; without any, the options' own view counts. All ranks call it before the volume is loaded; all
+/// throw the same InputError.
 Layout choose_roles(const RenderOptions& options, const std::vector<Camera>& cameras, const Grid& grid,
                     const LoadOptions& load, const std::vector<Place>& places, Launch& launch);
 

@@ -10,11 +10,12 @@
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/process.hpp"
-#include "forecast/machine_forecast.hpp"
-#include "forecast/probe.hpp"
-#include "forecast/role_choice.hpp"
+#include "forecast/forecast.hpp"
+#include "forecast/sampled_volume.hpp"
+#include "forecast/this_machine.hpp"
 #include "options/first_view.hpp"
 #include "program/json_text.hpp"
+#include "program/layouts.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
 #include "program/watched_source.hpp"
@@ -272,14 +273,14 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
 }
 
 /// The prediction that --ranks asks for.
-struct Forecast {
-  FrameCosts costs;
-  RankCosts ranks;
+struct Foreseen {
+  Machine machine;
+  bool described;  ///< or this one
+  FrameWork work;
   std::vector<Prediction> predictions;
-  std::optional<Machine> machine;  ///< the machine to predict for; none: this one
 };
 
-Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress) {
+Foreseen foresee(const InfoOptions& o, VolumeSource& source, Progress& progress) {
   if (o.picture.path == "-")
     throw InputError("info takes no views from stdin", "write them into a file for --path");
   RenderOptions picture = o.picture;
@@ -289,44 +290,32 @@ Forecast forecast(const InfoOptions& o, VolumeSource& source, Progress& progress
   }
   const auto cameras = views_of(picture);
   picture.frame.shown.clip = clip_box(picture.clip, source.grid());
-  const FrameSpec& frame = picture.frame;
-  const auto axes = needed_axes(frame, cameras, source.grid());
   const int cores = o.cores > 0 ? o.cores : int(allowed_cores().size());
-  Forecast f;
-  if (!o.machine.empty()) f.machine = read_machine(o.machine);
-  const TransferFunctionChoice choice(o.picture.transfer_function, o.picture.colour);
-  const auto views = probe_views(cameras);
-  f.ranks = f.machine ? described_rank_costs(*f.machine, o.ranks) : usual_rank_costs(o.ranks, cores);
-  progress.begin("measuring a frame", 0);
-  // Sheets on a described machine are foreseen from a sketch alone; all else is counted or timed.
-  const bool sketched = f.machine && std::holds_alternative<Sheets>(frame.how);
-  if (!sketched)
-    f.costs = measure_frame_costs(source, frame, choice, views, load_options(picture, axes),
-                                  f.machine ? &*f.machine : nullptr);
-  if (f.machine) {
-    const MachineForecast forecast(source, frame, choice, views, *f.machine, 1, o.ranks,
-                                   picture.run.protocol);
-    if (sketched) f.costs = forecast.costs();
-    f.predictions = forecast.predict_all(in_bundles(rings_on_machine(o.ranks), o.bundle));
-    for (const Layout& layout : in_bundles(possible_layouts(o.ranks, true), o.bundle))
-      if (layout.topology == Topology::mesh) f.predictions.push_back(forecast.predict(layout));
-    std::stable_sort(f.predictions.begin(), f.predictions.end(),
-                     [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; });
-  } else {
-    f.predictions =
-        predict_all(f.costs, f.ranks, in_bundles(possible_layouts(o.ranks, true, cores), o.bundle));
-  }
+  Foreseen f{.described = !o.machine.empty()};
+  f.machine = f.described ? read_machine(o.machine) : this_machine(1, cores);
+  progress.begin("predicting frames", 0);
+  Forecast forecast(source, picture.frame,
+                    TransferFunctionChoice(o.picture.transfer_function, o.picture.colour),
+                    some_views(cameras), f.machine, 1, o.ranks, picture.run.protocol);
+  f.work = forecast.work();
+  const auto layouts = possible_layouts(o.ranks, true, ranks_with_own_cores(f.machine, o.ranks));
+  f.predictions = forecast.predict_all(in_bundles(layouts, o.bundle));
   progress.end();
   return f;
 }
 
-std::string to_text(const Forecast& f, int ranks) {
-  return fmt::format("\na frame on {} ranks that share {} cores\n  {}: {}\n{}best: {}\n", ranks,
-                     f.ranks.cores, f.machine ? f.machine->name : "measured here", describe(f.costs),
-                     to_table(f.predictions), describe(f.predictions.front().layout));
+/// That the ranks share.
+int cores_of(const Machine& machine, int ranks) {
+  return machine.platform.hosts > 0 ? machine.platform.hosts * machine.platform.cores : ranks;
 }
 
-nlohmann::json to_json(const Forecast& f) {
+std::string to_text(const Foreseen& f, int ranks) {
+  return fmt::format("\na frame on {} ranks that share {} cores\n  {}: {}\n{}best: {}\n", ranks,
+                     cores_of(f.machine, ranks), f.machine.name, describe(f.work), to_table(f.predictions),
+                     describe(f.predictions.front().layout));
+}
+
+nlohmann::json to_json(const Foreseen& f, int ranks) {
   nlohmann::json layouts = nlohmann::json::array();
   for (const Prediction& p : f.predictions)
     layouts.push_back({{"layout", describe(p.layout)},
@@ -345,15 +334,13 @@ nlohmann::json to_json(const Forecast& f) {
                        {"limit", name(p.limit)}});
   for (auto& layout : layouts)
     if (layout["topology"] == "ring") layout.erase("mesh");
-  return {{"machine", f.machine ? nlohmann::json(f.machine->name) : nlohmann::json()},
-          {"cores", f.ranks.cores},
-          {"hop_seconds", f.ranks.hop},
-          {"gp_seconds", f.costs.gp},
-          {"gp_frame_seconds", f.costs.frame},
-          {"renderer_seconds", f.costs.renderer()},
-          {"region_seconds", f.costs.region},
-          {"visible_voxels", f.costs.visible_voxels},
-          {"splats", f.costs.splats},
+  return {{"machine", f.described ? nlohmann::json(f.machine.name) : nlohmann::json()},
+          {"cores", cores_of(f.machine, ranks)},
+          {"gp_seconds", f.work.gp},
+          {"gp_frame_seconds", f.work.frame},
+          {"renderer_seconds", f.work.renderer},
+          {"visible_voxels", f.work.visible_voxels},
+          {f.work.items_name, f.work.items},
           {"layouts", layouts}};
 }
 
@@ -390,11 +377,11 @@ ExitCode run_info(const InfoOptions& o) {
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
   const Found found{source.grid(), part->grid(), source.notes(), read_values(clip ? *part : source, progress),
                     source.concurrent()};
-  std::optional<Forecast> predicted;
-  if (o.ranks > 0) predicted = forecast(o, source, progress);
+  std::optional<Foreseen> predicted;
+  if (o.ranks > 0) predicted = foresee(o, source, progress);
   if (o.json) {
     auto j = to_json(o, found);
-    if (predicted) j["prediction"] = to_json(*predicted);
+    if (predicted) j["prediction"] = to_json(*predicted, o.ranks);
     if (const auto series = source.notes().series; !series.empty()) j["series"] = series;
     write_text_output("-", plain_json_text(std::move(j), 2) + "\n");
   } else {

@@ -52,6 +52,8 @@ std::vector<Place> places_of_ranks(Collectives& collectives) {
   return places;
 }
 
+int hosts_of(const std::vector<Place>& places) { return int(machines_of(places).size()); }
+
 int shared_cores(const std::vector<Place>& places) {
   std::size_t cores = 0;
   for (const auto& [name, machine] : machines_of(places))

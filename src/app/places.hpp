@@ -15,6 +15,9 @@ struct Place {
 /// By rank. Collective.
 std::vector<Place> places_of_ranks(Collectives& collectives);
 
+/// How many machines the ranks run on.
+int hosts_of(const std::vector<Place>& places);
+
 /// Cores of all machines that the ranks share; a machine counts at most one a rank.
 int shared_cores(const std::vector<Place>& places);
 

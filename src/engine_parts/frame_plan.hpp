@@ -14,6 +14,8 @@ FramePlan plan_of(const FrameGeometry& geometry, SliceDealing dealing, int rende
 class RegionDealer {
  public:
   explicit RegionDealer(const EngineSetup& setup) : setup_(setup) {}
+  /// From now on for these ranks and costs; the sketch is the same.
+  void use(const EngineSetup& setup) { setup_ = setup; }
   /// Of a frame's geometry, before its plan is made.
   void deal(const FrameSpec& spec, FrameGeometry& geometry);
 

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <utility>
 
+#include "net/mesh.hpp"
+#include "sheet_engine/sheet_engine.hpp"
+#include "simulate/work_costs.hpp"
+
 namespace ringsplat::app {
 namespace {
 
@@ -24,7 +28,44 @@ void make_room(Drawer& d, int slices) {
   d.kept = 0;
 }
 
+int hops(const Layout& mesh, NodeId from, NodeId to) {
+  Route route(mesh, from, to);
+  int count = 0;
+  while (route.next()) ++count;
+  return count;
+}
+
 }  // namespace
+
+MeanHops mean_hops(const Layout& layout) {
+  if (!layout.routed()) return {};
+  MeanHops mean{0, 0, 0};
+  for (int g = 0; g < layout.gps; ++g) {
+    const NodeId gp{Role::gp, g};
+    mean.token += hops(layout, gp, {Role::gp, (g + 1) % layout.gps}) / double(layout.gps);
+    for (int r = 0; r < layout.renderers; ++r) {
+      const NodeId renderer{Role::renderer, r};
+      const double pairs = double(layout.gps) * layout.renderers;
+      mean.payload += hops(layout, gp, renderer) / pairs;
+      mean.accept += hops(layout, renderer, gp) / pairs;
+    }
+  }
+  return mean;
+}
+
+TokenCosts token_costs(const Machine& m, const Layout& layout) {
+  constexpr double bytes = 64, bytes_of_pixel = 16;
+  const double send = sending_seconds(m, bytes);
+  return {.message = payload_message_seconds(m),
+          .table = m.sheets.table,
+          .hop = send + m.platform.latency + bytes / m.platform.bandwidth + m.message.receive,
+          .wake = m.message.wake,
+          .software = 2 * (send + m.message.receive) + m.gp.token,
+          .longest_piece = m.poll_interval,
+          .painting_piece = painting_piece(m),
+          .pixel = m.renderer.pixel + bytes_of_pixel / m.platform.bandwidth,
+          .hops = mean_hops(layout)};
+}
 
 TokenTimes::TokenTimes(const Machine& machine, const Layout& layout, int slots, const Shares& shares,
                        const TokenCosts& costs)
@@ -36,6 +77,7 @@ TokenTimes::TokenTimes(const Machine& machine, const Layout& layout, int slots, 
   gp_free_.assign(std::size_t(layout.gps), start + machine.gp.frame);
   gp_busy_.assign(gp_free_.size(), machine.gp.frame);
   encoding_.assign(gp_free_.size(), 0);
+  awake_.assign(std::size_t(layout.working_ranks()), -costs.wake);
 }
 
 void TokenTimes::pass(std::size_t gp, const std::vector<std::size_t>& layers, double encoding) {
@@ -51,7 +93,38 @@ void TokenTimes::pass(std::size_t gp, const std::vector<std::size_t>& layers, do
   gp_free_[gp] = std::max(passed, software);
 }
 
+void TokenTimes::deliver() {
+  for (std::size_t r = 0; r < drawers_.size(); ++r) {
+    Drawer& d = drawers_[r];
+    const double delivering = shares_.pixels[r] * costs_.pixel;
+    d.drawn += std::exchange(d.owed, 0) + delivering;
+    d.busy += delivering;
+  }
+}
+
+double TokenTimes::end() const {
+  double end = 0;
+  for (const Drawer& d : drawers_) end = std::max({end, d.drawn + costs_.hop, d.token});
+  return end;
+}
+
 double TokenTimes::busiest_gp() const { return *std::max_element(gp_busy_.begin(), gp_busy_.end()); }
+
+double TokenTimes::busiest_renderer() const {
+  double most = 0;
+  for (const Drawer& d : drawers_) most = std::max(most, d.busy);
+  return most;
+}
+
+std::vector<double> TokenTimes::busy_ranks(const Layout& layout) const {
+  std::vector<double> busy(std::size_t(layout.ranks()), 0.0);
+  const auto at = [&](Role role, std::size_t k) -> double& {
+    return busy[std::size_t(layout.rank_of({role, int(k)}))];
+  };
+  for (std::size_t g = 0; g < gp_busy_.size(); ++g) at(Role::gp, g) += gp_busy_[g];
+  for (std::size_t r = 0; r < drawers_.size(); ++r) at(Role::renderer, r) += drawers_[r].busy;
+  return busy;
+}
 
 /// When the bundle is ready. A Renderer on the same rank first draws the payload that it has begun.
 double TokenTimes::encode(std::size_t gp, double seconds) {
@@ -80,39 +153,54 @@ TokenTimes::Work TokenTimes::work_of(std::size_t renderer, const std::vector<std
   return work;
 }
 
-/// When the token that is with a prepared bundle leaves it.
+/// When the token that is with a prepared bundle leaves it. What stays on a rank waits for its work only.
 double TokenTimes::pass_on(std::size_t gp, std::size_t renderer, double here,
                            const std::vector<std::size_t>& layers) {
   Drawer& d = drawers_[renderer];
   const Work work = work_of(renderer, layers);
-  // A GP with a rank of its own computes nothing while tokens come to its slice.
+  const bool stays = colocated_ && gp == renderer, only_gp = gp_free_.size() == 1;
   double leaves = here;
-  if (colocated_) leaves += wait_for_renderer(gp, here);
+  if (colocated_ || here <= d.token) leaves += wait_at_gp(gp, here, only_gp);
   if (work.slices > 0) {
-    double arrives = leaves + costs_.hops.payload * costs_.hop;
-    arrives += std::max(wait_for_renderer(renderer, arrives), wait_for_gp(renderer, arrives));
+    double arrives = leaves + (stays ? 0 : costs_.hops.payload * costs_.hop);
+    arrives += std::max(wait_for_renderer(renderer, arrives, stays), wait_for_gp(renderer, arrives));
     paint(d, arrives);
     const double seconds = work.now + costs_.message + (d.payloads == 0 ? costs_.table : 0);
     // The payload is accepted once one of as many before it as there are slots is drawn.
     double& slot = d.ends[d.payloads++ % d.ends.size()];
-    leaves = std::max(arrives, slot) + costs_.hops.accept * costs_.hop;
-    if (colocated_) leaves += wait_for_renderer(gp, leaves);
+    leaves = std::max(arrives, slot) + (stays ? 0 : costs_.hops.accept * costs_.hop);
+    leaves += wait_at_gp(gp, leaves, stays);
     d.drawn = slot = std::max(arrives, d.drawn) + seconds;
     d.last = seconds;
     d.busy += seconds + work.later;
     d.owed += work.later;
     make_room(d, work.slices);
   }
-  d.token = leaves + costs_.hops.token * costs_.hop;
+  d.token = leaves + (only_gp ? 0 : costs_.hops.token * costs_.hop);
   return leaves;
 }
 
-/// How long a message waits that comes to the Renderer's rank.
-double TokenTimes::wait_for_renderer(std::size_t renderer, double now) const {
-  if (renderer >= drawers_.size()) return 0;
-  const Drawer& d = drawers_[renderer];
-  if (d.drawn > now) return 0.5 * std::min(d.last, costs_.longest_piece);
-  return d.owed > 0 ? 0.5 * costs_.painting_piece : 0;
+/// How long a token or an accept waits. A GP with a rank of its own computes nothing while they come.
+double TokenTimes::wait_at_gp(std::size_t gp, double now, bool awake) {
+  if (colocated_) return wait_for_renderer(gp, now, awake);
+  return awake ? 0 : wake(gp, now);
+}
+
+/// How long a message waits that comes to the Renderer's rank; `awake`: from that rank.
+double TokenTimes::wait_for_renderer(std::size_t renderer, double now, bool awake) {
+  if (renderer < drawers_.size()) {
+    const Drawer& d = drawers_[renderer];
+    if (d.drawn > now) return 0.5 * std::min(d.last, costs_.longest_piece);
+    if (d.drawn + d.owed > now) return 0.5 * costs_.painting_piece;
+  }
+  return awake ? 0 : wake(renderer + (colocated_ ? 0 : gp_free_.size()), now);
+}
+
+/// How long a message waits that comes to a rank without work, which others may have woken already.
+double TokenTimes::wake(std::size_t rank, double now) {
+  double& awake = awake_[rank];
+  if (now > awake || now < awake - costs_.wake) awake = now + costs_.wake;
+  return awake - now;
 }
 
 /// The same for a GP that encodes its next bundle beside a Renderer.

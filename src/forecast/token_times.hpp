@@ -2,7 +2,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "forecast/role_choice.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "simulate/machine.hpp"
 
@@ -17,16 +16,27 @@ struct Shares {
   std::vector<double> pixels;  ///< that it delivers
 };
 
+/// Mean hops of messages between neighbours in the order of slices, and between a GP and a Renderer, there
+/// and back.
+struct MeanHops {
+  double token = 1, payload = 1, accept = 1;
+};
+MeanHops mean_hops(const Layout& layout);
+
 /// What every slice costs, in seconds.
 struct TokenCosts {
   double slice = 0, message = 0;  ///< a Renderer, for a slice of a payload, and once for the payload
   double table = 0;               ///< a Renderer, with its first payload
   double hop = 0;                 ///< from sending a message without a payload to having it
+  double wake = 0;                ///< until a rank that waited goes on
   double software = 0;            ///< a GP's for a token, its payload and accept
   double longest_piece = 0;       ///< computed before messages are taken
   double painting_piece = 0;      ///< the same, of work between payloads
+  double pixel = 0;               ///< to deliver one
   MeanHops hops = {};             ///< of one hop each where messages are not handed on
 };
+/// What a machine's description says of them; a payload's slices are left out.
+TokenCosts token_costs(const Machine& machine, const Layout& layout);
 
 /// How one Renderer goes through the frame; times are seconds since its announcement.
 struct Drawer {
@@ -49,9 +59,13 @@ class TokenTimes {
              const TokenCosts& costs);
   /// All tokens pass a bundle, whose GP needs so many seconds to encode it. `layers`: those of its slices.
   void pass(std::size_t gp, const std::vector<std::size_t>& layers, double encoding);
+  /// After all slices: Renderers paint what is left and deliver their pixels.
+  void deliver();
 
-  const std::vector<Drawer>& drawers() const { return drawers_; }
+  double end() const;  ///< of the frame
   double busiest_gp() const;
+  double busiest_renderer() const;
+  std::vector<double> busy_ranks(const Layout& layout) const;
 
  private:
   struct Work {
@@ -61,7 +75,9 @@ class TokenTimes {
   double encode(std::size_t gp, double seconds);
   Work work_of(std::size_t renderer, const std::vector<std::size_t>& layers) const;
   double pass_on(std::size_t gp, std::size_t renderer, double here, const std::vector<std::size_t>& layers);
-  double wait_for_renderer(std::size_t renderer, double now) const;
+  double wait_at_gp(std::size_t gp, double now, bool awake);
+  double wait_for_renderer(std::size_t renderer, double now, bool awake);
+  double wake(std::size_t rank, double now);
   double wait_for_gp(std::size_t gp, double now) const;
 
   const Shares& shares_;
@@ -69,6 +85,7 @@ class TokenTimes {
   bool colocated_;
   std::vector<Drawer> drawers_;
   std::vector<double> gp_free_, gp_busy_, encoding_;  ///< by GP; the last bundle's encoding
+  std::vector<double> awake_;                         ///< by rank: when it goes on that was woken last
 };
 
 }  // namespace ringsplat::app

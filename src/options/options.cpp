@@ -60,7 +60,7 @@ constexpr OptionRow<Volume> raw_rows[] = {
 using Run = RunOptions;
 constexpr OptionRow<Run> layout_rows[] = {
     {"--gps", "G|auto", nullptr,
-     "Ranks that hold slices and send what is visible; auto: as many as a measured frame needs",
+     "Ranks that hold slices and send what is visible; auto: as many as a frame is foreseen to need",
      [](Run& o) { return count_or_auto(o.gps, o.choose_roles); }},
     {"--renderers", "R|auto", nullptr, "Ranks that draw; what is left out follows from the launcher's count",
      [](Run& o) { return count_or_auto(o.renderers, o.choose_roles); }},
@@ -168,7 +168,7 @@ constexpr OptionRow<Info> info_output_rows[] = {
 };
 
 constexpr OptionRow<Info> prediction_rows[] = {
-    {"--ranks", "N", nullptr, "Measure a frame here and predict its time for all ways to give N ranks roles",
+    {"--ranks", "N", nullptr, "Predict a frame's time for all ways to give N ranks roles",
      [](Info& o) {
        return value(o.ranks, {1, 4096});
      }},
@@ -177,7 +177,7 @@ constexpr OptionRow<Info> prediction_rows[] = {
        return value(o.cores, {1, 1 << 24});
      }},
     {"--machine", "FILE", nullptr,
-     "Predict for a described machine (docs/simulation.md) instead of measuring here",
+     "Predict for a described machine (docs/simulation.md) instead of this one",
      [](Info& o) { return value(o.machine); }},
 };
 

@@ -47,7 +47,7 @@ inline std::unique_ptr<VolumeSource> open_volume(const VolumeOptions& volume) {
 struct RunOptions {
   TransportChoice transport = TransportChoice::automatic;
   std::optional<int> gps, renderers;  ///< an omitted number follows from the number of ranks
-  bool choose_roles = false;          ///< one of them is "auto": chosen by the measured cost of a frame
+  bool choose_roles = false;   ///< one of them is "auto": chosen by the time that a frame is foreseen to take
   std::optional<int> bundle;   ///< without it 1, or what is chosen with the roles of a described machine
   bool choose_bundle = false;  ///< it is "auto"
   std::optional<Placement> placement;
@@ -111,7 +111,7 @@ struct InfoOptions {
   bool json = false, presets = false;
   int ranks = 0;          ///< ranks to predict frame times for; 0: no prediction
   int cores = 0;          ///< cores that the ranks share; 0: this machine's
-  std::string machine;    ///< a file: predict for it; empty: measure here
+  std::string machine;    ///< a file: predict for it; empty: for this machine
   RenderOptions picture;  ///< the picture to predict for
 };
 

@@ -6,14 +6,13 @@
 
 #include "base/lack_of_memory.hpp"
 #include "base/text.hpp"
-#include "forecast/machine_forecast.hpp"
-#include "forecast/role_choice.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "net/launcher.hpp"
 #include "net/same_facts.hpp"
 #include "options/option_values.hpp"
 #include "program/build_id.hpp"
+#include "program/layouts.hpp"
 
 namespace ringsplat::app {
 
@@ -168,9 +167,8 @@ std::vector<Layout> layouts_to_choose_from(const RunOptions& o, bool over_mpi, i
   if (o.topology == Topology::mesh)
     throw InputError("--renderers auto has no effect in a mesh, whose shape says which ranks draw",
                      "leave it out; ringsplat info VOLUME --ranks N predicts meshes too");
-  auto layouts = o.simulation.machine ? rings_on_machine(ranks)
-                                      : possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores);
-  layouts = in_bundles(std::move(layouts), o.bundle.value_or(1));
+  auto layouts =
+      in_bundles(possible_layouts(ranks, false, o.gps || o.renderers ? 0 : cores), o.bundle.value_or(1));
   std::erase_if(layouts, [&](const Layout& l) {
     return l.gps != o.gps.value_or(l.gps) || l.renderers != o.renderers.value_or(l.renderers) ||
            l.placement != o.placement.value_or(l.placement);

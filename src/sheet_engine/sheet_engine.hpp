@@ -11,6 +11,9 @@ namespace ringsplat {
 
 class SliceBlocks;
 
+/// Slices that a Renderer keeps at most before it has painted them.
+inline constexpr int most_slices_kept = 36;
+
 /// A GP's encoder for one frame. `store` and `blocks` must outlive it; `blocks` is kept from frame to frame,
 /// one for each level of the store. EngineSetup explains `skip_empty`. Throws RunError when the slices that
 /// the frame traverses were not loaded.

@@ -28,7 +28,7 @@ namespace {
 /// Slices that are kept before what lies between them is painted: many, so that a group of pixels goes
 /// through many slabs at once, but no more than this memory.
 constexpr std::size_t most_plane_bytes = std::size_t{64} << 20;
-constexpr int most_slots = 36, least_slots = 8;
+constexpr int least_slots = 8;
 /// While a Renderer waits for slices it paints so many slabs or more, a group of pixels at a time, so that
 /// other nodes of its rank need not wait.
 constexpr std::size_t least_at_once = 12;
@@ -176,8 +176,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     if (cut_) code_.least = low_, code_.most = high_;
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
-        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slots));
-    planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slots), code_,
+        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slices_kept));
+    planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slices_kept), code_,
                         make_fillers(transparent_, geometry().grid.type, low_, high_));
     paint_ = {};
     paint_.rays = rays_;

@@ -8,6 +8,7 @@
 #include "frame/frame_spec_bytes.hpp"
 #include "net/message.hpp"
 #include "protocol/engine_decorator.hpp"
+#include "sheet_engine/sheet_engine.hpp"
 #include "simulate/charge.hpp"
 
 namespace ringsplat {
@@ -99,7 +100,7 @@ class ChargedPainter final : public PainterDecorator {
     // The frame's first payload says what the tables are made for.
     if (before_.blocks == 0) debt_.owe(machine_.sheets.table);
     debt_.owe(placing_seconds(machine_, blocks, items, slices_));
-    samples_debt_.owe(samples * machine_.sheets.sample);
+    samples_debt_.owe(painting_seconds(machine_, samples));
     slices_kept_ += slices_;
   }
 

@@ -37,11 +37,15 @@ class ChargedTransport final : public TransportDecorator {
     inner_.wait_next();
     if (shared_ && now_seconds() > since) sleep_simulated(machine_.message.wake);
   }
+  void only_first_work(int ranks) override {
+    shared_ = shares_cores(machine_, ranks);
+    inner_.only_first_work(ranks);
+  }
 
  private:
   Machine machine_;
   bool count_only_;
-  bool shared_;  ///< there are more ranks than cores
+  bool shared_;  ///< more ranks work than there are cores
 };
 
 }  // namespace ringsplat

@@ -215,9 +215,11 @@ double placing_seconds(const Machine& m, double blocks, double placed, double sl
   return slices * m.sheets.slice + blocks * m.sheets.look + placed * m.sheets.place;
 }
 
+double painting_seconds(const Machine& m, double samples) { return samples * m.sheets.sample; }
+
 double painting_piece(const Machine& m) {
   constexpr double group = 16 * 16, slabs = 12;
-  const double seconds = group * slabs * m.sheets.sample;
+  const double seconds = painting_seconds(m, group * slabs);
   return seconds > 0 ? std::min(seconds, m.poll_interval) : m.poll_interval;
 }
 

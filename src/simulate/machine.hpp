@@ -50,6 +50,8 @@ struct Machine {
   } message;
   /// A node that computes looks for messages this often.
   double poll_interval = 0;
+  /// Factor on a frame whose ranks share cores. Simulated ranks share them evenly, systems do not.
+  double sharing = 1;
 
   struct {
     PlatformKind kind = PlatformKind::backbone;
@@ -77,11 +79,11 @@ double drawing_seconds(const Machine& machine, double splats, double passes, dou
 double selecting_seconds(const Machine& machine, double blocks, double sent, double slices = 1);
 /// Seconds a Renderer spends on a payload of such slices, before it paints.
 double placing_seconds(const Machine& machine, double blocks, double placed, double slices = 1);
+/// Seconds it paints pixels of what lies between two slices.
+double painting_seconds(const Machine& machine, double samples);
 /// Seconds that a Renderer of sheets paints before it takes messages: a group of pixels through a dozen
 /// slabs.
 double painting_piece(const Machine& machine);
-/// Slices that a Renderer of sheets keeps unpainted (sheet_engine/sheet_painter.cpp).
-inline constexpr int most_slices_kept = 36;
 /// Whether so many ranks are more than the machine has cores.
 bool shares_cores(const Machine& machine, int ranks);
 /// Seconds of software a sender spends on a message of so many bytes, header included.

@@ -14,20 +14,22 @@ double payload_message_seconds(const Machine& m) {
 }
 
 WorkCosts splat_costs(const Machine& m, double voxel_weight, int bundle) {
-  return {voxel_weight * m.renderer.splat, m.renderer.composite,
-          m.renderer.slice + payload_message_seconds(m) / bundle, voxel_weight * m.gp.visible_voxel,
-          voxel_weight * m.gp.transparent_voxel};
+  return {.voxel = voxel_weight * drawing_seconds(m, 1, 0, 0, 0),
+          .pixel = drawing_seconds(m, 0, 0, 1, 0),
+          .payload = drawing_seconds(m, 0, 0, 0) + payload_message_seconds(m) / bundle,
+          .visible = voxel_weight * encoding_seconds(m, 1, 1, 0),
+          .hollow = voxel_weight * encoding_seconds(m, 1, 0, 0)};
 }
 
 WorkCosts sheet_costs(const Machine& m, double voxel_weight, int bundle) {
   constexpr double side = CellRanges::side;
   const double voxel = voxel_weight / (side * side);
-  return {voxel * m.sheets.place,
-          m.sheets.sample,
-          m.sheets.slice + payload_message_seconds(m) / bundle,
-          voxel * (m.sheets.copy + m.sheets.look),
-          voxel * m.sheets.look,
-          side / std::sqrt(voxel_weight)};
+  return {.voxel = voxel * placing_seconds(m, 0, 1, 0),
+          .pixel = painting_seconds(m, 1),
+          .payload = placing_seconds(m, 0, 0) + payload_message_seconds(m) / bundle,
+          .visible = voxel * selecting_seconds(m, 1, 1, 0),
+          .hollow = voxel * selecting_seconds(m, 1, 0, 0),
+          .block = side / std::sqrt(voxel_weight)};
 }
 
 glm::dvec2 narrowed(const glm::dvec2& half, double voxel_weight) {

@@ -1,10 +1,8 @@
-// Roles chosen by a frame's measured cost, through the program's options.
+// Roles chosen by a forecast, through the program's options.
 #include <cmath>
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
-#include "forecast/probe.hpp"
-#include "session/render_frames.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;
@@ -44,7 +42,7 @@ TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi][openi
     CHECK(same_bits);
     const json layout = json::parse(read_text(folder / "stats.json")).at(0).at("layout");
     CHECK(layout.at("ranks") == ranks);
-    CHECK(lines_with(ended.err, "info: measured ").size() == 1);
+    CHECK(lines_with(ended.err, "info: measuring ").size() <= 1);
     const auto lines = lines_with(ended.err, "info: chose ");
     REQUIRE(lines.size() == 1);
     const int gps = layout.at("gps").get<int>(), renderers = layout.at("renderers").get<int>();
@@ -59,26 +57,43 @@ TEST_CASE("chosen roles are said, and give the bits of any others", "[mpi][openi
   };
   for (const int ranks : {1, 2, 3, 5}) check_choice({"--gps", "auto"}, ranks);
   CHECK(check_choice({"--renderers", "auto", "--roles", "dedicated"}, 3).at("roles") == "dedicated");
-  CHECK(check_choice({"--gps", "auto", "--renderers", "2"}, 5).at("gps") == 3);  // no rank is idle
+  const json given = check_choice({"--gps", "auto", "--renderers", "2"}, 5);
+  CHECK(given.at("renderers") == 2);
+  CHECK(given.at("idle") == 0);
 }
 
-TEST_CASE("sheets get a colocated ring without a measurement", "[mpi][openimageio]") {
+TEST_CASE("what this machine's cores do is measured once and kept", "[mpi][openimageio]") {
   const TemporaryFolder folder;
   const std::string volume = make_volume(folder);
-  const auto said = [&](const std::vector<std::string>& more) {
-    std::vector<std::string> all{"render", volume, "-o",       folder / "x.exr",
-                                 "--size", "64",   "--engine", "sheets"};
-    all.insert(all.end(), more.begin(), more.end());
-    const Ended ended = run_program(all, 2);
+  setenv("XDG_CACHE_HOME", (folder / "cache").c_str(), 1);
+  const fs::path kept = folder / "cache/ringsplat";
+  const auto chosen = [&](const std::string& method) {
+    const Ended ended = run_program({"render", volume, "-o", folder / "x.exr", "--size", "64", "--engine",
+                                     method, "--gps", "auto", "--renderers", "2"},
+                                    2);
     INFO(ended.err);
-    CHECK(lines_with(ended.err, "info: measured ").empty());
+    CHECK(ended.code == 0);
     const auto lines = lines_with(ended.err, "info: chose ");
     REQUIRE(lines.size() == 1);
-    return lines.front();
+    CHECK_THAT(lines.front(), Catch::Matchers::Contains("chose 2 colocated ranks"));
+    return ended.err;
   };
-  CHECK_THAT(said({"--gps", "auto", "--renderers", "2"}),
-             Catch::Matchers::Contains("chose 2 colocated ranks"));
-  CHECK_THAT(said({"--gps", "auto"}), Catch::Matchers::Contains("colocated rank"));
+  const auto measured = [](const std::string& err) { return lines_with(err, "info: measuring ").size(); };
+  CHECK(measured(chosen("splats")) == 1);
+  REQUIRE(files_in(kept) == 1);
+  CHECK(measured(chosen("sheets")) == 0);
+  CHECK(files_in(kept) == 1);
+  const fs::path file = fs::directory_iterator(kept)->path();
+  json wrong = json::parse(read_text(file));
+  wrong["measured"][2] = -1;
+  for (const std::string& damaged : {std::string("{"), wrong.dump()}) {
+    write_text(file, damaged);
+    const std::string err = chosen("sheets");
+    CHECK(measured(err) == 1);
+    CHECK(lines_with(err, "warning: the machine " + file.string()).size() == 1);
+    CHECK(measured(chosen("sheets")) == 0);
+  }
+  unsetenv("XDG_CACHE_HOME");
 }
 
 TEST_CASE("roles that cannot be chosen are refused", "[mpi][openimageio]") {
@@ -109,7 +124,8 @@ TEST_CASE("info predicts every layout for a number of ranks") {
   CHECK(prediction.at("cores") == 6);
   CHECK(prediction.at("visible_voxels").get<double>() > 0);
   const json& layouts = prediction.at("layouts");
-  REQUIRE(layouts.size() == 7);  // 5 + 1 … 1 + 5, colocated, and a mesh of 2x2 with two Renderers
+  // 5 + 1 … 1 + 5, six colocated of which six, three or one draw, and a mesh of 2x2 with two Renderers
+  REQUIRE(layouts.size() == 9);
   double before = 0;
   for (const json& layout : layouts) {
     CHECK(layout.at("seconds").get<double>() >= before);
@@ -187,33 +203,6 @@ latency = 0
       run_program({"info", volume, "--ranks", "2", "--quality", "paper", "--machine", folder / "none.toml"});
   CHECK(refused.code == 2);
   CHECK_THAT(refused.err, Catch::Matchers::Contains("none.toml"));
-}
-
-TEST_CASE("sections of a large volume stand for the whole") {
-  // 288³ is too large to be measured whole. All sections look alike, so the count is exact.
-  Grid grid;
-  grid.dims = glm::ivec3(288);
-  grid.type = ScalarType::uint8;
-  std::vector<std::byte> voxels(grid.bytes());
-  for (std::size_t at = 0; at < voxels.size(); at += 8) voxels[at] = std::byte{100};
-  const auto source = memory_source(grid, voxels);
-  FrameSpec frame;
-  frame.shown.width = frame.shown.height = 64;
-  frame.division.region_size = 32;
-  frame.shown.shading = Shading::none;
-  frame.shown.opaque_threshold = 0;
-  for (const double elevation : {0.0, 90.0}) {
-    const std::vector<Camera> views{{.azimuth = 10, .elevation = elevation, .zoom = 1}};
-    const auto axes = needed_axes(frame, views, grid);
-    const auto costs =
-        app::measure_frame_costs(*source, frame, app::TransferFunctionChoice("grey"), views, {axes, false});
-    CHECK(costs.slices == 288);
-    CHECK(costs.visible_voxels == Approx(288.0 * 288 * 36));
-    CHECK(costs.splats >= costs.visible_voxels);
-    CHECK(costs.region.size() == 4);
-    CHECK(costs.gp > 0);
-    for (const double seconds : costs.region) CHECK(seconds > 0);
-  }
 }
 
 TEST_CASE("a forecast knows what a host's link takes to carry", "[openimageio]") {

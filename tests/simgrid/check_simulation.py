@@ -30,6 +30,9 @@ class Run:
     def program(self, *arguments):
         subprocess.run([os.path.join(self.build, "ringsplat"), *arguments], check=True, stdout=subprocess.DEVNULL)
 
+    def output(self, *arguments):
+        return subprocess.run([os.path.join(self.build, "ringsplat"), *arguments], check=True, capture_output=True, text=True).stdout
+
     def attempt(self, layout, *arguments, machine=PP5, **monitors):
         """Simulates `layout` (TOML lines); returns what became of it. `monitors` is what simulate.sh takes from the environment."""
         config = self.write("job.toml", layout + f'\nmachine = "{machine}"\nquality = "paper"\n')
@@ -231,6 +234,29 @@ def roles(run):
         same(f"{chosen['seconds']} s are at most 1.15 times the best, {best} s", chosen["seconds"] <= 1.15 * best, True)
 
 
+def forecast(run):
+    """What is foreseen is what is simulated, where ranks share cores and where they do not, and what is chosen is hardly worse than the best."""
+    two = os.path.join(REPO, "mpi_configs/machines/two-core.toml")
+    with open(two, encoding="utf-8") as file:
+        eight = run.write("eight-core.toml", file.read().replace("cores = 2", "cores = 8"))
+    layouts = {"4 colocated ranks": 'gps = 4\nrenderers = 4\nroles = "colocated"', "1 GP + 3 Renderers": "gps = 1\nrenderers = 3",
+               "2 GPs + 2 Renderers": "gps = 2\nrenderers = 2"}
+    alone = ["--frames-in-flight", "1"]
+    for quality in ("paper", "best"):
+        picture = [HEAD, "--quality", quality]
+        for machine in (two, eight):
+            said = json.loads(run.output("info", *picture, "--ranks", "4", "--machine", machine, "--json"))["prediction"]
+            foreseen = {layout["layout"]: layout["seconds"] for layout in said["layouts"]}
+            taken = {name: run.simulate(layout, *picture, *alone, "--count-only", machine=machine)[0]["seconds"]
+                     for name, layout in layouts.items()}
+            for name, seconds in taken.items():
+                close(f"{quality}, {os.path.basename(machine)}, {name}", foreseen[name], seconds, 0.15)
+            chosen, = run.simulate('gps = "auto"\nbundle = 1', *picture, *alone, "--count-only", machine=machine, ranks="4")
+            print(f"chosen: {chosen['layout']}")
+            best = min(taken.values())
+            same(f"{chosen['seconds']} s are at most 1.15 times the best, {best} s", chosen["seconds"] <= 1.15 * best, True)
+
+
 def bundles(run):
     """Bundles of slices draw the same bits, count what they draw, and save latency where it is high; the program chooses them then."""
     machine = os.path.join(REPO, "mpi_configs/machines/ethernet-cluster.toml")
@@ -296,7 +322,7 @@ def bad_input(run):
 
 
 def main():
-    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, waiting, roles, bundles, bad_input)}
+    cases = {f.__name__: f for f in (image, seconds, determinism, in_step, count_only, sheets, waiting, roles, forecast, bundles, bad_input)}
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("case", choices=cases)
     parser.add_argument("--build", required=True)

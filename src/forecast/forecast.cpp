@@ -1,0 +1,238 @@
+#include "forecast/forecast.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "forecast/hosts.hpp"
+#include "forecast/sampled_volume.hpp"
+#include "forecast/token_times.hpp"
+#include "frame/region_choice.hpp"
+#include "program/layouts.hpp"
+#include "scene/load.hpp"
+#include "simulate/work_costs.hpp"
+
+namespace ringsplat::app {
+
+struct Forecast::View {
+  FrameSpec spec;
+  WorkCosts costs;
+  FrameGeometry geometry;
+  WorkEstimate whole;
+  std::vector<WorkEstimate> layers;
+
+  /// Of a geometry whose regions are dealt. Sheets' pixels are painted while no payload is there.
+  Shares shares(const FrameGeometry& g, int renderers) const {
+    const bool paints_later = std::holds_alternative<Sheets>(spec.how);
+    const std::vector none(layers.size(), std::vector<double>(std::size_t(renderers), 0.0));
+    Shares s{none, none, std::vector<bool>(std::size_t(renderers), false),
+             std::vector<double>(std::size_t(renderers), 0.0)};
+    const RegionOwners owners = g.owners(renderers);
+    for (int region = 0; region < g.regions.count(); ++region) {
+      const int owner = owners.of(region);
+      if (owner == RegionOwners::nobody) continue;
+      const auto k = std::size_t(owner);
+      const PixelRect rect = g.regions.rect(region);
+      const PartWork all = whole.of(rect);
+      s.has_tile[k] = true;
+      if (all.layers != 0) s.pixels[k] += double(rect.width()) * rect.height();
+      for (std::size_t layer = 0; layer < layers.size(); ++layer)
+        if ((all.layers >> layer & 1) != 0) {
+          const PartWork part = layers[layer].of(rect);
+          const double later = paints_later ? part.painted : 0;
+          s.of_layer[layer][k] += (part.seconds - later) / whole.slices_of_layer();
+          s.painted[layer][k] += later / whole.slices_of_layer();
+        }
+    }
+    return s;
+  }
+
+  /// Voxels that Renderers get; one that reaches several regions counts for each.
+  double voxels_drawn(const FrameGeometry& g) const {
+    double seconds = 0;
+    for (int region = 0; region < g.regions.count(); ++region) {
+      const PartWork part = whole.of(g.regions.rect(region));
+      seconds += part.seconds - part.painted;
+    }
+    return costs.voxel > 0 ? seconds / costs.voxel : 0;
+  }
+};
+
+Forecast::~Forecast() = default;
+
+Forecast::Forecast(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
+                   const std::vector<Camera>& views, const Machine& machine, double voxel_weight, int ranks,
+                   const ProtocolOptions& protocol)
+    : machine_(machine),
+      protocol_(protocol),
+      voxel_weight_(voxel_weight),
+      sheets_(std::holds_alternative<Sheets>(frame.how)),
+      setup_{.grid = source.grid(), .slices = nullptr},
+      dealer_(setup_) {
+  frame.shown.transfer_function = function_for(source, choice);
+  check(frame);
+  const WorkCosts usual = sheets_ ? sheet_costs(machine, voxel_weight) : splat_costs(machine, voxel_weight);
+  // A splat of a run, and what its run's head adds.
+  constexpr double bytes_of_splat = 11;
+  bytes_of_voxel_ = voxel_weight * (sheets_ ? double(size_of(setup_.grid.type)) : bytes_of_splat);
+  setup_.sketch = std::make_shared<const VolumeSketch>(sketch_of(source));
+  const VolumeSketch& sketch = *setup_.sketch;
+  ShownPoints points;
+  for (const Camera& camera : views) {
+    frame.shown.camera = camera;
+    frame.division.dealt_to = ranks;
+    FrameGeometry g = make_geometry(frame, setup_.grid);
+    if (!sheets_) g.reach = narrowed(g.reach, voxel_weight);
+    const WorkCosts costs = costs_in(g, usual);
+    const auto shown = points.of(sketch, frame.shown.transfer_function, shown_blocks(g, costs));
+    const int factor = frame.shown.reduction.factor;
+    WorkEstimate whole(g, sketch, shown, costs, factor);
+    std::vector<WorkEstimate> layers;
+    for (int layer = 0; layer < whole.layers(); ++layer)
+      layers.emplace_back(g, sketch, shown, costs, factor, layer);
+    views_.push_back(
+        std::make_unique<View>(View{frame, costs, std::move(g), std::move(whole), std::move(layers)}));
+  }
+}
+
+FrameWork Forecast::work() {
+  const Layout alone{.gps = 1, .renderers = 1};
+  FrameWork work{.items_name = sheets_ ? "blocks" : "splats", .frame = machine_.gp.frame};
+  const double share = 1.0 / double(views_.size());
+  for (const auto& view : views_) {
+    const FrameGeometry g = dealt(*view, alone);
+    work.visible_voxels += share * view->whole.visible_voxels();
+    const double of_item = sheets_ ? view->costs.block * view->costs.block : 1 / voxel_weight_;
+    work.items += share * view->voxels_drawn(g) / of_item;
+    for (int step = 0; step < g.slices; ++step)
+      work.gp += share * (machine_.gp.slice + view->whole.slice_seconds(step));
+    work.renderer += share * predict(*view, alone).renderer;
+  }
+  return work;
+}
+
+Prediction Forecast::predict(const Layout& layout) {
+  Prediction p;
+  p.layout = layout;
+  const double share = 1.0 / double(views_.size());
+  for (const auto& view : views_) {
+    const Prediction one = predict(*view, layout);
+    p.seconds += share * one.seconds;
+    p.gp += share * one.gp;
+    p.renderer += share * one.renderer;
+    p.shared += share * one.shared;
+    p.tokens += share * one.tokens;
+  }
+  const bool colocated = layout.placement == Placement::colocated;
+  const double longest = colocated ? p.gp + p.renderer : std::max(p.gp, p.renderer);
+  p.limit = p.shared > longest ? Limit::cores : p.gp >= p.renderer ? Limit::gps : Limit::renderers;
+  return p;
+}
+
+FrameGeometry Forecast::dealt(const View& view, const Layout& layout) {
+  FrameSpec spec = view.spec;
+  spec.division.dealt_to = layout.renderers;
+  FrameGeometry g = view.geometry;
+  lay_regions(g, spec.division, sheets_ ? RegionForm::flat : RegionForm::square);
+  setup_.gps = layout.gps;
+  setup_.renderers = layout.renderers;
+  setup_.bundle = layout.bundle;
+  setup_.colocated = layout.placement == Placement::colocated;
+  setup_.splat_costs = splat_costs(machine_, voxel_weight_, layout.bundle);
+  setup_.sheet_costs = sheet_costs(machine_, voxel_weight_, layout.bundle);
+  dealer_.use(setup_);
+  dealer_.deal(spec, g);
+  return g;
+}
+
+Prediction Forecast::predict(const View& view, const Layout& layout) {
+  const FrameGeometry g = dealt(view, layout);
+  const Shares shares = view.shares(g, layout.renderers);
+  const Hosts hosts(machine_, layout);
+  TokenCosts costs = token_costs(machine_, layout);
+  costs.slice = view.costs.payload - costs.message;
+  if (!sheets_) costs.table = 0;
+  const bool share = hosts.share_cores();
+  if (!share) costs.wake = 0;
+  TokenTimes tokens(machine_, layout, protocol_.slots, shares, costs);
+  const SliceDealing dealing = dealing_of(layout);
+  int bundles = 0;
+  std::vector<std::size_t> layers;
+  for (int step = 0; step < g.slices; ++bundles) {
+    const int first = view.whole.slice_of(step);
+    double encoding = 0;
+    layers.clear();
+    for (; step < g.slices && dealing.bundle_of(view.whole.slice_of(step)) == dealing.bundle_of(first);
+         ++step) {
+      layers.push_back(std::size_t(view.whole.layer_of(step)));
+      encoding += machine_.gp.slice + view.whole.slice_seconds(step);
+    }
+    tokens.pass(std::size_t(dealing.owner_of(first)), layers, encoding);
+  }
+  tokens.deliver();
+  const double bytes = view.whole.visible_voxels() * bytes_of_voxel_;
+  Prediction p;
+  p.gp = tokens.busiest_gp();
+  p.renderer = tokens.busiest_renderer();
+  p.tokens = 3 * costs.hop * bundles;
+  p.shared = hosts.shared_seconds(tokens.busy_ranks(layout));
+  p.seconds = std::max({tokens.end(), p.shared, hosts.link_seconds(bytes)}) * (share ? machine_.sharing : 1);
+  return p;
+}
+
+namespace {
+
+bool faster(const Prediction& a, const Prediction& b) {
+  const auto order = [](const Prediction& p) {
+    return std::tuple(p.seconds, p.layout.renderers, p.layout.gps, p.layout.placement, p.layout.topology);
+  };
+  return order(a) < order(b);
+}
+
+}  // namespace
+
+std::vector<Prediction> Forecast::predict_all(const std::vector<Layout>& layouts) {
+  constexpr std::size_t looked_at_first = 24;
+  const std::size_t stride = std::max<std::size_t>(1, layouts.size() / looked_at_first);
+  std::vector<Prediction> all;
+  std::vector<bool> done(layouts.size(), false);
+  std::size_t best = 0;
+  double least = INFINITY;
+  const auto try_it = [&](std::size_t k) {
+    if (done[k]) return;
+    done[k] = true;
+    all.push_back(predict(layouts[k]));
+    if (all.back().seconds < least) least = all.back().seconds, best = k;
+  };
+  for (std::size_t k = 0; k < layouts.size(); ++k)
+    if (k % stride == 0 || layouts[k].placement == Placement::colocated ||
+        layouts[k].topology == Topology::mesh)
+      try_it(k);
+  for (std::size_t step = stride / 2; step > 0; step /= 2)
+    for (const std::size_t k : {best - std::min(best, step), std::min(best + step, layouts.size() - 1)})
+      try_it(k);
+  std::stable_sort(all.begin(), all.end(), faster);
+  return all;
+}
+
+std::vector<Prediction> Forecast::predict_bundles(const std::vector<Layout>& layouts) {
+  constexpr int most = 64;
+  constexpr double too_slow = 1.02, as_fast = 1.01;
+  std::vector<std::vector<Prediction>> tried;
+  double least = INFINITY;
+  for (int bundle = 1; bundle <= most; bundle *= 2) {
+    tried.push_back(predict_all(in_bundles(layouts, bundle)));
+    const double seconds = tried.back().front().seconds;
+    least = std::min(least, seconds);
+    if (seconds > too_slow * least) break;
+  }
+  return *std::find_if(tried.begin(), tried.end(),
+                       [&](const auto& all) { return all.front().seconds <= as_fast * least; });
+}
+
+int ranks_with_own_cores(const Machine& machine, int ranks) {
+  return machine.platform.hosts == 1 && shares_cores(machine, ranks) ? machine.platform.cores : 0;
+}
+
+}  // namespace ringsplat::app

@@ -1,0 +1,58 @@
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "engine_parts/frame_plan.hpp"
+#include "forecast/prediction.hpp"
+#include "frame/work_estimate.hpp"
+#include "options/transfer_function_option.hpp"
+#include "protocol/protocol_options.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/volume/source.hpp"
+#include "simulate/machine.hpp"
+
+namespace ringsplat::app {
+
+/// Foresees frames on a machine, of either method, from a sketch of the volume: it deals regions as the
+/// program does, then follows every Renderer's token from slice to slice with what encoding, messages and
+/// drawing cost, by layers of the sketch. A frame takes no less than its work takes a host's cores. Of links
+/// it counts the bytes (ranks fill hosts in order); it ignores collisions.
+class Forecast {
+ public:
+  /// `views`: the run's, or some of them. `voxel_weight`: as SimulationOptions'. `ranks`: about as many
+  /// Renderers get regions. Throws InputError when voxels cannot be read or no view can be drawn.
+  Forecast(VolumeSource& source, FrameSpec frame, const TransferFunctionChoice& choice,
+           const std::vector<Camera>& views, const Machine& machine, double voxel_weight, int ranks,
+           const ProtocolOptions& protocol);
+  ~Forecast();
+
+  FrameWork work();
+  Prediction predict(const Layout& layout);
+  /// The fastest first. Of many it first looks at some, then at those next to the fastest; at all meshes.
+  std::vector<Prediction> predict_all(const std::vector<Layout>& layouts);
+  /// The same with bundles of 1, 2, 4 … slices: of the fewest with which the fastest is within 1 % of the
+  /// best.
+  std::vector<Prediction> predict_bundles(const std::vector<Layout>& layouts);
+
+ private:
+  struct View;
+  Prediction predict(const View& view, const Layout& layout);
+  FrameGeometry dealt(const View& view, const Layout& layout);
+  /// Of the busiest link, which at best is busy all the time.
+  double link_seconds(const View& view, const Layout& layout) const;
+
+  Machine machine_;
+  ProtocolOptions protocol_;
+  double voxel_weight_;
+  bool sheets_;
+  double bytes_of_voxel_ = 0;  ///< of a visible one's payload
+  EngineSetup setup_;
+  RegionDealer dealer_;
+  std::vector<std::unique_ptr<View>> views_;
+};
+
+/// How many ranks have a core of their own where there are too few; 0 where each has one, or where the last
+/// ranks may be all of a host's.
+int ranks_with_own_cores(const Machine& machine, int ranks);
+
+}  // namespace ringsplat::app

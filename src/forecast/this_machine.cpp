@@ -1,0 +1,199 @@
+#include "forecast/this_machine.hpp"
+
+#include <fmt/format.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "base/clock.hpp"
+#include "base/log.hpp"
+#include "forecast/forecast.hpp"
+#include "forecast/sampled_volume.hpp"
+#include "options/method_options.hpp"
+#include "program/kept_measurements.hpp"
+#include "session/render_frames.hpp"
+#include "volume/synth.hpp"
+
+namespace ringsplat::app {
+namespace {
+
+using nlohmann::json;
+
+/// Seconds, or how often the usual ones.
+struct Spent {
+  double gp = 0, renderer = 0;
+};
+
+double thread_seconds() {
+  timespec t{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return double(t.tv_sec) + 1e-9 * double(t.tv_nsec);
+}
+
+Grid small_grid() {
+  Grid grid;
+  grid.dims = glm::ivec3(96);
+  grid.type = ScalarType::uint8;
+  return grid;
+}
+
+const TransferFunctionChoice& ramp() {
+  static const TransferFunctionChoice choice("grey");
+  return choice;
+}
+
+FrameSpec small_frame(const Method& how) {
+  FrameSpec frame;
+  frame.how = how;
+  frame.shown.camera = {.azimuth = 30, .elevation = 20};
+  frame.shown.width = frame.shown.height = 256;
+  frame.shown.opaque_threshold = 0;
+  return frame;
+}
+
+/// Of a few frames in this process that in which this thread had its core most; in processor seconds, so that
+/// other users of the machine change little.
+Spent measured(FrameSpec frame) {
+  constexpr int repetitions = 6;
+  const Grid grid = small_grid();
+  OpenedVolume volume{grid, true, synth_source("ball", grid)};
+  frame.shown.transfer_function = function_for(*volume.source, ramp());
+  SoloCollectives solo;
+  const Wiring wiring{solo};
+  const Layout layout{.gps = 1, .renderers = 1};
+  Scene scene = load_scene(volume, needed_to_render(frame, grid), layout, wiring);
+  Spent calmest;
+  int announced = 0;
+  double cpu = 0, wall = 0, most = 0;
+  const Director director{
+      [&]() -> std::optional<FrameSpec> {
+        if (announced++ == repetitions) return std::nullopt;
+        cpu = thread_seconds();
+        wall = now_seconds();
+        return frame;
+      },
+      [&](FrameResult&& result) {
+        const double share = std::min(1.0, (thread_seconds() - cpu) / std::max(1e-9, now_seconds() - wall));
+        if (share <= most) return;
+        most = share;
+        const NodeStats sum = result.stats.total();
+        calmest = {share * sum.computing, share * (sum.drawing + sum.compositing + sum.delivering)};
+      }};
+  ProtocolOptions protocol;
+  protocol.frames_in_flight = 1;
+  render_frames(std::move(scene), layout, protocol, director, wiring);
+  return calmest;
+}
+
+/// The costs by which real ranks deal regions, and usual ones of what these leave out.
+Machine usual_machine() {
+  constexpr double voxels_of_block = usual_sheet_costs.block * usual_sheet_costs.block;
+  const WorkCosts &splats = usual_splat_costs, &sheets = usual_sheet_costs;
+  Machine m;
+  m.name = "this machine";
+  m.gp = {.visible_voxel = splats.visible, .transparent_voxel = splats.hollow, .frame = 0.1e-3};
+  m.renderer = {.splat = splats.voxel, .slice = splats.payload, .composite = splats.pixel, .pixel = 3e-9};
+  m.sheets = {.look = voxels_of_block * sheets.hollow,
+              .copy = voxels_of_block * (sheets.visible - sheets.hollow),
+              .place = voxels_of_block * sheets.voxel,
+              .slice = sheets.payload,
+              .sample = sheets.pixel,
+              .table = 1e-3};
+  m.message.wake = 0.1e-3;
+  m.poll_interval = 0.2e-3;
+  // Sixteen ranks on two cores take 1.4 to 1.9 times as long as two.
+  m.sharing = 1.4;
+  m.platform = {.bandwidth = 1e10, .latency = 2.5e-6};
+  return m;
+}
+
+/// What frames of the method take here, by what they would take usually.
+Spent measured_ratio(const Method& how) {
+  const FrameSpec frame = small_frame(how);
+  const auto ball = synth_source("ball", small_grid());
+  const FrameWork usual =
+      Forecast(*ball, frame, ramp(), {frame.shown.camera}, usual_machine(), 1, 1, {}).work();
+  const Spent here = measured(frame);
+  return {here.gp / usual.gp, here.renderer / usual.renderer};
+}
+
+struct Speed {
+  Spent splats, sheets;
+};
+
+json to_json(const Speed& s) { return {s.splats.gp, s.splats.renderer, s.sheets.gp, s.sheets.renderer}; }
+
+/// Throws when it is none.
+Speed speed_of(const json& j) {
+  const auto numbers = j.get<std::array<double, 4>>();
+  if (!std::all_of(numbers.begin(), numbers.end(), [](double n) { return n > 0 && n < 1e6; }))
+    throw std::domain_error("a measurement in it is impossible");
+  return {{numbers[0], numbers[1]}, {numbers[2], numbers[3]}};
+}
+
+Speed measure_speed() {
+  log_info("measuring what a core of this machine does");
+  return {measured_ratio(Splats{}), measured_ratio(sheets_of(usual_quality))};
+}
+
+Speed known_speed() {
+  constexpr const char* kind = "machine";
+  const auto folder = cache_folder();
+  if (!folder) return measure_speed();
+  std::array<char, 256> host{};
+  gethostname(host.data(), host.size() - 1);
+  const std::string key = json{{"program", this_program()}, {"host", host.data()}}.dump(
+      -1, ' ', false, json::error_handler_t::replace);
+  const auto file = kept_file(*folder, kind, key);
+  Speed speed;
+  if (!read_kept(file, kind, key, [&](const json& kept) { speed = speed_of(kept); })) {
+    speed = measure_speed();
+    write_kept(file, kind, key, to_json(speed));
+  }
+  return speed;
+}
+
+}  // namespace
+
+Machine this_machine(int hosts, int cores) {
+  const auto [splats, sheets] = known_speed();
+  Machine m = usual_machine();
+  for (double* cost : {&m.gp.visible_voxel, &m.gp.transparent_voxel}) *cost *= splats.gp;
+  for (double* cost : {&m.renderer.splat, &m.renderer.slice, &m.renderer.composite, &m.renderer.pixel})
+    *cost *= splats.renderer;
+  for (double* cost : {&m.sheets.look, &m.sheets.copy}) *cost *= sheets.gp;
+  for (double* cost : {&m.sheets.place, &m.sheets.slice, &m.sheets.sample, &m.sheets.table})
+    *cost *= sheets.renderer;
+  m.platform.hosts = hosts;
+  m.platform.cores = cores;
+  return m;
+}
+
+double measure_hop(Transport& transport) {
+  const int ranks = transport.ranks(), rank = transport.rank(), next = (rank + 1) % ranks;
+  if (ranks == 1) return 0;
+  const int rounds = std::max(8, 2000 / ranks);
+  const auto pass_on = [&] {
+    transport.send(next, Message({.kind = Kind::token, .source = rank, .destination = next}));
+  };
+  const double begun = now_seconds();
+  if (rank == 0) pass_on();
+  for (int taken = 0; taken < rounds;) {
+    if (!transport.receive()) {
+      transport.wait_next();
+      continue;
+    }
+    transport.note_progress();
+    ++taken;
+    if (rank != 0 || taken < rounds) pass_on();
+  }
+  const double hop = (now_seconds() - begun) / rounds / ranks;
+  while (!transport.sends_done()) transport.wait_next();
+  return hop;
+}
+
+}  // namespace ringsplat::app
