@@ -275,7 +275,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
 /// The prediction that --ranks asks for.
 struct Foreseen {
   Machine machine;
-  bool described;  ///< or this one
+  bool described = false;  ///< or this one
   FrameWork work;
   std::vector<Prediction> predictions;
 };
@@ -291,7 +291,8 @@ Foreseen foresee(const InfoOptions& o, VolumeSource& source, Progress& progress)
   const auto cameras = views_of(picture);
   picture.frame.shown.clip = clip_box(picture.clip, source.grid());
   const int cores = o.cores > 0 ? o.cores : int(allowed_cores().size());
-  Foreseen f{.described = !o.machine.empty()};
+  Foreseen f;
+  f.described = !o.machine.empty();
   f.machine = f.described ? read_machine(o.machine) : this_machine(1, cores);
   progress.begin("predicting frames", 0);
   Forecast forecast(source, picture.frame,

@@ -18,20 +18,20 @@ namespace {
 /// The hint: what to change for more exactness.
 std::string hint_for(const ErrorBudgetOptions& o, const FrameSpec& frame, double best) {
   std::vector<std::string> fixed;
-  if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.push_back("--opaque-threshold");
-  if (o.fixed_undersample && frame.shown.reduction.factor > 1) fixed.push_back("--undersample");
+  if (o.fixed_opaque_threshold && frame.shown.opaque_threshold > 0) fixed.emplace_back("--opaque-threshold");
+  if (o.fixed_undersample && frame.shown.reduction.factor > 1) fixed.emplace_back("--undersample");
   std::visit(
       [&](const auto& how) {
-        if (o.fixed_image_plane && how.image_plane == ImagePlane::slices) fixed.push_back("--image-plane");
+        if (o.fixed_image_plane && how.image_plane == ImagePlane::slices) fixed.emplace_back("--image-plane");
         if constexpr (std::is_same_v<std::decay_t<decltype(how)>, Splats>) {
-          if (o.fixed_precision && how.precision != Precision::float32) fixed.push_back("--precision");
+          if (o.fixed_precision && how.precision != Precision::float32) fixed.emplace_back("--precision");
         } else {
-          if (o.fixed_slabs && how.slabs < Sheets::most_slabs) fixed.push_back("--slabs");
-          if (o.fixed_light_points && how.light_points < 2) fixed.push_back("--light-points");
+          if (o.fixed_slabs && how.slabs < Sheets::most_slabs) fixed.emplace_back("--slabs");
+          if (o.fixed_light_points && how.light_points < 2) fixed.emplace_back("--light-points");
         }
       },
       frame.how);
-  if (o.to_field && !o.other_engine) fixed.push_back("the choice of an engine");
+  if (o.to_field && !o.other_engine) fixed.emplace_back("the choice of an engine");
   const std::string larger = fmt::format("allow --max-error {:.2g}", 1.1 * best);
   return fixed.empty() ? larger : fmt::format("leave out {}, or {}", joined(fixed, " and "), larger);
 }

@@ -34,7 +34,7 @@ Words words_in(const std::string& text, const std::string& folder) {
 /// A hint's options are those of the run that follows it, or not, where it says to leave them out.
 void check_follows(const Hint& hint, const Words& run) {
   const bool leave_out = hint.hint.find("leave") != std::string::npos;
-  for (auto option : words_in(hint.hint))
+  for (auto option : words_in(hint.hint, ""))
     if (option.starts_with("--")) {
       option.erase(option.find_last_not_of(",.:;") + 1);
       CHECK((std::find(run.begin(), run.end(), option) != run.end()) != leave_out);
