@@ -1,7 +1,7 @@
 # Ringsplat for Spack (https://spack.io). Add it to a repository of packages of your own:
 #
 #   spack repo create ringsplat-repo && mkdir ringsplat-repo/packages/ringsplat
-#   cp packaging/spack/package.py ringsplat-repo/packages/ringsplat/
+#   cp scripts/packaging/spack/package.py ringsplat-repo/packages/ringsplat/
 #   spack repo add ringsplat-repo && cd ringsplat && spack dev-build ringsplat@0.1.0
 from spack.package import *
 
