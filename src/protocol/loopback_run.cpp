@@ -51,6 +51,8 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
   for (std::int64_t turn = 0;
        !std::all_of(ranks.begin(), ranks.end(), [](const auto& r) { return r->host().finished(); }); ++turn) {
     if (loopback.poll) loopback.poll();
+    // Asked before the ranks are: another thread may end the source while they look for its next frame.
+    const bool more_may_come = source.may_come();
     if (loopback.reorder)
       for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[network.random_below(k)]);
     const int stopped_rank = turn >= loopback.stops_at_turn ? loopback.stopping_rank : -1;
@@ -62,7 +64,7 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
     if (moved) pauses = 0;
     // A delayed message arrives within max_delay turns.
     if (quiet_turns <= loopback.max_delay && (moved || network.in_flight())) continue;
-    if (clock->kept == 0 && source.may_come()) {
+    if (clock->kept == 0 && more_may_come) {
       constexpr auto shortest = std::chrono::microseconds(200), longest = std::chrono::microseconds(10000);
       source.pause(std::min(longest, shortest * (1 + pauses++ / 16)));
       continue;
