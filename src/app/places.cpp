@@ -1,10 +1,8 @@
 #include "app/places.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 #include <span>
@@ -38,9 +36,7 @@ std::map<std::string, Machine> machines_of(const std::vector<Place>& places) {
 }  // namespace
 
 std::vector<Place> places_of_ranks(Collectives& collectives) {
-  std::array<char, 256> machine{};
-  gethostname(machine.data(), machine.size() - 1);
-  std::string mine = fmt::format("host:{}", machine.data());
+  std::string mine = fmt::format("host:{}", host_name());
   for (const int core : allowed_cores()) mine += fmt::format(" {}", core);
   std::vector<Place> places;
   for (const Block& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine))))) {

@@ -12,6 +12,9 @@ std::uint64_t peak_memory_bytes();
 /// Memory of this machine, in bytes.
 double machine_memory_bytes();
 
+/// The name of this machine; empty when it is not known.
+std::string host_name();
+
 /// Names the clock behind now_seconds() (Linux: the machine's boot). Processes with the same name read the
 /// same clock. Empty when it is not known.
 std::string clock_identity();

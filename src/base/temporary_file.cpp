@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cctype>
 #include <cerrno>
@@ -20,6 +19,8 @@
 #include <string_view>
 #include <utility>
 
+#include "base/process.hpp"
+
 namespace ringsplat::detail {
 
 namespace fs = std::filesystem;
@@ -29,13 +30,11 @@ namespace {
 /// The beginning of all hidden names of this machine. No host's is the same as another's, or begins
 /// another's.
 std::string host_prefix() {
-  std::array<char, HOST_NAME_MAX + 1> host{};
-  if (gethostname(host.data(), host.size() - 1) != 0) host[0] = '\0';
   std::string prefix = ".ringsplat_";
-  for (const char* at = host.data(); *at != '\0'; ++at) {
-    const auto c = static_cast<unsigned char>(*at);
+  for (const char letter : host_name()) {
+    const auto c = static_cast<unsigned char>(letter);
     const bool plain = (c < 128 && std::isalnum(c) != 0) || c == '.' || c == '-';
-    prefix += plain ? std::string(1, *at) : fmt::format("%{:02X}", c);
+    prefix += plain ? std::string(1, letter) : fmt::format("%{:02X}", c);
   }
   return prefix + '_';
 }

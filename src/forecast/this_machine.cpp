@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <time.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -11,6 +10,7 @@
 
 #include "base/clock.hpp"
 #include "base/log.hpp"
+#include "base/process.hpp"
 #include "forecast/forecast.hpp"
 #include "forecast/sampled_volume.hpp"
 #include "options/method_options.hpp"
@@ -144,9 +144,7 @@ Speed known_speed() {
   constexpr const char* kind = "machine";
   const auto folder = cache_folder();
   if (!folder) return measure_speed();
-  std::array<char, 256> host{};
-  gethostname(host.data(), host.size() - 1);
-  const std::string key = json{{"program", this_program()}, {"host", host.data()}}.dump(
+  const std::string key = json{{"program", this_program()}, {"host", host_name()}}.dump(
       -1, ' ', false, json::error_handler_t::replace);
   const auto file = kept_file(*folder, kind, key);
   Speed speed;

@@ -2,14 +2,13 @@
 #include "serve/web_server.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
-#include <array>
 #include <csignal>
 #include <thread>
 #include <utility>
 
 #include "base/log.hpp"
+#include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/web_visitor.hpp"
 
@@ -26,8 +25,8 @@ std::string host_and_port(const asio::ip::address& address, int port) {
 }
 
 std::string machine_name() {
-  std::array<char, 256> name{};
-  return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "localhost";
+  const std::string name = host_name();
+  return name.empty() ? "localhost" : name;
 }
 
 }  // namespace
