@@ -19,7 +19,14 @@ inline std::string text_of(const Block& block) {
   return {reinterpret_cast<const char*>(block.data()), block.size()};
 }
 
-/// The object representation of a value, for processes of one build.
+/// Appends the object representation of a value, for processes of one build.
+template <class T>
+void append(Block& out, const T& value) {
+  const auto bytes = std::as_bytes(std::span(&value, 1));
+  out.insert(out.end(), bytes.begin(), bytes.end());
+}
+
+/// The object representation of a value.
 template <class T>
 Block block_of_value(const T& value) {
   return block_of(std::as_bytes(std::span(&value, 1)));

@@ -1,11 +1,10 @@
-#include "scene/block_cover.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "scene/voxel_blocks.hpp"
 
 namespace ringsplat {
 namespace {

@@ -14,12 +14,6 @@
 namespace ringsplat {
 namespace {
 
-template <class T>
-void put(Block& out, const T& value) {
-  const auto* first = reinterpret_cast<const std::byte*>(&value);
-  out.insert(out.end(), first, first + sizeof(T));
-}
-
 /// State of one deal, shared by its rounds.
 class Dealer {
  public:
@@ -29,12 +23,10 @@ class Dealer {
         deal_(deal),
         dealing_(deal.dealing),
         collectives_(collectives),
-        process_of_gp_(std::size_t(deal.dealing.gps)),
+        process_of_gp_(processes_of_gps(deal.dealing, deal.gps_of_process)),
         slice_bytes_(grid.slice_bytes(Axis::z)),
         lit_(deal.options.clip.value_or(whole_box(grid))),
         batch_(batch_of(grid)) {
-    for (std::size_t p = 0; p < deal.gps_of_process.size(); ++p)
-      for (const int gp : deal.gps_of_process[p]) process_of_gp_[std::size_t(gp)] = static_cast<int>(p);
     for (const int gp : deal.gps_of_process[std::size_t(collectives.process())])
       stores_.emplace(gp, new_store(gp)).first->second.know_normals_within(lit_);
   }
@@ -104,10 +96,10 @@ class Dealer {
         Block lines;
         pack_columns(grid_, axis, gp, dealing_, values, normals, lines);
         Block& block = out[std::size_t(process_of_gp_[std::size_t(gp)])];
-        put(block, z);
-        put(block, axis);
-        put(block, gp);
-        put(block, std::uint64_t(lines.size()));
+        append(block, z);
+        append(block, axis);
+        append(block, gp);
+        append(block, std::uint64_t(lines.size()));
         block.insert(block.end(), lines.begin(), lines.end());
       }
     }
@@ -153,7 +145,7 @@ class Dealer {
   const Deal& deal_;
   SliceDealing dealing_;
   Collectives& collectives_;
-  std::vector<int> process_of_gp_;
+  const std::vector<int> process_of_gp_;
   std::size_t slice_bytes_;
   VoxelBox lit_;  ///< where normals are made
   std::map<int, SliceStore> stores_;

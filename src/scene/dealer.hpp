@@ -1,14 +1,54 @@
 #pragma once
 #include <functional>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "net/collectives.hpp"
+#include "ringsplat/volume/reduced.hpp"
+#include "ringsplat/volume/source.hpp"
 #include "scene/load.hpp"
-#include "scene/slice_supply.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
+
+/// Bytes of z slices sent in one round, over all processes.
+inline constexpr std::size_t batch_bytes = std::size_t{8} << 20;
+
+/// Slices of a round.
+int batch_of(const Grid& grid);
+
+/// Where the z slices of a volume that is dealt come from, batch by batch in ascending order.
+class SliceSupply {
+ public:
+  /// True when a process needs a slice for the batch.
+  using Needed = std::function<bool(int process, int z)>;
+
+  virtual ~SliceSupply() = default;
+  /// Makes slices from z on available, and those beside them. Returns their end, above z. Collective; all
+  /// processes throw the same InputError when one cannot read.
+  virtual int available_from(int z) = 0;
+  /// Gives every process the slices among [first, end) that it needs; those of earlier batches are forgotten.
+  /// Collective.
+  virtual void hand_out(int first, int end, const Needed& needed) = 0;
+  /// One that this process needs for the batch. Throws InputError when it cannot be read.
+  virtual const std::byte* slice(int z) = 0;
+};
+
+/// Every process reads the slices that it needs.
+std::unique_ptr<SliceSupply> reading_supply(VolumeSource& source);
+
+/// Some processes decode layers in turn. `source`: this process's, or null where it does not read; `readers`:
+/// how many do; `told(z)`: how far all readers are by now, if each is as fast as this one.
+std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& grid, int layer_depth,
+                                             int readers, std::function<void(double z)> told,
+                                             Collectives& collectives);
+
+/// The slices that GPs have, all of which must keep z slices; or those of the reduced volume. `stores` must
+/// outlive the supply.
+std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,
+                                           SliceDealing dealing, const Reduction& reduction,
+                                           Collectives& collectives);
 
 /// What a deal makes of its slices, for whom.
 struct Deal {

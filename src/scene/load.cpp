@@ -8,12 +8,12 @@
 #include <optional>
 
 #include "base/byte_stream.hpp"
+#include "base/clock.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/dealer.hpp"
-#include "scene/load_pace.hpp"
 #include "volume/slice_ranges.hpp"
 
 namespace ringsplat {
@@ -59,7 +59,53 @@ bool is_of(const Grid& grid, const SliceRange& range) {
   return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
 }
 
+/// Which part of a deal's time has passed. Slices are read and dealt in turns, each at a pace of its own, so
+/// neither count alone would tell how long the rest takes. Until the first slice is dealt, dealing is taken
+/// to be as fast as reading.
+class LoadPace {
+ public:
+  LoadPace(int slices, const std::function<void(double part)>& told) : slices_(slices), told_(told) {}
+
+  /// Starts the clock: slices begin to be read.
+  void begin() {
+    last_ = now_seconds();
+    if (told_) told_(0);
+  }
+  /// So many slices have been read; the time since the last call went into it.
+  void read(double slices) { note(read_, slices); }
+  void dealt(double slices) { note(dealt_, slices); }
+
+ private:
+  struct Work {
+    double slices = 0, seconds = 0;
+    double each() const { return slices > 0 ? seconds / slices : 0; }
+  };
+  void note(Work& work, double slices) {
+    const double now = now_seconds();
+    work.seconds += now - last_;
+    work.slices = slices;
+    last_ = now;
+    if (!told_) return;
+    const double whole = slices_ * (read_.each() + (dealt_.slices > 0 ? dealt_.each() : read_.each()));
+    if (whole <= 0) return;
+    part_ = std::max(part_, std::min(1.0, (read_.seconds + dealt_.seconds) / whole));
+    told_(part_);
+  }
+
+  int slices_;
+  const std::function<void(double)>& told_;
+  Work read_, dealt_;
+  double last_ = now_seconds(), part_ = 0;
+};
+
 }  // namespace
+
+std::vector<int> processes_of_gps(SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process) {
+  std::vector<int> processes(std::size_t(dealing.gps), 0);
+  for (std::size_t p = 0; p < gps_of_process.size(); ++p)
+    for (const int gp : gps_of_process[p]) processes[std::size_t(gp)] = int(p);
+  return processes;
+}
 
 OpenedVolume open_everywhere(Collectives& collectives,
                              const std::function<std::unique_ptr<VolumeSource>()>& open,

@@ -19,6 +19,9 @@ namespace ringsplat {
 
 inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layout.bundle}; }
 
+/// By GP, the process that hosts it.
+std::vector<int> processes_of_gps(SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process);
+
 struct LoadOptions {
   std::array<bool, 3> kept_axes{true, true, true};
   bool with_normals = true;

@@ -20,12 +20,6 @@ struct Head {
   std::uint64_t bytes;
 };
 
-void append_ranges(const Head& head, const CellRanges& ranges, Block& out) {
-  const auto first = std::as_bytes(std::span(&head, 1));
-  out.insert(out.end(), first.begin(), first.end());
-  out.insert(out.end(), ranges.bytes().begin(), ranges.bytes().end());
-}
-
 /// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
 void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis, int slice,
                  SliceDealing dealing, const std::vector<int>& process_of_gp, int here,
@@ -39,10 +33,13 @@ void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis,
     if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
     told.push_back(gp);
     const int process = process_of_gp[std::size_t(gp)];
-    if (process == here)
+    if (process == here) {
       stores.at(gp).know_cell_ranges(axis, slice, ranges);
-    else
-      append_ranges({axis, slice, gp, ranges->bytes().size()}, *ranges, out[std::size_t(process)]);
+      continue;
+    }
+    Block& block = out[std::size_t(process)];
+    append(block, Head{axis, slice, gp, ranges->bytes().size()});
+    block.insert(block.end(), ranges->bytes().begin(), ranges->bytes().end());
   }
 }
 
@@ -67,9 +64,7 @@ void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceSto
 
 void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
                        const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
-  std::vector<int> process_of_gp(static_cast<std::size_t>(dealing.gps));
-  for (std::size_t p = 0; p < gps_of_process.size(); ++p)
-    for (const int gp : gps_of_process[p]) process_of_gp[std::size_t(gp)] = static_cast<int>(p);
+  const std::vector<int> process_of_gp = processes_of_gps(dealing, gps_of_process);
   for (const Axis axis : all_axes) {
     std::vector<Block> out(std::size_t(collectives.processes()));
     for (auto& [gp, store] : stores)

@@ -1,5 +1,6 @@
 #include <cstring>
 
+#include "base/byte_stream.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/load.hpp"
@@ -19,9 +20,7 @@ void append_points(const VolumeSketch& sketch, const SliceView& slice, Axis axis
             &value,
             slice.values_of_row(sketch.voxel(v, row)) + std::size_t(sketch.voxel(u, column)) * sizeof(T),
             sizeof(T));
-        const auto as_float = static_cast<float>(value);
-        const auto bytes = std::as_bytes(std::span(&as_float, 1));
-        out.insert(out.end(), bytes.begin(), bytes.end());
+        append(out, static_cast<float>(value));
       }
   });
 }
@@ -49,8 +48,7 @@ std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>
     const int slice = sketch->voxel(static_cast<int>(axis), layer);
     for (const auto& [gp, store] : stores) {
       if (!store.owns(slice)) continue;
-      const auto bytes = std::as_bytes(std::span(&layer, 1));
-      mine.insert(mine.end(), bytes.begin(), bytes.end());
+      append(mine, layer);
       append_points(*sketch, store.slice(axis, slice), axis, mine);
     }
   }

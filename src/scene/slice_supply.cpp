@@ -1,16 +1,16 @@
-#include "scene/slice_supply.hpp"
+#include "scene/dealer.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 #include "base/byte_stream.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/decoded_slices.hpp"
 
 namespace ringsplat {
 namespace {
@@ -50,8 +50,7 @@ class SendingSupply : public SliceSupply {
       for (int p = 0; slice != nullptr && p < collectives_.processes(); ++p) {
         if (p == collectives_.process() || !needed(p, z)) continue;
         Block& block = out[std::size_t(p)];
-        const auto number = std::as_bytes(std::span(&z, 1));
-        block.insert(block.end(), number.begin(), number.end());
+        append(block, z);
         block.insert(block.end(), slice, slice + slice_bytes_);
       }
     }
@@ -70,8 +69,10 @@ class SendingSupply : public SliceSupply {
  protected:
   /// Null when this process has not got it.
   virtual const std::byte* held(int z) = 0;
-  int slices() const { return slices_; }
-  Collectives& collectives() { return collectives_; }
+
+  const std::size_t slice_bytes_;
+  const int slices_;
+  Collectives& collectives_;
 
  private:
   void receive(const Block& in) {
@@ -82,32 +83,84 @@ class SendingSupply : public SliceSupply {
     }
   }
 
-  std::size_t slice_bytes_;
-  int slices_;
-  Collectives& collectives_;
   std::map<int, Block> received_;  ///< for the batch
 };
 
+int slices_of(std::int64_t count) {
+  return int(std::min<std::int64_t>(count, std::numeric_limits<int>::max()));
+}
+
+/// Decodes group by group. A group has one span of slices for each process that reads: whole layers, as few
+/// as make a batch. So every layer is decoded by one process, once. A process holds one span, and of the
+/// group before it the slices that are still needed.
 class DecodingSupply final : public SendingSupply {
  public:
   DecodingSupply(VolumeSource* source, const Grid& grid, int layer_depth, int readers,
                  std::function<void(double)> told, Collectives& all)
       : SendingSupply(grid, all),
-        decoded_(source, grid, layer_depth, all.process(), readers, batch_of(grid)),
+        source_(source),
+        depth_(layer_depth),
+        span_(slices_of(std::int64_t(layer_depth) *
+                        std::max<std::int64_t>(1, batch_of(grid) / (std::int64_t(layer_depth) * readers)))),
+        group_(slices_of(std::int64_t(span_) * readers)),
         told_(std::move(told)) {}
 
   int available_from(int z) override {
     // The last decoded slice lacks its neighbour.
-    const auto end = [&] { return decoded_.end() == slices() ? slices() : decoded_.end() - 1; };
-    while (end() <= z) agree_after(collectives(), [&] { decoded_.decode_group(z - 1, told_); });
+    const auto end = [&] { return end_ == slices_ ? slices_ : end_ - 1; };
+    while (end() <= z) agree_after(collectives_, [&] { decode_group(z - 1); });
     return end();
   }
 
  private:
-  const std::byte* held(int z) override { return decoded_.find(z); }
+  struct Run {
+    int count = 0;
+    Block voxels;
+  };
 
-  DecodedSlices decoded_;
+  /// Forgets slices before `needed` and decodes this process's span of the next group.
+  void decode_group(int needed) {
+    forget_before(needed);
+    const std::int64_t begin = end_, first = begin + std::int64_t(collectives_.process()) * span_;
+    end_ = slices_of(std::min<std::int64_t>(slices_, begin + group_));
+    const auto last = std::min<std::int64_t>(end_, first + span_);
+    if (source_ == nullptr || first >= last) return;
+    Run run{int(last - first), Block(std::size_t(last - first) * slice_bytes_)};
+    for (std::int64_t z = first; z < last; z += depth_) {
+      const auto count = std::min<std::int64_t>(depth_, last - z);
+      source_->read_slices(
+          int(z), int(count),
+          std::span(run.voxels)
+              .subspan(std::size_t(z - first) * slice_bytes_, std::size_t(count) * slice_bytes_));
+      told_(double(begin) + double(end_ - begin) * double(z + count - first) / double(last - first));
+    }
+    runs_.emplace(int(first), std::move(run));
+  }
+
+  const std::byte* held(int z) override {
+    const auto behind = runs_.upper_bound(z);
+    if (behind == runs_.begin()) return nullptr;
+    const auto& [first, run] = *std::prev(behind);
+    return z - first < run.count ? run.voxels.data() + std::size_t(z - first) * slice_bytes_ : nullptr;
+  }
+
+  void forget_before(int z) {
+    std::map<int, Run> kept;
+    for (const auto& [first, run] : runs_) {
+      const int from = std::max(first, z), count = first + run.count - from;
+      if (count <= 0) continue;
+      const auto* begin = run.voxels.data() + std::size_t(from - first) * slice_bytes_;
+      // A copy, because a vector that is cut keeps its memory.
+      kept.emplace(from, Run{count, Block(begin, begin + std::size_t(count) * slice_bytes_)});
+    }
+    runs_ = std::move(kept);
+  }
+
+  VolumeSource* source_;  ///< null on a process that does not read
+  int depth_, span_, group_;
+  int end_ = 0;  ///< slices before it have been decoded by their readers
   std::function<void(double)> told_;
+  std::map<int, Run> runs_;  ///< by their first slice
 };
 
 class StoredSupply final : public SendingSupply {
@@ -115,7 +168,7 @@ class StoredSupply final : public SendingSupply {
   StoredSupply(const Grid& grid, const std::map<int, SliceStore>& stores, SliceDealing dealing,
                Collectives& all)
       : SendingSupply(grid, all), stores_(stores), dealing_(dealing) {}
-  int available_from(int) override { return slices(); }
+  int available_from(int) override { return slices_; }
 
  private:
   const std::byte* held(int z) override {

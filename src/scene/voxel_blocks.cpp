@@ -4,13 +4,12 @@
 
 #include <algorithm>
 #include <cstring>
-#include <span>
 
 #include "base/byte_stream.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/block_cover.hpp"
+#include "scene/load.hpp"
 
 namespace ringsplat {
 namespace {
@@ -88,9 +87,7 @@ class BlockDealer {
         collectives_(collectives),
         process_of_slice_(std::size_t(grid.dims.z)),
         scalar_(size_of(grid.type)) {
-    std::vector<int> process_of_gp(std::size_t(dealing.gps), 0);
-    for (std::size_t p = 0; p < gps_of_process.size(); ++p)
-      for (const int gp : gps_of_process[p]) process_of_gp[std::size_t(gp)] = int(p);
+    const std::vector<int> process_of_gp = processes_of_gps(dealing, gps_of_process);
     for (int z = 0; z < grid.dims.z; ++z)
       process_of_slice_[std::size_t(z)] = process_of_gp[std::size_t(dealing.owner_of(z))];
   }

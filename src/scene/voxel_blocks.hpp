@@ -1,5 +1,6 @@
 #pragma once
 #include <map>
+#include <span>
 #include <vector>
 
 #include "net/collectives.hpp"
@@ -26,5 +27,15 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
                  SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
                  std::size_t round_bytes, Collectives& collectives);
+
+/// A block in its volume, with the process that has it.
+struct PlacedBlock {
+  VoxelBox extent;
+  int process = 0, number = 0;  ///< its number on that process
+};
+
+/// Throws InputError that names a hole, or two blocks that overlap and where, unless the blocks cover every
+/// voxel of the grid exactly once. Each block lies within the grid.
+void check_cover(const Grid& grid, std::span<const PlacedBlock> blocks);
 
 }  // namespace ringsplat

@@ -1,6 +1,5 @@
 // Volumes that lie in blocks on processes.
 #include "ringsplat/base/error.hpp"
-#include "scene/block_cover.hpp"
 #include "scene/voxel_blocks.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
