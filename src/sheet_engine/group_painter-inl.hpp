@@ -19,6 +19,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
+/// What painting a slab is compiled for: `n` pieces between two slices, of interpolated values,
+template <int n>
+struct Between {
+  static constexpr int pieces = n;
+  static constexpr bool face = false, nearest = false;
+};
+/// or whatever there is.
+struct AnySlab {
+  int pieces;
+  bool face, nearest;
+};
+
 /// Paints one group's pixels. Its lanes are those of tiles that lie row by row; see paint_group.hpp.
 template <class Sampler, class Rays>
 class GroupPainter {
@@ -35,11 +47,18 @@ class GroupPainter {
     if (count_ == 0) return;
     slab_ = &slab;
     rays_.begin(slab);
-    resample();
-    if (count_ == 0) return;
-    divide();
-    for (int k = 0; k < whole_count_; ++k) paint_whole(whole_[k]);
-    for (int k = 0; k < split_count_; ++k) paint_pieces(split_[k]);
+    switch (slab.face || p_.nearest ? 0 : slab.pieces) {
+      case 1:
+        return paint_as(Between<1>());
+      case 2:
+        return paint_as(Between<2>());
+      case 3:
+        return paint_as(Between<3>());
+      case 4:
+        return paint_as(Between<4>());
+      default:
+        return paint_as(AnySlab{slab.pieces, slab.face, p_.nearest});
+    }
   }
 
   void store_pixels() {
@@ -51,6 +70,10 @@ class GroupPainter {
       ringsplat::HWY_NAMESPACE::store(s.green, rgba[1]);
       ringsplat::HWY_NAMESPACE::store(s.blue, rgba[2]);
       ringsplat::HWY_NAMESPACE::store(s.opacity, rgba[3]);
+      if (is_whole()) {
+        store_rows(rgba, pixel_of(t, 0), group_.row_floats);
+        continue;
+      }
       for (int l = 0; l < lanes; ++l)
         if (float* pixel = pixel_of(t, l))
           for (int c = 0; c < 4; ++c) pixel[c] = rgba[c][l];
@@ -80,10 +103,19 @@ class GroupPainter {
     bool at_faces, cut;
   };
 
+  void paint_as(auto kind) {
+    resample(kind);
+    if (count_ == 0) return;
+    divide(kind);
+    for (int k = 0; k < whole_count_; ++k) paint_whole(kind, whole_[k]);
+    for (int k = 0; k < split_count_; ++k) paint_pieces(kind, split_[k]);
+  }
+
   static int mask_bit(int t) {
     return (t / across) * tile_height / tile_side * (group_side / tile_side) +
            (t % across) * tile_width / tile_side;
   }
+  bool is_whole() const { return group_.width == group_side && group_.height == group_side; }
   float* pixel_of(int t, int lane) const {
     const int x = (t % across) * tile_width + lane % tile_width,
               y = (t / across) * tile_height + lane / tile_width;
@@ -95,10 +127,13 @@ class GroupPainter {
     s.started = true;
     s.ray = rays_.start(group_.x + (t % across) * tile_width, group_.y + (t / across) * tile_height);
     HWY_ALIGN float rgba[4][lanes];
-    for (int l = 0; l < lanes; ++l) {
-      const float* pixel = pixel_of(t, l);
-      for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
-    }
+    if (is_whole())
+      load_rows(pixel_of(t, 0), group_.row_floats, rgba);
+    else
+      for (int l = 0; l < lanes; ++l) {
+        const float* pixel = pixel_of(t, l);
+        for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
+      }
     s.red = load(rgba[0]);
     s.green = load(rgba[1]);
     s.blue = load(rgba[2]);
@@ -144,8 +179,8 @@ class GroupPainter {
   }
 
   /// Interpolates the values of all sheets; keeps in the list the tiles where something may be visible.
-  void resample() {
-    const int pieces = slab_->pieces;
+  void resample(auto kind) {
+    const int pieces = kind.pieces;
     int kept = 0;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
@@ -164,13 +199,14 @@ class GroupPainter {
       w.cut = some_miss || leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
-      w.place[0] = p_.nearest                   ? voxel_place(s, w, 0)
+      w.place[0] = kind.nearest                 ? voxel_place(kind, s, w, 0)
                    : s.sheet == slab_->step - 1 ? s.place
                                                 : front_place(s, w);
       F low = w.place[0], high = w.place[0];
       for (int i = 1; i <= pieces; ++i) {
         w.sheet[std::size_t(i)] = sheet_at(s, w.at_faces, i, w.corner);
-        w.place[std::size_t(i)] = p_.nearest ? voxel_place(s, w, std::min(i, pieces - 1)) : sheet_place(w, i);
+        w.place[std::size_t(i)] =
+            kind.nearest ? voxel_place(kind, s, w, std::min(i, pieces - 1)) : sheet_place(kind, w, i);
         low = min(low, w.place[std::size_t(i)]);
         high = max(high, w.place[std::size_t(i)]);
       }
@@ -187,16 +223,16 @@ class GroupPainter {
     return place_of(Sampler::value(w.front, sheet_at(s, w.at_faces, 0, w.corner), p_.pitch));
   }
 
-  HWY_INLINE F sheet_place(const Work& w, int i) const {
+  HWY_INLINE F sheet_place(auto kind, const Work& w, int i) const {
     const auto& sheet = w.sheet[std::size_t(i)];
-    return place_of(i == slab_->pieces
+    return place_of(i == kind.pieces
                         ? Sampler::value(w.back, sheet, p_.pitch)
-                        : Sampler::value_between(w.front, w.back, sheet, i, slab_->pieces, p_.pitch));
+                        : Sampler::value_between(w.front, w.back, sheet, i, kind.pieces, p_.pitch));
   }
 
   /// Of the voxel that is nearest to the middle of piece i; of two the one with the greater number, although
   /// positions are rounded down.
-  HWY_NOINLINE F voxel_place(const State& s, const Work& w, int i) const {
+  HWY_NOINLINE F voxel_place(auto kind, const State& s, const Work& w, int i) const {
     const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
     constexpr std::int32_t rounding = 1;
     const auto nearest = [&](I a, I b, std::int32_t most) HWY_ATTR {
@@ -205,7 +241,7 @@ class GroupPainter {
     };
     const auto sheet =
         Sampler::sheet(nearest(from.u, to.u, most_u()), nearest(from.v, to.v, most_v()), p_.pitch, w.corner);
-    return place_of(Sampler::voxel(2 * i < slab_->pieces ? w.front : w.back, sheet));
+    return place_of(Sampler::voxel(2 * i < kind.pieces ? w.front : w.back, sheet));
   }
 
   HWY_INLINE M may_show(F low, F high) const {
@@ -223,18 +259,18 @@ class GroupPainter {
 
   /// Finds the lanes that a single slab serves: its opacity, and what the value half-way may change of it,
   /// are small. Divides the tiles into those where it serves all and others.
-  void divide() {
+  void divide(auto kind) {
     whole_count_ = split_count_ = 0;
-    const bool may_be_whole = p_.adaptive && slab_->pieces > 1 && !slab_->face && p_.places.even &&
-                              p_.depths == nullptr && !p_.nearest;
+    const bool may_be_whole = p_.adaptive && kind.pieces > 1 && !kind.face && p_.places.even &&
+                              p_.depths == nullptr && !kind.nearest;
     for (int k = 0; k < count_; ++k) {
       const int t = list_[k];
       const State& s = state_[t];
       Work& w = work_[t];
       w.split = w.visible;
       if (may_be_whole) {
-        w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[std::size_t(slab_->pieces)]));
-        w.split = but_not(w.visible, single_slab_serves(s, w));
+        w.whole = Look(p_.table, entry_of(w.place[0]), entry_of(w.place[std::size_t(kind.pieces)]));
+        w.split = but_not(w.visible, single_slab_serves(kind, s, w));
       }
       if (any(w.split))
         split_[split_count_++] = t;
@@ -243,24 +279,24 @@ class GroupPainter {
     }
   }
 
-  HWY_INLINE M single_slab_serves(const State& s, const Work& w) const {
+  HWY_INLINE M single_slab_serves(auto kind, const State& s, const Work& w) const {
     // The more slabs, the smaller is the error that one instead of them may add to.
-    const float pieces = float(slab_->pieces), most_opacity = 0.04F / pieces, most_change = 0.008F / pieces;
+    const float pieces = float(kind.pieces), most_opacity = 0.04F / pieces, most_change = 0.008F / pieces;
     constexpr float most_entries = 8;
-    const F opacity = of_all_pieces(OpacityOf(w.whole)), through = sub(set(1.0F), s.opacity),
-            bend = bend_of(w);
+    const F opacity = of_all_pieces(kind, OpacityOf(w.whole)), through = sub(set(1.0F), s.opacity),
+            bend = bend_of(kind, w);
     const F over_steepness = from_bits(sub(set_int((127 + 15) << 23), up<23>(down<28>(w.whole.high))));
     M serves = both(both(greater(set(most_opacity), mul(through, opacity)),
                          greater(mul(set(most_change), over_steepness), mul(through, bend))),
                     greater(set(most_entries), bend));
     if (w.cut)
-      for (int i = 0; i <= slab_->pieces; ++i) serves = both(serves, in_box(s, i));
+      for (int i = 0; i <= kind.pieces; ++i) serves = both(serves, in_box(s, i));
     return serves;
   }
 
   /// How far the values between the slices are from a straight line, in table entries.
-  HWY_INLINE F bend_of(const Work& w) const {
-    const int pieces = slab_->pieces;
+  HWY_INLINE F bend_of(auto kind, const Work& w) const {
+    const int pieces = kind.pieces;
     if (pieces == 2)
       return mul(set(0.5F), abs(sub(add(w.place[1], w.place[1]), add(w.place[0], w.place[2]))));
     const F first = w.place[0],
@@ -283,19 +319,19 @@ class GroupPainter {
     return Sampler::plane(origin, p_.pitch, corner);
   }
 
-  HWY_INLINE Gradient front_gradient(const State& s, const Work& w) const {
+  HWY_INLINE Gradient front_gradient(auto kind, const State& s, const Work& w) const {
     if (s.gradient_sheet == slab_->step - 1) return s.gradient;
-    const Planes next = slab_->face ? plane_of(slab_->after, w.corner) : w.back;
+    const Planes next = kind.face ? plane_of(slab_->after, w.corner) : w.back;
     return Sampler::gradient(w.front, next - plane_of(slab_->before, w.corner),
                              sheet_at(s, w.at_faces, 0, w.corner), p_.pitch);
   }
-  HWY_INLINE Gradient gradient_behind(const Work& w, int i) const {
+  HWY_INLINE Gradient gradient_behind(auto kind, const Work& w, int i) const {
     const Planes after = plane_of(slab_->after, w.corner);
     const auto& sheet = w.sheet[std::size_t(i)];
-    if (i < slab_->pieces && !slab_->face)
+    if (i < kind.pieces && !kind.face)
       return Sampler::gradient_between(plane_of(slab_->before, w.corner), w.front, w.back, after, sheet, i,
-                                       slab_->pieces, p_.pitch);
-    const Planes last = slab_->face ? plane_of(slab_->before, w.corner) : w.front;
+                                       kind.pieces, p_.pitch);
+    const Planes last = kind.face ? plane_of(slab_->before, w.corner) : w.front;
     return Sampler::gradient(w.back, after - last, sheet, p_.pitch);
   }
 
@@ -320,62 +356,64 @@ class GroupPainter {
   static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
 
   /// The opacity of as many of the table's slabs as there are from slice to slice.
-  HWY_INLINE F of_all_pieces(F piece) const {
+  HWY_INLINE F of_all_pieces(auto kind, F piece) const {
     F opacity = mul(piece, sub(set(2.0F), piece));
-    for (int i = 2; i < slab_->pieces; ++i) opacity = fma(piece, sub(set(1.0F), opacity), opacity);
+    for (int i = 2; i < kind.pieces; ++i) opacity = fma(piece, sub(set(1.0F), opacity), opacity);
     return opacity;
   }
-  HWY_INLINE F whole_opacity(const State& s, const TableSlab& slab) const {
-    const F opacity = of_all_pieces(slab.opacity);
+  HWY_INLINE F whole_opacity(auto kind, const State& s, const TableSlab& slab) const {
+    const F opacity = of_all_pieces(kind, slab.opacity);
     return Rays::same_lengths ? opacity : Shortened(opacity, rays_.length(s.ray));
   }
 
   /// One slab for all visible lanes, lit at its centroid.
-  HWY_INLINE void paint_whole(int t) {
+  HWY_INLINE void paint_whole(auto kind, int t) {
     State& s = state_[t];
     const Work& w = work_[t];
     const TableSlab slab = Unpack(w.whole);
     Reflected light = unlit();
     if (p_.lit) {
-      const Gradient back = gradient_behind(w, slab_->pieces), front = front_gradient(s, w);
+      const Gradient back = gradient_behind(kind, w, kind.pieces), front = front_gradient(kind, s, w);
       s.gradient = back;
       s.gradient_sheet = slab_->step;
       light = lit_at(s, slab.centroid, front, difference(back, front));
     }
-    composite(s, slab, only(w.visible, whole_opacity(s, slab)), light);
+    composite(s, slab, only(w.visible, whole_opacity(kind, s, slab)), light);
   }
 
   /// The slab's pieces one by one; lanes that a single slab serves take it in place of the first.
-  HWY_INLINE void paint_pieces(int t) {
+  HWY_INLINE void paint_pieces(auto kind, int t) {
     State& s = state_[t];
     const Work& w = work_[t];
-    const int pieces = slab_->pieces;
+    const int pieces = kind.pieces;
+    const bool is_lit = p_.lit;
     std::array<Gradient, Traversal::most_slabs + 1> gradients;
-    if (p_.lit) {
-      gradients[0] = front_gradient(s, w);
-      for (int i = 1; i <= pieces; ++i) gradients[std::size_t(i)] = gradient_behind(w, i);
+    if (is_lit) {
+      gradients[0] = front_gradient(kind, s, w);
+      for (int i = 1; i <= pieces; ++i) gradients[std::size_t(i)] = gradient_behind(kind, w, i);
       s.gradient = gradients[std::size_t(pieces)];
       s.gradient_sheet = slab_->step;
     }
     for (int i = 0; i < pieces; ++i) {
       const auto front = std::size_t(i), back = front + 1;
-      const bool may_be_whole = i == 0 && pieces > 1 && !slab_->face && !p_.nearest;
+      const bool may_be_whole = i == 0 && pieces > 1 && !kind.face && !kind.nearest;
       M here = i == 0 ? w.visible : w.split;
-      if (p_.nearest) here = both(here, may_show(w.place[front], w.place[front]));
-      const F end = may_be_whole ? choose(w.split, w.place[back], w.place[std::size_t(pieces)])
-                    : p_.nearest ? w.place[front]
-                                 : w.place[back];
+      if (kind.nearest) here = both(here, may_show(w.place[front], w.place[front]));
+      const F end = may_be_whole   ? choose(w.split, w.place[back], w.place[std::size_t(pieces)])
+                    : kind.nearest ? w.place[front]
+                                   : w.place[back];
       // A ValueTable is one row.
-      const I row = p_.nearest ? set_int(0) : entry_of(w.place[front]);
+      const I row = kind.nearest ? set_int(0) : entry_of(w.place[front]);
       const TableSlab slab = Unpack(Look(p_.table, row, entry_of(end)));
       F opacity = p_.depths == nullptr ? slab.opacity : OpacityBetween(p_, w.place[front], end);
-      if (!Rays::same_lengths || w.cut || slab_->face) opacity = Shortened(opacity, length_in_box(s, w, i));
-      if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(s, slab));
+      if (!Rays::same_lengths || w.cut || kind.face)
+        opacity = Shortened(opacity, length_in_box(kind, s, w, i));
+      if (may_be_whole) opacity = choose(w.split, opacity, whole_opacity(kind, s, slab));
       opacity = only(here, opacity);
       if (p_.floats)
         opacity = only(both(greater(w.place[front], set(no_place)), greater(end, set(no_place))), opacity);
       Reflected light = unlit();
-      if (p_.lit) {
+      if (is_lit) {
         Gradient change = difference(gradients[back], gradients[front]);
         if (may_be_whole) {
           const Gradient over_all = difference(gradients[std::size_t(pieces)], gradients[0]);
@@ -403,8 +441,8 @@ class GroupPainter {
   }
 
   /// The length of the part of piece i that lies in the volume's box, in the table's lengths.
-  HWY_INLINE F length_in_box(const State& s, const Work& w, int i) const {
-    const float pieces = slab_->face ? p_.face_pieces / float(slab_->pieces) : 1.0F;
+  HWY_INLINE F length_in_box(auto kind, const State& s, const Work& w, int i) const {
+    const float pieces = kind.face ? p_.face_pieces / float(kind.pieces) : 1.0F;
     const F length = mul(rays_.length(s.ray), set(pieces));
     if (!w.cut) return length;
     const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);

@@ -106,6 +106,20 @@ inline I gather_int(const void* base, I at) {
   return value;
 }
 inline F gather(const float* base, I at) { return base[at]; }
+/// A tile's pixels from and to rows `pitch` floats apart; channels by lane.
+inline void load_rows(const float* pixels, std::ptrdiff_t, float (&rgba)[4][lanes]) {
+  for (int c = 0; c < 4; ++c) rgba[c][0] = pixels[c];
+}
+inline void store_rows(const float (&rgba)[4][lanes], float* pixels, std::ptrdiff_t) {
+  for (int c = 0; c < 4; ++c) pixels[c] = rgba[c][0];
+}
+/// The halves of 64-bit numbers.
+struct Halves {
+  I low, high;
+};
+inline Halves gather_halves(const std::uint64_t* base, I at) {
+  return {static_cast<I>(static_cast<std::uint32_t>(base[at])), static_cast<I>(base[at] >> 32)};
+}
 
 #else
 
@@ -190,6 +204,44 @@ HWY_INLINE I gather_int(const void* base, I at) {
   return hn::GatherOffset(Di(), static_cast<const std::int32_t*>(base), at);
 }
 HWY_INLINE F gather(const float* base, I at) { return hn::GatherIndex(Df(), base, at); }
+HWY_INLINE void load_rows(const float* pixels, std::ptrdiff_t pitch, float (&rgba)[4][lanes]) {
+  const hn::Full128<float> row;
+  for (int l = 0; l < lanes; l += tile_width, pixels += pitch) {
+    hn::Vec<decltype(row)> r, g, b, a;
+    hn::LoadInterleaved4(row, pixels, r, g, b, a);
+    hn::Store(r, row, rgba[0] + l);
+    hn::Store(g, row, rgba[1] + l);
+    hn::Store(b, row, rgba[2] + l);
+    hn::Store(a, row, rgba[3] + l);
+  }
+}
+HWY_INLINE void store_rows(const float (&rgba)[4][lanes], float* pixels, std::ptrdiff_t pitch) {
+  const hn::Full128<float> row;
+  const auto of = [&](int c, int l) HWY_ATTR { return hn::Load(row, rgba[c] + l); };
+  for (int l = 0; l < lanes; l += tile_width, pixels += pitch)
+    hn::StoreInterleaved4(of(0, l), of(1, l), of(2, l), of(3, l), row, pixels);
+}
+struct Halves {
+  I low, high;
+};
+template <class D>
+HWY_INLINE hn::Vec<D> load_each(D d, const std::uint64_t* base, const std::int32_t* at) {
+  if constexpr (hn::MaxLanes(d) == 1) {
+    return hn::LoadU(d, base + std::uint32_t(*at));
+  } else {
+    const hn::Half<D> half;
+    return hn::Combine(d, load_each(half, base, at + hn::MaxLanes(half)), load_each(half, base, at));
+  }
+}
+/// By single loads, which take half as long as gathering does, or less.
+HWY_INLINE Halves gather_halves(const std::uint64_t* base, I at) {
+  HWY_ALIGN std::int32_t places[lanes];
+  hn::Store(at, Di(), places);
+  const hn::Repartition<std::uint64_t, Di> d;
+  const I first = hn::BitCast(Di(), load_each(d, base, places)),
+          second = hn::BitCast(Di(), load_each(d, base, places + lanes / 2));
+  return {hn::ConcatEven(Di(), second, first), hn::ConcatOdd(Di(), second, first)};
+}
 
 #endif
 

@@ -28,9 +28,9 @@ Number coded(const PlaneCode& code, double value) {
     return static_cast<Number>(std::lround(code.of(value)));
 }
 
-/// A row of a block, from any address.
+/// A row of a block, from any address. `count` may be known when this is compiled, so that rows go at once.
 template <class Number, class T>
-void convert(const std::byte* from, int count, const PlaneCode& code, Number* to) {
+void convert(const std::byte* from, auto count, const PlaneCode& code, Number* to) {
   T values[side];
   std::memcpy(values, from, std::size_t(count) * sizeof(T));
   const bool as_stored = code.scale == 1 && !code.bounded();
@@ -167,8 +167,14 @@ void ScalarPlanes::place_blocks(Number* plane, Slot& slot, const SheetPayload& p
       slot.holds[block] = unknown;
       note_change(column, row);
       Number* voxel = plane + place_of(block);
-      for (int y = 0; y < high(row); ++y, from += std::size_t(wide(column)) * sizeof(T))
-        convert<Number, T>(from, wide(column), code_, voxel + y * pitch_);
+      const auto place_rows = [&](auto across) {
+        for (int y = 0; y < high(row); ++y, from += std::size_t(across) * sizeof(T))
+          convert<Number, T>(from, across, code_, voxel + y * pitch_);
+      };
+      if (wide(column) == side)
+        place_rows(std::integral_constant<int, side>());
+      else
+        place_rows(wide(column));
     }
   }
   forget_up_to(blocks());

@@ -15,12 +15,9 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
 /// A table entry in each lane, as it is stored.
-struct Entry {
-  I low, high;
-};
+using Entry = Halves;
 HWY_INLINE Entry Look(const std::uint64_t* table, I front, I back) {
-  const I at = up<3>(add(up<8>(front), back));
-  return {gather_int(table, at), gather_int(table, add(at, set_int(4)))};
+  return gather_halves(table, add(up<8>(front), back));
 }
 HWY_INLINE F OpacityOf(const Entry& e) {
   const F root_of = mul(to_float(both(e.low, set_int(0xffff))), set(1.0F / 65535));
