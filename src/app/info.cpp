@@ -20,6 +20,7 @@
 #include "program/text_output.hpp"
 #include "program/watched_source.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
+#include "session/render.hpp"
 #include "volume/clipped.hpp"
 #include "volume/slice_store.hpp"
 #include "volume/value_statistics.hpp"
@@ -81,6 +82,7 @@ std::string human_bytes(std::uint64_t bytes) {
 struct Memory {
   int gps;
   std::uint64_t all_lit, all_plain, one_lit, one_plain;  ///< bytes of the GP that holds most
+  std::uint64_t kept;                                    ///< of sheets, by a Renderer
 };
 
 Memory memory_of(const Grid& grid, SliceDealing dealing) {
@@ -94,7 +96,8 @@ Memory memory_of(const Grid& grid, SliceDealing dealing) {
     }
     return largest;
   };
-  return {dealing.gps, most(true, true), most(true, false), most(false, true), most(false, false)};
+  return {dealing.gps,       most(true, true),   most(true, false),
+          most(false, true), most(false, false), usual_kept_bytes(grid, dealing.gps)};
 }
 
 std::vector<Memory> memory_table(const Grid& grid, int gps, int bundle) {
@@ -212,12 +215,14 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   row("not finite", fmt::format("{} voxels", values.range.not_finite));
   if (!values.range.empty()) text += quantiles_text(values) + histogram_text(values);
   text += fmt::format(
-      "\nslices held by a GP{} (while loading up to 64 MiB more)\n  {:>8}{:>18}{:>18}{:>18}{:>18}\n",
+      "\nslices held by a GP{} (while loading up to 64 MiB more), and kept by a Renderer for later frames "
+      "(--keep)\n  {:>8}{:>18}{:>18}{:>18}{:>18}{:>18}\n",
       o.bundle > 1 ? fmt::format(", in bundles of {}", o.bundle) : "", "--gps", "all axes, lit",
-      "all axes, unlit", "one axis, lit", "one axis, unlit");
+      "all axes, unlit", "one axis, lit", "one axis, unlit", "kept");
   for (const auto& m : memory_table(whole, o.gps, o.bundle))
-    text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
-                        human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain));
+    text += fmt::format("  {:>8}{:>18}{:>18}{:>18}{:>18}{:>18}\n", m.gps, human_bytes(m.all_lit),
+                        human_bytes(m.all_plain), human_bytes(m.one_lit), human_bytes(m.one_plain),
+                        human_bytes(m.kept));
   return text;
 }
 
@@ -268,7 +273,8 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
                                          {"all_axes_lit", m.all_lit},
                                          {"all_axes_unlit", m.all_plain},
                                          {"one_axis_lit", m.one_lit},
-                                         {"one_axis_unlit", m.one_plain}});
+                                         {"one_axis_unlit", m.one_plain},
+                                         {"kept_by_a_renderer", m.kept}});
   return j;
 }
 

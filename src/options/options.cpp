@@ -116,6 +116,10 @@ constexpr OptionRow<Run> protocol_rows[] = {
     {"--send-ahead", nullptr, initial,
      "Payloads that a token leaves behind before it waits until one is accepted",
      [](Run& o) { return value(o.protocol.send_ahead); }},
+    {"--keep", "MIB", nullptr,
+     "Sheets: MiB of slices that a Renderer keeps, so that later frames need not send them again; without it "
+     "a quarter of what a GP's slices take, at least 64",
+     [](Run& o) { return value(o.engine.keep, {.least = 0}); }},
     {"--stall-timeout", "SECONDS", initial,
      "Seconds without any progress until it is said which rank is waited for",
      [](Run& o) { return value(o.protocol.stall_timeout); }},
@@ -176,8 +180,7 @@ constexpr OptionRow<Info> prediction_rows[] = {
      [](Info& o) {
        return value(o.cores, {1, 1 << 24});
      }},
-    {"--machine", "FILE", nullptr,
-     "Predict for a described machine (docs/simulation.md) instead of this one",
+    {"--machine", "FILE", nullptr, "Predict for a described machine (docs/simulation.md) instead of this one",
      [](Info& o) { return value(o.machine); }},
 };
 

@@ -186,6 +186,11 @@ class BundlePainter final : public PainterDecorator {
     return false;
   }
 
+  void skip(const PayloadToDraw& payload) override {
+    read(payload);
+    for (const PayloadToDraw& slice : slices_) inner_.skip(slice);
+  }
+
  private:
   /// Finds the payloads of the bundle's slices.
   void read(const PayloadToDraw& payload) {

@@ -107,6 +107,9 @@ class Painter {
   virtual void begin(const PayloadToDraw& payload) = 0;
   /// Does a bounded piece of the payload on each thread; true once its memory and its slot may go to another.
   virtual bool work() = 0;
+  /// Instead of drawing a payload, in a frame that nobody wants: takes what later payloads rely on. Throws as
+  /// begin().
+  virtual void skip(const PayloadToDraw&) {}
   /// Called until false, once all payloads are done: does a bounded piece of what they left to do.
   virtual bool conclude() { return false; }
   /// Appends to `news` what GP `gp` has not yet been told of this Renderer's tiles in this frame.

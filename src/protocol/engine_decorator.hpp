@@ -33,6 +33,7 @@ class PainterDecorator : public Painter {
   bool prepare() override { return inner_.prepare(); }
   void begin(const PayloadToDraw& payload) override { inner_.begin(payload); }
   bool work() override { return inner_.work(); }
+  void skip(const PayloadToDraw& payload) override { inner_.skip(payload); }
   bool conclude() override { return inner_.conclude(); }
   void news(int gp, Bytes& news) override { inner_.news(gp, news); }
   ItemCounts counts() const override { return inner_.counts(); }

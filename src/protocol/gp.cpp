@@ -37,10 +37,8 @@ void Gp::start_tokens(Frame& frame) {
 }
 
 void Gp::drop_frame(std::int64_t number) {
-  Frame* frame = find_frame(number);
-  if (frame == nullptr) return;  // this GP's part is over
-  frame->dropped = true;
-  for (auto& slice : frame->prepared) slice.parts.assign(std::size_t(layout_.renderers), {});
+  // Not when this GP's part is over. What is prepared is still sent: later payloads may rely on it.
+  if (Frame* frame = find_frame(number)) frame->dropped = true;
 }
 
 Gp::Frame* Gp::find_frame(std::int64_t number) {

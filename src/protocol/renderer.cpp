@@ -115,12 +115,14 @@ bool Renderer::prepare(Frame& frame) {
 bool Renderer::draw_some(Frame& frame) {
   const auto found = frame.payloads.find(frame.next);
   if (found == frame.payloads.end()) return false;
+  const auto [place, passes] = fields_of<PayloadFields>(found->second.header);
+  const PayloadToDraw payload{place.step, passes, found->second.body()};
   if (frame.dropped) {
+    frame.painter->skip(payload);
     finish_payload(frame);
     return true;
   }
-  const auto [place, passes] = fields_of<PayloadFields>(found->second.header);
-  if (!std::exchange(frame.painting, true)) frame.painter->begin({place.step, passes, found->second.body()});
+  if (!std::exchange(frame.painting, true)) frame.painter->begin(payload);
   const double composited = frame.painter->composite_seconds();
   const bool complete = frame.painter->work();
   book({.activity = Activity::draw,

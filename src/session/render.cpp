@@ -110,6 +110,11 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
   return deal_scene(volume, options, dealing_of(layout), gps_by_process(layout, wiring), wiring.collectives);
 }
 
+std::uint64_t usual_kept_bytes(const Grid& grid, int gps) {
+  return std::max<std::uint64_t>(std::uint64_t{64} << 20,
+                                 3 * std::uint64_t(grid.bytes()) / 4 / std::uint64_t(gps));
+}
+
 void check(const EngineOptions& options) {
   if (options.threads_per_rank < 1)
     throw InputError(fmt::format("--threads-per-rank is {}", options.threads_per_rank),
@@ -126,19 +131,21 @@ namespace {
 std::unique_ptr<Engine> make_engine(const Grid& grid, const Layout& layout,
                                     std::shared_ptr<const VolumeSketch> sketch, SliceStore slices, bool timed,
                                     const EngineOptions& options, TakePicture take) {
-  EngineSetup setup{.grid = grid,
-                    .gps = layout.gps,
-                    .renderers = layout.renderers,
-                    .bundle = layout.bundle,
-                    .colocated = layout.placement == Placement::colocated,
-                    .sketch = std::move(sketch),
-                    .slices = std::make_shared<const SliceStore>(std::move(slices)),
-                    .threads = options.threads_per_rank,
-                    // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
-                    // (net/mesh.hpp).
-                    .skip_empty = !layout.routed(),
-                    .timed = timed,
-                    .take = std::move(take)};
+  EngineSetup setup{
+      .grid = grid,
+      .gps = layout.gps,
+      .renderers = layout.renderers,
+      .bundle = layout.bundle,
+      .colocated = layout.placement == Placement::colocated,
+      .sketch = std::move(sketch),
+      .slices = std::make_shared<const SliceStore>(std::move(slices)),
+      .threads = options.threads_per_rank,
+      .kept_bytes = options.keep ? std::uint64_t(*options.keep) << 20 : usual_kept_bytes(grid, layout.gps),
+      // A mesh needs all slices: payloads do not meet because tokens visit the GPs in order
+      // (net/mesh.hpp).
+      .skip_empty = !layout.routed(),
+      .timed = timed,
+      .take = std::move(take)};
   return options.engine ? options.engine(std::move(setup)) : make_rank_engine(setup);
 }
 

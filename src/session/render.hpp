@@ -1,6 +1,7 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <span>
 
 #include "net/collectives.hpp"
@@ -27,12 +28,19 @@ struct Wiring {
 /// How a node does its work. No option changes a picture.
 struct EngineOptions {
   int threads_per_rank = 1;  ///< threads that share a node's work; they never call MPI
+  /// MiB of sheets' planes that a Renderer keeps, so that their voxels need not be sent again; without it as
+  /// usual_kept_bytes(). The same on every rank.
+  std::optional<int> keep = {};
 
   // What studies of machines put in place of a run's parts (simulate/simulation.hpp); empty: the usual ones.
   std::function<std::unique_ptr<Engine>(EngineSetup setup)> engine = {};
   std::function<std::unique_ptr<Transport>(Transport& network)> network = {};  ///< on which messages travel
   std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};  ///< at which they leave their nodes
 };
+
+/// Bytes of sheets' planes that a Renderer keeps unless somebody says how many: a quarter of what a GP's
+/// slices take in all three slice sets, at least 64 MiB.
+std::uint64_t usual_kept_bytes(const Grid& grid, int gps);
 
 /// Throws InputError that names the option when it asks for more threads than any machine has cores.
 void check(const EngineOptions& options);

@@ -14,6 +14,7 @@
 #include "record/trace.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "session/wire_hash.hpp"
+#include "sheet_engine/sheet_payload.hpp"
 #include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"
 
@@ -82,6 +83,10 @@ void add_payloads(WireHash& hash) {
   hash.layout(&FloatVoxel::opacity, &FloatVoxel::rgb);
   hash.layout(&BundlePart::slice_step, &BundlePart::passes, &BundlePart::bytes);
   hash.layout(&HalfVoxel::rgba);
+  hash.layout(&ShelfNumber::shelf, &ShelfNumber::live, &ShelfNumber::generation);
+  hash.layout(&SheetHeader::low, &SheetHeader::high, &SheetHeader::present, &SheetHeader::first_row,
+              &SheetHeader::rows, &SheetHeader::elsewhere, &SheetHeader::scalar, &SheetHeader::plane,
+              &SheetHeader::shelf);
   hash.layout(&ByteVoxel::rgba);
 }
 

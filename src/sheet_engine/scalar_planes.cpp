@@ -1,5 +1,7 @@
 #include "sheet_engine/scalar_planes.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -8,6 +10,7 @@
 #include <numeric>
 
 #include "base/huge_pages.hpp"
+#include "ringsplat/base/error.hpp"
 #include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
@@ -27,6 +30,8 @@ Number coded(const PlaneCode& code, double value) {
   else
     return static_cast<Number>(std::lround(code.of(value)));
 }
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 /// A row of a block, from any address. `count` may be known when this is compiled, so that rows go at once.
 template <class Number, class T>
@@ -72,13 +77,10 @@ std::size_t plane_bytes(int width, int height, bool floats) {
 
 void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode& code,
                                const Fillers& fillers) {
-  const auto same_bits = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
-  const bool as_before = width == width_ && height == height_ && slots == slots_ &&
-                         code.floats == code_.floats && code.offset == code_.offset &&
-                         code.scale == code_.scale && code.below == code_.below &&
-                         code.above == code_.above && code.least == code_.least && code.most == code_.most &&
-                         std::equal(fillers.begin(), fillers.end(), fillers_.begin(), same_bits);
-  if (as_before) return;
+  shelf_.reset();
+  plane_of_step_.clear();
+  const bool same_fillers = std::equal(fillers.begin(), fillers.end(), fillers_.begin(), same_bits);
+  if (width == width_ && height == height_ && slots == slots_ && code == code_ && same_fillers) return;
   width_ = width;
   height_ = height;
   slots_ = slots;
@@ -100,15 +102,67 @@ void ScalarPlanes::begin_frame(int width, int height, int slots, const PlaneCode
   for (Slot& slot : slots_hold_) slot.holds.assign(blocks(), unknown);
 }
 
+ScalarPlanes::Place ScalarPlanes::place_of_step(int step) {
+  const auto at = std::size_t(step + 1);
+  if (at < plane_of_step_.size() && plane_of_step_[at] != no_plane) return kept_plane(plane_of_step_[at]);
+  return {memory_.data() + slot_of(step) * plane_bytes_, slots_hold_[slot_of(step)]};
+}
+
 template <class Number>
-Number* ScalarPlanes::origin(int step) {
-  return reinterpret_cast<Number*>(memory_.data() + slot_of(step) * plane_bytes_) + margin * pitch_ + margin;
+Number* ScalarPlanes::origin(std::byte* memory) const {
+  return reinterpret_cast<Number*>(memory) + margin * pitch_ + margin;
 }
 
 const void* ScalarPlanes::plane(int step) const {
-  auto* self = const_cast<ScalarPlanes*>(this);
-  return code_.floats ? static_cast<const void*>(self->origin<float>(step))
-                      : static_cast<const void*>(self->origin<std::int16_t>(step));
+  std::byte* memory = const_cast<ScalarPlanes*>(this)->place_of_step(step).memory;
+  return code_.floats ? static_cast<const void*>(origin<float>(memory))
+                      : static_cast<const void*>(origin<std::int16_t>(memory));
+}
+
+/// Frees what is needed no more, and empties a shelf that is used anew.
+void ScalarPlanes::use_shelf(const ShelfNumber& number) {
+  if (shelf_ == number) return;
+  if (shelf_) throw RunError("GPs disagree on what a Renderer keeps", "all ranks must run the same build");
+  shelf_ = number;
+  for (std::size_t k = 0; k < shelves_.size(); ++k)
+    if ((number.live >> k & 1) == 0) shelves_[k] = {};
+  Shelf& shelf = shelves_[number.shelf];
+  if (shelf.generation == number.generation && shelf.width == width_ && shelf.height == height_ &&
+      shelf.code == code_)
+    return;
+  shelf = {number.generation, width_, height_, code_, {}, {}};
+}
+
+ScalarPlanes::Place ScalarPlanes::kept_plane(std::size_t plane) {
+  Shelf& shelf = shelves_[shelf_->shelf];
+  if (plane >= shelf.slots.size()) shelf.slots.resize(plane + 1);
+  Slot& slot = shelf.slots[plane];
+  if (slot.holds.empty()) slot.holds.assign(blocks(), unknown);
+  const std::size_t together = planes_together(), part = plane / together;
+  if (part >= shelf.memory.size()) shelf.memory.resize(part + 1);
+  auto& memory = shelf.memory[part];
+  if (memory.empty()) {
+    memory.reserve(together * plane_bytes_);
+    prefer_huge_pages(memory.data(), together * plane_bytes_);
+    memory.resize(together * plane_bytes_);
+  }
+  return {memory.data() + plane % together * plane_bytes_, slot};
+}
+
+/// Makes what a plane holds speak of this frame's fillers: those that are other numbers now are unknown.
+void ScalarPlanes::renew_fillers(Slot& slot) const {
+  if (std::equal(fillers_.begin(), fillers_.end(), slot.fillers.begin(), same_bits)) return;
+  std::array<std::uint8_t, 256> now;
+  now.fill(unknown);
+  now[voxels] = voxels;
+  for (std::size_t k = 0; k < fillers_.size(); ++k) {
+    const auto same = std::find_if(fillers_.begin(), fillers_.end(),
+                                   [&](double filler) { return same_bits(filler, slot.fillers[k]); });
+    if (same != fillers_.end()) now[k] = std::uint8_t(same - fillers_.begin());
+  }
+  slot.fillers = fillers_;
+  slot.elsewhere = now[slot.elsewhere];
+  for (std::uint8_t& held : slot.holds) held = now[held];
 }
 
 /// Differences at a border read one number beyond it, and that of the next block if the last has one voxel.
@@ -119,7 +173,7 @@ void ScalarPlanes::note_change(int column, int row) {
 
 template <class Number>
 void ScalarPlanes::fill(Number* plane, Slot& slot, std::uint32_t block, std::uint8_t with) {
-  if (slot.holds[block] == with) return;
+  if (slot.holds[block] == with || slot.holds[block] == voxels) return;
   slot.holds[block] = with;
   const Number number =
       with == BlockState::not_a_number && !code_.floats ? Number{} : coded<Number>(code_, fillers_[with]);
@@ -137,16 +191,20 @@ void ScalarPlanes::fill_all(Number* plane, Slot& slot, std::uint8_t with) {
   else
     for (std::uint32_t block = 0; block < blocks(); ++block) fill_one(block);
   slot.elsewhere = with;
-  slot.others.clear();
+  std::erase_if(slot.others, [&](std::uint32_t block) { return slot.holds[block] != voxels; });
 }
 
 template <class Number, class T>
-void ScalarPlanes::place_blocks(Number* plane, Slot& slot, const SheetPayload& payload) {
+void ScalarPlanes::put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are,
+                              const SheetPayload& payload) {
   const std::uint8_t elsewhere = payload.header.elsewhere;
   if (slot.elsewhere != elsewhere) fill_all(plane, slot, elsewhere);
   auto before = slot.others.begin();
   const auto forget_up_to = [&](std::uint32_t block) {
-    for (; before != slot.others.end() && *before < block; ++before) fill(plane, slot, *before, elsewhere);
+    for (; before != slot.others.end() && *before < block; ++before) {
+      fill(plane, slot, *before, elsewhere);
+      if (slot.holds[*before] == voxels) others_.push_back(*before);
+    }
     if (before != slot.others.end() && *before == block) ++before;
   };
   const std::byte* from = payload.voxels.data();
@@ -164,7 +222,14 @@ void ScalarPlanes::place_blocks(Number* plane, Slot& slot, const SheetPayload& p
         fill(plane, slot, block, byte);
         continue;
       }
-      slot.holds[block] = unknown;
+      if ((byte & block_kept) != 0) {
+        if (slot.holds[block] != voxels)
+          throw RunError(fmt::format("block {} of plane {} counts as kept, but was never sent", block,
+                                     payload.header.plane),
+                         "all ranks must run the same build");
+        continue;
+      }
+      slot.holds[block] = voxels_are;
       note_change(column, row);
       Number* voxel = plane + place_of(block);
       const auto place_rows = [&](auto across) {
@@ -214,20 +279,40 @@ void ScalarPlanes::extrapolate_border(Number* p) {
 }
 
 template <class Number>
-void ScalarPlanes::place_as(int step, const SheetPayload& payload, ScalarType type) {
+void ScalarPlanes::put_as(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload,
+                          ScalarType type) {
   changed_columns_ = changed_rows_ = {};
-  Number* plane = origin<Number>(step);
-  visit_type(type, [&](auto zero) {
-    place_blocks<Number, decltype(zero)>(plane, slots_hold_[slot_of(step)], payload);
-  });
+  auto* plane = origin<Number>(place.memory);
+  visit_type(type,
+             [&](auto zero) { put_blocks<Number, decltype(zero)>(plane, place.slot, voxels_are, payload); });
   extrapolate_border(plane);
 }
 
-void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
+void ScalarPlanes::put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload,
+                       ScalarType type) {
   if (code_.floats)
-    place_as<float>(step, payload, type);
+    put_as<float>(place, voxels_are, payload, type);
   else
-    place_as<std::int16_t>(step, payload, type);
+    put_as<std::int16_t>(place, voxels_are, payload, type);
+}
+
+void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
+  use_shelf(payload.header.shelf);
+  const std::uint16_t plane = payload.header.plane;
+  plane_of_step_.resize(std::max(plane_of_step_.size(), std::size_t(step + 2)), no_plane);
+  plane_of_step_[std::size_t(step + 1)] = plane;
+  if (plane != no_plane)
+    keep(payload, type);
+  else
+    put(place_of_step(step), unknown, payload, type);
+}
+
+void ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
+  use_shelf(payload.header.shelf);
+  if (payload.header.plane == no_plane) return;
+  const Place place = kept_plane(payload.header.plane);
+  renew_fillers(place.slot);
+  put(place, voxels, payload, type);
 }
 
 template <class Number>
@@ -257,10 +342,11 @@ void ScalarPlanes::extrapolate_margin(Number* out, const Number* one, const Numb
 
 template <class Number>
 void ScalarPlanes::extrapolate_as(int step, int a, int b) {
-  Number* out = origin<Number>(step);
-  const Number *one = origin<Number>(a), *other = origin<Number>(b);
-  Slot& slot = slots_hold_[slot_of(step)];
-  const Slot &before = slots_hold_[slot_of(a)], &after = slots_hold_[slot_of(b)];
+  const Place at = place_of_step(step), at_a = place_of_step(a), at_b = place_of_step(b);
+  auto* out = origin<Number>(at.memory);
+  const auto *one = origin<Number>(at_a.memory), *other = origin<Number>(at_b.memory);
+  Slot& slot = at.slot;
+  const Slot &before = at_a.slot, &after = at_b.slot;
   others_.clear();
   if (before.elsewhere == after.elsewhere && before.elsewhere != unknown) {
     // Where both hold the same filler the extrapolation is that.

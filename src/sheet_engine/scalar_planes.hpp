@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "sheet_engine/sheet_payload.hpp"
@@ -18,32 +19,48 @@ using Fillers = std::array<double, BlockState::not_a_number + 1>;
 Fillers make_fillers(const TransparentValues& transparent, ScalarType type, double low, double high);
 
 /// The slices of a Renderer's frame that are still needed, as planes of 16-bit numbers or floats. Round each
-/// plane lie its linear extrapolations, so that central differences at the border are one-sided.
+/// plane lie its linear extrapolations, so that central differences at the border are one-sided. Slices that
+/// GPs gave a plane on a shelf stay for later frames; the others take slots in turn.
 class ScalarPlanes {
  public:
   static constexpr int margin = 8;  ///< numbers that can be read on each side of a plane
 
-  /// For slices of one frame; `slots`: how many are kept. Planes keep what they hold only while all arguments
-  /// are as before.
+  /// For slices of one frame; `slots`: how many of those without a plane of their own are there at once.
+  /// Slots keep what they hold only while all arguments are as before, shelves until payloads void them.
   void begin_frame(int width, int height, int slots, const PlaneCode& code, const Fillers& fillers);
   int slots() const { return slots_; }
   std::ptrdiff_t pitch() const { return pitch_; }
 
-  /// Puts a slice into the place of the step `slots` before. `step` may be -1.
+  /// Puts a slice into its own plane, or into the place of the step `slots` before. Throws RunError when the
+  /// payload has blocks kept that are not here, or a frame's payloads are of different shelves.
   void place(int step, const SheetPayload& payload, ScalarType type);
-  /// Puts 2a - b there.
+  /// Puts into a slice's own plane, if it has one, what a payload has that is not to be drawn.
+  void keep(const SheetPayload& payload, ScalarType type);
+  /// Puts 2a - b into the place of a step that may be -1.
   void extrapolate(int step, int a, int b);
   /// Voxel (0, 0).
   const void* plane(int step) const;
 
  private:
-  static constexpr std::uint8_t unknown = 0xff;
+  static constexpr std::size_t least_memory = std::size_t{8} << 20;  ///< for huge pages
+  /// What a block holds instead of a filler: something that another frame must not find, or its own voxels
+  /// in a plane that is kept.
+  static constexpr std::uint8_t unknown = 0xff, voxels = 0xfe;
 
-  /// What the blocks of a slot hold, so that a payload costs what it says and what the one before said.
+  /// What the blocks of a plane hold, so that a payload costs what it says and what the one before said.
   struct Slot {
     std::uint8_t elsewhere = unknown;   ///< the filler of all blocks but `others`; unknown: of none
-    std::vector<std::uint32_t> others;  ///< ascending
-    std::vector<std::uint8_t> holds;    ///< by block: the filler in it; unknown: something else
+    std::vector<std::uint32_t> others;  ///< ascending; all that hold voxels are among them
+    std::vector<std::uint8_t> holds;    ///< by block: the filler in it, `voxels` or unknown
+    Fillers fillers{};                  ///< that `holds` speaks of
+  };
+  /// Planes that are kept from frame to frame.
+  struct Shelf {
+    int generation = -1;
+    int width = 0, height = 0;
+    PlaneCode code;
+    std::vector<Slot> slots;                     ///< by plane
+    std::vector<std::vector<std::byte>> memory;  ///< of planes_together() planes each
   };
   /// Along an axis, voxels of blocks that changed and lie at a border or next to one that does.
   struct Span {
@@ -54,12 +71,23 @@ class ScalarPlanes {
     }
   };
 
+  /// Memory of a plane and what it holds.
+  struct Place {
+    std::byte* memory;
+    Slot& slot;
+  };
+  Place place_of_step(int step);
+  void put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
+  void use_shelf(const ShelfNumber& number);
+  Place kept_plane(std::size_t plane);
+  std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
+  void renew_fillers(Slot& slot) const;
   template <class Number>
-  Number* origin(int step);
+  Number* origin(std::byte* memory) const;
   template <class Number>
-  void place_as(int step, const SheetPayload& payload, ScalarType type);
+  void put_as(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
   template <class Number, class T>
-  void place_blocks(Number* plane, Slot& slot, const SheetPayload& payload);
+  void put_blocks(Number* plane, Slot& slot, std::uint8_t voxels_are, const SheetPayload& payload);
   template <class Number>
   void fill_all(Number* plane, Slot& slot, std::uint8_t with);
   template <class Number>
@@ -89,7 +117,10 @@ class ScalarPlanes {
   std::size_t plane_bytes_ = 0;
   std::vector<std::byte> memory_;
   std::vector<Slot> slots_hold_;
-  std::vector<std::uint32_t> others_;  ///< of the slot that is being filled
+  std::array<Shelf, ShelfNumber::shelves> shelves_;
+  std::optional<ShelfNumber> shelf_;          ///< of the frame's payloads
+  std::vector<std::uint16_t> plane_of_step_;  ///< by step + 1; no_plane: the slice is in a slot
+  std::vector<std::uint32_t> others_;         ///< of the slot that is being filled
   Span changed_columns_, changed_rows_;
 };
 

@@ -12,6 +12,7 @@
 #include "raster/opaque_news.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/kept_blocks.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/slice_blocks.hpp"
@@ -28,7 +29,7 @@ constexpr int side = CellRanges::side;
 class SheetEncoder final : public Encoder {
  public:
   SheetEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
-               SliceBlocks& blocks, bool skip_empty)
+               SliceBlocks& blocks, bool skip_empty, KeptBlocks* kept)
       : frame_(std::move(frame)),
         whole_store_(store),
         store_(store.level(frame_->shown.reduction.factor)),
@@ -45,6 +46,7 @@ class SheetEncoder final : public Encoder {
     }
     tile_marked_.resize(std::size_t(regions.count()));
     find_volume_range();
+    if (kept != nullptr) kept_ = kept->begin_frame(*frame_, value_scale(*frame_, low_, high_));
   }
 
   std::vector<int> shown() override {
@@ -72,7 +74,10 @@ class SheetEncoder final : public Encoder {
                .blocks = states_.size()};
     next_row_ = 0;
     elsewhere_ = byte_elsewhere();
-    for (Part& part : parts_) part.begin();
+    for (std::size_t r = 0; r < parts_.size(); ++r) {
+      parts_[r].begin();
+      if (kept_.shelf) parts_[r].held = kept_.shelf->held(slice_.index, int(r));
+    }
     std::fill(tile_marked_.begin(), tile_marked_.end(), false);
   }
 
@@ -89,7 +94,11 @@ class SheetEncoder final : public Encoder {
     step.parts.resize(parts_.size());
     step.counts = counts_;
     for (std::size_t r = 0; r < parts_.size(); ++r)
-      if (parts_[r].present > 0) write(parts_[r], step.parts[r]);
+      if (parts_[r].present > 0) {
+        const std::uint16_t plane = kept_.shelf ? kept_.shelf->plane_of(slice_.index) : no_plane;
+        write(parts_[r], plane, step.parts[r]);
+        if (plane != no_plane) parts_[r].keep();
+      }
     for (std::size_t region = 0; region < tile_marked_.size(); ++region)
       if (tile_marked_[region])
         step.parts[std::size_t(owner_of(int(region)))].tiles.push_back(static_cast<int>(region));
@@ -111,13 +120,21 @@ class SheetEncoder final : public Encoder {
   struct Part {
     std::vector<Said> said;  ///< ascending
     std::uint32_t present = 0;
-    std::size_t voxels = 0;
+    std::size_t voxels = 0;              ///< that are sent
+    std::span<std::uint64_t> held = {};  ///< a bit for each block: whether the Renderer keeps its voxels
     void begin() {
       said.clear();
       present = 0;
       voxels = 0;
     }
     bool knows(std::uint32_t block) const { return !said.empty() && said.back().block == block; }
+    bool holds(std::uint32_t block) const {
+      return !held.empty() && (held[block / 64] >> (block % 64) & 1U) != 0;
+    }
+    void keep() {
+      for (const Said& one : said)
+        if (one.byte >= block_present) held[one.block / 64] |= std::uint64_t{1} << (one.block % 64);
+    }
   };
 
   const FrameGeometry& geometry() const { return frame_->geometry; }
@@ -155,9 +172,11 @@ class SheetEncoder final : public Encoder {
       if (hidden(region, window)) return;
       tile_marked_[std::size_t(region)] = true;
       if (part.knows(block)) return;
-      part.said.push_back({block, std::uint8_t(block_present | (seen ? cells_visible : 0))});
+      const bool kept = part.holds(block);
+      part.said.push_back(
+          {block, std::uint8_t(block_present | (seen ? cells_visible : 0) | (kept ? block_kept : 0))});
       ++part.present;
-      part.voxels += voxels;
+      if (!kept) part.voxels += voxels;
     });
   }
 
@@ -186,7 +205,7 @@ class SheetEncoder final : public Encoder {
     return std::uint8_t(std::max_element(blocks.begin(), blocks.end()) - blocks.begin());
   }
 
-  void write(const Part& part, EncodedPart& out) const {
+  void write(const Part& part, std::uint16_t plane, EncodedPart& out) const {
     const auto row_of = [this](const Said& said) { return int(said.block) / columns_; };
     const int first = row_of(part.said.front()), rows = row_of(part.said.back()) + 1 - first;
     SheetHeader header;
@@ -197,6 +216,8 @@ class SheetEncoder final : public Encoder {
     header.scalar = std::uint8_t(slice_.type);
     header.first_row = std::uint16_t(first);
     header.rows = std::uint16_t(rows);
+    header.plane = plane;
+    header.shelf = kept_.number;
     out.payload = Message::body_buffer();
     out.payload.reserve(out.payload.size() + sizeof header +
                         std::size_t(rows) * (sizeof(BlockRow) + std::size_t(columns_)) +
@@ -226,11 +247,11 @@ class SheetEncoder final : public Encoder {
       append(payload, column == column_of(*next) ? (next++)->byte : elsewhere_);
   }
 
-  /// Copies the voxels of the present blocks to `to`.
+  /// Copies the voxels of the present blocks that the Renderer does not keep to `to`.
   void copy_voxels(const Part& part, std::byte* to) const {
     const std::size_t scalar = size_of(slice_.type), pitch = slice_.row_pitch() * scalar;
     for (const Said& said : part.said) {
-      if (said.byte < block_present) continue;
+      if (said.byte < block_present || (said.byte & block_kept) != 0) continue;
       const int column = int(said.block) % columns_, row = int(said.block) / columns_;
       const std::size_t bytes = std::size_t(block_width(column)) * scalar;
       const std::byte* from = slice_.values_of_row(row * side) + std::size_t(column * side) * scalar;
@@ -272,13 +293,15 @@ class SheetEncoder final : public Encoder {
   EncodeCounts counts_;
   std::vector<Part> parts_;        ///< by Renderer
   std::vector<bool> tile_marked_;  ///< by region: has a block of the slice
+  KeptBlocks::OfFrame kept_;
 };
 
 }  // namespace
 
 std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
-                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty) {
-  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty);
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty,
+                                            KeptBlocks* kept) {
+  return std::make_unique<SheetEncoder>(std::move(frame), renderers, store, blocks, skip_empty, kept);
 }
 
 }  // namespace ringsplat

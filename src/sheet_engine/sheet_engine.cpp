@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "engine_parts/frame_plan.hpp"
+#include "sheet_engine/kept_blocks.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 
 namespace ringsplat {
@@ -12,13 +13,18 @@ class SheetParts {
  public:
   using Frame = SheetFrame;
   using Kept = SliceBlocks;
-  explicit SheetParts(const EngineSetup& setup) : setup_(setup), dealer_(setup), threads_(setup.threads) {}
+  explicit SheetParts(const EngineSetup& setup)
+      : setup_(setup),
+        dealer_(setup),
+        threads_(setup.threads),
+        kept_(setup.slices->gp(), setup.gps, setup.renderers, setup.kept_bytes) {}
 
   std::shared_ptr<const SheetFrame> frame(const FrameSpec& spec) {
     return make_sheet_frame(spec, setup_.grid, setup_.dealing(), setup_.renderers, &dealer_);
   }
   std::unique_ptr<Encoder> encoder(std::shared_ptr<const SheetFrame> frame, SliceBlocks& blocks) {
-    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty);
+    return make_sheet_encoder(std::move(frame), setup_.renderers, *setup_.slices, blocks, setup_.skip_empty,
+                              &kept_);
   }
   std::unique_ptr<FramePainter<SheetFrame>> painter(int renderer) {
     return make_sheet_painter(renderer, setup_.renderers, threads_);
@@ -28,6 +34,7 @@ class SheetParts {
   EngineSetup setup_;
   RegionDealer dealer_;
   ThreadTeam threads_;
+  KeptBlocks kept_;
 };
 
 }  // namespace

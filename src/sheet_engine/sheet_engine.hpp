@@ -9,16 +9,19 @@
 
 namespace ringsplat {
 
+class KeptBlocks;
 class SliceBlocks;
 
 /// Slices that a Renderer keeps at most before it has painted them.
 inline constexpr int most_slices_kept = 36;
 
 /// A GP's encoder for one frame. `store` and `blocks` must outlive it; `blocks` is kept from frame to frame,
-/// one for each level of the store. EngineSetup explains `skip_empty`. Throws RunError when the slices that
-/// the frame traverses were not loaded.
+/// one for each level of the store. `kept` outlives it, too, and is told of all frames in their order; null:
+/// Renderers keep nothing. EngineSetup explains `skip_empty`. Throws RunError when the slices that the frame
+/// traverses were not loaded.
 std::unique_ptr<Encoder> make_sheet_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
-                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty);
+                                            const SliceStore& store, SliceBlocks& blocks, bool skip_empty,
+                                            KeptBlocks* kept = nullptr);
 
 /// A Renderer's painter. `threads` must outlive it; the image has the same bits with any number of them.
 std::unique_ptr<FramePainter<SheetFrame>> make_sheet_painter(int renderer, int renderers,

@@ -18,6 +18,7 @@
 #include "sheet_engine/sheet_payload.hpp"
 #include "sheet_engine/sheet_rays.hpp"
 #include "sheet_engine/slab_table.hpp"
+#include "sheet_engine/value_scale.hpp"
 #include "sheet_engine/value_table.hpp"
 #include "sheet_engine/visible_tiles.hpp"
 #include "volume/cell_ranges.hpp"
@@ -59,7 +60,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
   bool prepare() override {
     if (!ready_) {
-      if (!(low_ < high_)) return false;
+      if (!range_) return false;
       make_ready();
       return true;
     }
@@ -70,15 +71,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   }
 
   void begin(const PayloadToDraw& payload) override {
-    const auto& [step, passes, body] = payload;
-    check_step(renderer_, step, geometry().slices);
-    try {
-      payload_ = read_sheet_payload(body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
-    } catch (const RunError& e) {
-      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
-    }
-    step_ = step;
-    take_range(payload_->header);
+    read(payload);
+    step_ = payload.step;
     counts_.drawn += payload_->header.present;
     for (const BlockRow& row : payload_->rows) counts_.blocks += std::uint64_t(row.end - row.first);
   }
@@ -89,6 +83,12 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     add_slabs();
     payload_.reset();
     return true;
+  }
+
+  void skip(const PayloadToDraw& payload) override {
+    read(payload);
+    planes_.keep(*payload_, geometry().grid.type);
+    payload_.reset();
   }
 
   bool conclude() override {
@@ -114,82 +114,56 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     return geometry().grid.type != ScalarType::float32 && geometry().grid.type != ScalarType::float64;
   }
 
+  void read(const PayloadToDraw& payload) {
+    const auto& [step, passes, body] = payload;
+    check_step(renderer_, step, geometry().slices);
+    try {
+      payload_ = read_sheet_payload(body, rays_.voxels[0], rays_.voxels[1], geometry().grid.type);
+    } catch (const RunError& e) {
+      throw RunError(fmt::format("Renderer {}, step {}: {}", renderer_, step, e.what()));
+    }
+    const std::uint16_t plane = payload_->header.plane;
+    if (plane != no_plane && int(plane) >= geometry().slices)
+      throw RunError(fmt::format("Renderer {}, step {}: plane {} of {} slices", renderer_, step, plane,
+                                 geometry().slices));
+    take_range(payload_->header);
+  }
+
   void take_range(const SheetHeader& header) {
     const bool known = std::isfinite(header.low) && std::isfinite(header.high) && header.low <= header.high;
     if (!known && whole_numbers())
       throw RunError(fmt::format("Renderer {} was told that the volume's values lie between {} and {}",
                                  renderer_, header.low, header.high),
                      "all ranks must run the same build");
-    auto [low, high] = finite_range(header);
-    const bool cut = leave_outliers(low, high);
-    if (ready_ && low == low_ && high == high_ && cut == cut_) return;
-    low_ = low;
-    high_ = high;
-    cut_ = cut;
+    const std::pair told{header.low, header.high};
+    if (ready_ && told == range_) return;
+    range_ = told;
     make_ready();
-  }
-
-  /// Narrows a range that the table could not resolve the function in. From a voxel so many widths of the
-  /// function away, all but a ten-thousandth of the way to its neighbour lies beyond the function's ends, so
-  /// that how far beyond does not matter. Returns whether there was something to leave out.
-  bool leave_outliers(double& low, double& high) const {
-    const auto [first, last] = ends_of_function();
-    constexpr double widths = 1e4;
-    const double reach = widths * (last - first), from = std::max(low, first - reach),
-                 to = std::min(high, last + reach);
-    const bool cut = (from > low || to < high) && from < to;
-    if (cut) low = from, high = to;
-    return cut;
-  }
-
-  std::pair<double, double> ends_of_function() const {
-    const TransferFunction& tf = frame_->shown.transfer_function;
-    return {std::min(tf.opacities.front().value, tf.colours.front().value),
-            std::max(tf.opacities.back().value, tf.colours.back().value)};
-  }
-
-  /// What stands for infinite values: some beyond the transfer function's ends, as in the truths.
-  std::pair<double, double> beyond_function() const {
-    const auto [first, last] = ends_of_function();
-    return {first - 1 - std::abs(first), last + 1 + std::abs(last)};
-  }
-
-  /// The ends of the table's axis.
-  std::pair<double, double> finite_range(const SheetHeader& header) const {
-    const auto [below, above] = beyond_function();
-    double low = std::isfinite(header.low) ? header.low : below,
-           high = std::isfinite(header.high) ? header.high : above;
-    if (!(low <= high)) std::swap(low, high);
-    // A volume of a single value needs an axis, too.
-    if (!(low < high)) high = low + std::max(1.0, std::abs(low) * 1e-3);
-    return {low, high};
   }
 
   /// Makes tables and planes for the frame and the volume's range.
   void make_ready() {
     ready_ = true;
     const Sheets& sheets = frame_->sheets;
+    scale_ = value_scale(*frame_, range_->first, range_->second);
+    const PlaneCode& code = scale_.code;
     fill_table();
-    const bool rounded = !frame_->nearest() && table_.axis().even();
-    code_ = PlaneCode::choose(geometry().grid.type, low_, high_, rounded, frame_->slabs());
-    std::tie(code_.below, code_.above) = beyond_function();
-    if (cut_) code_.least = low_, code_.most = high_;
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
-        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code_.floats), most_slices_kept));
-    planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slices_kept), code_,
-                        make_fillers(transparent_, geometry().grid.type, low_, high_));
+        std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code.floats), most_slices_kept));
+    planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slices_kept), code,
+                        make_fillers(transparent_, geometry().grid.type, scale_.low, scale_.high));
     paint_ = {};
     paint_.rays = rays_;
     paint_.places = place_map();
-    paint_.light = gradient_light(*frame_, code_.floats ? largest_number() : 4095);
+    paint_.light = gradient_light(*frame_, code.floats ? largest_number() : 4095);
     paint_.nearest = frame_->nearest();
     paint_.table = paint_.nearest ? values_.entries() : table_.entries();
     paint_.last_entry = paint_.nearest ? float(values_.last()) : TableAxis::last;
     if (!paint_.nearest && !table_.depths().empty()) paint_.depths = &table_.depths().front().whole;
     paint_.slab_length = float(slab_length());
     paint_.pitch = planes_.pitch();
-    paint_.floats = code_.floats;
+    paint_.floats = code.floats;
     paint_.lit = frame_->lit();
     paint_.adaptive = sheets.adaptive;
     paint_.light_points = sheets.light_points;
@@ -203,15 +177,17 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   void fill_table() {
     const TransferFunction& tf = frame_->shown.transfer_function;
     if (frame_->nearest()) {
-      values_.set_function(tf, low_, high_, whole_numbers());
+      values_.set_function(tf, scale_.low, scale_.high, whole_numbers());
       values_.set_length(slab_length());
     } else {
-      table_.set_function(tf, low_, high_);
+      table_.set_function(tf, scale_.low, scale_.high);
       table_.set_length(slab_length());
     }
   }
 
-  double largest_number() const { return std::max(std::abs(code_.of(low_)), std::abs(code_.of(high_))); }
+  double largest_number() const {
+    return std::max(std::abs(scale_.code.of(scale_.low)), std::abs(scale_.code.of(scale_.high)));
+  }
 
   PlaceMap place_map() const {
     PlaceMap map = frame_->nearest() ? places_of_values() : places_of_sheets();
@@ -221,10 +197,10 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
   PlaceMap places_of_values() const {
     PlaceMap map;
-    const double a_number = values_.steps_a_unit() / code_.scale;
+    const double a_number = values_.steps_a_unit() / scale_.code.scale;
     map.even = true;
     map.scale = float(a_number);
-    map.offset = float(-code_.of(values_.low()) * a_number);
+    map.offset = float(-scale_.code.of(values_.low()) * a_number);
     return map;
   }
 
@@ -232,15 +208,15 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     PlaceMap map;
     const TableAxis& axis = table_.axis();
     map.count = axis.count;
-    map.even = axis.coarse || (axis.even() && !code_.floats);
+    map.even = axis.coarse || (axis.even() && !scale_.code.floats);
     for (int k = 0; k < axis.count; ++k) {
       const auto& ramp = axis.ramps[std::size_t(k)];
-      map.ramps[std::size_t(k)] = {float(code_.of(ramp.from)), float(ramp.width * code_.scale),
-                                   float(ramp.rise / code_.scale)};
+      map.ramps[std::size_t(k)] = {float(scale_.code.of(ramp.from)), float(ramp.width * scale_.code.scale),
+                                   float(ramp.rise / scale_.code.scale)};
     }
-    const double a_number = axis.ramps[0].rise / code_.scale;
+    const double a_number = axis.ramps[0].rise / scale_.code.scale;
     map.scale = float(a_number);
-    map.offset = float(-code_.of(axis.ramps[0].from) * a_number);
+    map.offset = float(-scale_.code.of(axis.ramps[0].from) * a_number);
     return map;
   }
 
@@ -248,20 +224,20 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   /// place counts as transparent up to and with `visible_low`, so an end that is visible lies beyond it.
   void set_transparent(PlaceMap& map) const {
     const auto place = [&](double value) {
-      const double number = code_.of(std::clamp(value, low_, high_));
-      return place_of_number(map, float(code_.floats ? number : double(std::lround(number))));
+      const double number = scale_.code.of(std::clamp(value, scale_.low, scale_.high));
+      return place_of_number(map, float(scale_.code.floats ? number : double(std::lround(number))));
     };
     constexpr float before_all = no_place, after_all = -no_place;
     map.visible_low = before_all;
     map.visible_high = after_all;
     for (const auto& i : transparent_.intervals()) {
-      if (i.high < low_ || i.low > high_) continue;
-      const float low = i.low < low_ ? before_all
-                        : i.has_low  ? place(i.low)
-                                     : std::nextafter(place(i.low), after_all),
-                  high = i.high > high_ ? after_all
-                         : i.has_high   ? place(i.high)
-                                        : std::nextafter(place(i.high), before_all);
+      if (i.high < scale_.low || i.low > scale_.high) continue;
+      const float low = i.low < scale_.low ? before_all
+                        : i.has_low        ? place(i.low)
+                                           : std::nextafter(place(i.low), after_all),
+                  high = i.high > scale_.high ? after_all
+                         : i.has_high         ? place(i.high)
+                                              : std::nextafter(place(i.high), before_all);
       if (!std::isfinite(i.low))
         map.visible_low = high;
       else if (!std::isfinite(i.high))
@@ -387,13 +363,12 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   SheetRays rays_;
   std::optional<SlabWindows> windows_;
   TransparentValues transparent_;
-  double low_ = 0, high_ = 0;  ///< of the volume's values; kept for the next frame
-  PlaneCode code_;
+  std::optional<std::pair<double, double>> range_;  ///< the volume's values, as last told
+  ValueScale scale_;
   SlabTable table_;
   ValueTable values_;  ///< instead, where values are the nearest voxels'
   ScalarPlanes planes_;
   SheetPaint paint_;
-  bool cut_ = false;    ///< outliers lie beyond the table's axis
   bool ready_ = false;  ///< tables and planes are the frame's
   std::optional<SheetPayload> payload_;
   int step_ = 0;

@@ -16,8 +16,9 @@ RunError no_payload(const char* what) {
   return RunError(fmt::format("a slice's payload {}", what), "all ranks must run the same build");
 }
 
-bool is_block_byte(std::uint8_t byte) {
-  return byte == block_present || byte == (block_present | cells_visible) || byte <= BlockState::not_a_number;
+bool is_block_byte(std::uint8_t byte, bool may_be_kept) {
+  const int flags = cells_visible | (may_be_kept ? block_kept : 0);
+  return (byte & ~flags) == block_present || byte <= BlockState::not_a_number;
 }
 
 }  // namespace
@@ -32,6 +33,7 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
   if (header.scalar != std::uint8_t(type)) throw no_payload("is of another type of voxels");
   if (header.first_row + header.rows > block_rows || header.elsewhere > BlockState::not_a_number)
     throw no_payload("has rows of blocks outside the slice");
+  if (header.shelf.shelf >= ShelfNumber::shelves) throw no_payload("is for a shelf that there is not");
   std::uint32_t present = 0;
   std::size_t voxels = 0;
   for (int row = 0; row < header.rows; ++row) {
@@ -45,9 +47,10 @@ SheetPayload read_sheet_payload(std::span<const std::byte> body, int width, int 
     const int rows_here = std::min(side, height - (header.first_row + row) * side);
     for (int column = blocks.first; column < blocks.end; ++column) {
       const std::uint8_t byte = bytes[column - blocks.first];
-      if (!is_block_byte(byte)) throw no_payload("says of a block what cannot be");
+      if (!is_block_byte(byte, header.plane != no_plane)) throw no_payload("says of a block what cannot be");
       if (byte < block_present) continue;
       ++present;
+      if ((byte & block_kept) != 0) continue;
       voxels += std::size_t(rows_here) * std::size_t(std::min(side, width - column * side));
     }
   }

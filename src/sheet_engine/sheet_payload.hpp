@@ -8,16 +8,26 @@
 
 namespace ringsplat {
 
+/// A Renderer keeps slices' planes on shelves; those of a frame's slices are on one of them.
+struct ShelfNumber {
+  static constexpr int shelves = 8;
+  std::uint8_t shelf = 0, live = 0;  ///< `live`: a bit for each shelf that is still needed
+  std::uint16_t generation = 0;      ///< another one than before: what the shelf held is void
+  bool operator==(const ShelfNumber&) const = default;
+};
+inline constexpr std::uint16_t no_plane = 0xffff;
+
 /// A slice's payload for one Renderer: a SheetHeader, then for each of `rows` rows of blocks from `first_row`
-/// on a BlockRow and a byte for each of its blocks, then the voxels of all present blocks, in order, each row
-/// by row in the volume's own type. Blocks of which nothing is said are as `elsewhere`.
+/// on a BlockRow and a byte for each of its blocks, then the voxels of all present blocks that are not kept,
+/// in order, each row by row in the volume's own type. Blocks of which nothing is said are as `elsewhere`.
 struct SheetHeader {
   double low = 0, high = 0;   ///< of the volume's (the level's) values; low > high: all are not-a-number
-  std::uint32_t present = 0;  ///< blocks with voxels
+  std::uint32_t present = 0;  ///< blocks that can be seen
   std::uint16_t first_row = 0, rows = 0;
-  std::uint8_t elsewhere = 0;  ///< a block byte without flags
-  std::uint8_t scalar = 0;     ///< ScalarType
-  std::uint16_t unused[3] = {};
+  std::uint8_t elsewhere = 0;      ///< a block byte without flags
+  std::uint8_t scalar = 0;         ///< ScalarType
+  std::uint16_t plane = no_plane;  ///< where on the shelf the Renderer keeps the slice
+  ShelfNumber shelf;
 };
 static_assert(sizeof(SheetHeader) == 32);
 
@@ -26,8 +36,9 @@ struct BlockRow {
 };
 
 /// A block's byte: the interval of transparent values that holds it (BlockState::transparent), or flags.
-inline constexpr std::uint8_t block_present = 0x80;  ///< its voxels follow
+inline constexpr std::uint8_t block_present = 0x80;  ///< it can be seen; its voxels follow unless it is kept
 inline constexpr std::uint8_t cells_visible = 0x40;  ///< its cells before the next step's slice may be seen
+inline constexpr std::uint8_t block_kept = 0x20;     ///< its voxels are in the plane, from an earlier frame
 
 /// A payload taken apart; its spans look into the payload.
 struct SheetPayload {

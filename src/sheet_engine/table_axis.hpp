@@ -48,6 +48,7 @@ struct PlaneCode {
   bool bounded() const { return std::isfinite(least) || std::isfinite(most); }
   double finite(double value) const;
   double of(double value) const { return (finite(value) - offset) * scale; }
+  bool operator==(const PlaneCode&) const = default;
 
   /// Whole numbers where they are exact, or, where they may be `rounded`, where a step is a sixteenth of an
   /// even axis' entry, an eighth with four pieces and a quarter with eight. Differences and sums of as many

@@ -46,6 +46,7 @@ class SliceStore {
              const SliceStore* known = nullptr);
 
   const Grid& grid() const { return grid_; }
+  int gp() const { return gp_; }
   bool keeps(Axis axis) const { return kept_[std::size_t(axis)]; }
   bool has_normals() const { return with_normals_; }
   bool owns(int slice) const { return dealing_.owner_of(slice) == gp_; }
