@@ -3,7 +3,7 @@
 #include <string>
 
 #include "images/drawing.hpp"
-#include "options/colour_options.hpp"
+#include "options/options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "ringsplat/volume/statistics.hpp"

@@ -1,10 +1,10 @@
-#include "app/auto_roles.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <iterator>
 
+#include "app/loading.hpp"
+#include "app/places.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "forecast/forecast.hpp"
@@ -13,7 +13,6 @@
 #include "net/blocks.hpp"
 #include "net/launcher.hpp"
 #include "program/layouts.hpp"
-#include "volume/slice_store.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -21,8 +20,7 @@ namespace {
 std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid, const LoadOptions& load) {
   const double machine = machine_memory_bytes();
   const auto too_large = [&](const Layout& layout) {
-    return double(SliceStore::bytes_needed(grid, 0, dealing_of(layout), load.kept_axes, load.with_normals)) >
-           machine;
+    return double(predict_memory(grid, load, dealing_of(layout)).predicted.front()) > machine;
   };
   std::vector<Layout> fitting;
   std::remove_copy_if(layouts.begin(), layouts.end(), std::back_inserter(fitting), too_large);

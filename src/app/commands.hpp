@@ -1,6 +1,5 @@
 #pragma once
 #include "options/options.hpp"
-#include "options/reference_options.hpp"
 #include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render_frames.hpp"

@@ -1,7 +1,6 @@
-#include "app/film.hpp"
-
 #include <fmt/format.h>
 
+#include "app/frame_output.hpp"
 #include "base/child_program.hpp"
 #include "base/output_file.hpp"
 #include "images/image_io.hpp"

@@ -14,7 +14,7 @@
 #include "images/image_io.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
-#include "program/json_text.hpp"
+#include "program/text_output.hpp"
 
 namespace ringsplat::app {
 

@@ -6,17 +6,37 @@
 #include <vector>
 
 #include "app/annotation.hpp"
-#include "app/film.hpp"
 #include "app/frame_writer.hpp"
 #include "app/stats_output.hpp"
+#include "images/drawing.hpp"
 #include "options/options.hpp"
 #include "program/progress.hpp"
+#include "ringsplat/base/image.hpp"
 #include "ringsplat/volume/statistics.hpp"
+#include "serve/movie.hpp"
 #include "session/director.hpp"
 #include "study/error_budget.hpp"
 #include "study/measured_error.hpp"
 
 namespace ringsplat::app {
+
+bool names_film(const std::filesystem::path& output);
+/// Throws InputError for a run that makes no film, and where there is no ffmpeg.
+void check_film(const RenderOptions& options);
+
+/// The pictures of a run as one file, -o FILM.mp4, made by ffmpeg.
+class Film {
+ public:
+  /// Appends a picture over a background in linear light; none: black.
+  void add(const Image& image, const std::optional<glm::dvec3>& background, const Overlay& overlay);
+  /// Takes as long as ffmpeg does. Throws RunError when it fails or the file cannot be written; a file that
+  /// had the name is then still there.
+  void write(const std::filesystem::path& file);
+
+ private:
+  std::optional<serve::Movie> movie_;
+  int count_ = 0;
+};
 
 /// Outputs finished frames: pictures, a line of results each, and statistics. Lives on rank 0 and writes on a
 /// thread of its own.

@@ -1,14 +1,13 @@
 #pragma once
-#include <condition_variable>
 #include <deque>
-#include <exception>
 #include <filesystem>
 #include <functional>
-#include <mutex>
+#include <future>
 #include <string>
-#include <thread>
+#include <utility>
 
 #include "app/stats_output.hpp"
+#include "base/process.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "session/director.hpp"
 
@@ -24,38 +23,46 @@ struct FinishedFrame {
   RefinementSteps refinements;
 };
 
-/// A thread that writes finished frames in the order they come, so that encoding pictures delays neither the
-/// frame buffer nor its rank's other nodes. Starts with the first frame. Never calls MPI: only one thread of
-/// a rank does.
+/// Writes finished frames on threads of their own, one after another in the order they come, so that encoding
+/// pictures delays neither the frame buffer nor its rank's other nodes. Never calls MPI: only one thread of a
+/// rank does.
 class FrameWriter {
  public:
   /// Frames that may wait, besides the one that is being written.
   static constexpr std::size_t room = 2;
 
-  /// `write` runs on the thread. What it refers to must outlive this object; others may touch it only after
-  /// finish().
-  explicit FrameWriter(std::function<void(FinishedFrame&&)> write);
-  /// Writes the frames that still wait, unless writing has failed.
-  ~FrameWriter();
-  FrameWriter(const FrameWriter&) = delete;
-  FrameWriter& operator=(const FrameWriter&) = delete;
+  /// What `write` refers to must outlive this object, which waits until all frames are written or writing has
+  /// failed; others may touch it only after finish().
+  explicit FrameWriter(std::function<void(FinishedFrame&&)> write) : write_(std::move(write)) {}
 
   /// Waits while there is no room. Throws what writing an earlier frame threw; nothing is written after it.
-  void put(FinishedFrame&& frame);
+  void put(FinishedFrame&& frame) {
+    if (unfinished_.size() > room) wait_for_first();
+    std::shared_future<void> before;
+    if (!unfinished_.empty()) before = unfinished_.back();
+    unfinished_.push_back(std::async(std::launch::async, [this, before = std::move(before),
+                                                          frame = std::move(frame)]() mutable {
+                            if (before.valid()) std::exchange(before, {}).get();
+                            // Same as on the rendering thread, so that a file's bytes do not depend on the
+                            // thread that writes it.
+                            flush_denormals();
+                            write_(std::move(frame));
+                          }).share());
+  }
   /// Returns when all frames are written; throws what writing one of them threw. Nothing can be put after it.
-  void finish();
+  void finish() {
+    while (!unfinished_.empty()) wait_for_first();
+  }
 
  private:
-  void run();
-  void end();
+  void wait_for_first() {
+    const std::shared_future<void> first = std::move(unfinished_.front());
+    unfinished_.pop_front();
+    first.get();
+  }
 
   const std::function<void(FinishedFrame&&)> write_;
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::deque<FinishedFrame> waiting_;
-  std::exception_ptr failure_;
-  bool no_more_ = false;
-  std::thread thread_;
+  std::deque<std::shared_future<void>> unfinished_;  ///< each waits for the one before it
 };
 
 }  // namespace ringsplat::app

@@ -14,11 +14,9 @@
 #include "forecast/sampled_volume.hpp"
 #include "forecast/this_machine.hpp"
 #include "options/first_view.hpp"
-#include "program/json_text.hpp"
 #include "program/layouts.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
-#include "program/watched_source.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "session/render.hpp"
 #include "volume/clipped.hpp"
@@ -196,7 +194,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   const auto row = [&](const char* name, const std::string& value) {
     text += fmt::format("{:<11}{}\n", name, value);
   };
-  row("volume", o.volume.path);
+  row("volume", o.picture.volume.path);
   if (const auto clip = clip_box(o.picture.clip, whole))
     row("clip", fmt::format("{},{},{} of {} x {} x {}", range_text(*clip, 0), range_text(*clip, 1),
                             range_text(*clip, 2), whole.dims.x, whole.dims.y, whole.dims.z));
@@ -207,7 +205,7 @@ std::string to_text(const InfoOptions& o, const Found& found) {
   row("directions", matrix_text(grid.direction));
   row("size", triple_text(extent, " x "));
   row("reading", concurrent ? "by all ranks at once" : "decoded by rank 0");
-  for (const auto& [what, value] : rows_of(notes, o.volume.choice.frame.value_or(0), values))
+  for (const auto& [what, value] : rows_of(notes, o.picture.volume.choice.frame.value_or(0), values))
     row(what, value);
   row("range", values.range.empty()
                    ? "no finite value"
@@ -241,7 +239,7 @@ nlohmann::json to_json(const InfoOptions& o, const Found& found) {
   const auto& [whole, grid, notes, values, concurrent] = found;
   nlohmann::json j;
   const auto triple = [](const auto& v) { return nlohmann::json{v.x, v.y, v.z}; };
-  j["volume"] = o.volume.path;
+  j["volume"] = o.picture.volume.path;
   if (const auto clip = clip_box(o.picture.clip, whole))
     for (int k = 0; k < 3; ++k) j["clip"].push_back({clip->first[k], clip->end[k]});
   j["dims"] = triple(grid.dims);
@@ -379,7 +377,7 @@ ExitCode run_info(const InfoOptions& o) {
     return ExitCode::done;
   }
   Progress progress;
-  WatchedSource source(open_volume(o.volume), progress);
+  WatchedSource source(open_volume(o.picture.volume), progress);
   const auto clip = clip_box(o.picture.clip, source.grid());
   const auto part = clipped_source(source, clip.value_or(whole_box(source.grid())));
   const Found found{source.grid(), part->grid(), source.notes(), read_values(clip ? *part : source, progress),

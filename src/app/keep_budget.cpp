@@ -8,9 +8,7 @@
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "options/option_values.hpp"
-#include "program/kept_measurements.hpp"
 #include "study/calibration.hpp"
-#include "study/calibration_cache.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -65,12 +63,6 @@ void render_calibration(const RenderOptions& o, const Layout& layout, Scene scen
   }
 }
 
-/// Where rank 0 keeps its measurements; an empty file name when there is no place for it.
-struct Place {
-  std::string key;
-  std::filesystem::path file;
-};
-
 }  // namespace
 
 bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch) {
@@ -78,14 +70,11 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
   const auto settings = candidates(frame, o.budget);
   std::vector<Camera> views;
   std::optional<std::vector<MeasuredShortcuts>> measured;
-  Place place;
+  KeptFile file;  // on rank 0
   if (launch.rank() == 0) {
     views = calibration_views(job.plan.cameras, frame, scene.grid);
-    place.key = calibration_key(o, frame, job.layout, scene.values.histogram, views);
-    if (const auto folder = cache_folder()) {
-      place.file = kept_file(*folder, calibration_kind, place.key);
-      measured = read_calibration(place.file, place.key, settings);
-    }
+    file = kept_file(calibration_kind, calibration_key(o, frame, job.layout, scene.values.histogram, views));
+    measured = read_calibration(file, settings);
   }
   const bool known = launch.of_rank_0(measured.has_value());
   if (!known) {
@@ -100,7 +89,7 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
       measured = calibration->measured();
       progress.print(fmt::format("calibrated {} settings on {} views: {} frames in {:.1f} s", settings.size(),
                                  views.size(), calibration->frames(), now_seconds() - start));
-      if (!place.file.empty()) write_calibration(place.file, place.key, *measured);
+      write_calibration(file, *measured);
     }
   }
   launch.check_on_rank_0([&] {

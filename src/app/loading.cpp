@@ -46,15 +46,6 @@ double picture_bytes_here(int width, int height, std::size_t pictures, const Lau
   return launch.rank() == 0 ? 4.0 * sizeof(float) * width * height * double(pictures) : 0;
 }
 
-}  // namespace
-
-std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, const SliceMemory& slices,
-                               const Layout& layout, const Launch& launch) {
-  const double held = slice_bytes_here(slices, layout, launch),
-               needed = 2 * held + picture_bytes_here(width, height, pictures, launch);
-  return needed <= machine_memory_bytes() ? std::size_t(held) : 0;
-}
-
 void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
                   const Layout& layout, const Launch& launch) {
   const double machine = machine_memory_bytes(), held = slice_bytes_here(slices, layout, launch),
@@ -65,6 +56,26 @@ void check_memory(int width, int height, std::size_t pictures, const SliceMemory
                                held / (1 << 30), frames / (1 << 30), machine / (1 << 30)),
                    held > frames ? "use more ranks on more machines, --axes needed or --shading none"
                                  : "use a smaller --size");
+}
+
+}  // namespace
+
+std::size_t room_to_read_ahead(int width, int height, std::size_t pictures, const SliceMemory& slices,
+                               const Layout& layout, const Launch& launch) {
+  const double held = slice_bytes_here(slices, layout, launch),
+               needed = 2 * held + picture_bytes_here(width, height, pictures, launch);
+  return needed <= machine_memory_bytes() ? std::size_t(held) : 0;
+}
+
+SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Camera>& cameras,
+                          const Grid& grid, const LoadOptions& load, std::size_t pictures,
+                          const std::vector<Place>& places, Launch& launch) {
+  if (o.run.choose_roles) layout = choose_roles(o, cameras, grid, load, places, launch);
+  o.frame.division.dealt_to = drawing_renderers(layout, places, launch);
+  SliceMemory memory = predict_memory(grid, load, dealing_of(layout));
+  launch.check_on_all_ranks(
+      [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, layout, launch); });
+  return memory;
 }
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,

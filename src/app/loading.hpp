@@ -1,5 +1,6 @@
 #pragma once
 #include "app/frame_output.hpp"
+#include "app/places.hpp"
 #include "options/options.hpp"
 #include "program/launch.hpp"
 #include "program/progress.hpp"
@@ -17,10 +18,12 @@ TransferFunction stand_in_function();
 
 SliceMemory predict_memory(const Grid& grid, const LoadOptions& load, SliceDealing dealing);
 
-/// Throws InputError when this process's slices or its frame buffer, which holds so many `pictures` at once,
-/// exceed the machine's memory.
-void check_memory(int width, int height, std::size_t pictures, const SliceMemory& slices,
-                  const Layout& layout, const Launch& launch);
+/// Chooses roles where that is left to the program, says how many Renderers get regions, and predicts what
+/// slices take. Throws InputError on all ranks when some process's slices, or its frame buffer, which holds
+/// so many `pictures` at once, exceed the machine's memory.
+SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Camera>& cameras,
+                          const Grid& grid, const LoadOptions& load, std::size_t pictures,
+                          const std::vector<Place>& places, Launch& launch);
 
 /// Bytes that this process may hold of the next volume of a series while one is drawn: as many as it holds of
 /// one volume's slices, or none where the machine has no room for so many beside slices and pictures.

@@ -2,7 +2,9 @@
 #include <string>
 #include <vector>
 
+#include "options/options.hpp"
 #include "program/launch.hpp"
+#include "scene/load.hpp"
 
 /// Where a job's ranks run, and what follows from it.
 namespace ringsplat::app {
@@ -41,5 +43,17 @@ SettledRanks settle_ranks(RunOptions& options, Launch& launch);
 
 /// The warning when ranks of `threads` threads have too few cores; empty when all is well.
 std::string shared_cores_warning(int threads, const std::vector<Place>& places, bool over_mpi);
+
+/// The layout for --gps auto and --renderers auto: the one in which frames of these views are foreseen to
+/// take least, on the described machine or on this one. All ranks measure what a message costs; rank 0 prints
+/// its choice on stderr. Layouts whose GPs cannot hold their slices are left out. `cameras` are needed on
+/// rank 0 only; without any, the options' own view counts. All ranks call it before the volume is loaded; all
+/// throw the same InputError.
+Layout choose_roles(const RenderOptions& options, const std::vector<Camera>& cameras, const Grid& grid,
+                    const LoadOptions& load, const std::vector<Place>& places, Launch& launch);
+
+/// How many Renderers get regions: all, but two for each core when colocated ranks share cores. More would
+/// not draw faster, and each one's token passes all slices.
+int drawing_renderers(const Layout& layout, const std::vector<Place>& places, const Launch& launch);
 
 }  // namespace ringsplat::app

@@ -15,10 +15,8 @@
 #include "options/first_view.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
-#include "program/json_text.hpp"
 #include "program/text_output.hpp"
 #include "study/measured_error.hpp"
-#include "study/output_names.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {

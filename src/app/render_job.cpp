@@ -4,17 +4,15 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <limits>
 #include <set>
 #include <utility>
 
-#include "app/auto_roles.hpp"
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
-#include "app/film.hpp"
 #include "app/keep_budget.hpp"
 #include "app/loading.hpp"
 #include "app/places.hpp"
-#include "app/simulation_options.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_needs.hpp"
@@ -25,11 +23,39 @@
 #include "options/first_view.hpp"
 #include "program/text_output.hpp"
 #include "study/error_budget.hpp"
-#include "study/output_names.hpp"
 #include "study/steepness.hpp"
 
 namespace ringsplat::app {
 namespace {
+
+/// Reads the machine that --machine names and adapts the protocol's options to a simulated run. All ranks
+/// call it. Throws InputError when the file is bad, or when an option needs a simulation and this is none;
+/// warns when --machine has no effect.
+void prepare_simulation(RunOptions& options, Launch& launch) {
+  ProtocolOptions& protocol = options.protocol;
+  SimulationOptions& simulation = options.simulation;
+  launch.check_on_all_ranks([&] {
+    if (!options.machine.empty()) simulation.machine = read_machine(options.machine);
+    if (simulation.step_seconds > 0 && !simulated())
+      throw InputError("--step-seconds needs the clock that simulated ranks have in common",
+                       "start it with scripts/simulate.sh, or use --in-step in one process");
+    if (simulated() && options.threads_per_rank.value_or(1) > 1)
+      throw InputError(
+          "--threads-per-rank has no meaning for simulated ranks, whose machine says what their work costs",
+          "leave it out, and divide the costs in the machine's description by what threads would gain");
+  });
+  if (!simulated()) {
+    if (simulation.machine && launch.rank() == 0)
+      log_warning(
+          "--machine has no effect here: only simulated ranks have a clock to charge (scripts/simulate.sh)");
+    simulation.machine.reset();
+  }
+  simulate(simulation, options.engine);
+  if (!simulated()) return;
+  // Simulated time leaps while ranks wait; the simulator itself detects that no rank can go on.
+  protocol.stall_timeout = std::numeric_limits<double>::infinity();
+  if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;
+}
 
 Plan make_plan(const RenderOptions& o) {
   Plan plan;
@@ -105,20 +131,6 @@ void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
   }
 }
 
-namespace {
-
-/// Predicts what the job's slices take. Throws InputError on all ranks when one has not so much memory.
-void require_memory(Job& job, Launch& launch) {
-  const RenderOptions& o = job.options;
-  job.memory = predict_memory(job.volume.grid, job.load, dealing_of(job.layout));
-  launch.check_on_all_ranks([&] {
-    check_memory(o.frame.shown.width, o.frame.shown.height,
-                 FrameOutput::most_held(o, job.plan.cameras.size()), job.memory, job.layout, launch);
-  });
-}
-
-}  // namespace
-
 LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
   LoadOptions load{axes,
                    needs_normals(o.frame),
@@ -162,9 +174,8 @@ Job prepare(const RenderOptions& given, Launch& launch) {
     if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range);
   });
   job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
-  if (o.run.choose_roles) job.layout = choose_roles(o, job.plan.cameras, grid, job.load, places, launch);
-  o.frame.division.dealt_to = drawing_renderers(job.layout, places, launch);
-  require_memory(job, launch);
+  job.memory = settle_layout(o, job.layout, job.plan.cameras, grid, job.load,
+                             FrameOutput::most_held(o, job.plan.cameras.size()), places, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty()) require_image_library();
   });

@@ -7,9 +7,8 @@
 #include <charconv>
 #include <filesystem>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <span>
-#include <string_view>
+#include <sstream>
+#include <utility>
 
 #include "base/natural_order.hpp"
 #include "base/printable.hpp"
@@ -20,7 +19,6 @@ namespace ringsplat::app {
 namespace {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 using Numbered = std::vector<std::pair<int, std::string>>;
 
 constexpr std::size_t most_volumes = 1'000'000;
@@ -197,27 +195,75 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
   launch.check_on_rank_0([&] { entries = look_for(volume, frames); });
   if (!frames) return {{0, volume, base_name(volume.path)}};
   if (launch.ranks() == 1) return entries;
-  json list = json::array();
+  std::string list;  // paths have no zeros
   for (const SeriesEntry& e : entries)
-    list.push_back({{"number", e.number},
-                    {"path", json::binary({e.volume.path.begin(), e.volume.path.end()})},
-                    {"frame", e.volume.choice.frame.value_or(-1)},
-                    {"name", json::binary({e.name.begin(), e.name.end()})}});
-  const auto bytes = json::to_cbor(list);
-  const Block block = launch.collectives().broadcast(block_of(std::as_bytes(std::span(bytes))), 0);
-  const auto* first = reinterpret_cast<const std::uint8_t*>(block.data());
+    list += fmt::format("{} {} {}{:c}{}{:c}", e.number, e.volume.choice.frame.value_or(-1), e.volume.path,
+                        '\0', e.name, '\0');
+  std::istringstream in(text_of(launch.collectives().broadcast(block_of_text(list), 0)));
   entries.clear();
-  for (const json& j : json::from_cbor(first, first + block.size())) {
-    const auto text = [&j](const char* key) {
-      const auto& bytes_of = j.at(key).get_binary();
-      return std::string(bytes_of.begin(), bytes_of.end());
-    };
-    SeriesEntry entry{j.at("number"), volume, text("name")};
-    entry.volume.path = text("path");
-    if (j.at("frame") >= 0) entry.volume.choice.frame = j.at("frame").get<int>();
-    entries.push_back(std::move(entry));
+  SeriesEntry entry{0, volume, {}};
+  for (int frame = 0; in >> entry.number >> frame && in.ignore() &&
+                      std::getline(in, entry.volume.path, '\0') && std::getline(in, entry.name, '\0');) {
+    if (frame >= 0) entry.volume.choice.frame = frame;
+    entries.push_back(entry);
   }
   return entries;
+}
+
+SeriesLoader::SeriesLoader(const std::vector<SeriesEntry>& entries, OpenedVolume first, Plan plan,
+                           Progress& progress, Launch& launch)
+    : entries_(entries),
+      plan_(std::move(plan)),
+      progress_(progress),
+      launch_(launch),
+      grid_(first.grid),
+      ahead_(std::move(first)) {}
+
+Scene SeriesLoader::load(std::size_t k) {
+  OpenedVolume volume = opened(k);
+  const SeriesEntry& entry = entries_[k];
+  if (volume.source && entries_.size() > 1)
+    volume.source = std::make_unique<NotingSource>(std::move(volume.source), runs_);
+  try {
+    Progress& progress = std::exchange(loaded_one_, true) ? silent_ : progress_;
+    return app::load(volume, plan_.load, plan_.layout, plan_.wiring, progress);
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    if (entries_.size() == 1 || what.find(entry.volume.path) != std::string::npos) throw;
+    throw InputError(fmt::format("{}: {}", entry.name, what));
+  }
+}
+
+void SeriesLoader::read_ahead(std::size_t k) {
+  ahead_.reset();
+  if (k >= entries_.size()) return;
+  try {
+    ahead_ = open_like_the_first(k);
+  } catch (const InputError&) {
+    return;
+  }
+  ahead_at_ = k;
+  if (ahead_->source && plan_.ahead_bytes > 0 && !runs_.empty())
+    ahead_->source = std::make_unique<ReadAheadSource>(std::move(ahead_->source), runs_, plan_.ahead_bytes);
+}
+
+OpenedVolume SeriesLoader::opened(std::size_t k) {
+  std::optional<OpenedVolume> volume = std::exchange(ahead_, std::nullopt);
+  if (volume && ahead_at_ == k) return std::move(*volume);
+  volume.reset();  // its thread must not read while another is opened
+  return open_like_the_first(k);
+}
+
+OpenedVolume SeriesLoader::open_like_the_first(std::size_t k) {
+  OpenedVolume volume = open(entries_[k].volume, launch_);
+  const Facts here = facts_of(volume.grid), first = facts_of(grid_);
+  for (std::size_t fact = 0; fact < here.size(); ++fact)
+    if (here[fact] != first[fact])
+      throw InputError(
+          fmt::format("{} has {} {}, but {}, the first, has {}", entries_[k].volume.path, here[fact].field,
+                      here[fact].value, entries_.front().name, first[fact].value),
+          "the volumes of a series must lie on one grid: render the others by themselves");
+  return volume;
 }
 
 }  // namespace ringsplat::app

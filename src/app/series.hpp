@@ -3,9 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "options/frames_option.hpp"
+#include "app/loading.hpp"
+#include "options/option_values.hpp"
 #include "options/options.hpp"
 #include "program/launch.hpp"
+#include "volume/read_ahead.hpp"
 
 namespace ringsplat::app {
 
@@ -32,5 +34,48 @@ std::vector<int> chosen_frames(const FrameRange& range, const std::vector<int>& 
 /// the same list, and throw the same InputError.
 std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::optional<FrameRange>& frames,
                                      Launch& launch);
+
+/// Loads the volumes of a series, one at a time, all of one grid. While one is drawn a thread of each process
+/// reads of the next what the process was asked for of the last one; it calls no MPI. All processes call all
+/// functions in the same order.
+class SeriesLoader {
+ public:
+  struct Plan {
+    LoadOptions load;
+    Layout layout;
+    Wiring wiring;
+    std::size_t ahead_bytes = 0;  ///< this process may hold of a volume that is read ahead
+  };
+  /// `first` is the first of the entries, opened. What is passed by reference must outlive the loader.
+  /// `progress` shows how far the first volume is.
+  SeriesLoader(const std::vector<SeriesEntry>& entries, OpenedVolume first, Plan plan, Progress& progress,
+               Launch& launch);
+
+  std::size_t size() const { return entries_.size(); }
+  const SeriesEntry& entry(std::size_t k) const { return entries_[k]; }
+  /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
+  /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
+  Scene load(std::size_t k);
+  /// From now on reduced levels have voxels that are picked, not filtered.
+  void leave_out_prefilter() { plan_.load.prefilter = false; }
+  /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be
+  /// opened: nothing happens, as load() will tell.
+  void read_ahead(std::size_t k);
+
+ private:
+  OpenedVolume opened(std::size_t k);
+  OpenedVolume open_like_the_first(std::size_t k);
+
+  const std::vector<SeriesEntry>& entries_;
+  Plan plan_;
+  Progress& progress_;
+  Progress silent_{true};
+  Launch& launch_;
+  const Grid grid_;
+  bool loaded_one_ = false;
+  std::vector<SliceRun> runs_;  ///< that the last volume was read by
+  std::size_t ahead_at_ = 0;
+  std::optional<OpenedVolume> ahead_;  ///< volume ahead_at_
+};
 
 }  // namespace ringsplat::app

@@ -8,11 +8,10 @@
 #include <optional>
 #include <utility>
 
-#include "app/auto_roles.hpp"
 #include "app/commands.hpp"
 #include "app/loading.hpp"
 #include "app/places.hpp"
-#include "app/series_loader.hpp"
+#include "app/series.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/log_to_stderr.hpp"
@@ -95,13 +94,9 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     check_first_view(o.frame, grid);
   });
   job.load = load_for_levels(o.frame, grid);
-  if (o.run.choose_roles)
-    job.layout = choose_roles(o, {o.frame.shown.camera}, grid, job.load, places, launch);
-  o.frame.division.dealt_to = drawing_renderers(job.layout, places, launch);
-  const SliceMemory memory = predict_memory(grid, job.load, dealing_of(job.layout));
   constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
-  launch.check_on_all_ranks(
-      [&] { check_memory(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch); });
+  const SliceMemory memory =
+      settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures, places, launch);
   job.ahead_bytes =
       room_to_read_ahead(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch);
   if (!view_note.empty()) log_info("{}", view_note);

@@ -8,7 +8,6 @@
 #include "frame/frame_spec_bytes.hpp"
 #include "options/method_options.hpp"
 #include "options/option_values.hpp"
-#include "program/json_text.hpp"
 #include "program/text_output.hpp"
 
 namespace ringsplat::app {

@@ -7,7 +7,6 @@
 #include "formats/write.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
-#include "program/watched_source.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "app/views.hpp"
-#include "options/line_splitter.hpp"
 #include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {

@@ -1,11 +1,13 @@
 #pragma once
+#include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "options/line_splitter.hpp"
 #include "ringsplat/view/view.hpp"
 
 namespace ringsplat::app {
@@ -15,6 +17,31 @@ std::vector<Camera> orbit(const Camera& start, int frames);
 
 /// Says what a line of a path may be, for messages.
 extern const char* const path_line_hint;
+
+/// Cuts text that comes in pieces into lines. Keeps only the beginning of a line that is too long.
+class LineSplitter {
+ public:
+  static constexpr std::size_t most_bytes = 4096;  ///< longest line, without its line feed
+
+  struct Line {
+    std::string text;    ///< the first most_bytes if the line is too long
+    std::size_t number;  ///< from 1
+    bool too_long;
+  };
+  using Take = std::function<void(const Line&)>;
+
+  /// Calls `take` for each line that ends in this piece, and for a line as soon as it becomes too long.
+  void add(std::string_view piece, const Take& take);
+  /// Calls `take` for a last line without a line feed.
+  void end(const Take& take);
+
+ private:
+  void hand_over(const Take& take, bool too_long);
+
+  std::string text_;
+  std::size_t number_ = 1;
+  bool skipping_ = false;  ///< the rest of a line that was too long
+};
 
 /// Reads a path line by line. A line is a camera: "azimuth elevation [roll [zoom]]" with blanks, commas or
 /// semicolons, or a JSON object with these keys, "fov", "distance" or "matrix" (12 numbers). Column names

@@ -8,16 +8,12 @@
 #include <string_view>
 
 #include "base/text.hpp"
-#include "command_line/completion.hpp"
-#include "command_line/former_names.hpp"
-#include "command_line/help.hpp"
-#include "command_line/man_page.hpp"
-#include "command_line/program_texts.hpp"
-#include "command_line/settled_options.hpp"
-#include "command_line/version_text.hpp"
+#include "command_line/texts.hpp"
 #include "options/contradictions.hpp"
 #include "options/likely_option.hpp"
+#include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/config.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -37,6 +33,60 @@ constexpr ProgramTexts texts{
     .exit_codes =
         "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
         "3 a failure while running."};
+
+struct FormerName {
+  const char *former, *today;
+};
+constexpr FormerName former_names[] = {{"slab", "bundle"}};
+
+/// Options' former names, which still work and are in no help.
+class FormerNames {
+ public:
+  /// The words of a command line with the names of today.
+  std::vector<std::string> renamed(int argc, const char* const* argv);
+  /// The same for an option's name without dashes, as --config files have it.
+  std::string renamed(const std::string& name);
+  /// What to tell the user: a line for each former name that was met.
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  std::vector<std::string> notes_;
+};
+
+std::string FormerNames::renamed(const std::string& name) {
+  for (const auto& [former, today] : former_names)
+    if (name == former) {
+      const auto note =
+          fmt::format("--{} is now called --{}; the old name goes with a later version", former, today);
+      if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
+      return today;
+    }
+  return name;
+}
+
+std::vector<std::string> FormerNames::renamed(int argc, const char* const* argv) {
+  std::vector<std::string> words(argv, argv + argc);
+  for (std::string& word : words) {
+    if (word == "--") break;
+    if (!word.starts_with("--")) continue;
+    const auto end = std::min(word.find('='), word.size());
+    word = "--" + renamed(word.substr(2, end - 2)) + word.substr(end);
+  }
+  return words;
+}
+
+/// What --version prints: the version, and which libraries this build has and which were left out. `mpi`
+/// names the library of the ranks; empty: there is none.
+std::string version_text(const std::string& mpi) {
+  std::vector<std::string> with, without;
+  const auto add = [&](bool there, const std::string& name) { (there ? with : without).push_back(name); };
+  add(!mpi.empty(), mpi.empty() ? "MPI" : mpi);
+  add(RINGSPLAT_WITH_OPENIMAGEIO, "OpenImageIO");
+  std::string text = "ringsplat " RINGSPLAT_VERSION;
+  if (!with.empty()) text += "\nwith " + joined(with, ", ");
+  if (!without.empty()) text += "\nwithout " + joined(without, ", ");
+  return text;
+}
 
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
@@ -168,7 +218,7 @@ void bind(CLI::App& app, const Option& option) {
 
 Parser::Parser(bool& verbose, const std::string& mpi) {
   program_.set_version_flag("--version", version_text(mpi));
-  program_.formatter(std::make_shared<HelpFormatter>());
+  program_.formatter(help_formatter());
   program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", texts.examples, texts.exit_codes));
   program_.fallthrough();
   program_.require_subcommand(1);

@@ -1,12 +1,11 @@
-#include "command_line/help.hpp"
-
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <vector>
 
 #include "base/text.hpp"
-#include "command_line/subcommands.hpp"
+#include "command_line/texts.hpp"
 #include "options/option_values.hpp"
 
 namespace ringsplat::app {
@@ -37,7 +36,18 @@ std::string wrapped(const std::string& text, std::size_t indent) {
 /// What an option does, without the details behind a semicolon.
 std::string first_part(const std::string& help) { return help.substr(0, help.find(';')); }
 
-}  // namespace
+class HelpFormatter : public CLI::Formatter {
+ public:
+  HelpFormatter() { column_width(column); }
+  /// "--zoom NUMBER [1]": CLI11's own line glues the default to the type and counts values.
+  std::string make_option_opts(const CLI::Option* option) const override;
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+
+ private:
+  static constexpr std::size_t column = 34;  ///< where an option's help begins
+  std::string everyday_entry(const CLI::Option& option) const;
+  std::string everyday_groups(const CLI::App& app, const std::string& everyday) const;
+};
 
 std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
   std::string text = option->get_type_name().empty() ? "" : " " + option->get_type_name();
@@ -94,5 +104,9 @@ std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI:
   const std::string footer = app->get_footer();
   return text + "\n" + footer.substr(std::min(footer.size(), footer.find("Examples:"))) + "\n";
 }
+
+}  // namespace
+
+std::shared_ptr<CLI::FormatterBase> help_formatter() { return std::make_shared<HelpFormatter>(); }
 
 }  // namespace ringsplat::app

@@ -1,4 +1,4 @@
-#include "command_line/man_page.hpp"
+#include "command_line/texts.hpp"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <cctype>
 #include <vector>
 
-#include "command_line/subcommands.hpp"
 #include "options/contradictions.hpp"
 #include "options/option_values.hpp"
 
@@ -56,17 +55,17 @@ std::string usage_of(const Option& option) {
 std::vector<std::string> names_of(const std::vector<Which>& all, const OptionList& list) {
   std::vector<std::string> names;
   for (const Which& which : all) {
-    const Option* const option = which.option == nullptr ? nullptr : list.find(which.option);
+    const Option* const option = list.find(which.option);
     if (option == nullptr) continue;
     names.push_back(option->is_positional() ? option->form : which.option);
-    if (which.value != nullptr) names.back().append(" ").append(which.value);
+    if (which.value) names.back().append(" ").append(*which.value);
   }
   return names;
 }
 
 bool is_among(const Option& option, const std::vector<Which>& all) {
   return std::any_of(all.begin(), all.end(),
-                     [&](const Which& which) { return which.value == nullptr && means(which, option); });
+                     [&](const Which& which) { return !which.value && means(which, option); });
 }
 
 void append(std::vector<std::string>& all, const std::vector<std::string>& more) {

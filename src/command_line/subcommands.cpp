@@ -2,49 +2,68 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+
+#include "base/text.hpp"
 #include "options/first_view.hpp"
 #include "options/option_tables.hpp"
-#include "options/settle_picture.hpp"
+#include "options/option_values.hpp"
+#include "options/transfer_function_option.hpp"
 #include "ringsplat/base/error.hpp"
 #include "serve/access.hpp"
 
 namespace ringsplat::app {
 namespace {
 
-void require_volume(const char* subcommand, const VolumeOptions& volume) {
-  if (volume.path.empty())
+/// True when the user asks for the names of colour maps instead of work on a volume, which must not be
+/// missing.
+bool asks_for_colour_maps(const char* subcommand, const RenderOptions& o) {
+  if (o.colour.colours == "list") return true;
+  if (o.volume.path.empty())
     throw InputError("the VOLUME to work on is missing",
                      fmt::format("for instance ringsplat {} head.nrrd", subcommand));
+  return false;
 }
 
-void add_render_options(OptionList& list, AllOptions& all) {
+void add_volume(OptionList& list, RenderOptions& o, bool series) {
+  add_volume_options(list, o.volume);
+  add_clip_options(list, o);
+  if (series) add_series_options(list, o);
+  add_raw_options(list, o.volume);
+}
+
+void add_picture(OptionList& list, RenderOptions& o, bool writes_function) {
+  add_camera_options(list, o);
+  add_view_options(list, o);
+  add_size_options(list, o);
+  add_colour_options(list, o);
+  if (writes_function) add_tf_output_options(list, o);
+  add_method_options(list, o);
+  add_shading_options(list, o);
+  add_picture_options(list, o);
+}
+
+void add_ranks(OptionList& list, RunOptions& o) {
+  add_layout_options(list, o);
+  add_rank_options(list, o);
+  add_protocol_options(list, o);
+}
+
+void add_render(OptionList& list, AllOptions& all) {
   RenderOptions& o = all.render;
-  add_options(list, volume_options, o.volume);
-  add_options(list, clip_options, o);
-  add_options(list, series_options, o);
-  add_options(list, raw_options, o.volume);
-  add_options(list, render_output_options, o);
-  add_options(list, camera_options, o);
-  add_options(list, view_options, o);
-  add_options(list, size_options, o);
-  add_options(list, colour_options, o);
-  add_options(list, tf_output_options, o);
-  add_options(list, method_options, o);
-  add_options(list, shading_options, o);
-  add_options(list, picture_options, o);
-  add_options(list, shortcut_options, o);
-  add_options(list, layout_options, o.run);
-  add_options(list, rank_options, o.run);
-  add_options(list, protocol_options, o.run);
-  add_options(list, machine_options, o.run);
-  add_options(list, error_options, o.error);
-  add_options(list, error_budget_options, o.budget);
+  add_volume(list, o, true);
+  add_render_output_options(list, o);
+  add_picture(list, o, true);
+  add_shortcut_options(list, o);
+  add_ranks(list, o.run);
+  add_machine_options(list, o.run);
+  add_error_options(list, o.error);
+  add_error_budget_options(list, o.budget);
 }
 
 Command settle_render(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.render;
-  if (o.colour.colours == "list") return Say{list_of_colour_maps()};
-  require_volume("render", o.volume);
+  if (asks_for_colour_maps("render", o)) return Say{list_of_colour_maps()};
   // A run that only counts has no picture; a run for statistics needs none.
   if (o.output.empty() && o.stats.empty() && !o.run.simulation.count_only)
     throw InputError("--output is required: the picture to write (or --stats, for the time that it takes)",
@@ -53,99 +72,71 @@ Command settle_render(const OptionList& list, AllOptions& all) {
   return o;
 }
 
-void add_serve_options(OptionList& list, AllOptions& all) {
-  ServeOptions& o = all.serve;
+void add_serve(OptionList& list, AllOptions& all) {
+  RenderOptions& o = all.serve.picture;
   // Less waiting for tokens; no picture changes (docs/performance.md).
-  o.picture.run.protocol.look_ahead = o.picture.run.protocol.send_ahead = 4;
-  o.picture.frame.how = sheets_of(Quality::best);
-  add_options(list, volume_options, o.picture.volume);
-  add_options(list, clip_options, o.picture);
-  add_options(list, series_options, o.picture);
-  add_options(list, raw_options, o.picture.volume);
-  add_options(list, server_options, o);
-  add_options(list, camera_options, o.picture);
-  add_options(list, size_options, o.picture);
-  add_options(list, colour_options, o.picture);
-  add_options(list, shading_options, o.picture);
-  add_options(list, layout_options, o.picture.run);
-  add_options(list, rank_options, o.picture.run);
-  add_options(list, protocol_options, o.picture.run);
+  o.run.protocol.look_ahead = o.run.protocol.send_ahead = 4;
+  o.frame.how = sheets_of(Quality::best);
+  add_volume(list, o, true);
+  add_server_options(list, all.serve);
+  add_camera_options(list, o);
+  add_size_options(list, o);
+  add_colour_options(list, o);
+  add_shading_options(list, o);
+  add_ranks(list, o.run);
 }
 
 Command settle_serve(const OptionList& list, AllOptions& all) {
-  RunOptions& run = all.serve.picture.run;
-  if (all.serve.picture.colour.colours == "list") return Say{list_of_colour_maps()};
-  require_volume("serve", all.serve.picture.volume);
+  RenderOptions& o = all.serve.picture;
+  if (asks_for_colour_maps("serve", o)) return Say{list_of_colour_maps()};
   static_cast<void>(serve::frame_ancestors(all.serve.allowed_frames));
-  note_direction(list, all.serve.picture);  // it fits the sphere: turning changes no sizes
-  if (run.topology == Topology::mesh && !list.is_given("--send-ahead")) run.protocol.send_ahead = 0;
+  note_direction(list, o);  // it fits the sphere: turning changes no sizes
+  if (o.run.topology == Topology::mesh && !list.is_given("--send-ahead")) o.run.protocol.send_ahead = 0;
   return all.serve;
 }
 
-void add_info_options(OptionList& list, AllOptions& all) {
-  InfoOptions& o = all.info;
-  add_options(list, volume_options, o.volume);
-  add_options(list, clip_options, o.picture);
-  add_options(list, raw_options, o.volume);
-  add_options(list, info_output_options, o);
-  add_options(list, prediction_options, o);
-  add_options(list, camera_options, o.picture);
-  add_options(list, view_options, o.picture);
-  add_options(list, size_options, o.picture);
-  add_options(list, colour_options, o.picture);
-  add_options(list, method_options, o.picture);
-  add_options(list, shading_options, o.picture);
-  add_options(list, picture_options, o.picture);
-  add_options(list, shortcut_options, o.picture);
+void add_info(OptionList& list, AllOptions& all) {
+  add_volume(list, all.info.picture, false);
+  add_info_output_options(list, all.info);
+  add_prediction_options(list, all.info);
+  add_picture(list, all.info.picture, false);
+  add_shortcut_options(list, all.info.picture);
 }
 
 Command settle_info(const OptionList& list, AllOptions& all) {
-  if (all.info.picture.colour.colours == "list") return Say{list_of_colour_maps()};
-  if (!all.info.presets) require_volume("info", all.info.volume);
-  settle_fit(list, all.info.picture);
-  all.info.picture.frame.how = method_for(all.info.picture.method);
+  RenderOptions& o = all.info.picture;
+  if (!all.info.presets && asks_for_colour_maps("info", o)) return Say{list_of_colour_maps()};
+  settle_fit(list, o);
+  o.frame.how = method_for(o.method);
   return all.info;
 }
 
-void add_compare_options(OptionList& list, AllOptions& all) {
-  add_options(list, compare_options, all.compare);
-}
-
-Command settle_compare(const OptionList&, AllOptions& all) { return all.compare; }
-
-void add_synth_options(OptionList& list, AllOptions& all) { add_options(list, synth_options, all.synth); }
-
-Command settle_synth(const OptionList&, AllOptions& all) { return all.synth; }
-
-void add_reference_options(OptionList& list, AllOptions& all) {
-  ReferenceOptions& o = all.reference;
-  add_options(list, volume_options, o.picture.volume);
-  add_options(list, clip_options, o.picture);
-  add_options(list, raw_options, o.picture.volume);
-  add_options(list, truth_options, o);
-  add_options(list, reference_output_options, o);
-  add_options(list, camera_options, o.picture);
-  add_options(list, view_options, o.picture);
-  add_options(list, size_options, o.picture);
-  add_options(list, colour_options, o.picture);
-  add_options(list, tf_output_options, o.picture);
-  add_options(list, method_options, o.picture);
-  add_options(list, shading_options, o.picture);
-  add_options(list, picture_options, o.picture);
+void add_reference(OptionList& list, AllOptions& all) {
+  add_volume(list, all.reference.picture, false);
+  add_truth_options(list, all.reference);
+  add_reference_output_options(list, all.reference);
+  add_picture(list, all.reference.picture, true);
 }
 
 Command settle_reference(const OptionList& list, AllOptions& all) {
-  if (all.reference.picture.colour.colours == "list") return Say{list_of_colour_maps()};
-  require_volume("reference", all.reference.picture.volume);
-  settle_fit(list, all.reference.picture);
-  all.reference.picture.frame.how = method_for(all.reference.picture.method);
+  RenderOptions& o = all.reference.picture;
+  if (asks_for_colour_maps("reference", o)) return Say{list_of_colour_maps()};
+  settle_fit(list, o);
+  o.frame.how = method_for(o.method);
   note_options_without_effect(list, all.reference);
   return all.reference;
 }
 
-void add_study_options(OptionList& list, AllOptions& all) { add_options(list, study_options, all.study); }
+// Of subcommands whose options need no completion.
+template <auto options, auto add>
+void add_plain(OptionList& list, AllOptions& all) {
+  add(list, all.*options);
+}
 
-Command settle_study(const OptionList&, AllOptions& all) { return all.study; }
+template <auto options>
+Command as_read(const OptionList&, AllOptions& all) {
+  return all.*options;
+}
 
 constexpr const char* render_examples =
     R"(  ringsplat render head.nrrd -o face.png --tf mr-surface --background slate
@@ -192,26 +183,64 @@ constexpr const char* study_examples = R"(  ringsplat study -o study.csv
 
 constexpr Subcommand all_subcommands[] = {
     {"render", "Render a volume: one view, an orbit or a path of views",
-     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, everyday_render,
-     add_render_options, settle_render},
+     "gps = 4, size = \"640x480\" or light = [-0.4, 0.6, 0.7]", render_examples, everyday_render, add_render,
+     settle_render},
     {"serve", "Show a volume in a browser, drawn by the ranks while it is turned",
-     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, everyday_serve, add_serve_options,
+     "port = 8080, target-ms = 60 or size = \"640x480\"", serve_examples, everyday_serve, add_serve,
      settle_serve},
     {"info", "Say what is in a volume, how much memory its GPs need and how ranks render it soonest",
-     "gps = 4 or size = \"640x480\"", info_examples, everyday_info, add_info_options, settle_info},
+     "gps = 4 or size = \"640x480\"", info_examples, everyday_info, add_info, settle_info},
     {"compare", "Compare two pictures; exit with 1 when they differ too much", "threshold = 2",
-     compare_examples, "", add_compare_options, settle_compare},
-    {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, "", add_synth_options,
-     settle_synth},
+     compare_examples, "", add_plain<&AllOptions::compare, add_compare_options>,
+     as_read<&AllOptions::compare>},
+    {"synth", "Write an analytic test volume", "dims = \"64x64x32\"", synth_examples, "",
+     add_plain<&AllOptions::synth, add_synth_options>, as_read<&AllOptions::synth>},
     {"reference", "Compute the true picture in double precision, to compare with",
-     "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference, add_reference_options,
+     "size = \"640x480\" or truth = \"field\"", reference_examples, everyday_reference, add_reference,
      settle_reference},
     {"study", "Measure speed and error of many settings", "output = \"study.csv\"", study_examples, "",
-     add_study_options, settle_study},
+     add_plain<&AllOptions::study, add_study_options>, as_read<&AllOptions::study>},
 };
+
+/// Writes "1", "1.0" and "1e0" alike. Integers that a double cannot hold stay as they are.
+std::string plain(const std::string& word) {
+  const auto number = detail::number_in<double>(word);
+  const bool exact = word.size() <= std::numeric_limits<double>::digits10;
+  return number && exact ? fmt::format("{}", *number + 0) : word;
+}
+
+/// True for names of files, which are compared letter by letter.
+bool is_text(const Option& option) {
+  return option.is_positional() || option.form.find("FILE") != std::string::npos;
+}
+
+std::string value_of(const Option& option) {
+  std::string value = option.is_flag() ? "false" : option.fallback;
+  if (option.is_given()) value = option.is_flag() ? option.given.back() : joined(option.given, " ");
+  if (!is_text(option)) {
+    auto words = detail::words_of(value);
+    for (std::string& word : words) word = plain(word);
+    value = joined(words, " ");
+  }
+  return value.empty() ? "(none)" : value;
+}
+
+bool may_differ(const Option& option) {
+  return option.has_name("--config") || option.has_name("--verbose") || option.has_name("--help") ||
+         option.has_name("--help-all");
+}
 
 }  // namespace
 
 std::span<const Subcommand> subcommands() { return all_subcommands; }
+
+Facts settled_options(const char* subcommand, const OptionList& options, const OptionList& program) {
+  Facts facts{{"subcommand", subcommand}};
+  for (const OptionList* list : {&options, &program})
+    for (const Option& option : *list)
+      if (!may_differ(option))
+        facts.push_back({option.is_positional() ? option.form : option.name(), value_of(option)});
+  return facts;
+}
 
 }  // namespace ringsplat::app

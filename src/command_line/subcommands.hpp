@@ -4,7 +4,8 @@
 #include <variant>
 
 #include "options/option_list.hpp"
-#include "options/reference_options.hpp"
+#include "options/options.hpp"
+#include "ringsplat/base/fact.hpp"
 
 namespace ringsplat::app {
 
@@ -48,5 +49,10 @@ struct BoundSubcommand {
 
 /// In the order of --help.
 std::span<const Subcommand> subcommands();
+
+/// The settings of a subcommand and of the program, option by option, whether from the command line, a
+/// --config file or a default. All ranks of a job must have the same. Leaves out --config itself, since only
+/// the file's content counts, and --verbose, which may differ between ranks.
+Facts settled_options(const char* subcommand, const OptionList& options, const OptionList& program);
 
 }  // namespace ringsplat::app

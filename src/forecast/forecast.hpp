@@ -1,17 +1,45 @@
 #pragma once
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "engine_parts/frame_plan.hpp"
-#include "forecast/prediction.hpp"
 #include "frame/work_estimate.hpp"
 #include "options/transfer_function_option.hpp"
 #include "protocol/protocol_options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
+#include "ringsplat/net/layout.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "simulate/machine.hpp"
 
 namespace ringsplat::app {
+
+/// What a frame's work takes, in seconds of one core, with one GP and one Renderer.
+struct FrameWork {
+  double visible_voxels = 0, items = 0;
+  const char* items_name = "splats";  ///< or "blocks"
+  double gp = 0;                      ///< to classify, shade and encode all slices
+  double frame = 0;                   ///< a GP's setup before its first slice
+  double renderer = 0;                ///< to draw, composite and deliver
+};
+
+enum class Limit { gps, renderers, cores };
+const char* name(Limit limit);  ///< "the GPs", "the Renderers", "the cores"
+
+struct Prediction {
+  Layout layout;
+  double gp = 0;        ///< seconds of the busiest GP
+  double renderer = 0;  ///< seconds of the busiest Renderer
+  double shared = 0;    ///< the work of all ranks of a host over its cores
+  double tokens = 0;    ///< passing the tokens through all slices
+  double seconds = 0;   ///< of a frame
+  Limit limit = Limit::gps;
+};
+
+/// "668005 visible voxels of 39.5 ns on a GP, 725382 splats of 59.1 ns on a Renderer, ...", for messages.
+std::string describe(const FrameWork& work);
+/// A line for each prediction, with a heading.
+std::string to_table(const std::vector<Prediction>& predictions);
 
 /// Foresees frames on a machine, of either method, from a sketch of the volume: it deals regions as the
 /// program does, then follows every Renderer's token from slice to slice with what encoding, messages and
@@ -38,8 +66,6 @@ class Forecast {
   struct View;
   Prediction predict(const View& view, const Layout& layout);
   FrameGeometry dealt(const View& view, const Layout& layout);
-  /// Of the busiest link, which at best is busy all the time.
-  double link_seconds(const View& view, const Layout& layout) const;
 
   Machine machine_;
   ProtocolOptions protocol_;

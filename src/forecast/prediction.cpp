@@ -1,7 +1,6 @@
-#include "forecast/prediction.hpp"
-
 #include <fmt/format.h>
 
+#include "forecast/forecast.hpp"
 #include "program/layouts.hpp"
 
 namespace ringsplat::app {

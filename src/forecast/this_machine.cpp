@@ -121,38 +121,23 @@ Spent measured_ratio(const Method& how) {
   return {here.gp / usual.gp, here.renderer / usual.renderer};
 }
 
-struct Speed {
-  Spent splats, sheets;
-};
-
-json to_json(const Speed& s) { return {s.splats.gp, s.splats.renderer, s.sheets.gp, s.sheets.renderer}; }
-
-/// Throws when it is none.
-Speed speed_of(const json& j) {
-  const auto numbers = j.get<std::array<double, 4>>();
-  if (!std::all_of(numbers.begin(), numbers.end(), [](double n) { return n > 0 && n < 1e6; }))
-    throw std::domain_error("a measurement in it is impossible");
-  return {{numbers[0], numbers[1]}, {numbers[2], numbers[3]}};
-}
-
-Speed measure_speed() {
-  log_info("measuring what a core of this machine does");
-  return {measured_ratio(Splats{}), measured_ratio(sheets_of(usual_quality))};
-}
-
-Speed known_speed() {
-  constexpr const char* kind = "machine";
-  const auto folder = cache_folder();
-  if (!folder) return measure_speed();
-  const std::string key = json{{"program", this_program()}, {"host", host_name()}}.dump(
-      -1, ' ', false, json::error_handler_t::replace);
-  const auto file = kept_file(*folder, kind, key);
-  Speed speed;
-  if (!read_kept(file, kind, key, [&](const json& kept) { speed = speed_of(kept); })) {
-    speed = measure_speed();
-    write_kept(file, kind, key, to_json(speed));
+/// Of both methods; of this build on this host it is measured once.
+std::pair<Spent, Spent> known_speed() {
+  const KeptFile file = kept_file("machine", json{{"program", this_program()}, {"host", host_name()}}.dump(
+                                                 -1, ' ', false, json::error_handler_t::replace));
+  std::array<double, 4> speed{};
+  const auto take = [&speed](const json& kept) {
+    kept.get_to(speed);
+    if (!std::all_of(speed.begin(), speed.end(), [](double n) { return n > 0 && n < 1e6; }))
+      throw std::domain_error("a measurement in it is impossible");
+  };
+  if (!read_kept(file, take)) {
+    log_info("measuring what a core of this machine does");
+    const Spent splats = measured_ratio(Splats{}), sheets = measured_ratio(sheets_of(usual_quality));
+    speed = {splats.gp, splats.renderer, sheets.gp, sheets.renderer};
+    write_kept(file, speed);
   }
-  return speed;
+  return {{speed[0], speed[1]}, {speed[2], speed[3]}};
 }
 
 }  // namespace

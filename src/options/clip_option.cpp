@@ -10,7 +10,6 @@
 
 #include "base/printable.hpp"
 #include "options/option_values.hpp"
-#include "options/split.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {

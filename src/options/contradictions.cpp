@@ -15,18 +15,18 @@ namespace {
 using enum Relation;
 
 /// The options that choose an engine.
-std::vector<Which> choices_of(Engine engine) {
-  std::vector<Which> all{{.option = "--engine", .value = name(engine)}};
+Some choices_of(Engine engine) {
+  Some all{{.option = "--engine", .value = name(engine)}};
   for (const Quality quality : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
     if (engine_of(quality) == engine) all.push_back({.option = "--quality", .value = name(quality)});
   return all;
 }
 
-const std::vector<Which> only_splats{{.mark = Mark::of_splats}};
-const std::vector<Which> only_sheets{{.mark = Mark::of_sheets}, {.option = "--samples", .value = "1.5"}};
+const Some only_splats{{.option = {}, .mark = Mark::of_splats}};
+const Some only_sheets{{.option = {}, .mark = Mark::of_sheets}, {.option = "--samples", .value = "1.5"}};
 
 /// The rule for options of one engine: it must be the usual one, or be chosen.
-Rule rule_for(const std::vector<Which>& options, Engine engine, const char* way_out, const char* problem) {
+Rule rule_for(const Some& options, Engine engine, const char* way_out, const char* problem) {
   if (engine_of(usual_quality) == engine)
     return {options, excludes, choices_of(engine == Engine::splats ? Engine::sheets : Engine::splats),
             way_out, problem};
@@ -34,172 +34,88 @@ Rule rule_for(const std::vector<Which>& options, Engine engine, const char* way_
 }
 
 const Rule all_rules[] = {
-    {{{"--orbit"}}, excludes, {{"--path"}}, "each says what all frames are: keep one"},
-    {{{"--frames"}}, excludes, {{"--frame"}}, "each says which volumes: keep one"},
-    {{{"--frames"}},
-     excludes,
-     {{.option = "--path", .value = "-"}},
+    {"--orbit", excludes, "--path", "each says what all frames are: keep one"},
+    {"--frames", excludes, "--frame", "each says which volumes: keep one"},
+    {"--frames", excludes, "--path=-",
      "a path on stdin has no end that could be told: put it into a file with a line for each frame"},
-    {{{"--max-error"}},
-     excludes,
-     {{.option = "--path", .value = "-"}},
+    {"--max-error", excludes, "--path=-",
      "pictures are measured, and may be drawn again, before they are written: put the path into a file"},
-    {{{"--frames"}},
-     excludes,
-     {{"--progressive"}, {"--trace"}, {"--error"}, {"--max-error"}, {"--machine"}},
-     "leave it out, or render one of the volumes by itself",
-     "{0} renders many volumes, {1} is for one"},
-    {{{"--matrix"}},
-     excludes,
-     {{"--azimuth"}, {"--elevation"}, {"--roll"}},
-     "a matrix is the whole view: leave out the angle"},
-    {{{"--matrix"}}, excludes, {{"--zoom"}}, "a matrix is the whole view: scale its rows instead"},
-    {{{"--matrix"}},
-     excludes,
-     {{"--pan"}, {"--projection"}, {"--eye"}, {"--target"}},
-     "a matrix is the whole view: leave one out"},
-    {{{"--eye"}},
-     excludes,
-     {{"--azimuth"}, {"--elevation"}, {"--roll"}, {"--distance"}, {"--orbit"}},
+    {"--frames", excludes, "--progressive --trace --error --max-error --machine",
+     "leave it out, or render one of the volumes by itself", "{0} renders many volumes, {1} is for one"},
+    {"--matrix", excludes, "--azimuth --elevation --roll", "a matrix is the whole view: leave out the angle"},
+    {"--matrix", excludes, "--zoom", "a matrix is the whole view: scale its rows instead"},
+    {"--matrix", excludes, "--pan --projection --eye --target", "a matrix is the whole view: leave one out"},
+    {"--eye", excludes, "--azimuth --elevation --roll --distance --orbit",
      "the eye's position is the whole view: leave one out"},
-    {{{"--view"}},
-     excludes,
-     {{"--azimuth"}, {"--elevation"}, {"--matrix"}, {"--eye"}, {"--path"}},
+    {"--view", excludes, "--azimuth --elevation --matrix --eye --path",
      "each says from where the volume is seen: keep one"},
-    {{{"--fit"}},
-     excludes,
-     {{"--matrix"}, {"--distance"}},
-     "they say how large the volume is shown: leave out --fit"},
-    {{{"--annotate"}}, needs, {{"--output"}}, "add -o OUT.png"},
-    {{{"--fov"}, {"--distance"}},
-     needs,
-     {{.option = "--projection", .value = "perspective"}},
-     "add --projection perspective"},
-    {{{"--up"}}, needs, {{"--eye"}}, "add --eye, or turn the picture by --roll"},
-    {{{"--matrix"}},
-     excludes,
-     {{"--orbit"}},
+    {"--fit", excludes, "--matrix --distance", "they say how large the volume is shown: leave out --fit"},
+    {"--annotate", needs, "--output", "add -o OUT.png"},
+    {"--fov --distance", needs, "--projection=perspective", "add --projection perspective"},
+    {"--up", needs, "--eye", "add --eye, or turn the picture by --roll"},
+    {"--matrix", excludes, "--orbit",
      "an orbit turns the azimuth: give --elevation, --roll and --zoom instead of a matrix"},
-    {{{"--matrix"}},
-     excludes,
-     {{"--path"}},
-     "a path gives each frame's view: put the matrix into its lines as JSON"},
-    {{{"--path"}}, excludes, {{"--azimuth"}}, "the path gives each frame's azimuth: leave it out"},
-    {{{"--path"}}, excludes, {{"--elevation"}}, "the path gives each frame's elevation: leave it out"},
-    {{{"--mesh"}}, excludes, {{"--gps"}}, "the mesh says how many GPs there are: leave out --gps"},
-    {{{"--mesh"}},
-     excludes,
-     {{"--send-ahead"}},
+    {"--matrix", excludes, "--path", "a path gives each frame's view: put the matrix into its lines as JSON"},
+    {"--path", excludes, "--azimuth", "the path gives each frame's azimuth: leave it out"},
+    {"--path", excludes, "--elevation", "the path gives each frame's elevation: leave it out"},
+    {"--mesh", excludes, "--gps", "the mesh says how many GPs there are: leave out --gps"},
+    {"--mesh", excludes, "--send-ahead",
      "in a mesh tokens wait, so that payloads do not meet: leave out --send-ahead"},
-    {{{"--progressive"}},
-     excludes,
-     {{"--undersample"}},
+    {"--progressive", excludes, "--undersample",
      "progressive pictures begin with 4 anyway: leave out --undersample"},
-    {{{"--count-only"}}, excludes, {{"--output"}}, "nothing is drawn that could be written: leave out -o"},
-    {{{"--count-only"}},
-     excludes,
-     {{"--error"}},
+    {"--count-only", excludes, "--output", "nothing is drawn that could be written: leave out -o"},
+    {"--count-only", excludes, "--error",
      "nothing is drawn whose error could be measured: leave out --error"},
-    {{{"--count-only"}},
-     excludes,
-     {{"--max-error"}},
+    {"--count-only", excludes, "--max-error",
      "nothing is drawn that could have an error: leave out --max-error"},
-    {{{.option = "--engine", .value = "splats"}},
-     excludes,
-     {{.option = "--quality", .value = "draft"},
-      {.option = "--quality", .value = "normal"},
-      {.option = "--quality", .value = "best"}},
+    {"--engine=splats", excludes, "--quality=draft --quality=normal --quality=best",
      "only --quality paper draws splats: leave one out"},
-    {{{.option = "--engine", .value = "sheets"}},
-     excludes,
-     {{.option = "--quality", .value = "paper"}},
-     "--quality paper draws splats: leave one out"},
+    {"--engine=sheets", excludes, "--quality=paper", "--quality paper draws splats: leave one out"},
     rule_for(only_splats, Engine::splats, "leave out {0} or use --quality paper",
              "{0} has no effect on sheets"),
     rule_for(only_sheets, Engine::sheets, "leave out {0} or use --quality best",
              "{0} has no effect on splats"),
-    {{{"--presets"}},
-     excludes,
-     {{"volume"}, {"--gps"}, {"--ranks"}},
+    {"--presets", excludes, "volume --gps --ranks",
      "the presets need no volume: ask for one thing at a time"},
-    {{{"--list"}}, excludes, {{"name"}}, "ask for the list, or make one volume of it"},
-    {{{"--list"}}, excludes, {{"list"}}, "ask for the default list, or run one"},
-    {{{"--list"}}, excludes, {{"--output"}}, "the list goes to standard output: redirect it"},
-    {{{"--list"}}, excludes, {{"--keep-images"}}, "a list has no pictures: leave out --keep-images"},
-    {{{"--machine"}},
-     excludes,
-     {{"--cores"}},
+    {"--list", excludes, "name", "ask for the list, or make one volume of it"},
+    {"--list", excludes, "list", "ask for the default list, or run one"},
+    {"--list", excludes, "--output", "the list goes to standard output: redirect it"},
+    {"--list", excludes, "--keep-images", "a list has no pictures: leave out --keep-images"},
+    {"--machine", excludes, "--cores",
      "the machine's file says how many there are: change platform.hosts and .cores there"},
-    {{{.value = ""}}, refused, {}, "give it a value or leave it out", "{0} is empty"},
-    {{{.option = "--error", .value = "analytic"}},
-     refused,
-     {},
+    {"=", refused, "", "give it a value or leave it out", "{0} is empty"},
+    {"--error=analytic", refused, "",
      "use ringsplat reference --truth analytic --formula NAME, then ringsplat compare",
      "--error analytic needs a formula, which a picture's volume does not name"},
-    {{{"--error-pixels"}, {"--error-seed"}}, needs, {{"--error"}, {"--max-error"}}, "add --error method"},
-    {{{"--prefilter"}},
-     needs,
-     {{"--undersample"}, {"--progressive"}, {"--max-error"}},
-     "add --undersample 2"},
-    {{{"--link-slots"}}, needs, {{"--mesh"}}, "add --topology mesh and --mesh"},
-    {{{"--seed"}},
-     needs,
-     {{"--shuffle"}, {"--max-delay"}},
-     "add --shuffle; for the pixels of --error it is --error-seed"},
-    {{{"--voxel-weight"}},
-     needs,
-     {{"--count-only"}},
-     "add --count-only, or leave it out",
+    {"--error-pixels --error-seed", needs, "--error --max-error", "add --error method"},
+    {"--prefilter", needs, "--undersample --progressive --max-error", "add --undersample 2"},
+    {"--link-slots", needs, "--mesh", "add --topology mesh and --mesh"},
+    {"--seed", needs, "--shuffle --max-delay", "add --shuffle; for the pixels of --error it is --error-seed"},
+    {"--voxel-weight", needs, "--count-only", "add --count-only, or leave it out",
      "--voxel-weight has no effect on pictures"},
-    {{{"--diff-scale"}}, needs, {{"--diff"}}, "add --diff FILE"},
-    {{{"--cores"}, {"--machine"}}, needs, {{"--ranks"}}, "add --ranks N"},
-    {{{"--labels"}},
-     excludes,
-     {{"--tf"}, {"--range"}, {"--colours"}, {"--log"}},
-     "labels have colours of their own: leave one out"},
-    {{{.heading = "View"}, {.heading = "Picture"}, {.heading = "Colours"}, {.heading = "Shortcuts"}},
-     needs,
-     {{"--ranks"}},
+    {"--diff-scale", needs, "--diff", "add --diff FILE"},
+    {"--cores --machine", needs, "--ranks", "add --ranks N"},
+    {"--labels", excludes, "--tf --range --colours --log", "labels have colours of their own: leave one out"},
+    {"@View @Picture @Colours @Shortcuts", needs, "--ranks",
      "add --ranks N to predict the time of such a frame"},
-    {{{"--phases"}},
-     needs,
-     {{.option = "--kernel", .value = "texture"}},
-     "leave out --phases or use --kernel texture",
+    {"--phases", needs, "--kernel=texture", "leave out --phases or use --kernel texture",
      "--phases has no effect on kernels that are computed"},
-    {{{"--samples"}},
-     needs,
-     {{.option = "--image-plane", .value = "slices"},
-      {.option = "--quality", .value = "draft"},
-      {.option = "--quality", .value = "normal"}},
+    {"--samples", needs, "--image-plane=slices --quality=draft --quality=normal",
      "leave out --samples or use --image-plane slices",
      "--samples has no effect on the screen, whose pixels --size counts"},
-    {{{"--samples"}},
-     excludes,
-     {{.option = "--image-plane", .value = "screen"}},
-     "leave out --samples or use --image-plane slices",
+    {"--samples", excludes, "--image-plane=screen", "leave out --samples or use --image-plane slices",
      "--samples has no effect on the screen, whose pixels --size counts"},
-    {{{"--light"}, {"--light-points"}, {"--ambient"}, {"--diffuse"}, {"--specular"}, {"--exponent"}},
-     excludes,
-     {{.option = "--shading", .value = "none"}},
-     "leave out {0} or use --shading phong",
-     "{0} has no effect with --shading none"},
+    {"--light --light-points --ambient --diffuse --specular --exponent", excludes, "--shading=none",
+     "leave out {0} or use --shading phong", "{0} has no effect with --shading none"},
     // "-" is standard output for texts only; these options would make a file of that name.
-    {{{.option = "--output", .value = "-"}, {.option = "--diff", .value = "-"}},
-     refused,
-     {},
-     "name a file",
-     "what {0} names cannot go to standard output"},
-    {{{.option = "--keep-images", .value = "-"}},
-     refused,
-     {},
-     "name a folder",
-     "what {0} names cannot go to standard output"},
+    {"--output=- --diff=-", refused, "", "name a file", "what {0} names cannot go to standard output"},
+    {"--keep-images=-", refused, "", "name a folder", "what {0} names cannot go to standard output"},
 };
 
 bool given(const Option& option, const Which& which) {
   return means(which, option) && option.is_given() &&
-         (which.value == nullptr ||
-          std::find(option.given.begin(), option.given.end(), which.value) != option.given.end());
+         (!which.value ||
+          std::find(option.given.begin(), option.given.end(), *which.value) != option.given.end());
 }
 
 /// The given option that matches `which`, or null.
@@ -227,18 +143,27 @@ void apply(const Rule& rule, const OptionList& list, const Option& option) {
     if (found != nullptr && rule.relation == excludes) refuse(rule, option, found->name());
     one_given = one_given || found != nullptr;
     one_there = one_there || has(list, other);
-    names.emplace_back(other.option);
+    names.push_back(other.option);
   }
   if (rule.relation == needs && one_there && !one_given) refuse(rule, option, joined(names, " or "));
 }
 
 }  // namespace
 
+Some::Some(const char* words) {
+  for (const std::string& word : detail::words_of(words)) {
+    const auto equals = std::min(word.find('='), word.size());
+    Which& which =
+        emplace_back(word.starts_with('@') ? Which{{}, word.substr(1)} : Which{word.substr(0, equals)});
+    if (equals < word.size()) which.value = word.substr(equals + 1);
+  }
+}
+
 std::span<const Rule> rules() { return all_rules; }
 
 bool means(const Which& which, const Option& option) {
-  return (which.option == nullptr || option.has_name(which.option)) &&
-         (which.heading == nullptr || option.heading == which.heading) &&
+  return (which.option.empty() || option.has_name(which.option)) &&
+         (which.heading.empty() || option.heading == which.heading) &&
          (!which.mark || option.mark == *which.mark);
 }
 
@@ -246,12 +171,11 @@ bool has(const OptionList& list, const Which& which) {
   return std::any_of(list.begin(), list.end(), [&](const Option& option) { return means(which, option); });
 }
 
-bool concerns_one_engine(const Option& option) {
-  static const std::vector<Which> naming{{"--engine"}, {"--quality"}};
-  for (const auto* all : {&naming, &only_splats, &only_sheets})
-    for (const Which& which : *all)
-      if (given(option, which)) return true;
-  return false;
+bool engine_is_chosen(const OptionList& list) {
+  const auto is_given = [&](const Which& which) { return find_given(list, which) != nullptr; };
+  return list.is_given("--engine") || list.is_given("--quality") ||
+         std::any_of(only_splats.begin(), only_splats.end(), is_given) ||
+         std::any_of(only_sheets.begin(), only_sheets.end(), is_given);
 }
 
 void refuse_contradictions(const OptionList& list) {

@@ -1,6 +1,7 @@
 #pragma once
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "options/option_list.hpp"
@@ -10,10 +11,18 @@ namespace ringsplat::app {
 
 /// Options of a subcommand, or values of them.
 struct Which {
-  const char* option = nullptr;   ///< null: every option …
-  const char* heading = nullptr;  ///< … or every option below this heading of --help
-  const char* value = nullptr;    ///< null: any value
-  std::optional<Mark> mark = {};  ///< … or every one whose row is so marked
+  std::string option;                     ///< empty: every option …
+  std::string heading = {};               ///< … or every option below this heading of --help
+  std::optional<std::string> value = {};  ///< nothing: any value
+  std::optional<Mark> mark = {};          ///< … or every one whose row is so marked
+};
+
+/// Each of them, or one of them.
+struct Some : std::vector<Which> {
+  using std::vector<Which>::vector;
+  /// Words with blanks between: "--path", "--path=-", "=" for every option with an empty value, and "@View"
+  /// for every option below this heading.
+  Some(const char* words);
 };
 
 enum class Relation {
@@ -23,9 +32,9 @@ enum class Relation {
 };
 
 struct Rule {
-  std::vector<Which> options;  ///< each of them …
+  Some options;  ///< each of them …
   Relation relation;
-  std::vector<Which> others;
+  Some others;
   const char* way_out;            ///< with {0} for the option
   const char* problem = nullptr;  ///< with {0} for the option and {1} for the others; null: the usual words
 };
@@ -37,9 +46,8 @@ std::span<const Rule> rules();
 bool means(const Which& which, const Option& option);
 /// True when the list has an option that `which` means.
 bool has(const OptionList& list, const Which& which);
-
-/// True when the option is given and names an engine, or has a meaning for one engine only.
-bool concerns_one_engine(const Option& option);
+/// True when the user has chosen the engine, if only by an option of one engine.
+bool engine_is_chosen(const OptionList& list);
 
 /// Throws InputError, with the way out as hint, when what is given breaks a rule.
 void refuse_contradictions(const OptionList& list);

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <type_traits>
 
-#include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -53,34 +52,35 @@ Sheets sheets_for(const MethodOptions& o) {
   return sheets;
 }
 
-using Render = RenderOptions;
-constexpr OptionRow<Render> method_rows[] = {
-    {"--quality", nullptr, name(usual_quality),
-     "Splats as in the paper, or sheets, from the fastest (draft) to the most exact (best); single options "
-     "come first",
-     [](Render& o) {
-       Choices<Quality> all;
-       for (const Quality q : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
-         all.emplace_back(name(q), q);
-       return choice(o.method.quality, all);
-     }},
-    {"--engine", nullptr, nullptr,
-     "Splats: voxels are classified and splatted; sheets: scalars are interpolated and then classified; "
-     "without it --quality says",
-     [](Render& o) {
-       return choice(o.method.engine, {{"splats", Engine::splats}, {"sheets", Engine::sheets}});
-     }},
-    {"--slabs", "1|2|3|4", nullptr,
-     "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else 3",
-     [](Render& o) { return value(o.method.slabs); }, Mark::of_sheets},
-    {"--light-points", "1|2", nullptr,
-     "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
-     [](Render& o) { return value(o.method.light_points); }, Mark::of_sheets},
-};
+Choices<Quality> qualities() {
+  Choices<Quality> all;
+  for (const Quality q : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
+    all.emplace_back(name(q), q);
+  return all;
+}
 
 }  // namespace
 
-constexpr OptionGroup<Render> method_options{"Picture", method_rows};
+void add_method_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--quality", nullptr, name(usual_quality),
+       "Splats as in the paper, or sheets, from the fastest (draft) to the most exact (best); single options "
+       "come first",
+       choice(o.method.quality, qualities())},
+      {"--engine", nullptr, nullptr,
+       "Splats: voxels are classified and splatted; sheets: scalars are interpolated and then classified; "
+       "without it --quality says",
+       choice(o.method.engine, {{"splats", Engine::splats}, {"sheets", Engine::sheets}})},
+      {"--slabs", "1|2|3|4", nullptr,
+       "Sheets: pre-integrated slabs from slice to slice; without it 2 for --quality draft and normal, else "
+       "3",
+       value(o.method.slabs), Mark::of_sheets},
+      {"--light-points", "1|2", nullptr,
+       "Sheets: points of a slab that are lit; without it 1 for --quality draft, else 2",
+       value(o.method.light_points), Mark::of_sheets},
+  };
+  list.add("Picture", rows);
+}
 
 Sheets sheets_of(Quality quality) {
   switch (quality) {
@@ -120,10 +120,6 @@ Method method_for_other_engine(MethodOptions o) {
 
 const char* items_of(const Method& method) {
   return std::holds_alternative<Sheets>(method) ? "blocks" : "splats";
-}
-
-bool engine_is_chosen(const OptionList& list) {
-  return std::any_of(list.begin(), list.end(), concerns_one_engine);
 }
 
 }  // namespace ringsplat::app

@@ -6,8 +6,6 @@
 
 namespace ringsplat::app {
 
-class OptionList;
-
 /// What turns voxels into pixels.
 enum class Engine { splats, sheets };
 const char* name(Engine engine);
@@ -53,8 +51,5 @@ Method method_for_other_engine(MethodOptions options);
 
 /// What the method's payloads hold, for messages: "splats", or "blocks" of sheets.
 const char* items_of(const Method& method);
-
-/// True when the user has chosen the engine, if only by an option of one engine.
-bool engine_is_chosen(const OptionList& list);
 
 }  // namespace ringsplat::app

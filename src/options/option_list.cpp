@@ -1,22 +1,107 @@
 #include "options/option_list.hpp"
 
-#include "options/split.hpp"
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include "options/option_values.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
+namespace {
 
-Option option_of(const char* heading, const char* names, const char* form, const char* fallback,
-                 const char* help, Reader reader, Mark mark) {
-  Option option{.names = {},
-                .heading = heading,
-                .form = form != nullptr ? form : reader.form,
-                .fallback = {},
-                .help = help,
-                .reader = {},
-                .mark = mark};
-  if (fallback != nullptr) option.fallback = *fallback == *initial ? reader.initial : fallback;
-  for (const auto name : split(names, ",")) option.names.emplace_back(name);
-  option.reader = std::move(reader);
-  return option;
+/// What a flag's word says: flags of a file have one.
+bool is_set(const std::string& word, const std::string& option) {
+  constexpr std::array<std::string_view, 5> set{"true", "on", "yes", "enable", "1"},
+      clear{"false", "off", "no", "disable", "0"};
+  if (std::find(set.begin(), set.end(), word) != set.end()) return true;
+  if (std::find(clear.begin(), clear.end(), word) == clear.end()) refuse_choice(option, word, "true|false");
+  return false;
+}
+
+Reader flag_that(std::function<void()> act) {
+  return {.form = {},
+          .initial = {},
+          .read =
+              [act](const Words& words, const std::string& option) {
+                if (is_set(words.back(), option)) act();
+              },
+          .words = 0};
+}
+
+}  // namespace
+
+std::string described_bounds(bool whole, const std::string& least, const std::string& most) {
+  const std::string number = whole ? "a whole number" : "a number";
+  if (!least.empty() && !most.empty()) return fmt::format("{} from {} to {}", number, least, most);
+  if (!least.empty()) return fmt::format("{} of at least {}", number, least);
+  return most.empty() ? number : fmt::format("{} of at most {}", number, most);
+}
+
+void refuse_word(const std::string& option, const std::string& text, const std::string& wanted) {
+  throw InputError(fmt::format("{} cannot be '{}'", option, text), wanted);
+}
+
+void refuse_choice(const std::string& option, const std::string& text, const std::string& words) {
+  refuse_word(option, text, fmt::format("use {} {}", option, words));
+}
+
+Reader text(std::function<void(const std::string& text, const std::string& option)> take) {
+  return {.form = "TEXT", .initial = {}, .read = [take](const Words& words, const std::string& option) {
+            take(words.front(), option);
+          }};
+}
+
+Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take) {
+  return {.form = "FLOAT",
+          .initial = {},
+          .read =
+              [take](const Words& words, const std::string& option) {
+                std::vector<double> all;
+                for (const std::string& word : words) all.push_back(read_number<double>(word, option));
+                take(all);
+              },
+          .words = count};
+}
+
+Reader flag(bool& target) {
+  return flag_that([&target] { target = true; });
+}
+
+Reader clearing_flag(bool& target) {
+  return flag_that([&target] { target = false; });
+}
+
+Reader value(std::string& target) {
+  Reader reader = parsed(target, [](const std::string& text, const std::string&) { return text; });
+  reader.initial = target;
+  return reader;
+}
+
+Reader values(std::vector<std::string>& target) {
+  return {.form = "TEXT",
+          .initial = {},
+          .read = [&target](const Words& words, const std::string&) { target = words; },
+          .repeats = true};
+}
+
+bool Option::has_name(std::string_view name) const {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void OptionList::add(const char* heading, std::span<const OptionRow> rows) {
+  for (const OptionRow& row : rows) {
+    Option& option = options_.emplace_back(Option{.names = {},
+                                                  .heading = heading,
+                                                  .form = row.form != nullptr ? row.form : row.reader.form,
+                                                  .fallback = {},
+                                                  .help = row.help,
+                                                  .reader = row.reader,
+                                                  .mark = row.mark});
+    if (row.fallback != nullptr)
+      option.fallback = *row.fallback == *initial ? row.reader.initial : row.fallback;
+    for (const auto name : split(row.names, ",")) option.names.emplace_back(name);
+  }
 }
 
 const Option* OptionList::find(std::string_view name) const {

@@ -1,12 +1,52 @@
 #pragma once
-#include <algorithm>
+#include <concepts>
+#include <functional>
+#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
-#include "options/option_row.hpp"
+#include <fmt/format.h>
 
+#include "base/text.hpp"
+
+/// Options as tables: a row says all about one option and what reads its words.
 namespace ringsplat::app {
+
+using Words = std::vector<std::string>;
+
+/// Makes a value of an option's words, for a target that must outlive the reading.
+struct Reader {
+  std::string form;     ///< what --help shows for the value where the row does not say
+  std::string initial;  ///< the target's value before anything is read, as text
+  /// Throws InputError that names the option.
+  std::function<void(const Words& words, const std::string& option)> read;
+  int words = 1;         ///< that follow the name; 0: a flag, whose word is true or false
+  bool repeats = false;  ///< it may be given several times
+};
+
+/// A row's fallback when --help should show the target's initial value.
+inline constexpr char initial[] = "";
+
+enum class Mark {
+  none,
+  required,
+  of_program,  ///< only the program has it: it names what else is an argument, or writes further files
+  of_splats,   ///< it has a meaning for this engine only
+  of_sheets
+};
+
+struct OptionRow {
+  const char* names;     ///< separated by commas; a name without dashes is a positional argument
+  const char* form;      ///< what --help shows for the value; null: the reader's
+  const char* fallback;  ///< what --help shows as the default; null: nothing
+  const char* help;      ///< no full stop
+  Reader reader;
+  Mark mark = Mark::none;
+};
 
 /// An option, and the words that were given for it.
 struct Option {
@@ -20,22 +60,18 @@ struct Option {
 
   /// The long one.
   const std::string& name() const { return names.back(); }
-  bool has_name(std::string_view name) const {
-    return std::find(names.begin(), names.end(), name) != names.end();
-  }
+  bool has_name(std::string_view name) const;
   bool is_positional() const { return !name().starts_with('-'); }
   bool is_flag() const { return reader.words == 0; }
   bool is_given() const { return !given.empty(); }
 };
 
-/// The row's option, to be shown and to be read.
-Option option_of(const char* heading, const char* names, const char* form, const char* fallback,
-                 const char* help, Reader reader, Mark mark);
-
 /// A subcommand's options, in the order of --help.
 class OptionList {
  public:
   void add(Option option) { options_.push_back(std::move(option)); }
+  /// Adds options below a heading of --help.
+  void add(const char* heading, std::span<const OptionRow> rows);
   void leave_out(Mark mark) {
     std::erase_if(options_, [mark](const Option& option) { return option.mark == mark; });
   }
@@ -55,12 +91,100 @@ class OptionList {
   std::vector<Option> options_;
 };
 
-/// Adds a group's options, which fill `options`; these must outlive the reading.
-template <class Options>
-void add_options(OptionList& list, const OptionGroup<Options>& group, Options& options) {
-  for (const auto& row : group.rows)
-    list.add(option_of(group.heading, row.names, row.form, row.fallback, row.help, row.reader_of(options),
-                       row.mark));
+template <class T>
+struct ValueType {
+  using Type = T;
+};
+template <class T>
+struct ValueType<std::optional<T>> {
+  using Type = T;
+};
+template <class T>
+using ValueOf = typename ValueType<T>::Type;
+
+/// What a number may be, ends included.
+template <class T>
+struct Bounds {
+  std::optional<T> least = {}, most = {};
+  bool hold(T value) const { return (!least || value >= *least) && (!most || value <= *most); }
+};
+
+/// "a whole number from 1 to 16"; an end that is missing is an empty text.
+std::string described_bounds(bool whole, const std::string& least, const std::string& most);
+/// Throws InputError: `text` is not what is `wanted`.
+[[noreturn]] void refuse_word(const std::string& option, const std::string& text, const std::string& wanted);
+
+/// The text as a number. Throws InputError that says which numbers are right.
+template <class T>
+T read_number(const std::string& text, const std::string& option, const Bounds<T>& bounds = {}) {
+  const auto shown = [](const std::optional<T>& end) {
+    return end ? fmt::format("{}", *end) : std::string();
+  };
+  const auto number = detail::number_in<T>(text);
+  if (!number || !bounds.hold(*number))
+    refuse_word(option, text,
+                "give " + described_bounds(std::is_integral_v<T>, shown(bounds.least), shown(bounds.most)));
+  return *number;
+}
+
+/// One word for `take(text, option)`, which may throw InputError.
+Reader text(std::function<void(const std::string& text, const std::string& option)> take);
+/// So many numbers, passed to `take` together.
+Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take);
+/// An option without a value: sets `target`.
+Reader flag(bool& target);
+/// An option without a value: clears `target`.
+Reader clearing_flag(bool& target);
+/// A text as it is.
+Reader value(std::string& target);
+/// Texts of an option that may be given several times.
+Reader values(std::vector<std::string>& target);
+
+/// A number within bounds.
+template <class T>
+requires std::is_arithmetic_v<ValueOf<T>> Reader value(T& target, const Bounds<ValueOf<T>>& bounds = {}) {
+  using Number = ValueOf<T>;
+  Reader reader = text([&target, bounds](const std::string& word, const std::string& option) {
+    target = read_number<Number>(word, option, bounds);
+  });
+  reader.form = std::is_floating_point_v<Number> ? "FLOAT" : std::is_signed_v<Number> ? "INT" : "UINT";
+  if constexpr (std::same_as<T, Number>) reader.initial = fmt::format("{}", target);
+  return reader;
+}
+
+/// A text that `parse(text, option)` turns into the value.
+template <class Target, class Parse>
+Reader parsed(Target& target, Parse parse) {
+  return text(
+      [&target, parse](const std::string& word, const std::string& option) { target = parse(word, option); });
+}
+
+/// The words of a choice and their meanings.
+template <class T>
+using Choices = std::vector<std::pair<std::string, T>>;
+
+/// Throws InputError that lists the words.
+[[noreturn]] void refuse_choice(const std::string& option, const std::string& text, const std::string& words);
+
+/// One of a few words.
+template <class T>
+Reader choice(T& target, const Choices<ValueOf<T>>& choices) {
+  std::string words, chosen;
+  for (const auto& [word, meaning] : choices) {
+    words += (words.empty() ? "" : "|") + word;
+    if (chosen.empty() && target == meaning) chosen = word;
+  }
+  Reader reader = text([&target, choices, words](const std::string& given, const std::string& option) {
+    for (const auto& [word, meaning] : choices)
+      if (word == given) {
+        target = meaning;
+        return;
+      }
+    refuse_choice(option, given, words);
+  });
+  reader.form = words;
+  reader.initial = chosen;
+  return reader;
 }
 
 }  // namespace ringsplat::app

@@ -1,27 +1,44 @@
 #pragma once
 #include "options/option_list.hpp"
-#include "options/reference_options.hpp"
+#include "options/options.hpp"
 
-/// All options of subcommands as data. subcommands.cpp gives each subcommand its groups; contradictions.hpp
-/// has the rules between options.
+/// All options of subcommands as tables, which fill `o`, and what completes it once they are read.
+/// subcommands.cpp gives each subcommand its options; contradictions.hpp has the rules between them.
 namespace ringsplat::app {
 
-extern const OptionGroup<VolumeOptions> volume_options, raw_options;
-extern const OptionGroup<RunOptions> layout_options, rank_options, protocol_options, machine_options;
-/// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
-extern const OptionGroup<RenderOptions> render_output_options, view_options, size_options, tf_output_options,
-    method_options, picture_options, shortcut_options, clip_options, series_options;
-/// Parts of the above that a viewer has, too.
-extern const OptionGroup<RenderOptions> camera_options, shading_options;
-/// Changes of the transfer function.
-extern const OptionGroup<RenderOptions> colour_options;
-extern const OptionGroup<ErrorOptions> error_options;
-extern const OptionGroup<ErrorBudgetOptions> error_budget_options;
-extern const OptionGroup<ServeOptions> server_options;
-extern const OptionGroup<InfoOptions> info_output_options, prediction_options;
-extern const OptionGroup<CompareOptions> compare_options;
-extern const OptionGroup<ReferenceOptions> truth_options, reference_output_options;
-extern const OptionGroup<StudyOptions> study_options;
-extern const OptionGroup<SynthOptions> synth_options;
+void add_volume_options(OptionList& list, VolumeOptions& o);
+void add_raw_options(OptionList& list, VolumeOptions& o);
+void add_layout_options(OptionList& list, RunOptions& o);
+void add_rank_options(OptionList& list, RunOptions& o);
+void add_protocol_options(OptionList& list, RunOptions& o);
+void add_machine_options(OptionList& list, RunOptions& o);
+// In the order of --help, which puts size, transfer function and the rest of a picture below one heading.
+void add_clip_options(OptionList& list, RenderOptions& o);
+void add_series_options(OptionList& list, RenderOptions& o);
+void add_render_output_options(OptionList& list, RenderOptions& o);
+void add_camera_options(OptionList& list, RenderOptions& o);
+void add_view_options(OptionList& list, RenderOptions& o);
+void add_size_options(OptionList& list, RenderOptions& o);
+void add_colour_options(OptionList& list, RenderOptions& o);
+void add_tf_output_options(OptionList& list, RenderOptions& o);
+void add_method_options(OptionList& list, RenderOptions& o);
+void add_shading_options(OptionList& list, RenderOptions& o);
+void add_picture_options(OptionList& list, RenderOptions& o);
+void add_shortcut_options(OptionList& list, RenderOptions& o);
+void add_error_options(OptionList& list, ErrorOptions& o);
+void add_error_budget_options(OptionList& list, ErrorBudgetOptions& o);
+void add_server_options(OptionList& list, ServeOptions& o);
+void add_info_output_options(OptionList& list, InfoOptions& o);
+void add_prediction_options(OptionList& list, InfoOptions& o);
+void add_compare_options(OptionList& list, CompareOptions& o);
+void add_truth_options(OptionList& list, ReferenceOptions& o);
+void add_reference_output_options(OptionList& list, ReferenceOptions& o);
+void add_study_options(OptionList& list, StudyOptions& o);
+void add_synth_options(OptionList& list, SynthOptions& o);
+
+/// What all pictures have in common. Throws InputError when options do not fit together.
+void settle_picture(const OptionList& list, RenderOptions& o);
+/// Records which given options change nothing: `reference` takes render's, and not all concern a truth.
+void note_options_without_effect(const OptionList& list, ReferenceOptions& o);
 
 }  // namespace ringsplat::app

@@ -10,9 +10,9 @@
 #include <numeric>
 #include <utility>
 
+#include "base/printable.hpp"
 #include "base/text.hpp"
 #include "images/srgb.hpp"
-#include "options/split.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -68,6 +68,19 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+constexpr const char* form = "give FIRST:END or FIRST:END:STEP, END not included, or all";
+
+/// A number from 0, or nothing where the text is empty. False when it is neither.
+bool take(std::string_view text, std::optional<int>& number) {
+  if (text.empty()) return true;
+  int value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [parsed, error] = std::from_chars(text.data(), end, value);
+  if (error != std::errc{} || parsed != end || value < 0) return false;
+  number = value;
+  return true;
+}
+
 }  // namespace
 
 Size parse_size(const std::string& text, const std::string& option) {
@@ -111,6 +124,46 @@ glm::dvec3 parse_spacing(const std::string& text, const std::string& option) {
     throw InputError(fmt::format("{} '{}' is not three positive distances", option, text),
                      fmt::format("for instance {} 0.5x0.5x1.2", option));
   return {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
+}
+
+ValueWindow parse_window(const std::string& text, const std::string& option) {
+  const auto wrong = [&](const char* what) -> InputError {
+    return {fmt::format("{} {}: {}", option, text, what), fmt::format("for instance {}=-100:300", option)};
+  };
+  const auto colon = text.find(':');
+  if (colon == std::string::npos) throw wrong("is no window of values");
+  const auto low = parse_numbers(text.substr(0, colon)), high = parse_numbers(text.substr(colon + 1));
+  if (!low || !high || low->size() != 1 || high->size() != 1) throw wrong("is no window of values");
+  const ValueWindow window{low->front(), high->front()};
+  if (!std::isfinite(window.low) || !std::isfinite(window.high)) throw wrong("is not finite");
+  if (!(window.low < window.high)) throw wrong("does not ascend");
+  return window;
+}
+
+double parse_density(const std::string& text, const std::string& option) {
+  const auto numbers = parse_numbers(text);
+  if (!numbers || numbers->size() != 1 || !(numbers->front() > 0) || !std::isfinite(numbers->front()))
+    throw InputError(fmt::format("{} {} is no number above 0", option, text),
+                     fmt::format("for instance {} 2, for a picture twice as dense", option));
+  return numbers->front();
+}
+
+FrameRange parse_frames(const std::string& text, const std::string& option) {
+  const std::string given = fmt::format("{} '{}'", option, printable(text));
+  const auto parts = split(text, ":");
+  FrameRange range;
+  range.text = text;
+  // Launchers take a : that stands alone for the beginning of another program's arguments.
+  if (text == "all") return range;
+  std::optional<int> step;
+  if (parts.size() < 2 || parts.size() > 3 || !take(parts[0], range.first) || !take(parts[1], range.end) ||
+      (parts.size() == 3 && !take(parts[2], step)))
+    throw InputError(fmt::format("{} is no range of frames", given), form);
+  if (step == 0) throw InputError(fmt::format("{} has a step of 0", given), form);
+  range.step = step.value_or(1);
+  if (range.end && *range.end <= range.first.value_or(0))
+    throw InputError(fmt::format("{} has no frame: FIRST must be less than END", given), form);
+  return range;
 }
 
 std::vector<std::string> colour_names() {

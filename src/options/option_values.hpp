@@ -1,4 +1,5 @@
 #pragma once
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
@@ -44,5 +45,35 @@ std::string joined(const std::vector<std::string>& words, const std::string& bet
 /// The entry of `known` closest to `word`, or an empty string when none is close (Levenshtein 1966; at most a
 /// third of the letters wrong).
 std::string closest(const std::string& word, const std::vector<std::string>& known);
+
+/// Values from `low` to `high` > low, both finite.
+struct ValueWindow {
+  double low, high;
+};
+/// "LO:HI".
+ValueWindow parse_window(const std::string& text, const std::string& option);
+/// A number above 0.
+double parse_density(const std::string& text, const std::string& option);
+
+/// What --frames says: from `first` to before `end`, every `step`-th.
+struct FrameRange {
+  std::optional<int> first, end;  ///< from 0; missing: the first there is, and to the last
+  int step = 1;                   ///< at least 1
+  std::string text;               ///< as it was given
+};
+
+/// "all", "A:B", "A:B:STEP"; each of A, B and STEP may be missing.
+FrameRange parse_frames(const std::string& text, const std::string& option);
+
+/// The parts between separators, each of which is one character; at least one part, which may be empty.
+inline std::vector<std::string_view> split(std::string_view text, std::string_view separators) {
+  std::vector<std::string_view> parts;
+  for (std::size_t at = 0;;) {
+    const auto end = text.find_first_of(separators, at);
+    parts.push_back(text.substr(at, end - at));
+    if (end == std::string_view::npos) return parts;
+    at = end + 1;
+  }
+}
 
 }  // namespace ringsplat::app

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <memory>
@@ -8,12 +9,8 @@
 
 #include "net/loopback.hpp"
 #include "options/clip_option.hpp"
-#include "options/colour_options.hpp"
-#include "options/error_budget_options.hpp"
-#include "options/frames_option.hpp"
 #include "options/method_options.hpp"
 #include "options/option_values.hpp"
-#include "options/truth_options.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/net/layout.hpp"
@@ -67,6 +64,40 @@ struct ViewAngles {
   std::optional<double> azimuth, elevation, roll, zoom;
 };
 
+/// Changes of the transfer function that --tf chooses.
+struct ColourOptions {
+  std::optional<ValueWindow> range;  ///< what it spans
+  double opacity = 1;                ///< as dense so many times
+  std::string colours;               ///< a colour map's name; empty: its own colours
+  bool log = false;                  ///< on a logarithmic axis
+  bool labels = false;               ///< a colour for each value instead
+  /// Between voxels; without a value nearest for labels, else linear.
+  std::optional<Interpolation> interpolation;
+};
+
+/// Which truth a picture is measured against (docs/accuracy.md).
+enum class TruthKind { method, field, analytic };
+std::string to_string(TruthKind kind);
+/// Throws InputError that lists the names; `option` is the option that was given.
+TruthKind truth_from(const std::string& name, const std::string& option);
+
+/// What `render --error` measures.
+struct ErrorOptions {
+  std::optional<TruthKind> truth;  ///< nothing: measure nothing
+  std::size_t pixels = 4096;       ///< pixels at which the truth is evaluated
+  std::uint64_t seed = 1;
+};
+
+struct ErrorBudgetOptions {
+  std::optional<double> max_error;  ///< RMSE in 1/255 against the chosen truth; nothing: choose nothing
+  /// Settings that the user gave, so they are not chosen.
+  bool fixed_opaque_threshold = false, fixed_precision = false, fixed_radius = false,
+       fixed_image_plane = false, fixed_undersample = false, fixed_slabs = false, fixed_light_points = false;
+  bool to_field = false;  ///< the error is against the field's truth, not the method's
+  /// What the same options mean for the other engine, where the engine is to be chosen, too.
+  std::optional<Method> other_engine;
+};
+
 struct RenderOptions {
   VolumeOptions volume;
   std::optional<FrameRange> frames;  ///< of a series of volumes
@@ -105,14 +136,13 @@ struct ServeOptions {
 };
 
 struct InfoOptions {
-  VolumeOptions volume;
   int gps = 0;     ///< 0: several usual numbers
   int bundle = 1;  ///< slices of a bundle
   bool json = false, presets = false;
   int ranks = 0;          ///< ranks to predict frame times for; 0: no prediction
   int cores = 0;          ///< cores that the ranks share; 0: this machine's
   std::string machine;    ///< a file: predict for it; empty: for this machine
-  RenderOptions picture;  ///< the picture to predict for
+  RenderOptions picture;  ///< the volume, and the picture to predict for
 };
 
 struct CompareOptions {
@@ -129,6 +159,21 @@ struct SynthOptions {
   ScalarType type = ScalarType::uint8;
   glm::dvec3 spacing{1.0};
   bool no_compression = false, list = false;
+};
+
+struct ReferenceOptions {
+  RenderOptions picture;  ///< volume, views, transfer function, shading, output
+  TruthKind truth = TruthKind::field;
+  double tolerance = 1e-6;
+  std::string formula;  ///< analytic truth: the field in synth_names() that the volume samples
+  std::vector<std::string> without_effect;  ///< given options that this truth ignores
+};
+
+struct StudyOptions {
+  std::string list;      ///< TOML file of scenes, views and settings; empty: the default list
+  std::string output;    ///< .csv; the same name with .json is written too
+  std::string pictures;  ///< folder that keeps every picture and truth; empty: none is kept
+  bool show_list = false;
 };
 
 }  // namespace ringsplat::app

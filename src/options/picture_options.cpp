@@ -11,7 +11,6 @@
 namespace ringsplat::app {
 namespace {
 
-using Render = RenderOptions;
 using Numbers = std::vector<double>;
 
 Reader matrix(Camera& camera) {
@@ -56,210 +55,234 @@ Reader statistics_file(RenderOptions& o) {
   });
 }
 
-constexpr OptionRow<Render> clip_rows[] = {
-    {"--clip", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
-     "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
-     "end "
-     "means up to the face; with mm behind a part, or behind all, distances from the first face",
-     [](Render& o) { return parsed(o.clip, parse_clip); }},
-};
-
-constexpr OptionRow<Render> render_output_rows[] = {
-    {"-o,--output", "FILE", nullptr,
-     "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; of many views also .mp4, a film by "
-     "ffmpeg; not needed with --stats or --count-only",
-     [](Render& o) { return value(o.output); }, Mark::of_program},
-    {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
-     [](Render& o) { return parsed(o.background, parse_colour); }},
-    {"--annotate", nullptr, nullptr, "Draws orientation, a scale bar and a colour bar into the picture",
-     [](Render& o) { return flag(o.annotate); }},
-    {"--stats", "FILE", nullptr,
-     "What each node did in each frame, as JSON; one array, or lines in a .jsonl; as a .txt, or the word "
-     "table for one on stdout, what each rank did in all; of --stats, --trace and --tf-out one may be -, "
-     "stdout, and lines of results then go to stderr",
-     [](Render& o) { return statistics_file(o); }, Mark::of_program},
-    {"--trace", "FILE", nullptr,
-     "What each node did when, as Chrome trace-event JSON, which opens in Perfetto",
-     [](Render& o) { return value(o.trace); }, Mark::of_program},
-    {"--axes", nullptr, initial, "Slice sets that are kept in memory: those the views traverse, or all three",
-     [](Render& o) {
-       return choice(o.keep_all_axes, {{"needed", false}, {"all", true}});
-     },
-     Mark::of_program},
-};
-
-constexpr OptionRow<Render> camera_rows[] = {
-    {"--view", "SIDE", nullptr,
-     "Seen from the front, back, left, right, top or bottom; without any such option a patient from the "
-     "front, a flat volume from its broad side, all else from azimuth 30 and elevation 20",
-     [](Render& o) {
-       return choice(o.side, {{"front", Side::front},
-                              {"back", Side::back},
-                              {"left", Side::left},
-                              {"right", Side::right},
-                              {"top", Side::top},
-                              {"bottom", Side::bottom}});
-     }},
-    {"--azimuth", nullptr, initial, "Degrees the viewer walks around to the right: 0 is in front",
-     [](Render& o) { return value(o.frame.shown.camera.azimuth); }},
-    {"--elevation", nullptr, initial, "Degrees the viewer climbs: 90 looks straight down, -90 up",
-     [](Render& o) { return value(o.frame.shown.camera.elevation); }},
-    {"--roll", nullptr, initial, "Degrees the picture is turned clockwise",
-     [](Render& o) { return value(o.frame.shown.camera.roll); }},
-    {"--zoom", nullptr, initial, "1 fits the volume to the image",
-     [](Render& o) { return value(o.frame.shown.camera.zoom); }},
-};
-
-constexpr OptionRow<Render> view_rows[] = {
-    {"--fit", nullptr, nullptr,
-     "What --zoom 1 fits to the image: the volume's box as it is seen, or its bounding sphere, whose size "
-     "does not change as the volume turns; without it the sphere for --orbit and --path, else the box",
-     [](Render& o) {
-       return choice(o.fit, {{"box", Fit::box}, {"sphere", Fit::sphere}});
-     }},
-    {"--matrix", "M11 ... M34", nullptr,
-     "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
-     [](Render& o) { return matrix(o.frame.shown.camera); }},
-    {"--pan", "RIGHT DOWN", "0 0", "Moves the picture, in lengths of its shorter side",
-     [](Render& o) { return two_numbers(o.frame.shown.camera.pan); }},
-    {"--projection", nullptr, initial, "How the volume is seen; perspective needs sheets",
-     [](Render& o) {
-       return choice(o.frame.shown.camera.fov, {{"orthographic", 0.0}, {"perspective", 40.0}});
-     }},
-    {"--fov", "DEGREES", "40", "Field of view of the picture's shorter side, 0.01 to 179, in perspective",
-     [](Render& o) { return value(o.frame.shown.camera.fov); }},
-    {"--distance", "RADII", nullptr,
-     "From the eye to the volume's centre, in radii of its bounding sphere, in perspective; else so that the "
-     "volume fits the field of view",
-     [](Render& o) { return value(o.frame.shown.camera.distance); }},
-    {"--eye", "X Y Z", nullptr, "World position of the eye, instead of the angles and the distance",
-     [](Render& o) { return place(o.frame.shown.camera.eye); }},
-    {"--target", "X Y Z", nullptr,
-     "World position that the picture shows in its middle, instead of the volume's centre",
-     [](Render& o) { return place(o.frame.shown.camera.target); }},
-    {"--up", "X Y Z", "0 0 1", "World direction that points up in the picture, with --eye",
-     [](Render& o) { return direction(o.frame.shown.camera.up); }},
-    {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
-     [](Render& o) {
-       return value(o.orbit, {1, 1'000'000});
-     },
-     Mark::of_program},
-    {"--path", "FILE", nullptr,
-     "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, or as JSON; -: "
-     "for each line that comes on stdin",
-     [](Render& o) { return value(o.path); }, Mark::of_program},
-};
-
-constexpr OptionRow<Render> size_rows[] = {
-    {"--size", "WxH", "512x512", "Pixels of the image", [](Render& o) { return image_size(o.frame); }},
-    {"--no-opacity-correction", nullptr, nullptr,
-     "Take opacities per slice, whatever the distance between slices along the ray",
-     [](Render& o) { return clearing_flag(o.frame.shown.opacity_correction); }},
-    {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
-     [](Render& o) { return direction(o.frame.shown.light); }},
-    {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
-     [](Render& o) { return value(o.transfer_function); }},
-};
-
-constexpr OptionRow<Render> tf_output_rows[] = {
-    {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
-     [](Render& o) { return value(o.transfer_function_out); }},
-};
-
-constexpr OptionRow<Render> shading_rows[] = {
-    {"--shading", nullptr, initial, "Lit by gradients, or the transfer function's colours as they are",
-     [](Render& o) {
-       return choice(o.frame.shown.shading, {{"phong", Shading::phong}, {"none", Shading::none}});
-     }},
-    {"--ambient", nullptr, initial, "Phong: light from everywhere",
-     [](Render& o) { return value(o.frame.shown.material.ambient); }},
-    {"--diffuse", nullptr, initial, "Phong: light by the angle to it",
-     [](Render& o) { return value(o.frame.shown.material.diffuse); }},
-    {"--specular", nullptr, initial, "Phong: highlights",
-     [](Render& o) { return value(o.frame.shown.material.specular); }},
-    {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
-     [](Render& o) { return value(o.frame.shown.material.exponent); }},
-};
-
-constexpr OptionRow<Render> picture_rows[] = {
-    {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
-     [](Render& o) { return value(o.method.splats.kernel_radius); }, Mark::of_splats},
-    {"--kernel", nullptr, initial,
-     "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
-     [](Render& o) {
-       return choice(o.method.splats.kernel.method,
-                     {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}});
-     },
-     Mark::of_splats},
-    {"--phases", nullptr, initial,
-     "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
-     [](Render& o) { return value(o.method.splats.kernel.phases); }, Mark::of_splats},
-    {"--qee-bits", nullptr, initial,
-     "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32",
-     [](Render& o) { return value(o.method.splats.kernel.qee_bits); }, Mark::of_splats},
-    {"--normalisation", nullptr, initial,
-     "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
-     [](Render& o) {
-       return choice(o.method.splats.kernel.normalisation, {{"none", Normalisation::none},
-                                                            {"constant", Normalisation::constant},
-                                                            {"exact", Normalisation::exact}});
-     },
-     Mark::of_splats},
-    {"--region", "N", nullptr,
-     "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "
-     "the work more evenly; strips in the slices' plane",
-     [](Render& o) {
-       return value(o.frame.division.region_size, {1, 1 << 20});
-     }},
-};
-
-constexpr OptionRow<Render> shortcut_rows[] = {
-    {"--progressive", nullptr, nullptr,
-     "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
-     "newer view on --path - ends it",
-     [](Render& o) { return flag(o.progressive); }, Mark::of_program},
-    {"--undersample", "1|2|4", initial, "Render a volume of every 2nd or 4th voxel along each axis",
-     [](Render& o) { return value(o.frame.shown.reduction.factor); }},
-    {"--prefilter", nullptr, nullptr,
-     "Undersampled voxels are filtered from those that they stand for, not picked",
-     [](Render& o) { return flag(o.frame.shown.reduction.prefilter); }},
-    {"--image-plane", nullptr, nullptr,
-     "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end; "
-     "without it slices for --quality draft and normal",
-     [](Render& o) {
-       return choice(o.method.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}});
-     }},
-    {"--samples", "1|1.5|2|4", nullptr,
-     "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 1.5 for "
-     "--quality normal, else 1",
-     [](Render& o) { return value(o.method.samples); }},
-    {"--opaque-threshold", nullptr, initial,
-     "Nothing is added to a pixel through which less light than this comes; 0: everything is",
-     [](Render& o) { return one_part(o.frame.shown.opaque_threshold); }},
-    {"--payload", nullptr, initial,
-     "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
-     [](Render& o) {
-       return choice(o.method.splats.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}});
-     },
-     Mark::of_splats},
-    {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
-     [](Render& o) {
-       return choice(o.method.splats.precision,
-                     {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}});
-     },
-     Mark::of_splats},
-};
-
 }  // namespace
 
-constexpr OptionGroup<Render> render_output_options{"Output", render_output_rows};
-constexpr OptionGroup<Render> clip_options{"Volume", clip_rows};
-constexpr OptionGroup<Render> camera_options{"View", camera_rows};
-constexpr OptionGroup<Render> view_options{"View", view_rows};
-constexpr OptionGroup<Render> size_options{"Picture", size_rows};
-constexpr OptionGroup<Render> tf_output_options{"Picture", tf_output_rows};
-constexpr OptionGroup<Render> shading_options{"Picture", shading_rows};
-constexpr OptionGroup<Render> picture_options{"Picture", picture_rows};
-constexpr OptionGroup<Render> shortcut_options{"Shortcuts", shortcut_rows};
+void add_series_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--frames", "A:B[:STEP]|all", nullptr,
+       "The volumes of a series, from A to before B, or all; VOLUME is a file with several time points, or a "
+       "quoted pattern: 'step_*.nrrd', counted from 0, or step_%04d.nrrd, with the names' own numbers",
+       parsed(o.frames, parse_frames)},
+  };
+  list.add("Volume", rows);
+}
+
+void add_render_output_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"-o,--output", "FILE", nullptr,
+       "The picture: .png (sRGB), .exr (linear float), .tif .jpg .tga; of many views also .mp4, a film by "
+       "ffmpeg; not needed with --stats or --count-only",
+       value(o.output), Mark::of_program},
+      {"--background", "COLOUR", "none", "A name, #rrggbb or r,g,b from 0 to 1; makes the picture opaque",
+       parsed(o.background, parse_colour)},
+      {"--annotate", nullptr, nullptr, "Draws orientation, a scale bar and a colour bar into the picture",
+       flag(o.annotate)},
+      {"--stats", "FILE", nullptr,
+       "What each node did in each frame, as JSON; one array, or lines in a .jsonl; as a .txt, or the word "
+       "table for one on stdout, what each rank did in all; of --stats, --trace and --tf-out one may be -, "
+       "stdout, and lines of results then go to stderr",
+       statistics_file(o), Mark::of_program},
+      {"--trace", "FILE", nullptr,
+       "What each node did when, as Chrome trace-event JSON, which opens in Perfetto", value(o.trace),
+       Mark::of_program},
+      {"--axes", nullptr, initial,
+       "Slice sets that are kept in memory: those the views traverse, or all three",
+       choice(o.keep_all_axes, {{"needed", false}, {"all", true}}), Mark::of_program},
+  };
+  list.add("Output", rows);
+}
+
+void add_clip_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--clip", "X0:X1,Y0:Y1,Z0:Z1", nullptr,
+       "Only these voxels, as if the rest were cut off; from the first to before the last; an empty part or "
+       "end means up to the face; with mm behind a part, or behind all, distances from the first face",
+       parsed(o.clip, parse_clip)},
+  };
+  list.add("Volume", rows);
+}
+
+void add_camera_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--view", "SIDE", nullptr,
+       "Seen from the front, back, left, right, top or bottom; without any such option a patient from the "
+       "front, a flat volume from its broad side, all else from azimuth 30 and elevation 20",
+       choice(o.side, {{"front", Side::front},
+                       {"back", Side::back},
+                       {"left", Side::left},
+                       {"right", Side::right},
+                       {"top", Side::top},
+                       {"bottom", Side::bottom}})},
+      {"--azimuth", nullptr, initial, "Degrees the viewer walks around to the right: 0 is in front",
+       value(o.frame.shown.camera.azimuth)},
+      {"--elevation", nullptr, initial, "Degrees the viewer climbs: 90 looks straight down, -90 up",
+       value(o.frame.shown.camera.elevation)},
+      {"--roll", nullptr, initial, "Degrees the picture is turned clockwise",
+       value(o.frame.shown.camera.roll)},
+      {"--zoom", nullptr, initial, "1 fits the volume to the image", value(o.frame.shown.camera.zoom)},
+  };
+  list.add("View", rows);
+}
+
+void add_view_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--fit", nullptr, nullptr,
+       "What --zoom 1 fits to the image: the volume's box as it is seen, or its bounding sphere, whose size "
+       "does not change as the volume turns; without it the sphere for --orbit and --path, else the box",
+       choice(o.fit, {{"box", Fit::box}, {"sphere", Fit::sphere}})},
+      {"--matrix", "M11 ... M34", nullptr,
+       "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
+       matrix(o.frame.shown.camera)},
+      {"--pan", "RIGHT DOWN", "0 0", "Moves the picture, in lengths of its shorter side",
+       two_numbers(o.frame.shown.camera.pan)},
+      {"--projection", nullptr, initial, "How the volume is seen; perspective needs sheets",
+       choice(o.frame.shown.camera.fov, {{"orthographic", 0.0}, {"perspective", 40.0}})},
+      {"--fov", "DEGREES", "40", "Field of view of the picture's shorter side, 0.01 to 179, in perspective",
+       value(o.frame.shown.camera.fov)},
+      {"--distance", "RADII", nullptr,
+       "From the eye to the volume's centre, in radii of its bounding sphere, in perspective; else so that "
+       "the volume fits the field of view",
+       value(o.frame.shown.camera.distance)},
+      {"--eye", "X Y Z", nullptr, "World position of the eye, instead of the angles and the distance",
+       place(o.frame.shown.camera.eye)},
+      {"--target", "X Y Z", nullptr,
+       "World position that the picture shows in its middle, instead of the volume's centre",
+       place(o.frame.shown.camera.target)},
+      {"--up", "X Y Z", "0 0 1", "World direction that points up in the picture, with --eye",
+       direction(o.frame.shown.camera.up)},
+      {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
+       value(o.orbit, {1, 1'000'000}), Mark::of_program},
+      {"--path", "FILE", nullptr,
+       "A frame for each line of FILE: azimuth, elevation, roll, zoom, with commas or blanks, or as JSON; -: "
+       "for each line that comes on stdin",
+       value(o.path), Mark::of_program},
+  };
+  list.add("View", rows);
+}
+
+void add_size_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--size", "WxH", "512x512", "Pixels of the image", image_size(o.frame)},
+      {"--no-opacity-correction", nullptr, nullptr,
+       "Take opacities per slice, whatever the distance between slices along the ray",
+       clearing_flag(o.frame.shown.opacity_correction)},
+      {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
+       direction(o.frame.shown.light)},
+      {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
+       value(o.transfer_function)},
+  };
+  list.add("Picture", rows);
+}
+
+void add_colour_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--range", "LO:HI", nullptr,
+       "Window of values that the transfer function spans; a preset or a file is stretched onto it",
+       parsed(o.colour.range, parse_window)},
+      {"--opacity", "F", "1", "Makes the volume so many times as dense: 2 thicker, 0.5 thinner",
+       parsed(o.colour.opacity, parse_density)},
+      {"--colours", "NAME", nullptr,
+       "A colour map instead of the transfer function's own colours; list: shows the names",
+       value(o.colour.colours)},
+      {"--log", nullptr, nullptr,
+       "Colours and opacities on a logarithmic axis of the positive values; all others are clear",
+       flag(o.colour.log)},
+      {"--labels", nullptr, nullptr,
+       "Each whole number is a label with a colour of its own, 0 is clear; found by itself in most files of "
+       "labels",
+       flag(o.colour.labels)},
+      {"--interpolation", nullptr, nullptr,
+       "The values between voxels, which sheets and the field's truth ask for: linear, or the nearest "
+       "voxel's; without it nearest for labels, else linear",
+       choice(o.colour.interpolation,
+              {{"linear", Interpolation::linear}, {"nearest", Interpolation::nearest}})},
+  };
+  list.add("Colours", rows);
+}
+
+void add_tf_output_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--tf-out", "FILE", nullptr, "Write the transfer function used, as ParaView JSON",
+       value(o.transfer_function_out)},
+  };
+  list.add("Picture", rows);
+}
+
+void add_shading_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--shading", nullptr, initial, "Lit by gradients, or the transfer function's colours as they are",
+       choice(o.frame.shown.shading, {{"phong", Shading::phong}, {"none", Shading::none}})},
+      {"--ambient", nullptr, initial, "Phong: light from everywhere", value(o.frame.shown.material.ambient)},
+      {"--diffuse", nullptr, initial, "Phong: light by the angle to it",
+       value(o.frame.shown.material.diffuse)},
+      {"--specular", nullptr, initial, "Phong: highlights", value(o.frame.shown.material.specular)},
+      {"--exponent", nullptr, initial, "Phong: how sharp highlights are",
+       value(o.frame.shown.material.exponent)},
+  };
+  list.add("Picture", rows);
+}
+
+void add_picture_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
+       value(o.method.splats.kernel_radius), Mark::of_splats},
+      {"--kernel", nullptr, initial,
+       "Compute a kernel's weight in each pixel, or look it up in a table of the footprint",
+       choice(o.method.splats.kernel.method,
+              {{"qee", KernelMethod::qee}, {"texture", KernelMethod::texture}}),
+       Mark::of_splats},
+      {"--phases", nullptr, initial,
+       "Texture: sub-pixel positions along each axis that the table knows, 1 to 16",
+       value(o.method.splats.kernel.phases), Mark::of_splats},
+      {"--qee-bits", nullptr, initial,
+       "Compute the kernel in fixed point of so many bits, as Pixel-Planes 5 did with 10; 0: float32",
+       value(o.method.splats.kernel.qee_bits), Mark::of_splats},
+      {"--normalisation", nullptr, initial,
+       "Divide the kernels' weights by nothing, by their sum's mean, or by their sum at each pixel",
+       choice(o.method.splats.kernel.normalisation, {{"none", Normalisation::none},
+                                                     {"constant", Normalisation::constant},
+                                                     {"exact", Normalisation::exact}}),
+       Mark::of_splats},
+      {"--region", "N", nullptr,
+       "Pixels of the side of a Renderer's region; without it 128, or less, down to 16, where that shares "
+       "the work more evenly; strips in the slices' plane",
+       value(o.frame.division.region_size, {1, 1 << 20})},
+  };
+  list.add("Picture", rows);
+}
+
+void add_shortcut_options(OptionList& list, RenderOptions& o) {
+  const OptionRow rows[] = {
+      {"--progressive", nullptr, nullptr,
+       "Show each view from every 4th voxel, then from every 2nd (OUT-u4.png, OUT-u2.png), then in full; a "
+       "newer view on --path - ends it",
+       flag(o.progressive), Mark::of_program},
+      {"--undersample", "1|2|4", initial, "Render a volume of every 2nd or 4th voxel along each axis",
+       value(o.frame.shown.reduction.factor)},
+      {"--prefilter", nullptr, nullptr,
+       "Undersampled voxels are filtered from those that they stand for, not picked",
+       flag(o.frame.shown.reduction.prefilter)},
+      {"--image-plane", nullptr, nullptr,
+       "Draw on the screen, or in the plane of the slices, of which one warp makes the picture in the end; "
+       "without it slices for --quality draft and normal",
+       choice(o.method.image_plane, {{"screen", ImagePlane::screen}, {"slices", ImagePlane::slices}})},
+      {"--samples", "1|1.5|2|4", nullptr,
+       "In the slices' plane: pixels a voxel along each axis, 1.5 for sheets only; without it 1.5 for "
+       "--quality normal, else 1",
+       value(o.method.samples)},
+      {"--opaque-threshold", nullptr, initial,
+       "Nothing is added to a pixel through which less light than this comes; 0: everything is",
+       one_part(o.frame.shown.opaque_threshold)},
+      {"--payload", nullptr, initial,
+       "What GPs send: runs of voxels, or the paper's six words a splat; the same bits",
+       choice(o.method.splats.payload, {{"runs", PayloadForm::runs}, {"words", PayloadForm::words}}),
+       Mark::of_splats},
+      {"--precision", nullptr, initial, "Of colours and opacities in runs: 10, 8 or 4 bytes a voxel",
+       choice(o.method.splats.precision,
+              {{"float", Precision::float32}, {"half", Precision::half}, {"u8", Precision::u8}}),
+       Mark::of_splats},
+  };
+  list.add("Shortcuts", rows);
+}
 
 }  // namespace ringsplat::app

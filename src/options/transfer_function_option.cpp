@@ -112,6 +112,12 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
   return {std::move(made.function), said, made.labels, colour_.interpolation.value_or(usual)};
 }
 
+std::string list_of_colour_maps() {
+  std::string text;
+  for (const auto& map : colour_map_names()) text += fmt::format("{:<22}{}\n", map.name, map.description);
+  return text;
+}
+
 std::string why_nothing_is_visible(const TransferFunction& tf, const ValueRange& range,
                                    std::uint64_t visible_voxels) {
   const double low = plain(range.low), high = plain(range.high);

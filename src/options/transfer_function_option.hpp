@@ -5,7 +5,7 @@
 
 #include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
-#include "options/colour_options.hpp"
+#include "options/options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 
 namespace ringsplat::app {
@@ -37,6 +37,9 @@ class TransferFunctionChoice {
   std::optional<TransferFunction> from_file_;
   bool ramp_ = false;  ///< the file has no opacities
 };
+
+/// Names and descriptions, a line each.
+std::string list_of_colour_maps();
 
 /// Explains why a frame without splats shows nothing, and what to do: the transfer function's visible values
 /// lie outside the volume's range, no voxel has such a value, or all `visible_voxels` (an upper bound) lie

@@ -15,13 +15,18 @@ namespace ringsplat::app {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-std::optional<fs::path> cache_folder() {
+namespace {
+
+/// Empty: there is none.
+fs::path cache_folder() {
   const char* cache = std::getenv("XDG_CACHE_HOME");
   if (cache != nullptr && fs::path(cache).is_absolute()) return fs::path(cache) / "ringsplat";
   const char* home = std::getenv("HOME");
   if (home != nullptr && *home != '\0') return fs::path(home) / ".cache" / "ringsplat";
-  return std::nullopt;
+  return {};
 }
+
+}  // namespace
 
 json identity_of(const fs::path& path) {
   std::error_code ignored;
@@ -37,20 +42,22 @@ json this_program() {
   return j;
 }
 
-fs::path kept_file(const fs::path& folder, const std::string& kind, const std::string& key) {
-  return folder / fmt::format("{}-{:016x}.json", kind, std::hash<std::string>{}(key));
+KeptFile kept_file(const std::string& kind, const std::string& key) {
+  KeptFile file{kind, key};
+  if (const fs::path folder = cache_folder(); !folder.empty())
+    file.path = folder / fmt::format("{}-{:016x}.json", kind, std::hash<std::string>{}(key));
+  return file;
 }
 
-bool read_kept(const fs::path& file, const std::string& kind, const std::string& key,
-               const std::function<void(const json&)>& take) {
+bool read_kept(const KeptFile& file, const std::function<void(const json&)>& take) {
   std::error_code ignored;
-  if (!fs::exists(file, ignored)) return false;
+  if (!fs::exists(file.path, ignored)) return false;
   std::string problem;
   try {
-    std::ifstream in(file, std::ios::binary);
+    std::ifstream in(file.path, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(in), {}};
     const json stored = json::parse(text);
-    if (stored.at("key") == json::parse(key)) {
+    if (stored.at("key") == json::parse(file.key)) {
       take(stored.at("measured"));
       return true;
     }
@@ -58,16 +65,17 @@ bool read_kept(const fs::path& file, const std::string& kind, const std::string&
   } catch (const std::exception& e) {
     problem = e.what();
   }
-  log_warning("the {} {} cannot be used and is made again: {}", kind, file.string(), problem);
+  log_warning("the {} {} cannot be used and is made again: {}", file.kind, file.path.string(), problem);
   return false;
 }
 
-void write_kept(const fs::path& file, const std::string& kind, const std::string& key, const json& measured) {
+void write_kept(const KeptFile& file, const json& measured) {
+  if (file.path.empty()) return;
   try {
-    fs::create_directories(file.parent_path());
-    write_text(file, json{{"key", json::parse(key)}, {"measured", measured}}.dump(1) + "\n");
+    fs::create_directories(file.path.parent_path());
+    write_text(file.path, json{{"key", json::parse(file.key)}, {"measured", measured}}.dump(1) + "\n");
   } catch (const std::exception& e) {
-    log_warning("the {} cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where", kind,
+    log_warning("the {} cannot be kept for the next run: {}; hint: XDG_CACHE_HOME says where", file.kind,
                 e.what());
   }
 }

@@ -69,13 +69,6 @@ void Progress::wait_for(const std::string& what) {
   start_clock();
 }
 
-void Progress::go_on() {
-  const std::lock_guard lock(mutex_);
-  wipe();
-  waiting_for_.clear();
-  start_clock();
-}
-
 void Progress::at(double done) {
   std::string what;
   double total = 0;

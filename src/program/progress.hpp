@@ -2,9 +2,13 @@
 #include <condition_variable>
 #include <cstdio>
 #include <functional>
+#include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
+#include <utility>
+
+#include "volume/forwarding_source.hpp"
 
 namespace ringsplat::app {
 
@@ -33,7 +37,7 @@ class Progress {
   /// Shows until go_on() that the run waits for `what`, as in "waiting for views"; off a terminal prints it
   /// only once. The time shown counts from go_on().
   void wait_for(const std::string& what);
-  void go_on();
+  void go_on() { wait_for({}); }
   /// Writes a line of results without the bar getting into it.
   void print(const std::string& line);
   /// Removes the bar, so that others can write to stderr.
@@ -59,5 +63,19 @@ class Progress {
 /// "[#########...........]  45 %  rendering, 12 s left"; without a total "rendering, 12 s so far". Pure, for
 /// Progress.
 std::string progress_text(const std::string& what, double done, double total, double seconds);
+
+/// A source that tells a progress bar how far it was read.
+class WatchedSource final : public ForwardingSource {
+ public:
+  WatchedSource(std::unique_ptr<VolumeSource> source, Progress& progress)
+      : ForwardingSource(std::move(source)), progress_(progress) {}
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    ForwardingSource::read_slices(first, count, out);
+    progress_.at(first + count);
+  }
+
+ private:
+  Progress& progress_;
+};
 
 }  // namespace ringsplat::app

@@ -5,11 +5,26 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
 
 #include "base/output_file.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool is_same(const std::string& a, const std::string& b) {
+  if (a.empty() || b.empty()) return false;
+  if (is_stdout(a) || is_stdout(b)) return a == b;
+  std::error_code error;
+  if (fs::equivalent(a, b, error)) return true;
+  const fs::path one = fs::weakly_canonical(a, error), other = fs::weakly_canonical(b, error);
+  return !one.empty() && one == other;
+}
+
+}  // namespace
 
 bool is_stdout(const std::string& file) { return file == "-"; }
 
@@ -32,6 +47,21 @@ void flush_stdout() {
   throw RunError(fmt::format("standard output cannot be written{}{}", errno == 0 ? "" : ": ",
                              errno == 0 ? "" : std::strerror(errno)),
                  "is the disk full?");
+}
+
+void refuse_clashes(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
+  for (std::size_t k = 0; k < outputs.size(); ++k) {
+    const NamedFile& output = outputs[k];
+    for (std::size_t other = 0; other < k; ++other)
+      if (is_same(output.file, outputs[other].file))
+        throw InputError(fmt::format("{} and {} name the same file", outputs[other].option, output.option),
+                         "give each a file of its own");
+    for (const NamedFile& input : inputs)
+      if (!is_stdout(input.file) && is_same(output.file, input.file))
+        throw InputError(
+            fmt::format("{} {} would replace {}, which is read", output.option, output.file, input.option),
+            "write into another file");
+  }
 }
 
 }  // namespace ringsplat::app

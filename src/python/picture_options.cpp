@@ -7,7 +7,6 @@
 
 #include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
-#include "options/settle_picture.hpp"
 #include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -21,18 +20,17 @@ using app::RenderOptions;
 OptionList options_for(RenderOptions& o, From from) {
   OptionList list;
   if (from == From::volume) {
-    add_options(list, app::volume_options, o.volume);
-    add_options(list, app::raw_options, o.volume);
+    app::add_volume_options(list, o.volume);
+    app::add_raw_options(list, o.volume);
   }
-  for (const auto* group :
-       {&app::clip_options, &app::render_output_options, &app::camera_options, &app::view_options,
-        &app::size_options, &app::colour_options, &app::method_options, &app::shading_options,
-        &app::picture_options, &app::shortcut_options})
-    add_options(list, *group, o);
+  for (const auto add : {app::add_clip_options, app::add_render_output_options, app::add_camera_options, app::add_view_options,
+        app::add_size_options, app::add_colour_options, app::add_method_options, app::add_shading_options,
+        app::add_picture_options, app::add_shortcut_options})
+ add(list, o);
   if (from == From::volume) {
-    add_options(list, app::error_options, o.error);
-    add_options(list, app::error_budget_options, o.budget);
-    add_options(list, app::rank_options, o.run);
+    app::add_error_options(list, o.error);
+    app::add_error_budget_options(list, o.budget);
+    app::add_rank_options(list, o.run);
   }
   list.leave_out(app::Mark::of_program);
   return list;
@@ -78,7 +76,7 @@ Layout parse_layout(const std::vector<std::string>& words, bool over_mpi, int ra
   if (words.empty()) return {.gps = ranks, .renderers = ranks, .placement = Placement::colocated};
   app::RunOptions o;
   OptionList list;
-  add_options(list, app::layout_options, o);
+  app::add_layout_options(list, o);
   read(list, words);
   if (o.choose_roles)
     throw InputError("a session's roles cannot be chosen by a measured frame, as it has no volume yet",

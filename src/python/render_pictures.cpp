@@ -7,7 +7,7 @@
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "python/picture.hpp"
-#include "study/truth_scene.hpp"
+#include "study/measured_error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::python {

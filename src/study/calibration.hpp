@@ -1,7 +1,11 @@
 #pragma once
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "options/options.hpp"
+#include "program/kept_measurements.hpp"
+#include "ringsplat/volume/statistics.hpp"
 #include "session/director.hpp"
 #include "study/error_budget.hpp"
 #include "study/measured_error.hpp"
@@ -53,5 +57,21 @@ class Calibration {
   std::size_t frames_asked_ = 0, frames_done_ = 0;
   double started_ = 0;
 };
+
+/// All that a calibration depends on, as JSON text: the program, the volume's file (absolute path, size, time
+/// of its last change) and values (histogram), the frame without its view, the views measured, the truth, the
+/// choice, the layout and the sample of pixels.
+std::string calibration_key(const RenderOptions& options, const FrameSpec& reference, const Layout& layout,
+                            const Histogram& histogram, const std::vector<Camera>& views);
+
+/// What is kept, in a word (program/kept_measurements.hpp).
+inline constexpr const char* calibration_kind = "calibration";
+
+/// A measurement for each of `settings`, in their order. Nothing when there is no such file; warns when it
+/// cannot be understood.
+std::optional<std::vector<MeasuredShortcuts>> read_calibration(const KeptFile& file,
+                                                               const std::vector<Shortcuts>& settings);
+
+void write_calibration(const KeptFile& file, const std::vector<MeasuredShortcuts>& measured);
 
 }  // namespace ringsplat::app

@@ -1,5 +1,5 @@
 #pragma once
-#include "options/reference_options.hpp"
+#include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 
 /// One function a subcommand, on one process. All throw InputError and RunError.

@@ -7,11 +7,8 @@
 #include "base/output_file.hpp"
 #include "base/printable.hpp"
 #include "images/image_io.hpp"
-#include "program/json_text.hpp"
 #include "program/text_output.hpp"
 #include "study/commands.hpp"
-#include "study/difference_image.hpp"
-#include "study/output_names.hpp"
 #include "truth/metrics.hpp"
 
 namespace ringsplat::app {
@@ -64,6 +61,17 @@ std::string to_text(const CompareOptions& o, const Comparison& c) {
       c.error.worst.x, c.error.worst.y, 100 * c.over, c.pixels, o.threshold,
       c.linear ? "linear" : "display (sRGB)");
   return text;
+}
+
+/// a − b per channel times `scale` (signed), alpha 1; absolute values when `absolute`. Both images have the
+/// same size.
+Image difference_image(const Image& a, const Image& b, double scale, bool absolute) {
+  Image out(a.width, a.height);
+  for (std::size_t at = 0; at < out.rgba.size(); ++at) {
+    const auto d = static_cast<float>(scale * (double(a.rgba[at]) - double(b.rgba[at])));
+    out.rgba[at] = at % 4 == 3 ? 1.0F : absolute ? std::abs(d) : d;
+  }
+  return out;
 }
 
 void write_difference(const CompareOptions& o, const Image& a, const Image& b) {

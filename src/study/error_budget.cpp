@@ -6,6 +6,8 @@
 #include <iterator>
 #include <variant>
 
+#include "frame/frame_fields.hpp"
+
 namespace ringsplat::app {
 namespace {
 
@@ -22,10 +24,6 @@ constexpr int undersampling[] = {2, 4};
 constexpr int exact_slabs = 4, slabs_in_slices_plane = 2;
 
 constexpr double same_time = 1.03;
-
-const char* word(Precision precision) {
-  return precision == Precision::float32 ? "float" : precision == Precision::half ? "half" : "u8";
-}
 
 /// `how` as it is, with smaller kernels, and in coarser planes.
 std::vector<Splats> shapes(const Splats& how, const Shown&, const ErrorBudgetOptions& o) {
@@ -120,7 +118,7 @@ std::string plane_text(ImagePlane plane, double samples) {
 }
 
 std::string method_text(const Splats& s) {
-  return fmt::format("--engine splats --precision {} --radius {}", word(s.precision), s.kernel_radius) +
+  return fmt::format("--engine splats --precision {} --radius {}", name(s.precision), s.kernel_radius) +
          plane_text(s.image_plane, s.plane_samples);
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "options/error_budget_options.hpp"
+#include "options/options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 
 namespace ringsplat::app {

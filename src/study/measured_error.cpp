@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <variant>
+
 #include "base/clock.hpp"
 #include "base/printable.hpp"
 #include "base/process.hpp"
@@ -22,6 +24,16 @@ void check_room(const Grid& grid) {
             "a truth needs the whole volume in one process, {:.1f} GiB, but the machine has {:.1f} GiB",
             needed / (1 << 30), machine / (1 << 30)),
         "measure on a smaller volume");
+}
+
+void set_method(truth::Scene& scene, const Splats& splats) {
+  scene.sheets.reset();
+  scene.radius = splats.kernel_radius;
+  scene.normalisation = splats.kernel.normalisation;
+}
+
+void set_method(truth::Scene& scene, const Sheets& sheets) {
+  scene.sheets = {sheets.slabs, sheets.light_points};
 }
 
 }  // namespace
@@ -48,6 +60,20 @@ truth::Scene make_scene(WholeVolume&& volume) {
   scene.grid = volume.grid;
   scene.values = std::move(volume.values);
   return scene;
+}
+
+void set_frame(truth::Scene& scene, const FrameSpec& spec) {
+  scene.transfer_function = spec.shown.transfer_function;
+  scene.nearest = spec.shown.interpolation == Interpolation::nearest;
+  scene.camera = spec.shown.camera;
+  scene.clip = spec.shown.clip;
+  scene.width = spec.shown.width;
+  scene.height = spec.shown.height;
+  scene.shaded = spec.shown.shading == Shading::phong;
+  scene.material = spec.shown.material;
+  scene.light = spec.shown.light;
+  scene.opacity_correction = spec.shown.opacity_correction;
+  std::visit([&](const auto& how) { set_method(scene, how); }, spec.how);
 }
 
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,

@@ -4,8 +4,9 @@
 #include <vector>
 
 #include "options/options.hpp"
-#include "study/truth_scene.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
 #include "truth/sampling.hpp"
+#include "truth/scene.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
@@ -19,9 +20,12 @@ struct WholeVolume {
 /// Throws InputError when the volume is unreadable, has no finite value or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);
 
-/// Moves the volume's values into the scene, where they stay from frame to frame; set_frame
-/// (app/truth_scene.hpp) changes the rest.
+/// Moves the volume's values into the scene, where they stay from frame to frame; set_frame changes the rest.
 truth::Scene make_scene(WholeVolume&& volume);
+
+/// Makes `scene` show the frame: its view, size, transfer function, light and method. Keeps grid and values,
+/// so that a volume is read once for many frames.
+void set_frame(truth::Scene& scene, const FrameSpec& spec);
 
 struct Evaluation {
   TruthKind truth = TruthKind::field;

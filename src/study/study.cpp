@@ -1,11 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <tuple>
 #include <type_traits>
@@ -15,16 +19,15 @@
 #include "base/output_file.hpp"
 #include "frame/frame_fields.hpp"
 #include "frame/frame_needs.hpp"
+#include "images/image_io.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
-#include "program/json_text.hpp"
 #include "program/progress.hpp"
 #include "program/text_output.hpp"
 #include "session/render_frames.hpp"
 #include "study/commands.hpp"
 #include "study/measured_error.hpp"
 #include "study/study_list.hpp"
-#include "study/study_pictures.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {
@@ -125,6 +128,11 @@ nlohmann::ordered_json columns_of(const Method& method) {
   return row;
 }
 
+/// Files of a measurement, relative to the folder; empty when they are not kept.
+struct KeptPictures {
+  std::string picture, truth;
+};
+
 nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
                               Interpolation interpolation, const Camera& camera, const Timed& timed,
                               TruthKind truth, const truth::SampledError& error, const KeptPictures& kept) {
@@ -168,6 +176,70 @@ std::string to_csv(const nlohmann::ordered_json& rows) {
     lines.push_back(joined(cells, ","));
   }
   return joined(lines, "\n") + "\n";
+}
+
+/// Turns a list's name into a file name: only letters, digits, dots, dashes and underscores.
+std::string as_file_name(std::string name) {
+  const auto harmless = [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '.' || c == '-' || c == '_';
+  };
+  std::replace_if(
+      name.begin(), name.end(), [&](char c) { return !harmless(static_cast<unsigned char>(c)); }, '-');
+  return name.front() == '.' ? "-" + name : name;
+}
+
+std::string file_of(const std::string& scene, const std::string& name, std::size_t view) {
+  return fmt::format("{}/{}-{}.png", as_file_name(scene), as_file_name(name), view);
+}
+
+void make_folder(const fs::path& folder) {
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed || !fs::is_directory(folder))
+    throw InputError(fmt::format("the folder {} cannot be made: {}", folder.string(), failed.message()),
+                     "give --keep-images a folder that can be written");
+}
+
+void write_picture(const Image& image, const fs::path& file) {
+  make_folder(file.parent_path());
+  write_image(image, file, glm::dvec3(0.0), {});
+}
+
+/// The pictures of a study, as a display shows them: over black, 8-bit sRGB. One folder a scene.
+class StudyPictures {
+ public:
+  /// Makes the folder, or throws InputError. With an empty name no picture is kept.
+  explicit StudyPictures(const std::string& folder);
+  bool kept() const { return !folder_.empty(); }
+
+  /// Writes SCENE/NAME-VIEW.png, with the view's number. Both functions return the file's name within the
+  /// folder.
+  std::string keep(const std::string& scene, const std::string& name, std::size_t view, const Image& image);
+  /// Writes SCENE/truth-KIND-VIEW.png; asks for the picture only once.
+  std::string keep_truth(const std::string& scene, const std::string& kind, std::size_t view,
+                         const std::function<Image()>& image);
+
+ private:
+  std::filesystem::path folder_;
+  std::set<std::string> truths_;  ///< already written
+};
+
+StudyPictures::StudyPictures(const std::string& folder) : folder_(folder) {
+  if (kept()) make_folder(folder_);
+}
+
+std::string StudyPictures::keep(const std::string& scene, const std::string& name, std::size_t view,
+                                const Image& image) {
+  const std::string file = file_of(scene, name, view);
+  write_picture(image, folder_ / file);
+  return file;
+}
+
+std::string StudyPictures::keep_truth(const std::string& scene, const std::string& kind, std::size_t view,
+                                      const std::function<Image()>& image) {
+  const std::string file = file_of(scene, "truth-" + kind, view);
+  if (truths_.insert(file).second) write_picture(image(), folder_ / file);
+  return file;
 }
 
 /// One scene under all settings. The field's and the formula's truths do not depend on the kernel, so they

@@ -9,7 +9,6 @@
 #include "frame/frame_geometry.hpp"
 #include "session/render.hpp"
 #include "study/calibration.hpp"
-#include "study/calibration_cache.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 

@@ -275,6 +275,14 @@ TEST_CASE("compare tells equal pictures from different ones", "[mpi][openimageio
   w.render("a.exr");
   CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "1.5"}).code == 0);
   CHECK(run_program({"compare", w / "a.exr", w / "a.png", "--fail-above", "200"}, 2).code == 0);
+  // An .exr has the scaled difference with its sign, and alpha 1.
+  w.render("b.exr", {"--azimuth", "5"});
+  w.must({"compare", w / "a.exr", w / "b.exr", "--diff", w / "d.exr", "--diff-scale", "2"});
+  const Image a = read_image(w / "a.exr").image, b = read_image(w / "b.exr").image,
+              d = read_image(w / "d.exr").image;
+  for (std::size_t at = 0; at < d.rgba.size(); ++at)
+    if (d.rgba[at] != (at % 4 == 3 ? 1.0F : float(2 * (double(a.rgba[at]) - double(b.rgba[at])))))
+      FAIL_CHECK("value " << at);
   w.must({"render", w.volume(), "-o", w / "small.png", "--size", "32"});
   CHECK(run_program({"compare", w / "a.png", w / "small.png"}).code == 2);
 }

@@ -6,7 +6,7 @@
 
 #include "app/program_runner.hpp"
 #include "images/image_io.hpp"
-#include "study/calibration_cache.hpp"
+#include "study/calibration.hpp"
 #include "study/error_budget.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
@@ -218,13 +218,14 @@ TEST_CASE("a setting's text is the options that make it") {
 
 TEST_CASE("a calibration is read back for its own key and settings only") {
   const TemporaryFolder folder;
-  const fs::path file = folder / "new/calibration.json";
+  const fs::path path = folder / "new/calibration.json";
+  const KeptFile file{calibration_kind, R"({"a": 1})", path}, other{calibration_kind, R"({"a": 2})", path};
   const std::vector table{measured(1.6, 4.0, 0.01), measured(1.5, 3.0, 0.5)};
   const std::vector settings{table[0].shortcuts, table[1].shortcuts};
-  CHECK_FALSE(read_calibration(file, R"({"a": 1})", settings).has_value());
-  write_calibration(file, R"({"a": 1})", table);
-  CHECK(app_test::files_in(file.parent_path()) == 1);
-  const auto back = read_calibration(file, R"({"a": 1})", settings);
+  CHECK_FALSE(read_calibration(file, settings).has_value());
+  write_calibration(file, table);
+  CHECK(app_test::files_in(path.parent_path()) == 1);
+  const auto back = read_calibration(file, settings);
   REQUIRE(back.has_value());
   for (std::size_t k = 0; k < 2; ++k) {
     CHECK((*back)[k].shortcuts == table[k].shortcuts);
@@ -232,9 +233,9 @@ TEST_CASE("a calibration is read back for its own key and settings only") {
     CHECK((*back)[k].rmse == table[k].rmse);
     CHECK((*back)[k].rmse_high == table[k].rmse_high);
   }
-  CHECK_FALSE(read_calibration(file, R"({"a": 2})", settings).has_value());
-  CHECK_FALSE(read_calibration(file, R"({"a": 1})", {settings[1], settings[0]}).has_value());
-  CHECK_FALSE(read_calibration(file, R"({"a": 1})", {settings[0]}).has_value());
+  CHECK_FALSE(read_calibration(other, settings).has_value());
+  CHECK_FALSE(read_calibration(file, {settings[1], settings[0]}).has_value());
+  CHECK_FALSE(read_calibration(file, {settings[0]}).has_value());
 }
 
 TEST_CASE("a budget is kept, and a smaller one is never met by a larger error", "[mpi][openimageio]") {

@@ -1,4 +1,4 @@
-#include "options/line_splitter.hpp"
+#include "app/views.hpp"
 
 #include <vector>
 

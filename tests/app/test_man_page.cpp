@@ -169,7 +169,7 @@ TEST_CASE("every rule is about options that a subcommand has") {
   for (const Subcommand& subcommand : subcommands()) subcommand.add_options(lists.emplace_back(), options);
   for (const Rule& rule : rules())
     for (const Which& which : rule.options) {
-      INFO((which.option ? which.option : "every option") << ": " << rule.way_out);
+      INFO((which.option.empty() ? "every option" : which.option) << ": " << rule.way_out);
       const auto applies = [&](const OptionList& one) {
         const auto there = [&](const Which& other) { return has(one, other); };
         const bool any = std::any_of(rule.others.begin(), rule.others.end(), there);

@@ -6,7 +6,7 @@
 #include "app/program_runner.hpp"
 #include "app/series.hpp"
 #include "formats/npy.hpp"
-#include "options/frames_option.hpp"
+#include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

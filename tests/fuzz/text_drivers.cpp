@@ -17,7 +17,7 @@
 #include "serve/levels.hpp"
 #include "session/render_frames.hpp"
 #include "simulate/machine.hpp"
-#include "study/calibration_cache.hpp"
+#include "study/calibration.hpp"
 #include "study/study_list.hpp"
 
 namespace ringsplat::fuzz {
@@ -144,7 +144,7 @@ std::vector<app::Shortcuts> calibrated() {
 
 void run_calibration(std::span<const std::byte> input) {
   const auto path = files::write(scratch() / "calibration.json", std::string(text_of(input)));
-  const auto measured = app::read_calibration(path, R"({"key": 1})", calibrated());
+  const auto measured = app::read_calibration({"calibration", R"({"key": 1})", path}, calibrated());
   if (!measured) throw InputError("it is measured anew");
   static_cast<void>(app::cheapest_within(*measured, 1.0));
 }
@@ -153,7 +153,7 @@ std::vector<Input> calibration_seeds() {
   std::vector<app::MeasuredShortcuts> measured;
   for (const auto& shortcuts : calibrated()) measured.push_back({shortcuts, 0.5, 0.25, 0.75});
   const auto path = scratch() / "calibration.json";
-  app::write_calibration(path, R"({"key": 1})", measured);
+  app::write_calibration({"calibration", R"({"key": 1})", path}, measured);
   return {files::slurp(path)};
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "ringsplat/formats/open.hpp"
-#include "study/truth_scene.hpp"
+#include "study/measured_error.hpp"
 #include "support/scenes.hpp"
 #include "truth/analytic.hpp"
 #include "truth/field.hpp"
