@@ -138,7 +138,7 @@ struct Bar {
 };
 
 /// The colours over the values, the highest above, within a frame.
-void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const ValueSpan& span) {
+void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const ValueWindow& span) {
   Patch patch{
       int(bar.left), int(bar.top), int(bar.right) - int(bar.left), int(bar.bottom) - int(bar.top), {}};
   for (int y = 0; y < patch.height; ++y) {
@@ -167,7 +167,7 @@ double round_step(double least) {
 }
 
 /// At the right side, from above down to `bottom`.
-void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, const ValueSpan& span,
+void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, const ValueWindow& span,
                     const std::string& quantity) {
   const double letter = sheet.letter(), right = sheet.width() - sheet.margin();
   Bar bar{right - 0.9 * letter, sheet.margin() + 0.5 * letter, right, bottom};
@@ -212,14 +212,14 @@ std::string patient_letters(const glm::dvec3& direction) {
   return letters;
 }
 
-std::optional<ValueSpan> visible_span(const TransferFunction& tf, const ValueRange& range) {
+std::optional<ValueWindow> visible_span(const TransferFunction& tf, const ValueRange& range) {
   const auto& points = tf.opacities;
-  std::optional<ValueSpan> span;
+  std::optional<ValueWindow> span;
   const auto add = [&](double low, double high) {
     low = std::max(low, range.low);
     high = std::min(high, range.high);
     if (low > high) return;
-    span = span ? ValueSpan{std::min(span->low, low), std::max(span->high, high)} : ValueSpan{low, high};
+    span = span ? ValueWindow{std::min(span->low, low), std::max(span->high, high)} : ValueWindow{low, high};
   };
   if (points.front().opacity > 0) add(range.low, points.front().value);
   for (std::size_t k = 0; k + 1 < points.size(); ++k)

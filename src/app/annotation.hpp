@@ -40,9 +40,6 @@ double round_length(double most);
 std::string patient_letters(const glm::dvec3& direction);
 
 /// The values from the lowest to the highest one that is visible; nothing when none is.
-struct ValueSpan {
-  double low, high;
-};
-std::optional<ValueSpan> visible_span(const TransferFunction& tf, const ValueRange& range);
+std::optional<ValueWindow> visible_span(const TransferFunction& tf, const ValueRange& range);
 
 }  // namespace ringsplat::app

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "app/views.hpp"
+#include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/median.hpp"
 #include "base/output_file.hpp"
@@ -15,6 +16,7 @@
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
 #include "program/text_output.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 
@@ -156,8 +158,7 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                               after, sum.visible_voxels, sum.splats_sent, items_of(result.spec.how), shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
-  stats_.add({result.spec, result.stats, result.axis, written ? file.string() : std::string(),
-              error == nullptr ? std::nullopt : std::optional(*error), volume});
+  stats_.add(result, written ? file.string() : std::string(), error, volume);
   if (whole) stats_.write(refinements);
 }
 
@@ -194,33 +195,63 @@ std::string FrameOutput::summary() const {
   return text;
 }
 
+namespace {
+
+fs::path find_ffmpeg(const std::string& output) {
+  const auto ffmpeg = find_program("ffmpeg");
+  if (!ffmpeg)
+    throw InputError(fmt::format("-o {} needs ffmpeg, and no folder in PATH has it", output),
+                     "install it (apt-get install ffmpeg), or write pictures: -o frame.png");
+  return *ffmpeg;
+}
+
+}  // namespace
+
+bool names_film(const fs::path& output) { return output.extension() == ".mp4"; }
+
+void check_film(const RenderOptions& o) {
+  if (o.orbit == 0 && o.path.empty() && !o.frames)
+    throw InputError(fmt::format("-o {} is a film, and one view is none", o.output),
+                     "turn around the volume with --orbit 120, or write a picture: -o picture.png");
+  if (o.path == "-" || o.progressive)
+    throw InputError(fmt::format("-o {}: a film has no part in {}", o.output,
+                                 o.progressive ? "--progressive" : "--path -, which answers each view"),
+                     "write pictures: -o frame.png");
+  find_ffmpeg(o.output);
+}
+
+void Film::add(const Image& image, const std::optional<glm::dvec3>& background, const Overlay& overlay) {
+  if (!movie_)
+    movie_.emplace(find_ffmpeg("film.mp4"), serve::MoviePlan{.width = image.width, .height = image.height});
+  movie_->add(count_++, image_bytes(image, ".png", background.value_or(glm::dvec3(0)), {}, overlay));
+}
+
+void Film::write(const fs::path& file) {
+  if (!movie_) return;
+  const std::string bytes = movie_->encode(serve::Movie::Clock::now() + std::chrono::hours(1));
+  write_text(file, bytes);
+  movie_.reset();
+}
+
 fs::path output_file(const RenderOptions& options, std::size_t view) {
   const bool several = options.orbit > 0 || !options.path.empty() || options.frames;
   return several && !names_film(options.output) ? numbered(options.output, view) : fs::path(options.output);
 }
 
-namespace {
-
-std::vector<Camera> cameras_of(const std::vector<ViewAngles>& views, const Camera& start) {
-  std::vector<Camera> cameras;
-  for (const ViewAngles& view : views) {
-    Camera camera = start;
-    camera.azimuth = view.azimuth.value_or(camera.azimuth);
-    camera.elevation = view.elevation.value_or(camera.elevation);
-    camera.roll = view.roll.value_or(camera.roll);
-    camera.zoom = view.zoom.value_or(camera.zoom);
-    cameras.push_back(camera);
+std::vector<Camera> views_of(const RenderOptions& o) {
+  const Camera& start = o.frame.shown.camera;
+  if (o.orbit > 0) return orbit(start, o.orbit);
+  if (o.path == "-") return {};
+  if (!o.path.empty()) return read_path(o.path, start);
+  std::vector<Camera> cameras(std::max<std::size_t>(1, o.views.size()), start);
+  for (std::size_t k = 0; k < o.views.size(); ++k) {
+    const ViewAngles& view = o.views[k];
+    cameras[k].azimuth = view.azimuth.value_or(start.azimuth);
+    cameras[k].elevation = view.elevation.value_or(start.elevation);
+    cameras[k].roll = view.roll.value_or(start.roll);
+    cameras[k].zoom = view.zoom.value_or(start.zoom);
   }
   return cameras;
-}
-
-}  // namespace
-
-std::vector<Camera> views_of(const RenderOptions& o) {
-  if (o.orbit > 0) return orbit(o.frame.shown.camera, o.orbit);
-  if (!o.views.empty()) return cameras_of(o.views, o.frame.shown.camera);
-  if (o.path == "-") return {};
-  return o.path.empty() ? std::vector{o.frame.shown.camera} : read_path(o.path, o.frame.shown.camera);
 }
 
 }  // namespace ringsplat::app

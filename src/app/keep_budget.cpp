@@ -1,10 +1,9 @@
-#include "app/keep_budget.hpp"
-
 #include <fmt/format.h>
 
 #include <memory>
 
 #include "app/loading.hpp"
+#include "app/render_job.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "options/option_values.hpp"
@@ -50,19 +49,6 @@ std::string to_text(const MeasuredShortcuts& chosen, const MeasuredShortcuts& ex
       to_text(chosen.shortcuts), chosen.rmse, chosen.rmse_high, chosen.seconds, exact.seconds);
 }
 
-/// Renders the calibration's frames. Every input was checked before, so an error here ends the job.
-void render_calibration(const RenderOptions& o, const Layout& layout, Scene scene, Calibration* calibration,
-                        Launch& launch) {
-  ProtocolOptions protocol = o.run.protocol;
-  protocol.frames_in_flight = 1;
-  try {
-    render_frames(std::move(scene), layout, protocol, calibration ? calibration->director() : Director{},
-                  launch.wiring(o.run.loopback), o.run.engine);
-  } catch (const InputError& e) {
-    throw RunError(e.what());
-  }
-}
-
 }  // namespace
 
 bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch) {
@@ -72,7 +58,7 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
   std::optional<std::vector<MeasuredShortcuts>> measured;
   KeptFile file;  // on rank 0
   if (launch.rank() == 0) {
-    views = calibration_views(job.plan.cameras, frame, scene.grid);
+    views = calibration_views(job.cameras, frame, scene.grid);
     file = kept_file(calibration_kind, calibration_key(o, frame, job.layout, scene.values.histogram, views));
     measured = read_calibration(file, settings);
   }
@@ -83,7 +69,10 @@ bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, L
     std::unique_ptr<Calibration> calibration;
     launch.check_on_rank_0(
         [&] { calibration = std::make_unique<Calibration>(frame, views, settings, o.volume, o.error); });
-    render_calibration(o, job.layout, std::move(scene), calibration.get(), launch);
+    ProtocolOptions protocol = o.run.protocol;
+    protocol.frames_in_flight = 1;
+    render_all(std::move(scene), job.layout, protocol, calibration ? calibration->director() : Director{},
+               launch.wiring(o.run.loopback), o.run.engine);
     progress.end();
     if (calibration) {
       measured = calibration->measured();

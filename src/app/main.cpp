@@ -1,4 +1,4 @@
-#include "app/program.hpp"
+#include "app/commands.hpp"
 #include "program/process_end.hpp"
 
 int main(int argc, char** argv) {

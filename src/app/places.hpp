@@ -4,7 +4,7 @@
 
 #include "options/options.hpp"
 #include "program/launch.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 
 /// Where a job's ranks run, and what follows from it.
 namespace ringsplat::app {

@@ -1,6 +1,3 @@
-#include "app/program.hpp"
-
-#include <fmt/format.h>
 
 #include <functional>
 

@@ -12,7 +12,7 @@
 #include "frame/frame_spec_bytes.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
-#include "options/first_view.hpp"
+#include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
 #include "program/text_output.hpp"

@@ -1,4 +1,3 @@
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <memory>
@@ -7,8 +6,8 @@
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/frame_output.hpp"
-#include "app/keep_budget.hpp"
 #include "app/loading.hpp"
+#include "app/render_job.hpp"
 #include "base/log.hpp"
 #include "net/launcher.hpp"
 #include "program/text_output.hpp"
@@ -65,10 +64,10 @@ ExitCode run_render(const RenderOptions& given, Launch& launch) {
   if (job.annotation) output.annotate(*job.annotation);
   const bool reads_stdin = o.path == "-";
   Browsing browsing(
-      frame, job.plan.cameras,
+      frame, job.cameras,
       reads_stdin && launch.rank() == 0 ? views_on_stdin(o, frame, job.volume.grid, progress) : nullptr,
       o.progressive);
-  progress.begin("rendering", double(job.plan.cameras.size()));
+  progress.begin("rendering", double(job.cameras.size()));
   Trace trace;
   ProtocolOptions protocol = o.run.protocol;
   if (!o.trace.empty()) protocol.trace = &trace;

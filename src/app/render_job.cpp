@@ -10,7 +10,6 @@
 
 #include "app/browsing.hpp"
 #include "app/commands.hpp"
-#include "app/keep_budget.hpp"
 #include "app/loading.hpp"
 #include "app/places.hpp"
 #include "base/log.hpp"
@@ -20,7 +19,7 @@
 #include "images/image_io.hpp"
 #include "net/blocks.hpp"
 #include "net/launcher.hpp"
-#include "options/first_view.hpp"
+#include "options/option_tables.hpp"
 #include "program/text_output.hpp"
 #include "study/error_budget.hpp"
 #include "study/steepness.hpp"
@@ -57,9 +56,8 @@ void prepare_simulation(RunOptions& options, Launch& launch) {
   if (simulation.step_seconds > 0) protocol.frames_in_flight = 1;
 }
 
-Plan make_plan(const RenderOptions& o) {
-  Plan plan;
-  plan.transfer_function.emplace(o.transfer_function, o.colour);
+/// Throws InputError when a file cannot be written.
+void check_outputs(const RenderOptions& o) {
   if (!o.output.empty()) {
     names_film(o.output) ? check_film(o) : check_image_name(o.output, "-o", !o.background);
     check_can_write(o.output, "-o");
@@ -70,33 +68,31 @@ Plan make_plan(const RenderOptions& o) {
   refuse_clashes(
       {{"-o", o.output}, {"--stats", o.stats}, {"--trace", o.trace}, {"--tf-out", o.transfer_function_out}},
       {{"the volume", o.volume.path}, {"--path", o.path}, {"--tf", o.transfer_function}});
-  return plan;
 }
 
 /// Finds everything wrong with a frame before a voxel is read.
-void check_frames(const RenderOptions& o, const Plan& plan, const Grid& grid) {
+void check_frames(const RenderOptions& o, const std::vector<Camera>& cameras, const Grid& grid) {
   FrameSpec spec = o.frame;
   spec.shown.transfer_function = stand_in_function();
   check(spec);
-  for (std::size_t k = 0; k < plan.cameras.size(); ++k) {
-    spec.shown.camera = plan.cameras[k];
+  for (std::size_t k = 0; k < cameras.size(); ++k) {
+    spec.shown.camera = cameras[k];
     try {
       check_view(o, spec, grid);
     } catch (const InputError& e) {
-      if (plan.cameras.size() == 1) throw;
+      if (cameras.size() == 1) throw;
       throw InputError(fmt::format("frame {}: {}", k, e.what()));
     }
   }
 }
 
 /// One camera is for all volumes of a series.
-void check_one_camera_each(const Plan& plan, const RenderOptions& o, std::size_t volumes) {
-  if (plan.cameras.size() == volumes || (o.orbit == 0 && o.path.empty())) return;
-  throw InputError(
-      fmt::format("{} has {} views, but --frames {} chooses {} volumes", o.orbit > 0 ? "--orbit" : "--path",
-                  plan.cameras.size(), o.frames->text, volumes),
-      o.orbit > 0 ? fmt::format("the camera moves on with each volume: give --orbit {}", volumes)
-                  : "each line is the view of one volume");
+void check_one_camera_each(const std::vector<Camera>& cameras, const RenderOptions& o, std::size_t volumes) {
+  if (cameras.size() == volumes || (o.orbit == 0 && o.path.empty())) return;
+  throw InputError(fmt::format("{} has {} views, but --frames {} chooses {} volumes",
+                               o.orbit > 0 ? "--orbit" : "--path", cameras.size(), o.frames->text, volumes),
+                   o.orbit > 0 ? fmt::format("the camera moves on with each volume: give --orbit {}", volumes)
+                               : "each line is the view of one volume");
 }
 
 /// The pictures of a series of pages may have their names.
@@ -113,11 +109,11 @@ void refuse_replacing_volumes(const RenderOptions& o, const std::vector<SeriesEn
   }
 }
 
-std::array<bool, 3> agree_on_axes(const RenderOptions& o, const Plan& plan, const Grid& grid,
-                                  Launch& launch) {
+std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Camera>& cameras,
+                                  const Grid& grid, Launch& launch) {
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
-  if (launch.rank() == 0) axes = needed_axes(o.frame, plan.cameras, grid, o.budget.other_engine);
+  if (launch.rank() == 0) axes = needed_axes(o.frame, cameras, grid, o.budget.other_engine);
   const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
   return value_of<std::array<bool, 3>>(block, "the axes to keep");
 }
@@ -156,7 +152,10 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   prepare_simulation(o.run, launch);
   const auto [places, layout] = settle_ranks(o.run, launch);
   job.layout = layout;
-  launch.check_on_rank_0([&] { job.plan = make_plan(o); });
+  launch.check_on_rank_0([&] {
+    job.transfer_function.emplace(o.transfer_function, o.colour);
+    check_outputs(o);
+  });
   if (o.frames && simulated())
     throw InputError("--frames: the next volume is read by the clock on the wall, not the simulated one",
                      "simulate one volume at a time");
@@ -166,36 +165,24 @@ Job prepare(const RenderOptions& given, Launch& launch) {
   job.volume = open(o.volume, launch);
   const Grid& grid = job.volume.grid;
   launch.check_on_all_ranks([&] { o.frame.shown.clip = clip_box(o.clip, grid); });
+  std::string view_note;
   launch.check_on_rank_0([&] {
-    job.view_note = complete_view(o, grid, job.volume.notes);
-    job.plan.cameras = views_of(o);
-    if (o.frames) check_one_camera_each(job.plan, o, job.series.size());
-    check_frames(o, job.plan, grid);
+    view_note = complete_view(o, grid, job.volume.notes);
+    job.cameras = views_of(o);
+    if (o.frames) check_one_camera_each(job.cameras, o, job.series.size());
+    check_frames(o, job.cameras, grid);
     if (o.annotate) job.annotation.emplace(grid, job.volume.notes, o.background, o.colour.range);
   });
-  job.load = load_options(o, agree_on_axes(o, job.plan, grid, launch));
-  job.memory = settle_layout(o, job.layout, job.plan.cameras, grid, job.load,
-                             FrameOutput::most_held(o, job.plan.cameras.size()), places, launch);
+  job.load = load_options(o, agree_on_axes(o, job.cameras, grid, launch));
+  job.memory = settle_layout(o, job.layout, job.cameras, grid, job.load,
+                             FrameOutput::most_held(o, job.cameras.size()), places, launch);
   launch.check_on_rank_0([&] {
     if (!o.output.empty()) require_image_library();
   });
-  if (!job.view_note.empty()) log_info("{}", job.view_note);
+  if (!view_note.empty()) log_info("{}", view_note);
   log_roles(job.layout, job.memory, launch);
   return job;
 }
-
-namespace {
-
-/// Rank 0's transfer function for the loaded volume, written out when asked.
-MadeFunction make_transfer_function(const RenderOptions& o, const Plan& plan, const Scene& scene) {
-  MadeFunction made = plan.transfer_function->make(scene.values);
-  check(made.function, o.transfer_function);
-  if (!o.transfer_function_out.empty())
-    write_text_output(o.transfer_function_out, to_paraview_json(made.function));
-  return made;
-}
-
-}  // namespace
 
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch) {
   const Facts before = std::exchange(job.volume, open(job.options.volume, launch)).facts;
@@ -232,7 +219,10 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   const RenderOptions& o = job.options;
   MadeFunction made;
   launch.check_on_rank_0([&] {
-    made = make_transfer_function(o, job.plan, scene);
+    made = job.transfer_function->make(scene.values);
+    check(made.function, o.transfer_function);
+    if (!o.transfer_function_out.empty())
+      write_text_output(o.transfer_function_out, to_paraview_json(made.function));
     if (!made.said.empty() && !simulated()) progress.print(made.said);
   });
   FrameSpec frame = o.frame;

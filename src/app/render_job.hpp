@@ -1,6 +1,6 @@
 #pragma once
+#include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "app/annotation.hpp"
@@ -14,20 +14,15 @@
 
 namespace ringsplat::app {
 
-/// What only rank 0 knows, as only it reads the small files and writes the results.
-struct Plan {
-  std::optional<TransferFunctionChoice> transfer_function;
-  std::vector<Camera> cameras;
-};
-
 /// A run, all decided and checked before a voxel is read.
 struct Job {
   RenderOptions options;
   Layout layout;
-  Plan plan;
+  // On rank 0, as only it reads the small files and writes the results.
+  std::optional<TransferFunctionChoice> transfer_function;
+  std::vector<Camera> cameras;
   std::vector<SeriesEntry> series;       ///< one volume, without --frames
   OpenedVolume volume;                   ///< the first of them
-  std::string view_note;                 ///< on rank 0: what is said of the view, or nothing
   std::optional<Annotation> annotation;  ///< on rank 0
   LoadOptions load;
   SliceMemory memory;
@@ -51,5 +46,22 @@ Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch)
 
 /// Draws the volumes of --frames.
 ExitCode render_series(Job& job, Progress& progress, Launch& launch);
+
+/// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
+/// by the stored calibration or a new one. All processes call it. Returns true when it rendered with `scene`,
+/// which is then used up and must be loaded again. All throw the same InputError when no setting keeps the
+/// budget.
+bool keep_budget(Job& job, Scene& scene, FrameSpec& frame, Progress& progress, Launch& launch);
+
+/// The pictures of a run, on rank 0.
+struct Gallery {
+  std::function<std::vector<Judged>()> judge;       ///< those that were not judged before
+  std::function<void(FrameResult&&)> replace = {};  ///< the picture of the frame with this number
+};
+
+/// Draws pictures that break the budget again, with more exact settings, twice at most. All processes call
+/// it, after keep_budget and the run. Warns of each picture that is over the budget then; returns whether
+/// there is none.
+bool hold_budget(Job& job, const Gallery& gallery, const Wiring& wiring, Progress& progress, Launch& launch);
 
 }  // namespace ringsplat::app

@@ -14,7 +14,7 @@ namespace {
 /// Draws one volume's view, and notes when it was done.
 void draw(const Job& job, std::size_t k, Scene scene, FrameSpec frame, FrameOutput& output,
           double& last_ended, const Wiring& wiring, Launch& launch) {
-  const auto& cameras = job.plan.cameras;
+  const auto& cameras = job.cameras;
   const bool first_rank = launch.rank() == 0;
   if (first_rank) frame.shown.camera = cameras[cameras.size() == 1 ? 0 : k];
   const SeriesEntry& entry = job.series[k];

@@ -4,14 +4,15 @@
 #include <glob.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <limits>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 #include "base/natural_order.hpp"
 #include "base/printable.hpp"
+#include "base/text.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -52,11 +53,10 @@ std::string written(const NumberForm& form, int number) {
 std::optional<int> number_in(const NumberForm& form, const std::string& name) {
   if (!name.starts_with(form.before) || name.size() < form.before.size() + form.after.size())
     return std::nullopt;
-  int number = 0;
-  const char* const end = name.data() + name.size() - form.after.size();
-  const auto [parsed, error] = std::from_chars(name.data() + form.before.size(), end, number);
-  if (error != std::errc{} || parsed != end || number < 0 || written(form, number) != name)
-    return std::nullopt;
+  const auto digits =
+      std::string_view(name).substr(form.before.size(), name.size() - form.before.size() - form.after.size());
+  const auto number = detail::number_in<int>(digits);
+  if (!number || *number < 0 || written(form, *number) != name) return std::nullopt;
   return number;
 }
 

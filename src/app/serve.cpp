@@ -21,7 +21,7 @@
 #include "frame/frame_needs.hpp"
 #include "net/blocks.hpp"
 #include "net/launcher.hpp"
-#include "options/first_view.hpp"
+#include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
 #include "program/layouts.hpp"
 #include "ringsplat/base/error.hpp"

@@ -42,22 +42,35 @@ StatsOutput::StatsOutput(const RenderOptions& options, const Layout& layout, Sli
   if (options.stats_as_table) table_.emplace(layout);
 }
 
-void StatsOutput::add(FrameRecord&& record) {
+void StatsOutput::add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
+                      const std::string& volume) {
   if (table_) {
-    table_->add(record.stats);
-    items_ = items_of(record.spec.how);
-  } else if (!file_.empty()) {
-    waiting_.push_back(std::move(record));
+    table_->add(frame.stats);
+    items_ = items_of(frame.spec.how);
   }
+  if (table_ || file_.empty()) return;
+  json j = json::parse(to_json_text(frame.stats, layout_, to_json_text(frame.spec), name(frame.axis)));
+  if (!picture.empty()) j["file"] = picture;
+  j["volume"] = volume;
+  j["memory"] = to_json(memory_);
+  if (error != nullptr) {
+    j["error"] = to_json(*error);
+    j["error"]["seconds"] = error->seconds;
+  }
+  waiting_.emplace_back(frame.spec.frame, std::move(j));
 }
 
 void StatsOutput::write(const RefinementSteps& steps) {
-  for (const FrameRecord& record : waiting_) {
+  for (auto& [frame, j] : waiting_) {
+    if (const auto step = steps.find(frame); step != steps.end()) {
+      const auto& [seconds, rmse, largest] = step->second;
+      j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
+    }
     if (std::exchange(begun_, true))
       put(lines_ ? "\n" : ",\n");
     else if (!lines_)
       put("[\n");
-    put(json_text(record, steps));
+    put(plain_json_text(std::move(j)));
   }
   waiting_.clear();
 }
@@ -80,22 +93,6 @@ void StatsOutput::put(const std::string& text) {
   }
   if (!output_) output_ = std::make_unique<OutputFile>(file_);
   output_->write(text);
-}
-
-std::string StatsOutput::json_text(const FrameRecord& record, const RefinementSteps& steps) const {
-  json j = json::parse(to_json_text(record.stats, layout_, to_json_text(record.spec), name(record.axis)));
-  if (!record.picture.empty()) j["file"] = record.picture;
-  j["volume"] = record.volume;
-  j["memory"] = to_json(memory_);
-  if (record.error) {
-    j["error"] = to_json(*record.error);
-    j["error"]["seconds"] = record.error->seconds;
-  }
-  if (const auto step = steps.find(record.spec.frame); step != steps.end()) {
-    const auto& [seconds, rmse, largest] = step->second;
-    j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
-  }
-  return plain_json_text(std::move(j));
 }
 
 }  // namespace ringsplat::app

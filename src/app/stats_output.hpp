@@ -6,14 +6,14 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/output_file.hpp"
 #include "options/options.hpp"
 #include "record/stats.hpp"
 #include "record/stats_table.hpp"
-#include "ringsplat/base/axis.hpp"
-#include "ringsplat/frame/frame_spec.hpp"
+#include "session/director.hpp"
 #include "study/measured_error.hpp"
 
 namespace ringsplat::app {
@@ -34,39 +34,30 @@ struct RefinementStep {
 };
 using RefinementSteps = std::map<std::int64_t, RefinementStep>;  ///< by frame
 
-/// A frame's entry in --stats.
-struct FrameRecord {
-  FrameSpec spec;
-  FrameStats stats;
-  Axis axis;
-  std::string picture;  ///< its file; empty when none was written
-  std::optional<MeasuredError> error;
-  std::string volume;  ///< its path
-};
-
 /// The file of --stats, to which each frame goes as soon as all is known of it.
 class StatsOutput {
  public:
   /// No file where the options name none. What is passed by reference must outlive it.
   StatsOutput(const RenderOptions& options, const Layout& layout, SliceMemory memory);
 
-  /// Throws RunError when the file cannot be written.
-  void add(FrameRecord&& record);
+  /// `picture`: the frame's file; empty when none was written. `error` may be null. Throws RunError when the
+  /// file cannot be written.
+  void add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
+           const std::string& volume);
   /// Writes the frames that were added since the last call.
   void write(const RefinementSteps& steps);
   void finish();
 
  private:
-  std::string json_text(const FrameRecord& record, const RefinementSteps& steps) const;
   void put(const std::string& text);
 
   const std::string& file_;
   const bool lines_;  ///< not an array
   const Layout& layout_;
   const SliceMemory memory_;
-  const char* items_;                ///< what payloads hold
-  std::optional<StatsTable> table_;  ///< in place of JSON
-  std::vector<FrameRecord> waiting_;
+  const char* items_;                                             ///< what payloads hold
+  std::optional<StatsTable> table_;                               ///< in place of JSON
+  std::vector<std::pair<std::int64_t, nlohmann::json>> waiting_;  ///< entries, with their frames
   std::unique_ptr<OutputFile> output_;  ///< null before the first frame, or for stdout
   bool begun_ = false;
 };

@@ -63,24 +63,19 @@ void ViewStream::read(int descriptor) {
   ended_ = true;
 }
 
-std::optional<Camera> ViewStream::view_of(const LineSplitter::Line& line, const std::string& where) {
-  if (line.too_long) refuse_long_line(line, where);
-  const auto view = reader_.read(line.text, where);
-  if (!view) return std::nullopt;
-  try {
-    hooks_.check(*view);
-  } catch (const InputError& e) {
-    throw InputError(fmt::format("{}: {}", where, e.what()));
-  }
-  return view;
-}
-
 void ViewStream::take_line(const LineSplitter::Line& line) {
+  const std::string where = fmt::format("{}, line {}", name_, line.number);
   std::optional<Camera> view;
   try {
-    view = view_of(line, fmt::format("{}, line {}", name_, line.number));
+    if (line.too_long) refuse_long_line(line, where);
+    view = reader_.read(line.text, where);
   } catch (const InputError& e) {
-    skip(line.number, e.what());
+    return skip(line.number, e.what());
+  }
+  try {
+    if (view) hooks_.check(*view);
+  } catch (const InputError& e) {
+    return skip(line.number, fmt::format("{}: {}", where, e.what()));
   }
   if (view) put(*view);
 }

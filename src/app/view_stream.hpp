@@ -45,7 +45,6 @@ class ViewStream {
  private:
   void read(int descriptor);
   void take_line(const LineSplitter::Line& line);
-  std::optional<Camera> view_of(const LineSplitter::Line& line, const std::string& where);
   void skip(std::size_t line, const std::string& why);
   void put(const Camera& view);
 

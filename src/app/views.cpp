@@ -3,13 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <span>
-#include <sstream>
 
 #include "base/printable.hpp"
+#include "base/text.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -37,11 +36,8 @@ double Camera::*field_named(const std::string& name) {
 std::vector<double Camera::*> columns_of(std::string line) {
   std::replace_if(
       line.begin(), line.end(), [](char c) { return c == ',' || c == ';'; }, ' ');
-  std::istringstream words(line);
   std::vector<double Camera::*> columns;
-  for (std::string word; words >> word;) {
-    std::transform(word.begin(), word.end(), word.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  for (const std::string& word : detail::words_of(detail::lower_case(line))) {
     const auto part = field_named(word);
     if (part == nullptr) return {};
     columns.push_back(part);

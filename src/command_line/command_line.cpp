@@ -10,7 +10,6 @@
 #include "base/text.hpp"
 #include "command_line/texts.hpp"
 #include "options/contradictions.hpp"
-#include "options/likely_option.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/config.hpp"
@@ -193,12 +192,11 @@ class Parser {
 
 /// An option that CLI11 has of itself.
 Option described(const CLI::Option& option) {
-  Option all{.names = {},
-             .heading = option.get_group(),
+  Option all{.heading = option.get_group(),
              .form = option.get_type_name(),
              .fallback = option.get_default_str(),
              .help = option.get_description(),
-             .reader = {.form = {}, .initial = {}, .read = {}, .words = option.get_items_expected_max()},
+             .reader = {.words = option.get_items_expected_max()},
              .given = option.results()};
   for (const auto& name : option.get_snames()) all.names.push_back("-" + name);
   for (const auto& name : option.get_lnames()) all.names.push_back("--" + name);

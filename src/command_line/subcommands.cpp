@@ -5,7 +5,6 @@
 #include <limits>
 
 #include "base/text.hpp"
-#include "options/first_view.hpp"
 #include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"

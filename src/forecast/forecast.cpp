@@ -1,16 +1,16 @@
 #include "forecast/forecast.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
-#include "forecast/hosts.hpp"
-#include "forecast/sampled_volume.hpp"
 #include "forecast/token_times.hpp"
 #include "frame/region_choice.hpp"
 #include "program/layouts.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "simulate/work_costs.hpp"
 
 namespace ringsplat::app {
@@ -233,6 +233,31 @@ std::vector<Prediction> Forecast::predict_bundles(const std::vector<Layout>& lay
 
 int ranks_with_own_cores(const Machine& machine, int ranks) {
   return machine.platform.hosts == 1 && shares_cores(machine, ranks) ? machine.platform.cores : 0;
+}
+
+const char* name(Limit limit) {
+  constexpr const char* names[] = {"the GPs", "the Renderers", "the cores"};
+  return names[static_cast<int>(limit)];
+}
+
+std::string describe(const FrameWork& work) {
+  const auto each = [](double seconds, double count) { return count > 0 ? 1e9 * seconds / count : 0.0; };
+  return fmt::format(
+      "{:.0f} visible voxels of {:.1f} ns on a GP, {:.0f} {} of {:.1f} ns on a Renderer, {:.2f} ms a frame "
+      "on "
+      "each GP",
+      work.visible_voxels, each(work.gp, work.visible_voxels), work.items, work.items_name,
+      each(work.renderer, work.items), 1e3 * work.frame);
+}
+
+std::string to_table(const std::vector<Prediction>& predictions) {
+  std::string text = fmt::format("  {:<38}{:>10}{:>10}{:>12}{:>10}{:>10}   limit\n", "ms a frame",
+                                 "predicted", "GP", "Renderer", "cores", "tokens");
+  for (const Prediction& p : predictions)
+    text += fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>12.2f}{:>10.2f}{:>10.2f}   {}\n", describe(p.layout),
+                        1e3 * p.seconds, 1e3 * p.gp, 1e3 * p.renderer, 1e3 * p.shared, 1e3 * p.tokens,
+                        name(p.limit));
+  return text;
 }
 
 }  // namespace ringsplat::app

@@ -5,12 +5,14 @@
 
 #include "engine_parts/frame_plan.hpp"
 #include "frame/work_estimate.hpp"
+#include "net/transport.hpp"
 #include "options/transfer_function_option.hpp"
 #include "protocol/protocol_options.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/net/layout.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "simulate/machine.hpp"
+#include "volume/volume_sketch.hpp"
 
 namespace ringsplat::app {
 
@@ -80,5 +82,25 @@ class Forecast {
 /// How many ranks have a core of their own where there are too few; 0 where each has one, or where the last
 /// ranks may be all of a host's.
 int ranks_with_own_cores(const Machine& machine, int ranks);
+
+/// This machine, as it would be described: the usual costs (frame/work_estimate.hpp) times what GPs and
+/// Renderers of either method take here for a small ball, and so many hosts with so many cores each. What
+/// they take is measured once, in some tenths of a second, and kept in the user's cache folder for this build
+/// on this host.
+Machine this_machine(int hosts, int cores);
+
+/// Seconds a message takes to the next rank, measured by one that goes round all ranks many times. All ranks
+/// call it, while no other message is on its way; the result is valid on rank 0. Zero with one rank.
+double measure_hop(Transport& transport);
+
+/// The transfer function that a choice makes for the volume: of one of more than 2²⁴ voxels from three
+/// sections of z slices, which bounds memory. Throws InputError when the volume is unreadable or has no
+/// finite value.
+TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice& choice);
+
+VolumeSketch sketch_of(VolumeSource& source);
+
+/// The views of a run to foresee: the first, or three evenly spread ones of a long run.
+std::vector<Camera> some_views(const std::vector<Camera>& cameras);
 
 }  // namespace ringsplat::app

@@ -1,9 +1,8 @@
-#include "forecast/sampled_volume.hpp"
-
 #include <algorithm>
-#include <cstring>
 
+#include "forecast/forecast.hpp"
 #include "ringsplat/base/error.hpp"
+#include "scene/scene.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
@@ -57,17 +56,12 @@ VolumeSketch sketch_of(VolumeSource& source) {
   std::vector<std::byte> slice(grid.slice_bytes(Axis::z));
   for (int z = 0; z < sketch.points.z; ++z) {
     source.read_slices(sketch.voxel(2, z), 1, slice);
-    visit_type(grid.type, [&](auto zero) {
-      using T = decltype(zero);
-      for (int y = 0; y < sketch.points.y; ++y)
-        for (int x = 0; x < sketch.points.x; ++x) {
-          T value;
-          const auto voxel =
-              std::size_t(sketch.voxel(1, y)) * std::size_t(grid.dims.x) + std::size_t(sketch.voxel(0, x));
-          std::memcpy(&value, slice.data() + voxel * sizeof(T), sizeof(T));
-          sketch.values[sketch.index({x, y, z})] = static_cast<float>(value);
-        }
-    });
+    const auto points = points_of(sketch, {.axis = Axis::z,
+                                           .width = grid.dims.x,
+                                           .height = grid.dims.y,
+                                           .type = grid.type,
+                                           .values = slice.data()});
+    std::copy(points.begin(), points.end(), sketch.values.begin() + std::ptrdiff_t(sketch.index({0, 0, z})));
   }
   return sketch;
 }

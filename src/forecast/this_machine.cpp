@@ -1,6 +1,3 @@
-#include "forecast/this_machine.hpp"
-
-#include <fmt/format.h>
 #include <time.h>
 
 #include <algorithm>
@@ -12,7 +9,6 @@
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "forecast/forecast.hpp"
-#include "forecast/sampled_volume.hpp"
 #include "options/method_options.hpp"
 #include "program/kept_measurements.hpp"
 #include "session/render_frames.hpp"

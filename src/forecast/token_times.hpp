@@ -7,6 +7,26 @@
 
 namespace ringsplat::app {
 
+class Hosts {
+ public:
+  Hosts(const Machine& machine, const Layout& layout);
+
+  /// Whether more ranks work than there are cores.
+  bool share_cores() const;
+  /// The longest of all hosts' work over its cores. `seconds`: by rank.
+  double shared_seconds(const std::vector<double>& seconds) const;
+  /// Seconds of the busiest link, which at best is busy all the time, when GPs send Renderers so many bytes
+  /// together, each of them as much.
+  double link_seconds(double bytes) const;
+
+ private:
+  std::size_t host_of(int rank) const;
+
+  const Machine& machine_;
+  const Layout& layout_;
+  int hosts_;
+};
+
 /// What each Renderer draws.
 struct Shares {
   /// By layer and Renderer, of a slice: seconds for its payload besides what every payload costs, and seconds

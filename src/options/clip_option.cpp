@@ -1,12 +1,8 @@
-#include "options/clip_option.hpp"
-
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <string_view>
-#include <vector>
 
 #include "base/printable.hpp"
 #include "options/option_values.hpp"

@@ -1,11 +1,9 @@
 // Options of errors, truths and studies.
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 
 #include "options/contradictions.hpp"
-#include "options/first_view.hpp"
 #include "options/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 

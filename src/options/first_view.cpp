@@ -1,11 +1,9 @@
-#include "options/first_view.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
+#include "options/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
@@ -13,26 +11,10 @@ namespace {
 
 void stand_at(Camera& camera, Side side, World world) {
   // A patient who faces the viewer has his left, world +x, at the picture's right.
-  const double at_x = 90, at_left = world == World::patient ? at_x : -at_x;
-  switch (side) {
-    case Side::front:
-      break;
-    case Side::back:
-      camera.azimuth = 180;
-      break;
-    case Side::left:
-      camera.azimuth = at_left;
-      break;
-    case Side::right:
-      camera.azimuth = -at_left;
-      break;
-    case Side::top:
-      camera.elevation = 90;
-      break;
-    case Side::bottom:
-      camera.elevation = -90;
-      break;
-  }
+  const double left = world == World::patient ? 90 : -90;
+  const glm::dvec2 angles[] = {{0, 0}, {180, 0}, {left, 0}, {-left, 0}, {0, 90}, {0, -90}};  // by side
+  camera.azimuth = angles[static_cast<int>(side)].x;
+  camera.elevation = angles[static_cast<int>(side)].y;
 }
 
 /// The lattice's extents along the world's axes; nothing when it lies askew.

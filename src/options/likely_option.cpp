@@ -1,69 +1,44 @@
-#include "options/likely_option.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "base/text.hpp"
 #include "options/option_values.hpp"
 
 namespace ringsplat::app {
 namespace {
 
 /// Options of ParaView, VTK, matplotlib, Fiji, Slicer and the like.
-struct Word {
-  const char *theirs, *ours;
+struct Alike {
+  const char *ours, *theirs;
   const char* more = "";
 };
+
 constexpr const char* no_maximum =
     " There is no maximum intensity projection: --tf grey --shading none comes near.";
 constexpr const char* no_surface = " Opacity that rises steeply at a value shows a surface there.";
 constexpr const char* or_whole = " --tf changes opacities, too.";
-constexpr Word words[] = {
-    {"window", "range"},
-    {"window-level", "range"},
-    {"level", "range"},
-    {"clim", "range"},
-    {"vmin", "range"},
-    {"vmax", "range"},
-    {"cmap", "colours", or_whole},
-    {"colormap", "colours", or_whole},
-    {"colourmap", "colours", or_whole},
-    {"color-map", "colours", or_whole},
-    {"colors", "colours", or_whole},
-    {"lut", "colours", or_whole},
-    {"palette", "colours", or_whole},
-    {"transfer-function", "tf"},
-    {"preset", "tf"},
-    {"mip", "tf", no_maximum},
-    {"projection-mode", "tf", no_maximum},
-    {"iso", "tf", no_surface},
-    {"isosurface", "tf", no_surface},
-    {"isovalue", "tf", no_surface},
-    {"contour", "tf", no_surface},
-    {"alpha", "opacity"},
-    {"density", "opacity"},
-    {"resolution", "size"},
-    {"width", "size"},
-    {"height", "size"},
-    {"camera", "eye"},
-    {"camera-position", "eye"},
-    {"position", "eye"},
-    {"focal-point", "target"},
-    {"look-at", "target"},
-    {"view-up", "up"},
-    {"rotate", "azimuth"},
-    {"angle", "azimuth"},
-    {"turntable", "orbit"},
-    {"crop", "clip"},
-    {"roi", "clip"},
-    {"timestep", "frame"},
-    {"threads", "threads-per-rank"},
-    {"jobs", "threads-per-rank"},
-    {"bgcolor", "background"},
-    {"dtype", "type"},
-    {"shape", "dims"},
-    {"voxel-size", "spacing"},
-    {"sampling-rate", "quality"},
+constexpr Alike table[] = {
+    {"range", "window window-level level clim vmin vmax"},
+    {"colours", "cmap colormap colourmap color-map colors lut palette", or_whole},
+    {"tf", "transfer-function preset"},
+    {"tf", "mip projection-mode", no_maximum},
+    {"tf", "iso isosurface isovalue contour", no_surface},
+    {"opacity", "alpha density"},
+    {"size", "resolution width height"},
+    {"eye", "camera camera-position position"},
+    {"target", "focal-point look-at"},
+    {"up", "view-up"},
+    {"azimuth", "rotate angle"},
+    {"orbit", "turntable"},
+    {"clip", "crop roi"},
+    {"frame", "timestep"},
+    {"threads-per-rank", "threads jobs"},
+    {"background", "bgcolor"},
+    {"type", "dtype"},
+    {"dims", "shape"},
+    {"spacing", "voxel-size"},
+    {"quality", "sampling-rate"},
 };
 
 std::string plain(const std::string& name) {
@@ -75,11 +50,11 @@ std::string plain(const std::string& name) {
 }  // namespace
 
 std::string likely_option(const std::string& unknown, const std::vector<std::string>& known) {
-  const auto word = std::find_if(std::begin(words), std::end(words),
-                                 [&](const Word& w) { return w.theirs == plain(unknown); });
-  if (word != std::end(words))
-    for (const auto& name : known)
-      if (plain(name) == word->ours) return fmt::format("did you mean {}?{}", name, word->more);
+  for (const auto& [ours, theirs, more] : table)
+    for (const std::string& word : detail::words_of(theirs))
+      for (const auto& name : known)
+        if (word == plain(unknown) && plain(name) == ours)
+          return fmt::format("did you mean {}?{}", name, more);
   const std::string alike = closest(unknown, known);
   return alike.empty() ? "" : fmt::format("did you mean {}?", alike);
 }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -83,15 +82,10 @@ void add_method_options(OptionList& list, RenderOptions& o) {
 }
 
 Sheets sheets_of(Quality quality) {
-  switch (quality) {
-    case Quality::draft:
-      return {.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
-    case Quality::normal:
-      return {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2, .light_points = 2};
-    case Quality::paper:
-    case Quality::best:
-      break;
-  }
+  if (quality == Quality::draft)
+    return {.image_plane = ImagePlane::slices, .plane_samples = 1, .slabs = 2, .light_points = 1};
+  if (quality == Quality::normal)
+    return {.image_plane = ImagePlane::slices, .plane_samples = 1.5, .slabs = 2, .light_points = 2};
   return {.image_plane = ImagePlane::screen, .slabs = 3, .light_points = 2};
 }
 

@@ -19,16 +19,6 @@ bool is_set(const std::string& word, const std::string& option) {
   return false;
 }
 
-Reader flag_that(std::function<void()> act) {
-  return {.form = {},
-          .initial = {},
-          .read =
-              [act](const Words& words, const std::string& option) {
-                if (is_set(words.back(), option)) act();
-              },
-          .words = 0};
-}
-
 }  // namespace
 
 std::string described_bounds(bool whole, const std::string& least, const std::string& most) {
@@ -47,29 +37,23 @@ void refuse_choice(const std::string& option, const std::string& text, const std
 }
 
 Reader text(std::function<void(const std::string& text, const std::string& option)> take) {
-  return {.form = "TEXT", .initial = {}, .read = [take](const Words& words, const std::string& option) {
-            take(words.front(), option);
-          }};
+  return {"TEXT", [take](const Words& words, const std::string& option) { take(words.front(), option); }};
 }
 
 Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take) {
-  return {.form = "FLOAT",
-          .initial = {},
-          .read =
-              [take](const Words& words, const std::string& option) {
-                std::vector<double> all;
-                for (const std::string& word : words) all.push_back(read_number<double>(word, option));
-                take(all);
-              },
-          .words = count};
+  const auto read = [take](const Words& words, const std::string& option) {
+    std::vector<double> all;
+    for (const std::string& word : words) all.push_back(read_number<double>(word, option));
+    take(all);
+  };
+  return {"FLOAT", read, count};
 }
 
-Reader flag(bool& target) {
-  return flag_that([&target] { target = true; });
-}
-
-Reader clearing_flag(bool& target) {
-  return flag_that([&target] { target = false; });
+Reader flag(bool& target, bool meaning) {
+  const auto read = [&target, meaning](const Words& words, const std::string& option) {
+    if (is_set(words.back(), option)) target = meaning;
+  };
+  return {"", read, 0};
 }
 
 Reader value(std::string& target) {
@@ -79,10 +63,7 @@ Reader value(std::string& target) {
 }
 
 Reader values(std::vector<std::string>& target) {
-  return {.form = "TEXT",
-          .initial = {},
-          .read = [&target](const Words& words, const std::string&) { target = words; },
-          .repeats = true};
+  return {"TEXT", [&target](const Words& words, const std::string&) { target = words; }, 1, true};
 }
 
 bool Option::has_name(std::string_view name) const {
@@ -91,10 +72,8 @@ bool Option::has_name(std::string_view name) const {
 
 void OptionList::add(const char* heading, std::span<const OptionRow> rows) {
   for (const OptionRow& row : rows) {
-    Option& option = options_.emplace_back(Option{.names = {},
-                                                  .heading = heading,
+    Option& option = options_.emplace_back(Option{.heading = heading,
                                                   .form = row.form != nullptr ? row.form : row.reader.form,
-                                                  .fallback = {},
                                                   .help = row.help,
                                                   .reader = row.reader,
                                                   .mark = row.mark});

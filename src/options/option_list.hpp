@@ -20,12 +20,12 @@ using Words = std::vector<std::string>;
 
 /// Makes a value of an option's words, for a target that must outlive the reading.
 struct Reader {
-  std::string form;     ///< what --help shows for the value where the row does not say
-  std::string initial;  ///< the target's value before anything is read, as text
+  std::string form = {};  ///< what --help shows for the value where the row does not say
   /// Throws InputError that names the option.
-  std::function<void(const Words& words, const std::string& option)> read;
-  int words = 1;         ///< that follow the name; 0: a flag, whose word is true or false
-  bool repeats = false;  ///< it may be given several times
+  std::function<void(const Words& words, const std::string& option)> read = {};
+  int words = 1;             ///< that follow the name; 0: a flag, whose word is true or false
+  bool repeats = false;      ///< it may be given several times
+  std::string initial = {};  ///< the target's value before anything is read, as text
 };
 
 /// A row's fallback when --help should show the target's initial value.
@@ -50,9 +50,9 @@ struct OptionRow {
 
 /// An option, and the words that were given for it.
 struct Option {
-  Words names;  ///< with their dashes, of which an argument's name has none
+  Words names = {};  ///< with their dashes, of which an argument's name has none
   std::string heading, form;
-  std::string fallback;  ///< empty: there is none to show
+  std::string fallback = {};  ///< empty: there is none to show
   std::string help;
   Reader reader;
   Mark mark = Mark::none;
@@ -131,10 +131,8 @@ T read_number(const std::string& text, const std::string& option, const Bounds<T
 Reader text(std::function<void(const std::string& text, const std::string& option)> take);
 /// So many numbers, passed to `take` together.
 Reader numbers(int count, std::function<void(const std::vector<double>& numbers)> take);
-/// An option without a value: sets `target`.
-Reader flag(bool& target);
-/// An option without a value: clears `target`.
-Reader clearing_flag(bool& target);
+/// An option without a value, which gives `target` this one.
+Reader flag(bool& target, bool meaning = true);
 /// A text as it is.
 Reader value(std::string& target);
 /// Texts of an option that may be given several times.

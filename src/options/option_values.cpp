@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
@@ -73,12 +72,8 @@ constexpr const char* form = "give FIRST:END or FIRST:END:STEP, END not included
 /// A number from 0, or nothing where the text is empty. False when it is neither.
 bool take(std::string_view text, std::optional<int>& number) {
   if (text.empty()) return true;
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [parsed, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || parsed != end || value < 0) return false;
-  number = value;
-  return true;
+  number = detail::number_in<int>(text);
+  return number && *number >= 0;
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #pragma once
+#include <array>
 #include <cstddef>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "ringsplat/volume/voxel_box.hpp"
 
 /// Turns what people type for an option into values. Every function throws InputError that names the option
 /// (`option`, such as "--size") and shows a value that works.
@@ -75,5 +78,35 @@ inline std::vector<std::string_view> split(std::string_view text, std::string_vi
     at = end + 1;
   }
 }
+
+/// "did you mean --colours?" for an option that is not among the `known` ones: what other programs' word for
+/// it is called here, or else the most similar one. Empty when nothing is like it. Dashes and underscores are
+/// alike.
+std::string likely_option(const std::string& unknown, const std::vector<std::string>& known);
+
+/// A clip box as people type it, "x0:x1,y0:y1,z0:z1": a part that is empty or has an open end reaches to the
+/// volume's face. Numbers are voxels, x0 the first and x1 the first behind; in a part that ends in "mm", and
+/// in all parts when the last one does, they are distances from the volume's first face along the lattice's
+/// axis, in the file's world units, and voxels count whose centres lie between.
+struct ClipText {
+  struct Part {
+    std::string text;  ///< as typed, for messages
+    std::optional<double> first, end;
+    bool distances = false;
+    bool operator==(const Part&) const = default;
+  };
+  std::string option;  ///< for messages
+  std::array<Part, 3> parts;
+  bool operator==(const ClipText&) const = default;
+};
+
+/// Throws InputError that names the part that is no range.
+ClipText parse_clip(const std::string& text, const std::string& option);
+
+/// The voxels that are meant. Throws InputError that names the part that has none or leaves the volume.
+VoxelBox clip_box(const ClipText& clip, const Grid& grid);
+
+/// The same of a text that may be missing.
+std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid);
 
 }  // namespace ringsplat::app

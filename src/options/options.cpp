@@ -5,23 +5,13 @@
 namespace ringsplat::app {
 namespace {
 
-/// A number of nodes, or "auto", which sets `choose`.
-Reader count_or_auto(std::optional<int>& count, bool& choose) {
-  return text([&count, &choose](const std::string& word, const std::string& option) {
-    if (word == "auto")
-      choose = true;
-    else
+/// A number of nodes or slices, or "auto", which sets all of `choices`.
+Reader count_or_auto(std::optional<int>& count, std::vector<bool*> choices) {
+  return text([&count, choices = std::move(choices)](const std::string& word, const std::string& option) {
+    if (word != "auto")
       count = parse_count(word, option);
-  });
-}
-
-/// A number of slices, or "auto", which is chosen together with the roles.
-Reader bundle_or_auto(RunOptions& run) {
-  return text([&run](const std::string& word, const std::string& option) {
-    if (word == "auto")
-      run.choose_roles = run.choose_bundle = true;
     else
-      run.bundle = parse_count(word, option);
+      for (bool* const choice : choices) *choice = true;
   });
 }
 
@@ -65,17 +55,17 @@ void add_layout_options(OptionList& list, RunOptions& o) {
   const OptionRow rows[] = {
       {"--gps", "G|auto", nullptr,
        "Ranks that hold slices and send what is visible; auto: as many as a frame is foreseen to need",
-       count_or_auto(o.gps, o.choose_roles)},
+       count_or_auto(o.gps, {&o.choose_roles})},
       {"--renderers", "R|auto", nullptr,
        "Ranks that draw; what is left out follows from the launcher's count",
-       count_or_auto(o.renderers, o.choose_roles)},
+       count_or_auto(o.renderers, {&o.choose_roles})},
       {"--roles", nullptr, nullptr,
        "GPs and Renderers on ranks of their own, or GP p and Renderer p together on rank p",
        choice(o.placement, {{"dedicated", Placement::dedicated}, {"colocated", Placement::colocated}})},
       {"--bundle", "K|auto", nullptr,
        "So many consecutive slices are dealt to a GP together and travel under one token; without it 1, as "
        "in the paper; auto: as many as a described machine needs",
-       bundle_or_auto(o)},
+       count_or_auto(o.bundle, {&o.choose_roles, &o.choose_bundle})},
       {"--topology", nullptr, initial, "How the GPs are linked",
        choice(o.topology, {{"ring", Topology::ring}, {"mesh", Topology::mesh}})},
       {"--mesh", "COLUMNSxROWS", nullptr,

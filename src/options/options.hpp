@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "net/loopback.hpp"
-#include "options/clip_option.hpp"
 #include "options/method_options.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/formats/open.hpp"

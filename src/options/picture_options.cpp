@@ -165,7 +165,7 @@ void add_size_options(OptionList& list, RenderOptions& o) {
       {"--size", "WxH", "512x512", "Pixels of the image", image_size(o.frame)},
       {"--no-opacity-correction", nullptr, nullptr,
        "Take opacities per slice, whatever the distance between slices along the ray",
-       clearing_flag(o.frame.shown.opacity_correction)},
+       flag(o.frame.shown.opacity_correction, false)},
       {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
        direction(o.frame.shown.light)},
       {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",

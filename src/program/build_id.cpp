@@ -1,9 +1,8 @@
-#include "program/build_id.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
+#include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/wire_format.hpp"
 

@@ -11,7 +11,6 @@
 #include "net/launcher.hpp"
 #include "net/same_facts.hpp"
 #include "options/option_values.hpp"
-#include "program/build_id.hpp"
 #include "program/layouts.hpp"
 
 namespace ringsplat::app {
@@ -92,14 +91,6 @@ void Launch::take_leave() {
 }
 
 namespace {
-
-[[noreturn]] void refuse(const Layout& layout, int ranks, const std::string& hint) {
-  throw InputError(
-      fmt::format("{} GP(s) and {} Renderer(s) on {} ranks need {}, but the job has {}", layout.gps,
-                  layout.renderers, layout.placement == Placement::dedicated ? "dedicated" : "colocated",
-                  layout.ranks(), ranks),
-      hint);
-}
 
 /// A mesh's shape gives the number of GPs; unless told otherwise each row has a Renderer at its left end.
 RunOptions with_mesh_counts(RunOptions o) {
@@ -210,12 +201,15 @@ Layout choose_layout(const RunOptions& options, bool over_mpi, int ranks, int co
   const Layout layout = layout_on_ranks(o, ranks, cores);
   check(layout);
   if (layout.ranks() != ranks)
-    refuse(layout, ranks,
-           fmt::format("start it with mpirun -n {}, or change {}{}", layout.ranks(),
-                       o.topology == Topology::mesh ? "--mesh and --renderers" : "--gps and --renderers",
-                       std::max(layout.gps, layout.renderers) == ranks && o.topology == Topology::ring
-                           ? ", or add --roles colocated"
-                           : ""));
+    throw InputError(
+        fmt::format("{} GP(s) and {} Renderer(s) on {} ranks need {}, but the job has {}", layout.gps,
+                    layout.renderers, layout.placement == Placement::dedicated ? "dedicated" : "colocated",
+                    layout.ranks(), ranks),
+        fmt::format("start it with mpirun -n {}, or change {}{}", layout.ranks(),
+                    o.topology == Topology::mesh ? "--mesh and --renderers" : "--gps and --renderers",
+                    std::max(layout.gps, layout.renderers) == ranks && o.topology == Topology::ring
+                        ? ", or add --roles colocated"
+                        : ""));
   return layout;
 }
 

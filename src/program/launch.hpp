@@ -2,6 +2,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,12 @@
 #include "session/render.hpp"
 
 namespace ringsplat::app {
+
+/// This build's version and wire format, in words.
+std::string build_id();
+
+/// Throws InputError that names the first rank whose build differs from rank 0's, and both builds.
+void require_same_build(std::span<const std::string> builds_by_rank);
 
 /// How a piece of work ended.
 struct Outcome {

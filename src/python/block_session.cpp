@@ -5,7 +5,7 @@
 #include "app/render_job.hpp"
 #include "base/log.hpp"
 #include "net/agree.hpp"
-#include "options/first_view.hpp"
+#include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
 #include "python/picture_options.hpp"
 #include "ringsplat/base/error.hpp"

@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "app/keep_budget.hpp"
 #include "app/loading.hpp"
+#include "app/render_job.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "python/picture.hpp"
@@ -83,7 +83,7 @@ std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& ho
     pictures.push_back(picture_of(std::move(result), o, range, job.annotation));
     progress.at(double(pictures.size()));
   };
-  const auto frames = frames_of(frame, job.plan.cameras);
+  const auto frames = frames_of(frame, job.cameras);
   progress.begin("rendering", double(frames.size()));
   app::render_all(std::move(scene), job.layout, o.run.protocol, director_of(frames, take), wiring,
                   o.run.engine);

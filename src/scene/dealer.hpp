@@ -7,7 +7,7 @@
 #include "net/collectives.hpp"
 #include "ringsplat/volume/reduced.hpp"
 #include "ringsplat/volume/source.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {

@@ -1,11 +1,6 @@
-#include "scene/load.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <optional>
 
 #include "base/byte_stream.hpp"
 #include "base/clock.hpp"
@@ -14,19 +9,10 @@
 #include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/dealer.hpp"
-#include "volume/slice_ranges.hpp"
+#include "scene/scene.hpp"
 
 namespace ringsplat {
 namespace {
-
-/// Gathers the values of all processes; a process may have none.
-template <class T>
-std::vector<T> gathered(Collectives& collectives, const std::vector<T>& mine) {
-  std::vector<T> all;
-  for (const auto& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine)))))
-    for (std::size_t at = 0; at < one.size();) all.push_back(next_value<T>(one, at));
-  return all;
-}
 
 /// What process 0 tells the others of the volume it has opened.
 struct Known {
@@ -52,11 +38,6 @@ void take_known(const Known& known, OpenedVolume& volume) {
   volume.concurrent = known.concurrent == 1;
   volume.layer_depth = known.layer_depth;
   if (known.has_fill == 1) volume.notes.fill = known.fill;
-}
-
-bool is_of(const Grid& grid, const SliceRange& range) {
-  const auto is_axis = std::find(all_axes.begin(), all_axes.end(), range.axis) != all_axes.end();
-  return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
 }
 
 /// Which part of a deal's time has passed. Slices are read and dealt in turns, each at a pace of its own, so
@@ -155,22 +136,6 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
   return deal_slices(volume.grid, *supply,
                      {options, dealing, gps_of_process, nullptr, [&pace](int end) { pace.dealt(end); }},
                      collectives);
-}
-
-void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives) {
-  std::vector<SliceRange> mine;
-  for (const auto& [gp, store] : stores)
-    for (const Axis axis : all_axes)
-      for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
-        if (store.owns(s)) mine.push_back(slice_range(store.slice(axis, s)));
-  const std::vector<SliceRange> all = gathered(collectives, mine);
-  for (const auto& [gp, store] : stores)
-    if (!std::all_of(all.begin(), all.end(),
-                     [&s = store](const SliceRange& r) { return is_of(s.grid(), r); }))
-      throw RunError("a rank sent the range of a slice that the volume does not have",
-                     "all ranks must run the same build");
-  const auto ranges = std::make_shared<const SliceRanges>(all);
-  for (auto& [gp, store] : stores) store.know_ranges(ranges);
 }
 
 }  // namespace ringsplat

@@ -1,10 +1,89 @@
 #pragma once
+#include <array>
+#include <functional>
 #include <map>
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
-#include "scene/load.hpp"
+#include "net/collectives.hpp"
+#include "ringsplat/net/layout.hpp"
+#include "ringsplat/volume/source.hpp"
+#include "ringsplat/volume/voxel_box.hpp"
+#include "volume/slice_store.hpp"
+#include "volume/value_statistics.hpp"
+#include "volume/volume_sketch.hpp"
 
 namespace ringsplat {
+
+inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layout.bundle}; }
+
+/// By GP, the process that hosts it.
+std::vector<int> processes_of_gps(SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process);
+
+struct LoadOptions {
+  std::array<bool, 3> kept_axes{true, true, true};
+  bool with_normals = true;
+  std::vector<int> factors{1};    ///< reduction factors of the levels to keep; 1 is the volume itself
+  bool prefilter = false;         ///< for reduced levels (volume/reduced.hpp)
+  bool with_cell_ranges = false;  ///< what sheets need to leave out what cannot be seen
+  /// The part of the volume that is shown. Slices are kept whole, normals are made within it: those of lit
+  /// splats are right in frames with this clip box only.
+  std::optional<VoxelBox> clip = std::nullopt;
+  /// Told now and then which part of the loading's time has passed, 0 ... 1; the processes are in step.
+  std::function<void(double part)> told = {};
+};
+
+struct OpenedVolume {
+  Grid grid;
+  bool concurrent = false;
+  std::unique_ptr<VolumeSource> source;
+  Facts facts = {};        ///< on process 0: identifies the volume when it is opened again
+  VolumeNotes notes = {};  ///< on process 0; elsewhere the fill value at least
+  int layer_depth = 1;     ///< the source's, on every process
+  std::string name = {};
+};
+
+/// Opens the volume on process 0, and on all processes when it can be read concurrently; then all must see
+/// the same volume: grid, encoding, sizes and first and last bytes. Every process gets the grid; a process
+/// that need not read gets no source. All throw the same InputError, with the volume's `name`, when one fails
+/// or sees another volume than process 0.
+OpenedVolume open_everywhere(Collectives& collectives,
+                             const std::function<std::unique_ptr<VolumeSource>()>& open,
+                             const std::string& name = "the volume");
+
+/// Deals the volume to the GPs, which get their slices of each kept axis, with quantised normals. A
+/// process holds at most its GPs' share of the volume and one batch of slices, or one of the source's layers.
+///
+/// z slices are read whole. A concurrent source's are read by their owners, or layer by layer, where it
+/// decodes several together, by all processes in turn, which hand them to their owners; another source's are
+/// read by process 0 in ascending order. The other two axes come by exchange. `gps_of_process[p]` lists the
+/// GPs that process p hosts. Returns this process's stores by GP. All processes throw the same InputError
+/// when one cannot read.
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
+                                      const std::vector<std::vector<int>>& gps_of_process,
+                                      Collectives& collectives);
+
+/// Tells every store the value range of every slice of the kept axes.
+void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives);
+
+/// The sketch's points in one of its slices, row by row.
+std::vector<float> points_of(const VolumeSketch& sketch, const SliceView& slice);
+
+/// Gives every process the same sketch of the volume, taken from the slices of an axis, which all stores
+/// keep.
+std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>& stores, const Grid& grid,
+                                                 Axis axis, Collectives& collectives);
+
+/// Tells every store the ranges of the cells of its slices of the kept axes and of their neighbours, two to
+/// either side.
+void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
+                       const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
+
+/// Range, histogram and more of the values of all GPs' slices; the same on every process.
+ValueStatistics share_values(const std::map<int, SliceStore>& stores, const Grid& grid,
+                             const VolumeNotes& notes, Collectives& collectives);
 
 /// A volume dealt to the GPs, ready to be rendered: this process's slices and what all processes know.
 struct Scene {

@@ -4,7 +4,7 @@
 
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 
 namespace ringsplat {
 namespace {

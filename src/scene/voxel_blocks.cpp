@@ -9,7 +9,7 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 
 namespace ringsplat {
 namespace {

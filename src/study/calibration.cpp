@@ -1,7 +1,6 @@
 #include "study/calibration.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>

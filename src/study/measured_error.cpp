@@ -78,14 +78,8 @@ void set_frame(truth::Scene& scene, const FrameSpec& spec) {
 
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
                                   std::span<const truth::Pixel> pixels) {
-  switch (e.truth) {
-    case TruthKind::method:
-      return truth::method_truth(scene, pixels);
-    case TruthKind::field:
-      return truth::field_truth(scene, pixels, e.tolerance);
-    case TruthKind::analytic:
-      break;
-  }
+  if (e.truth == TruthKind::method) return truth::method_truth(scene, pixels);
+  if (e.truth == TruthKind::field) return truth::field_truth(scene, pixels, e.tolerance);
   return truth::analytic_truth(scene, synth_field(e.formula), truth::synth_scale(scene.grid.type), pixels,
                                e.tolerance);
 }

@@ -4,7 +4,6 @@
 #include <cctype>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -205,50 +204,13 @@ void write_picture(const Image& image, const fs::path& file) {
   write_image(image, file, glm::dvec3(0.0), {});
 }
 
-/// The pictures of a study, as a display shows them: over black, 8-bit sRGB. One folder a scene.
-class StudyPictures {
- public:
-  /// Makes the folder, or throws InputError. With an empty name no picture is kept.
-  explicit StudyPictures(const std::string& folder);
-  bool kept() const { return !folder_.empty(); }
-
-  /// Writes SCENE/NAME-VIEW.png, with the view's number. Both functions return the file's name within the
-  /// folder.
-  std::string keep(const std::string& scene, const std::string& name, std::size_t view, const Image& image);
-  /// Writes SCENE/truth-KIND-VIEW.png; asks for the picture only once.
-  std::string keep_truth(const std::string& scene, const std::string& kind, std::size_t view,
-                         const std::function<Image()>& image);
-
- private:
-  std::filesystem::path folder_;
-  std::set<std::string> truths_;  ///< already written
-};
-
-StudyPictures::StudyPictures(const std::string& folder) : folder_(folder) {
-  if (kept()) make_folder(folder_);
-}
-
-std::string StudyPictures::keep(const std::string& scene, const std::string& name, std::size_t view,
-                                const Image& image) {
-  const std::string file = file_of(scene, name, view);
-  write_picture(image, folder_ / file);
-  return file;
-}
-
-std::string StudyPictures::keep_truth(const std::string& scene, const std::string& kind, std::size_t view,
-                                      const std::function<Image()>& image) {
-  const std::string file = file_of(scene, "truth-" + kind, view);
-  if (truths_.insert(file).second) write_picture(image(), folder_ / file);
-  return file;
-}
-
 /// One scene under all settings. The field's and the formula's truths do not depend on the kernel, so they
 /// are evaluated once for each view and shading, where the first setting's picture differs most. The method's
 /// truth is evaluated for each setting.
 class SceneStudy {
  public:
-  SceneStudy(const StudyList& list, const StudyList::Scene& s, StudyPictures& pictures)
-      : list_(list), scene_list_(s), pictures_(pictures) {
+  SceneStudy(const StudyList& list, const StudyList::Scene& s, const fs::path& folder)
+      : list_(list), scene_list_(s), folder_(folder) {
     WholeVolume volume = read_whole(*open_scene(s));
     made_ = TransferFunctionChoice(s.transfer_function, s.colour).make(volume.statistics);
     scene_ = make_scene(std::move(volume));
@@ -274,18 +236,22 @@ class SceneStudy {
     return {.truth = kind, .formula = scene_list_.synth};
   }
 
-  /// Pictures of a measurement for --keep-images. The method's truth looks like the picture itself, so it is
-  /// not kept.
+  /// Pictures of a measurement for --keep-images, as a display shows them. The method's truth looks like the
+  /// picture itself, so it is not kept.
   KeptPictures keep(const StudyList::Setting& setting, const FrameSpec& spec, const Timed& timed,
                     TruthKind kind, std::size_t view) {
-    if (!pictures_.kept() || kind == TruthKind::method) return {};
-    const bool lit = spec.shown.shading == Shading::phong;
-    return {pictures_.keep(scene_list_.name, setting.name, view, timed.image),
-            pictures_.keep_truth(scene_list_.name, to_string(kind) + (lit ? "-phong" : ""), view, [&] {
-              const Evaluation whole = show(kind, spec, view);
-              const auto all = truth::all_pixels(list_.width, list_.height);
-              return truth::to_image(list_.width, list_.height, evaluate(scene_, whole, all));
-            })};
+    if (folder_.empty() || kind == TruthKind::method) return {};
+    const std::string name =
+        "truth-" + to_string(kind) + (spec.shown.shading == Shading::phong ? "-phong" : "");
+    const KeptPictures kept{file_of(scene_list_.name, setting.name, view),
+                            file_of(scene_list_.name, name, view)};
+    write_picture(timed.image, folder_ / kept.picture);
+    if (truths_.insert(kept.truth).second) {
+      const Evaluation whole = show(kind, spec, view);
+      const auto colours = evaluate(scene_, whole, truth::all_pixels(list_.width, list_.height));
+      write_picture(truth::to_image(list_.width, list_.height, colours), folder_ / kept.truth);
+    }
+    return kept;
   }
 
   std::shared_ptr<const SampledTruth> truth_of(const Image& image, TruthKind kind, const FrameSpec& spec,
@@ -303,7 +269,8 @@ class SceneStudy {
 
   const StudyList& list_;
   const StudyList::Scene& scene_list_;
-  StudyPictures& pictures_;
+  const fs::path folder_;         ///< of the kept pictures; empty: none is kept
+  std::set<std::string> truths_;  ///< whose pictures are written
   MadeFunction made_;
   truth::Scene scene_;
   std::map<std::tuple<TruthKind, Shading, std::size_t>, std::shared_ptr<const SampledTruth>> known_;
@@ -331,13 +298,13 @@ ExitCode run_study(const StudyOptions& o) {
   const fs::path json_file = fs::path(o.output).replace_extension(".json");
   check_can_write(o.output, "-o");
   check_can_write(json_file, "-o's JSON");
-  StudyPictures pictures(o.pictures);
+  if (!o.pictures.empty()) make_folder(o.pictures);
   nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   Progress progress;
   progress.begin("measuring", double(list.scenes.size() * list.settings.size()));
   std::size_t done = 0;
   for (const auto& s : list.scenes) {
-    SceneStudy study(list, s, pictures);
+    SceneStudy study(list, s, o.pictures);
     for (const auto& setting : list.settings) {
       study.run(setting, rows);
       progress.at(double(++done));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <sstream>
 
+#include "base/text.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/synth.hpp"
@@ -148,6 +149,12 @@ class Reader {
       wrong(item, fmt::format("is '{}', not a number", word));
     return value;
   }
+  std::vector<double> numbers(const CLI::ConfigItem& item, const std::string& words) const {
+    std::vector<double> all;
+    for (const std::string& word : detail::words_of(words)) all.push_back(number(item, word));
+    return all;
+  }
+
   int count(const CLI::ConfigItem& item, double least, double most) const {
     const double value = number(item, text(item));
     if (!(value >= least && value <= most) || value != std::floor(value))
@@ -158,11 +165,6 @@ class Reader {
     const std::string word = text(item);
     if (word != "true" && word != "false") wrong(item, fmt::format("is '{}', neither true nor false", word));
     return word == "true";
-  }
-
-  template <class T>
-  static std::string word_of(const T& value) {
-    return name(value);
   }
 
   double samples(const CLI::ConfigItem& item) const {
@@ -177,7 +179,7 @@ class Reader {
   T one_of(const CLI::ConfigItem& item, std::initializer_list<T> values) const {
     std::vector<std::string> names;
     for (const T value : values) {
-      names.push_back(word_of(value));
+      names.emplace_back(name(value));
       if (names.back() == text(item)) return value;
     }
     wrong(item, fmt::format("is '{}', not {}", text(item), joined(names, " or ")));
@@ -216,9 +218,7 @@ class Reader {
   }
 
   Camera view_of(const CLI::ConfigItem& item, const std::string& words) const {
-    std::istringstream in(words);
-    std::vector<double> values;
-    for (std::string word; in >> word;) values.push_back(number(item, word));
+    const std::vector<double> values = numbers(item, words);
     if (values.size() < 2 || values.size() > 4)
       wrong(item, fmt::format("has '{}', not azimuth and elevation [roll [zoom]]", words));
     Camera camera{.azimuth = values[0], .elevation = values[1]};
@@ -230,9 +230,7 @@ class Reader {
   void sweep(const CLI::ConfigItem& item) {
     std::string words = text(item);
     std::replace(words.begin(), words.end(), ':', ' ');
-    std::istringstream in(words);
-    std::vector<double> values;
-    for (std::string word; in >> word;) values.push_back(number(item, word));
+    const std::vector<double> values = numbers(item, words);
     if (values.size() != 3 || !(values[2] > 0) || !((values[1] - values[0]) / values[2] < 1e5))
       wrong(item, "is not FROM:TO:STEP");
     for (int k = 0; values[0] + k * values[2] <= values[1] + 1e-9; ++k)

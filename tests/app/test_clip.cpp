@@ -2,7 +2,7 @@
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
-#include "options/clip_option.hpp"
+#include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

@@ -1,9 +1,8 @@
 // From where a volume is seen, and how large, when options leave it open.
-#include "options/first_view.hpp"
-
 #include <nlohmann/json.hpp>
 
 #include "app/program_runner.hpp"
+#include "options/option_tables.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -1,11 +1,8 @@
-#include "forecast/forecast.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "forecast/hosts.hpp"
-#include "forecast/sampled_volume.hpp"
+#include "forecast/forecast.hpp"
 #include "forecast/token_times.hpp"
 #include "program/layouts.hpp"
 #include "support/catch.hpp"
@@ -52,9 +49,8 @@ TEST_CASE("every way to give ranks their roles is there once and uses them all")
       CHECK(names.insert(describe(layout)).second);
     }
     const auto rings = possible_layouts(ranks, false);
-    const auto dedicated = std::count_if(rings.begin(), rings.end(), [](const Layout& l) {
-      return l.placement == Placement::dedicated;
-    });
+    const auto dedicated = std::count_if(rings.begin(), rings.end(),
+                                         [](const Layout& l) { return l.placement == Placement::dedicated; });
     CHECK(dedicated == ranks - 1);
     CHECK(std::find(rings.begin(), rings.end(),
                     Layout{.gps = ranks, .renderers = ranks, .placement = Placement::colocated}) !=
@@ -114,9 +110,8 @@ TEST_CASE("ranks beyond the cores are left idle when they only cost") {
     Forecast forecast = forecast_of(how, m, 16);
     const auto all = forecast.predict_all(possible_layouts(16, false, ranks_with_own_cores(m, 16)));
     CHECK(all.front().layout.idle == 14);
-    CHECK(std::is_sorted(all.begin(), all.end(), [](const Prediction& a, const Prediction& b) {
-      return a.seconds < b.seconds;
-    }));
+    CHECK(std::is_sorted(all.begin(), all.end(),
+                         [](const Prediction& a, const Prediction& b) { return a.seconds < b.seconds; }));
   }
 }
 

@@ -6,7 +6,7 @@
 
 #include "app/program_runner.hpp"
 #include "command_line/command_line.hpp"
-#include "program/build_id.hpp"
+#include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 

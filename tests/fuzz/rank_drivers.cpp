@@ -11,7 +11,7 @@
 #include "net/loopback.hpp"
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
 #include "simulate/counting_engine.hpp"

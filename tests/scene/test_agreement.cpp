@@ -3,7 +3,7 @@
 
 #include "formats/files.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"

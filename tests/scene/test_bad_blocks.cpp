@@ -3,7 +3,7 @@
 
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"
 #include "support/scenes.hpp"

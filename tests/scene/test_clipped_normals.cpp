@@ -3,7 +3,7 @@
 #include <random>
 
 #include "classify/normals.hpp"
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"
@@ -54,7 +54,8 @@ TEST_CASE("within a clip box normals are those of the cropped volume, and beyond
   std::vector<std::uint8_t> voxels(990);
   for (auto& voxel : voxels) voxel = std::uint8_t(random() % 256);
   const auto bytes = std::as_bytes(std::span(voxels));
-  for (const VoxelBox& box : {VoxelBox{{3, 2, 4}, {8, 9, 7}}, {{0, 1, 0}, {11, 10, 3}}, {{5, 5, 5}, {6, 6, 6}}})
+  for (const VoxelBox& box :
+       {VoxelBox{{3, 2, 4}, {8, 9, 7}}, {{0, 1, 0}, {11, 10, 3}}, {{5, 5, 5}, {6, 6, 6}}})
     for (const int processes : {1, 3}) {
       const auto clipped = normals_of(grid, bytes, box, false, processes),
                  cropped = normals_of(grid, bytes, box, true, processes);
@@ -66,15 +67,16 @@ TEST_CASE("within a clip box normals are those of the cropped volume, and beyond
           for (at[v] = 0; at[v] < grid.dims[v]; ++at[v])
             for (at[u] = 0; at[u] < grid.dims[u]; ++at[u]) {
               const glm::ivec3 p = at - box.first, dims = box.dims();
-              const bool inside = glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) &&
-                                  glm::all(glm::lessThan(p, dims));
+              const bool inside =
+                  glm::all(glm::greaterThanEqual(p, glm::ivec3(0))) && glm::all(glm::lessThan(p, dims));
               const auto& slice = clipped[std::size_t(k)][std::size_t(at[k])];
               const std::uint16_t here = slice[std::size_t(at[v] * grid.dims[u] + at[u])];
               INFO(name(axis) << ' ' << at.x << ' ' << at.y << ' ' << at.z << ", " << processes);
               if (!inside)
                 REQUIRE(here == no_normal);
               else
-                REQUIRE(here == cropped[std::size_t(k)][std::size_t(p[k])][std::size_t(p[v] * dims[u] + p[u])]);
+                REQUIRE(here ==
+                        cropped[std::size_t(k)][std::size_t(p[k])][std::size_t(p[v] * dims[u] + p[u])]);
             }
       }
     }

@@ -4,7 +4,6 @@
 
 #include "classify/normals.hpp"
 #include "ringsplat/base/error.hpp"
-#include "scene/load.hpp"
 #include "scene/scene.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"

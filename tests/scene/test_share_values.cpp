@@ -3,7 +3,7 @@
 #include <limits>
 #include <random>
 
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/thread_collectives.hpp"

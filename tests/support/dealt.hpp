@@ -2,7 +2,7 @@
 #include <map>
 #include <vector>
 
-#include "scene/load.hpp"
+#include "scene/scene.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::test {

@@ -7,12 +7,12 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
-#include "app/program.hpp"
+#include "app/commands.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
-#include "options/likely_option.hpp"
+#include "options/option_values.hpp"
 #include "program/process_end.hpp"
 #include "python/array_volume.hpp"
 #include "python/block_session.hpp"

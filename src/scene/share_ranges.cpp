@@ -1,0 +1,157 @@
+#include <algorithm>
+#include <cstring>
+#include <memory>
+#include <vector>
+
+#include "base/byte_stream.hpp"
+#include "net/blocks.hpp"
+#include "ringsplat/base/error.hpp"
+#include "scene/scene.hpp"
+#include "volume/cell_ranges.hpp"
+#include "volume/slice_ranges.hpp"
+
+namespace ringsplat {
+namespace {
+
+bool is_of(const Grid& grid, const SliceRange& range) {
+  const auto is_axis = std::find(all_axes.begin(), all_axes.end(), range.axis) != all_axes.end();
+  return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
+}
+
+void take_points(std::span<const std::byte> in, Axis axis, VolumeSketch& sketch) {
+  const auto [u, v] = in_plane(axis);
+  for (std::size_t at = 0; at < in.size();) {
+    glm::ivec3 point(0);
+    int& layer = point[static_cast<int>(axis)];
+    bool whole = take(in, at, layer) && layer >= 0 && layer < sketch.points[static_cast<int>(axis)];
+    for (point[v] = 0; whole && point[v] < sketch.points[v]; ++point[v])
+      for (point[u] = 0; whole && point[u] < sketch.points[u]; ++point[u])
+        whole = take(in, at, sketch.values[sketch.index(point)]);
+    if (!whole) throw RunError("a rank sent voxels that fit no slice", "all ranks must run the same build");
+  }
+}
+
+}  // namespace
+
+std::vector<float> points_of(const VolumeSketch& sketch, const SliceView& slice) {
+  const auto [u, v] = in_plane(slice.axis);
+  std::vector<float> points;
+  visit_type(slice.type, [&](auto zero) {
+    for (int row = 0; row < sketch.points[v]; ++row)
+      for (int column = 0; column < sketch.points[u]; ++column) {
+        auto value = zero;
+        const auto at = std::size_t(sketch.voxel(u, column)) * sizeof value;
+        std::memcpy(&value, slice.values_of_row(sketch.voxel(v, row)) + at, sizeof value);
+        points.push_back(static_cast<float>(value));
+      }
+  });
+  return points;
+}
+
+std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>& stores, const Grid& grid,
+                                                 Axis axis, Collectives& collectives) {
+  auto sketch = std::make_shared<VolumeSketch>(grid.dims);
+  Block mine;
+  for (int layer = 0; layer < sketch->points[static_cast<int>(axis)]; ++layer) {
+    const int slice = sketch->voxel(static_cast<int>(axis), layer);
+    for (const auto& [gp, store] : stores) {
+      if (!store.owns(slice)) continue;
+      append(mine, layer);
+      for (const float point : points_of(*sketch, store.slice(axis, slice))) append(mine, point);
+    }
+  }
+  // By way of process 0: blocks from each to each would be too many with a thousand processes.
+  std::vector<Block> out(std::size_t(collectives.processes()));
+  out.front() = std::move(mine);
+  for (const Block& block : collectives.all_to_all(std::move(out))) take_points(block, axis, *sketch);
+  const Block all = collectives.broadcast(block_of(std::as_bytes(std::span(sketch->values))), 0);
+  if (all.size() != sketch->values.size() * sizeof(float))
+    throw RunError("rank 0 told of other voxels than it was sent", "all ranks must run the same build");
+  std::memcpy(sketch->values.data(), all.data(), all.size());
+  return sketch;
+}
+
+namespace {
+
+constexpr int reach = 2;  ///< slices to either side
+
+struct Head {
+  Axis axis;
+  int slice, gp;
+  std::uint64_t bytes;
+};
+
+/// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
+void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis, int slice,
+                 SliceDealing dealing, const std::vector<int>& process_of_gp, int here,
+                 std::vector<Block>& out) {
+  const SliceStore& owner = stores.at(dealing.owner_of(slice));
+  const auto ranges = std::make_shared<const CellRanges>(owner.slice(axis, slice));
+  std::vector<int> told;
+  for (int other = slice - reach; other <= slice + reach; ++other) {
+    if (other < 0 || other >= grid.slices(axis)) continue;
+    const int gp = dealing.owner_of(other);
+    if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
+    told.push_back(gp);
+    const int process = process_of_gp[std::size_t(gp)];
+    if (process == here) {
+      stores.at(gp).know_cell_ranges(axis, slice, ranges);
+      continue;
+    }
+    Block& block = out[std::size_t(process)];
+    append(block, Head{axis, slice, gp, ranges->bytes().size()});
+    block.insert(block.end(), ranges->bytes().begin(), ranges->bytes().end());
+  }
+}
+
+void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceStore>& stores) {
+  for (std::size_t at = 0; at < in.size();) {
+    Head head{};
+    const bool whole = take(in, at, head) && head.bytes <= in.size() - at;
+    const auto store = stores.find(head.gp);
+    if (!whole || head.axis != axis || store == stores.end() || head.slice < 0 ||
+        head.slice >= store->second.grid().slices(axis))
+      throw RunError("a rank sent ranges of cells that fit no slice", "all ranks must run the same build");
+    const Grid& grid = store->second.grid();
+    store->second.know_cell_ranges(
+        axis, head.slice,
+        std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
+                                           in.subspan(at, head.bytes)));
+    at += head.bytes;
+  }
+}
+
+}  // namespace
+
+void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
+                       const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+  const std::vector<int> process_of_gp = processes_of_gps(dealing, gps_of_process);
+  for (const Axis axis : all_axes) {
+    std::vector<Block> out(std::size_t(collectives.processes()));
+    for (auto& [gp, store] : stores)
+      for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
+        if (store.owns(s))
+          give_around(stores, store.grid(), axis, s, dealing, process_of_gp, collectives.process(), out);
+    for (const Block& block : collectives.all_to_all(std::move(out))) take_given(block, axis, stores);
+  }
+}
+
+void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives) {
+  std::vector<SliceRange> mine;
+  for (const auto& [gp, store] : stores)
+    for (const Axis axis : all_axes)
+      for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
+        if (store.owns(s)) mine.push_back(slice_range(store.slice(axis, s)));
+  std::vector<SliceRange> all;
+  for (const auto& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine)))))
+    for (std::size_t at = 0; at < one.size();) all.push_back(next_value<SliceRange>(one, at));
+  for (const auto& [gp, store] : stores)
+    if (!std::all_of(all.begin(), all.end(),
+                     [&s = store](const SliceRange& r) { return is_of(s.grid(), r); }))
+      throw RunError("a rank sent the range of a slice that the volume does not have",
+                     "all ranks must run the same build");
+  const auto ranges = std::make_shared<const SliceRanges>(all);
+  for (auto& [gp, store] : stores) store.know_ranges(ranges);
+}
+
+}  // namespace ringsplat
