@@ -81,6 +81,14 @@ class ChannelSource final : public ForwardingSource {
 
 }  // namespace
 
+int chosen_frame(const VolumeChoice& choice, int frames, const char* things, const std::string& where) {
+  const int frame = choice.frame.value_or(0);
+  if (frame >= 0 && frame < frames) return frame;
+  throw InputError(fmt::format("--frame {}: {} holds {}", frame, where,
+                               frames == 1 ? "one volume" : fmt::format("{} {}", frames, things)),
+                   fmt::format("frames are numbered from 0 to {}", frames - 1));
+}
+
 bool are_colours(ScalarType type, int components) {
   return (components == 3 || components == 4) && (type == ScalarType::uint8 || type == ScalarType::uint16);
 }
@@ -127,6 +135,14 @@ Grid interleaved_grid(const Grid& grid, int components, const std::string& where
 std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
                                              int components, ChannelChoice choice) {
   return std::make_unique<ChannelSource>(std::move(interleaved), grid, components, choice);
+}
+
+std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
+                                             int components, bool colours, const std::string& channel,
+                                             const std::string& where) {
+  if (components == 1) return interleaved;
+  return channel_source(std::move(interleaved), grid, components,
+                        choose_channel(channel, components, colours, where));
 }
 
 }  // namespace ringsplat::detail

@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 
+#include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/source.hpp"
 
 /// Voxels of several numbers, of which one is taken, or the luminance of a colour.
@@ -13,6 +14,9 @@ namespace ringsplat::detail {
 struct ChannelChoice {
   std::optional<int> index = std::nullopt;  ///< from 0; without it the luminance of red, green and blue
 };
+
+/// The number that --frame chooses of `frames`; throws InputError, which calls them `things`, for another.
+int chosen_frame(const VolumeChoice& choice, int frames, const char* things, const std::string& where);
 
 /// Three or four unsigned numbers of 8 or 16 bits are red, green, blue and alpha; other vectors are not.
 bool are_colours(ScalarType type, int components);
@@ -35,5 +39,10 @@ Grid interleaved_grid(const Grid& grid, int components, const std::string& where
 /// The scalar volume `grid` in a source of interleaved_grid(grid, components).
 std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
                                              int components, ChannelChoice choice);
+
+/// The same by choose_channel(); the source itself where a voxel is one number.
+std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
+                                             int components, bool colours, const std::string& channel,
+                                             const std::string& where);
 
 }  // namespace ringsplat::detail

@@ -1,6 +1,7 @@
 #pragma once
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "ringsplat/formats/open.hpp"
 
@@ -22,6 +23,21 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
 /// Throws: an archive holds arrays by name.
 std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw);
+
+// By ringsplat-decode, or, where that finds the voxels as they are in the file, by this process. They throw
+// InputError also when the library crashes, takes too much time or memory.
+std::unique_ptr<VolumeSource> open_hdf5(const std::filesystem::path& path, const VolumeChoice& choice);
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice& choice);
+std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
+
+struct RawName {
+  glm::ivec3 dims;
+  ScalarType type;
+};
+
+/// Parses a name like NAME_256x256x128_uint8.raw (the convention of the Open SciVis data sets); nothing when
+/// it has no such tag. Throws InputError for an unknown type or a size beyond int.
+std::optional<RawName> parse_raw_name(const std::filesystem::path& path);
 
 /// Throws InputError that says what a folder holds instead of DICOM or TIFF images.
 [[noreturn]] void refuse_without_images(const std::filesystem::path& folder);

@@ -1,8 +1,6 @@
 #pragma once
-#include <cctype>
 #include <cstdint>
 #include <filesystem>
-#include <string>
 
 #include "volume/check_lattice.hpp"
 
@@ -25,14 +23,5 @@ void require_bytes(const std::filesystem::path& file, std::uint64_t size, std::u
 /// Throws InputError when `available` compressed bytes cannot hold `bytes` bytes.
 void require_compressed_bytes(const std::filesystem::path& file, std::uint64_t available, std::uint64_t bytes,
                               std::uint64_t best_ratio);
-
-/// Blanks and commas.
-inline bool separates_numbers(char c) { return c == ',' || std::isspace(static_cast<unsigned char>(c)) != 0; }
-
-inline constexpr std::uint64_t file_end = ~std::uint64_t{0};
-/// Throws InputError unless `count` words between such separators follow in the text file from `offset` on,
-/// before byte `end`.
-void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
-                     std::uint64_t end = file_end);
 
 }  // namespace ringsplat::detail

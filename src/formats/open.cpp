@@ -1,13 +1,12 @@
 #include <fmt/format.h>
 
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "base/input_file.hpp"
 #include "base/log.hpp"
 #include "base/text.hpp"
-#include "formats/decode/source.hpp"
+#include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
@@ -19,44 +18,25 @@ namespace {
 
 using Open = std::unique_ptr<VolumeSource> (*)(const std::filesystem::path&, const VolumeChoice&);
 
-template <detail::DecodedFormat format>
-std::unique_ptr<VolumeSource> open_by(const std::filesystem::path& path, const VolumeChoice& choice) {
-  return detail::decoded_source(format, path, choice);
-}
-constexpr Open open_hdf5 = open_by<detail::DecodedFormat::hdf5>;
-constexpr Open open_tiff = open_by<detail::DecodedFormat::tiff>;
-constexpr Open open_dicom = open_by<detail::DecodedFormat::dicom>;
-
-constexpr std::pair<std::string_view, Open> formats[] = {{".nrrd", detail::open_nrrd},
-                                                         {".nhdr", detail::open_nrrd},
-                                                         {".mha", detail::open_meta},
-                                                         {".mhd", detail::open_meta},
-                                                         {".nii", detail::open_nifti},
-                                                         {".nii.gz", detail::open_nifti},
-                                                         {".hdr", detail::open_nifti},
-                                                         {".img", detail::open_nifti},
-                                                         {".img.gz", detail::open_nifti},
-                                                         {".tif", open_tiff},
-                                                         {".tiff", open_tiff},
-                                                         {".vtk", detail::open_vtk},
-                                                         {".vti", detail::open_vti},
-                                                         {".pvti", detail::refuse_pvti},
-                                                         {".npy", detail::open_npy},
-                                                         {".npz", detail::refuse_npz},
-                                                         {".dcm", open_dicom},
-                                                         {".h5", open_hdf5},
-                                                         {".hdf5", open_hdf5},
-                                                         {".he5", open_hdf5},
-                                                         {".hdf", open_hdf5},
-                                                         {".nc", open_hdf5},
-                                                         {".nc4", open_hdf5},
-                                                         {".vtkhdf", open_hdf5},
-                                                         {".mnc", open_hdf5}};
+/// By the endings of files' names.
+constexpr std::pair<const char*, Open> formats[] = {
+    {".nrrd .nhdr", detail::open_nrrd},
+    {".mha .mhd", detail::open_meta},
+    {".nii .nii.gz .hdr .img .img.gz", detail::open_nifti},
+    {".tif .tiff", detail::open_tiff},
+    {".vtk", detail::open_vtk},
+    {".vti", detail::open_vti},
+    {".pvti", detail::refuse_pvti},
+    {".npy", detail::open_npy},
+    {".npz", detail::refuse_npz},
+    {".dcm", detail::open_dicom},
+    {".h5 .hdf5 .he5 .hdf .nc .nc4 .vtkhdf .mnc", detail::open_hdf5}};
 
 Open find_format(const std::filesystem::path& path) {
   const std::string name = detail::lower_case(path.filename().string());
-  for (const auto& [ending, open] : formats)
-    if (name.size() > ending.size() && name.ends_with(ending)) return open;
+  for (const auto& [endings, open] : formats)
+    for (const auto& ending : detail::words_of(endings))
+      if (name.size() > ending.size() && name.ends_with(ending)) return open;
   return nullptr;
 }
 
@@ -93,12 +73,7 @@ std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, 
 /// function chooses.
 void require_choice_there(const VolumeNotes& notes, const VolumeChoice& choice,
                           const std::filesystem::path& path) {
-  if (choice.frame && (*choice.frame < 0 || *choice.frame >= notes.frames))
-    throw InputError(
-        notes.frames == 1
-            ? fmt::format("--frame {}: {} holds one volume", *choice.frame, path.string())
-            : fmt::format("--frame {}: {} holds {} volumes", *choice.frame, path.string(), notes.frames),
-        fmt::format("frames are numbered from 0 to {}", notes.frames - 1));
+  detail::chosen_frame(choice, notes.frames, "volumes", path.string());
   if (!choice.channel.empty() && notes.channels == 1)
     throw InputError(fmt::format("--channel {}: {} has one value a voxel", choice.channel, path.string()),
                      "leave --channel out");
@@ -127,22 +102,22 @@ Open format_of_folder(const std::filesystem::path& folder) {
         fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),
         "save one grid of it, for example yt's covering_grid, as a .npy");
   for (const auto& entry : std::filesystem::directory_iterator(folder))
-    if (detail::is_tiff(entry.path())) return open_tiff;
-  return open_dicom;
+    if (detail::is_tiff(entry.path())) return detail::open_tiff;
+  return detail::open_dicom;
 }
 
 std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, const RawDescription& raw,
                                             const VolumeChoice& choice) {
   if (std::filesystem::is_directory(path)) return open_described(path, format_of_folder(path), raw, choice);
   if (const auto [file, dataset] = detail::split_dataset(path); !dataset.empty())
-    return open_described(path, open_hdf5, raw, choice);
+    return open_described(path, detail::open_hdf5, raw, choice);
   { const detail::InputFile readable(path); }
   if (const Open open = find_format(path)) return open_described(path, open, raw, choice);
   const bool named_raw = detail::lower_case(path.extension().string()) == ".raw";
   if (named_raw || raw.dims) return detail::open_raw(path, raw);
-  if (detail::is_hdf5(path)) return open_described(path, open_hdf5, raw, choice);
+  if (detail::is_hdf5(path)) return open_described(path, detail::open_hdf5, raw, choice);
   // Scanners often name their files without an ending.
-  if (detail::is_dicom(path)) return open_described(path, open_dicom, raw, choice);
+  if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
       "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .tif .dcm .h5 .nc .npy .raw or a folder, or "

@@ -41,6 +41,8 @@ bool is_dicom(const std::filesystem::path& path) {
   return begins_with(InputFile(path), preamble, "DICM");
 }
 
+bool is_gzip(const std::filesystem::path& path) { return begins_with(InputFile(path), 0, "\x1F\x8B"); }
+
 bool is_tiff(const std::filesystem::path& path) {
   const auto ending = lower_case(path.extension().string());
   return ending == ".tif" || ending == ".tiff";

@@ -18,6 +18,7 @@ bool is_hdf5(const std::filesystem::path& path);
 std::pair<std::filesystem::path, std::string> split_dataset(const std::filesystem::path& path);
 /// True when the file has DICOM's four letters behind its preamble.
 bool is_dicom(const std::filesystem::path& path);
+bool is_gzip(const std::filesystem::path& path);
 /// By its ending.
 bool is_tiff(const std::filesystem::path& path);
 

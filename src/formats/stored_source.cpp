@@ -3,83 +3,120 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 #include <vector>
 
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
-#include "formats/inflate_stream.hpp"
 #include "formats/limits.hpp"
 #include "formats/volume_files.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
+std::vector<std::filesystem::path> files_of(const std::vector<StoredVoxels>& pieces) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& piece : pieces) files.push_back(piece.file);
+  return files;
+}
+
+/// Throws InputError when the file cannot hold `bytes` bytes of voxels.
+void require_room(const StoredVoxels& stored, std::uint64_t size, std::uint64_t bytes) {
+  switch (stored.encoding) {
+    case Encoding::deflate:
+      return require_compressed_bytes(stored.file, size - std::min(size, stored.offset), bytes,
+                                      deflate_best_ratio);
+    case Encoding::hex:
+      return require_bytes(stored.file, size, stored.offset, 2 * bytes);
+    case Encoding::text:
+      return require_numbers(stored.file, stored.offset, bytes / size_of(stored.type), stored.end);
+    case Encoding::raw:
+    case Encoding::base64:
+      return require_bytes(stored.file, size, stored.offset, bytes);
+  }
+}
+
 class StoredSource final : public VolumeSource {
  public:
-  StoredSource(const Grid& grid, StoredVoxels stored)
-      : grid_(grid), stored_(std::move(stored)), file_(stored_.file) {
-    const auto bytes = std::uint64_t(grid.voxels()) * size_of(stored_.type);
-    if (stored_.compressed)
-      require_compressed_bytes(stored_.file, file_.size() - std::min(file_.size(), stored_.offset), bytes,
-                               deflate_best_ratio);
-    else
-      require_bytes(stored_.file, file_.size(), stored_.offset, bytes);
+  StoredSource(const Grid& grid, std::vector<StoredVoxels> pieces)
+      : grid_(grid),
+        pieces_(std::move(pieces)),
+        files_(files_of(pieces_)),
+        piece_bytes_(std::uint64_t(grid.voxels()) / pieces_.size() * size_of(pieces_[0].type)) {
+    for (std::size_t number = 0; number < pieces_.size(); ++number) open(number);
   }
 
   const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return !stored_.compressed; }
+  bool concurrent() const override { return pieces_[0].encoding == Encoding::raw; }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    if (!stored_.rescale) return read_stored(first, count, out);
+    const auto& rescale = pieces_[0].rescale;
+    if (!rescale) return read_stored(first, count, out);
     const auto values = grid_.slice_voxels(Axis::z) * std::size_t(count);
-    std::vector<std::byte> raw(values * size_of(stored_.type));
+    std::vector<std::byte> raw(values * size_of(pieces_[0].type));
     read_stored(first, count, raw);
-    apply(*stored_.rescale, stored_.type, raw, grid_.type, out);
+    apply(*rescale, pieces_[0].type, raw, grid_.type, out);
   }
 
   Facts facts() const override {
-    Facts facts{{"encoding", stored_.compressed ? "compressed" : "raw"},
-                {"stored type", to_string(stored_.type)}};
-    if (size_of(stored_.type) > 1) facts.push_back({"byte order", stored_.big_endian ? "big" : "little"});
-    if (stored_.rescale)
-      facts.push_back({"rescaling", fmt::format("slope {}, intercept {}", stored_.rescale->slope,
-                                                stored_.rescale->intercept)});
-    facts.push_back({"offset", fmt::format("{} bytes", stored_.offset)});
-    const auto voxel_bytes = std::uint64_t(grid_.voxels()) * size_of(stored_.type);
-    add_facts_of(file_, stored_.offset, stored_.compressed ? file_.size() - stored_.offset : voxel_bytes,
-                 facts);
+    const auto& stored = pieces_[0];
+    Facts facts{{"encoding", stored.encoding == Encoding::raw       ? "raw"
+                             : stored.encoding == Encoding::deflate ? "compressed"
+                                                                    : "text"},
+                {"stored type", to_string(stored.type)}};
+    if (size_of(stored.type) > 1) facts.push_back({"byte order", stored.big_endian ? "big" : "little"});
+    if (stored.rescale)
+      facts.push_back({"rescaling", fmt::format("slope {}, intercept {}", stored.rescale->slope,
+                                                stored.rescale->intercept)});
+    facts.push_back({"offset", fmt::format("{} bytes", stored.offset)});
+    if (pieces_.size() > 1) {
+      const Facts of_files = files_.facts();
+      facts.insert(facts.end(), of_files.begin(), of_files.end());
+    } else {
+      const auto rest = file_->size() - std::min(file_->size(), stored.offset);
+      add_facts_of(*file_, stored.offset, stored.encoding == Encoding::raw ? piece_bytes_ : rest, facts);
+    }
     return facts;
   }
 
  private:
-  void read_stored(int first, int count, std::span<std::byte> out) {
-    const auto slice_bytes = grid_.slice_voxels(Axis::z) * size_of(stored_.type);
-    const auto wanted = out.first(std::size_t(count) * slice_bytes);
-    const auto position = std::uint64_t(first) * slice_bytes;
-    if (stored_.compressed)
-      decode(stored_.skip + position, wanted);
-    else
-      file_.read(stored_.offset + position, wanted);
-    file_.require_unchanged();
-    to_native_order(wanted, size_of(stored_.type), stored_.big_endian);
+  void open(std::size_t number) {
+    const auto& piece = pieces_[number];
+    files_.require_unchanged(piece.file);
+    bytes_.reset();
+    file_ = std::make_unique<InputFile>(piece.file);
+    require_room(piece, file_->size(), piece_bytes_);
+    bytes_ = encoded_bytes(*file_, piece.encoding, piece.offset, piece.end, piece.type);
+    number_ = number;
   }
 
-  void decode(std::uint64_t position, std::span<std::byte> out) {
-    if (!stream_ || stream_->position() > position)
-      stream_ = std::make_unique<InflateStream>(file_, stored_.offset);
-    stream_->skip(position - stream_->position());
-    stream_->read(out);
-    const auto voxel_bytes = std::uint64_t(grid_.voxels()) * size_of(stored_.type);
-    if (position + out.size() == stored_.skip + voxel_bytes) stream_->verify_end();
+  void read_stored(int first, int count, std::span<std::byte> out) {
+    const auto type = pieces_[0].type;
+    const auto slice_bytes = grid_.slice_voxels(Axis::z) * size_of(type);
+    const auto wanted = out.first(std::size_t(count) * slice_bytes);
+    auto position = std::uint64_t(first) * slice_bytes;
+    for (auto rest = wanted; !rest.empty();) {
+      const auto within = position % piece_bytes_;
+      const auto part = std::size_t(std::min<std::uint64_t>(rest.size(), piece_bytes_ - within));
+      if (const auto number = std::size_t(position / piece_bytes_); number != number_) open(number);
+      file_->require_unchanged();
+      bytes_->read(pieces_[number_].skip + within, rest.first(part));
+      if (within + part == piece_bytes_) bytes_->verify_end();
+      file_->require_unchanged();
+      position += part;
+      rest = rest.subspan(part);
+    }
+    if (pieces_[0].encoding != Encoding::text) to_native_order(wanted, size_of(type), pieces_[0].big_endian);
   }
 
   Grid grid_;
-  StoredVoxels stored_;
-  InputFile file_;
-  std::unique_ptr<InflateStream> stream_;
+  std::vector<StoredVoxels> pieces_;
+  VolumeFiles files_;
+  std::uint64_t piece_bytes_;
+  // Of the piece that was read last.
+  std::size_t number_ = 0;
+  std::unique_ptr<InputFile> file_;
+  std::unique_ptr<EncodedBytes> bytes_;
 };
 
 }  // namespace
@@ -98,8 +135,24 @@ void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> i
   });
 }
 
+void StoredVoxels::choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index) {
+  const bool compressed = encoding == Encoding::deflate;
+  auto& before = compressed ? skip : offset;
+  const auto total = bytes_of_volumes(file, bytes, count, before);
+  const auto size = InputFile(file).size();
+  if (compressed)
+    require_compressed_bytes(file, size, total, deflate_best_ratio);
+  else
+    require_bytes(file, size, before, total - before);
+  before += index * bytes;
+}
+
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored) {
-  return std::make_unique<StoredSource>(grid, std::move(stored));
+  return stored_source(grid, std::vector{std::move(stored)});
+}
+
+std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {
+  return std::make_unique<StoredSource>(grid, std::move(pieces));
 }
 
 }  // namespace ringsplat::detail

@@ -3,7 +3,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "formats/encoded_bytes.hpp"
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat::detail {
@@ -21,17 +23,34 @@ void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> i
 struct StoredVoxels {
   std::filesystem::path file;
   std::uint64_t offset = 0;  ///< bytes of the file before the voxels, or before the compressed stream
-  bool compressed = false;   ///< gzip or zlib
-  std::uint64_t skip = 0;    ///< decoded bytes before the voxels, when compressed
+  Encoding encoding = Encoding::raw;  ///< not base64
+  std::uint64_t skip = 0;             ///< decoded bytes before the voxels, when compressed
+  std::uint64_t end = file_end;       ///< the byte of the file that text ends before
   bool big_endian = false;
   ScalarType type = ScalarType::uint8;
   /// When set, grid.type is float32, or float64 for stored float64.
   std::optional<Rescale> rescale = std::nullopt;
+
+  /// Of `count` volumes of `bytes` bytes, one behind another, makes it the volume `index`. Throws InputError
+  /// when the file cannot hold them all.
+  void choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index);
 };
 
-/// Reads uncompressed slices by position (concurrent); decodes compressed ones in order and keeps only a
-/// window and the slices asked for. Throws InputError when the file is too short for the grid, for a
-/// compressed file at deflate's best ratio.
+/// Reads uncompressed slices by position (concurrent); decodes others in order and keeps only a window and
+/// the slices asked for. Throws InputError when the file is too short for the grid, for a compressed file at
+/// deflate's best ratio.
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored);
+
+/// The same of a volume that several files hold behind each other, equally many voxels in each: whole slices,
+/// whole rows of one slice, or a part of a row. Opens every file, so that one which is missing or too short
+/// is an error at once.
+std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces);
+
+/// A raw volume whose file has z fastest and x slowest. Holds the slices that were read last, as many as
+/// fit into `most_held` bytes but at least one. Not concurrent: every layer needs bytes from the whole file.
+/// Throws InputError when the file is too short.
+std::unique_ptr<VolumeSource> transposed_source(const Grid& grid, const std::filesystem::path& file,
+                                                std::uint64_t offset, bool big_endian,
+                                                std::uint64_t most_held = 64 << 20);
 
 }  // namespace ringsplat::detail

@@ -1,14 +1,16 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "base/input_file.hpp"
-#include "formats/limits.hpp"
 
 namespace ringsplat::detail {
+
+inline constexpr std::uint64_t file_end = ~std::uint64_t{0};
 
 /// Reads the bytes [begin, end) of a file as text, in order, through a small window. The file must outlive
 /// it.
@@ -39,5 +41,9 @@ class TextReader {
   std::vector<std::byte> window_ = std::vector<std::byte>(64 * 1024);
   std::size_t at_ = 0, got_ = 0;
 };
+
+/// Throws InputError unless `count` words follow in the text file from `offset` on, before byte `end`.
+void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
+                     std::uint64_t end);
 
 }  // namespace ringsplat::detail

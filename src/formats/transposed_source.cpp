@@ -1,4 +1,4 @@
-#include "formats/transposed_source.hpp"
+#include "formats/stored_source.hpp"
 
 #include <fmt/format.h>
 

@@ -1,16 +1,20 @@
 #include "formats/write.hpp"
 
 #include <fmt/format.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
+#include <limits>
+#include <new>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "base/output_file.hpp"
 #include "base/text.hpp"
-#include "formats/deflate_stream.hpp"
-#include "formats/raw/raw_name.hpp"
+#include "formats/formats.hpp"
+#include "formats/meta/types.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -35,8 +39,6 @@ std::string nrrd_header(const Grid& grid, bool gzip, const std::string& data_fil
 }
 
 std::string meta_header(const Grid& grid, const std::string& data_file) {
-  constexpr const char* types[] = {"MET_CHAR", "MET_UCHAR", "MET_SHORT", "MET_USHORT",
-                                   "MET_INT",  "MET_UINT",  "MET_FLOAT", "MET_DOUBLE"};
   std::string matrix;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) matrix += fmt::format(" {}", grid.direction[i][j]);
@@ -46,9 +48,54 @@ std::string meta_header(const Grid& grid, const std::string& data_file) {
       "TransformMatrix ={}\nOffset = {} {} {}\nElementSpacing = {} {} {}\nDimSize = {} {} {}\n"
       "ElementType = {}\nElementDataFile = {}\n",
       native_is_big ? "True" : "False", matrix, grid.origin.x, grid.origin.y, grid.origin.z, grid.spacing.x,
-      grid.spacing.y, grid.spacing.z, grid.dims.x, grid.dims.y, grid.dims.z, types[std::size_t(grid.type)],
-      data_file);
+      grid.spacing.y, grid.spacing.z, grid.dims.x, grid.dims.y, grid.dims.z,
+      detail::meta_types[std::size_t(grid.type)], data_file);
 }
+
+/// Appends one gzip stream to a file, which must outlive it.
+class DeflateStream {
+ public:
+  explicit DeflateStream(OutputFile& file) : file_(file), window_(window_bytes) {
+    constexpr int gzip_header = 15 + 16;  // zlib.h, deflateInit2: largest window, gzip
+    constexpr int usual_memory = 8;
+    if (deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, gzip_header, usual_memory,
+                     Z_DEFAULT_STRATEGY) != Z_OK)
+      throw std::bad_alloc();
+  }
+  ~DeflateStream() { deflateEnd(&stream_); }
+  DeflateStream(const DeflateStream&) = delete;
+  DeflateStream& operator=(const DeflateStream&) = delete;
+
+  /// Throws RunError as OutputFile does.
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const auto part = std::min<std::size_t>(bytes.size(), std::numeric_limits<uInt>::max());
+      // zlib.h declares what it only reads without const.
+      stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
+      stream_.avail_in = static_cast<uInt>(part);
+      encode(Z_NO_FLUSH);
+      bytes = bytes.subspan(part);
+    }
+  }
+  /// The stream's end and checksum.
+  void finish() { encode(Z_FINISH); }
+
+ private:
+  static constexpr std::size_t window_bytes = 64 * 1024;
+
+  void encode(int flush) {
+    do {
+      stream_.next_out = reinterpret_cast<Bytef*>(window_.data());
+      stream_.avail_out = static_cast<uInt>(window_.size());
+      deflate(&stream_, flush);
+      file_.write(std::span(window_).first(window_.size() - stream_.avail_out));
+    } while (stream_.avail_out == 0);
+  }
+
+  OutputFile& file_;
+  z_stream stream_{};
+  std::vector<std::byte> window_;
+};
 
 /// `out` has a write() that takes slices.
 template <class Out>
@@ -70,7 +117,7 @@ void write_attached(VolumeSource& source, const std::filesystem::path& path, boo
   OutputFile file = begin(path);
   file.write(nrrd_header(source.grid(), compress, {}));
   if (compress) {
-    detail::DeflateStream stream(file);
+    DeflateStream stream(file);
     write_voxels(source, stream);
     stream.finish();
   } else {

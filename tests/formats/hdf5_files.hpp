@@ -81,7 +81,6 @@ inline Hdf5 axis(const std::string& name, const std::vector<double>& at, const s
 /// newest.
 inline fs::path write_hdf5(const fs::path& path, const std::function<void(hid_t)>& fill,
                            bool newest = false) {
-  const detail::hdf5::Quiet quiet;
   const Id access(H5Pcreate(H5P_FILE_ACCESS));
   if (newest) H5Pset_libver_bounds(access.get(), H5F_LIBVER_LATEST, H5F_LIBVER_LATEST);
   const Id file(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()));

@@ -61,9 +61,10 @@ TEST_CASE("DICOM geometry and rescaling that mean nothing are refused", "[dicom]
   Dicom raw;
   raw.pixels = slice_of_samples(0);
   const auto refused = [&](const char* message, auto change) { check_refused(message, raw, change); };
-  refused("Image Position Patient (0020,0032) has 2 numbers", [](Dicom& d) { d.position = "1\\2"; });
-  refused("Image Position Patient (0020,0032) is 'here'", [](Dicom& d) { d.position = "here"; });
-  refused("Image Position Patient (0020,0032) is '1e999'", [](Dicom& d) { d.position = "0\\0\\1e999"; });
+  refused("Image Position (Patient) (0020,0032) has 2 numbers", [](Dicom& d) { d.position = "1\\2"; });
+  refused("Image Position (Patient) (0020,0032) is 'here'", [](Dicom& d) { d.position = "here"; });
+  refused("Image Position (Patient) (0020,0032) is '0\\0\\1e999'",
+          [](Dicom& d) { d.position = "0\\0\\1e999"; });
   refused("not of two directions at a right angle", [](Dicom& d) { d.orientation = "1\\0\\0\\1\\0\\0"; });
   refused("not of two directions at a right angle", [](Dicom& d) { d.orientation = "0\\0\\0\\0\\0\\0"; });
   refused("Pixel Spacing (0028,0030) has the value 0", [](Dicom& d) { d.spacing = "0\\1"; });

@@ -456,7 +456,7 @@ TEST_CASE("time points of a DICOM series are told apart, not stacked", "[dicom]"
     CHECK(letters_of(*source) == "ac");
     CHECK(says(log.text(), "time point 1 of 2 is shown; --frame N takes another, 0 to 1"));
     CHECK(letters_of(folder.path(), {.frame = 1}) == "df");
-    CHECK(says(complaint_of(folder.path(), {.frame = 2}), "holds 2 time points; hint: they are numbered"));
+    CHECK(says(complaint_of(folder.path(), {.frame = 2}), "holds 2 time points; hint: frames are numbered"));
   }
 }
 

@@ -175,7 +175,8 @@ TEST_CASE("OME's channels are taken by name, and the first with a warning", "[ti
   CHECK(says(message_of([&] { letters_of(path, 0, "RFP"); }),
              "has no such channel; hint: its channels are 0 (DAPI > 1), 1 (GFP)"));
   CHECK(says(message_of([&] { letters_of(path, 0, "2"); }), "has no such channel"));
-  CHECK(says(message_of([&] { letters_of(path, 1, "0"); }), "--frame 1: " + path.string() + " holds 1 time"));
+  CHECK(says(message_of([&] { letters_of(path, 1, "0"); }),
+             "--frame 1: " + path.string() + " holds one volume"));
 }
 
 TEST_CASE("a stack lies as microscopes' programs show it", "[tiff]") {

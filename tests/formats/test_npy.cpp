@@ -3,7 +3,7 @@
 #include "formats/bad_files.hpp"
 #include "formats/captured_log.hpp"
 #include "formats/npy.hpp"
-#include "formats/transposed_source.hpp"
+#include "formats/stored_source.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "support/catch.hpp"
 
@@ -203,16 +203,16 @@ TEST_CASE("NumPy files that are damaged or cannot be a volume are refused", "[np
       file("empty type", "type '' cannot", "a.npy", npy("", "(3, 4, 5)") + voxels),
       file("fields", "named fields", "a.npy",
            text("{'descr': [('a', '<i2')], 'fortran_order': False, 'shape': (3, 4, 5)}")),
-      file("no dictionary", "no readable NumPy header: '{' is missing", "a.npy", text("hello")),
-      file("no shape", "shape is missing", "a.npy", text("{'descr': '<i2', 'fortran_order': False}")),
-      file("shape twice", "given twice", "a.npy", text("{'shape': (3,), 'shape': (3,)}")),
-      file("negative size", "no list of sizes", "a.npy", npy("<i2", "(3, -4, 5)") + voxels),
-      file("size beyond 64 bits", "no list of sizes", "a.npy",
+      file("no dictionary", "no readable NumPy header", "a.npy", text("hello")),
+      file("no shape", "no readable NumPy header", "a.npy", text("{'descr': '<i2', 'fortran_order': False}")),
+      file("shape twice", "no readable NumPy header", "a.npy", text("{'shape': (3,), 'shape': (3,)}")),
+      file("negative size", "no readable NumPy header", "a.npy", npy("<i2", "(3, -4, 5)") + voxels),
+      file("size beyond 64 bits", "no readable NumPy header", "a.npy",
            npy("<i2", "(99999999999999999999,)") + voxels),
-      file("maybe", "neither True nor False", "a.npy", text("{'fortran_order': Maybe}")),
-      file("text without an end", "text without an end", "a.npy", text("{'descr")),
-      file("unknown key", "unknown key 'more'", "a.npy", text("{'more': 1}")),
-      file("more behind", "more after", "a.npy",
+      file("maybe", "no readable NumPy header", "a.npy", text("{'fortran_order': Maybe}")),
+      file("text without an end", "no readable NumPy header", "a.npy", text("{'descr")),
+      file("unknown key", "no readable NumPy header", "a.npy", text("{'more': 1}")),
+      file("more behind", "no readable NumPy header", "a.npy",
            text("{'descr': '<i2', 'fortran_order': False, 'shape': (3, 4, 5)} x")),
       file("npz", "archive of arrays", "a.npz", "PK\3\4" + voxels),
   });

@@ -2,7 +2,7 @@
 
 #include "formats/captured_log.hpp"
 #include "formats/files.hpp"
-#include "formats/raw/raw_name.hpp"
+#include "formats/formats.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/message_of.hpp"

@@ -7,9 +7,9 @@
 #include <tuple>
 
 #include "formats/files.hpp"
+#include "formats/formats.hpp"
 #include "formats/nifti2.hpp"
 #include "formats/npy.hpp"
-#include "formats/raw/raw_name.hpp"
 #include "formats/vti.hpp"
 #include "fuzz/driver.hpp"
 #include "fuzz/hdf5_seeds.hpp"

@@ -39,8 +39,8 @@ struct VolumeChoice {
 /// columns along x, rows along -z, slices along y; the file's x, y and z for HDF5 (longitude, latitude and
 /// height upwards) and VTK; else the lattice's own axes (plain spacings, raw, NumPy).
 ///
-/// Whole slices are decoded one after another, without holding the volume, except for text encodings, volumes
-/// in several NRRD files and multi-frame DICOM.
+/// Whole slices are decoded one after another, without holding the volume, except for the frames of a
+/// multi-frame DICOM file.
 ///
 /// Checks that the file is as long as its header says before anything is allocated. Throws InputError: what
 /// is wrong, in which file and field, what to do.

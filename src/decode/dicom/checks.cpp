@@ -3,9 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
@@ -13,7 +11,6 @@
 #include <utility>
 
 #include "base/text.hpp"
-#include "decode/dicom/schema.hpp"
 #include "formats/limits.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -26,13 +23,10 @@ constexpr const char* convert_hint = "convert it, for example with 'gdcmconv --r
   throw InputError(fmt::format("{}: {}", file.path.string(), what), hint);
 }
 
-std::string described(DicomTag tag, DicomTag parent = {}) {
-  const auto* const rule = find_dicom_rule(tag, parent);
-  return fmt::format("{} {}", rule->name, to_string(tag));
-}
+std::string described(DicomTag tag) { return fmt::format("{} {}", dicom_entry(tag).name, to_string(tag)); }
 
 int whole(const DicomFile& file, DicomTag tag, int otherwise, int least, int most) {
-  const auto numbers = dicom_numbers(file, file.elements, tag);
+  const auto numbers = checked_numbers(file, file.elements, tag);
   const double value = numbers.empty() ? otherwise : numbers[0];
   if (value != std::trunc(value) || value < least || value > most)
     fail(file, fmt::format("{} is {:g}", described(tag), value),
@@ -40,45 +34,33 @@ int whole(const DicomFile& file, DicomTag tag, int otherwise, int least, int mos
   return int(value);
 }
 
-constexpr std::array<std::pair<std::string_view, DicomCodec>, 12> transfer_syntaxes{{
-    {"", DicomCodec::none},
-    {"1.2.840.10008.1.2", DicomCodec::none},
-    {"1.2.840.10008.1.2.1", DicomCodec::none},
-    {"1.2.840.10008.1.2.1.99", DicomCodec::none},
-    {"1.2.840.10008.1.2.2", DicomCodec::none},
-    {"1.2.840.10008.1.2.5", DicomCodec::rle},
-    {"1.2.840.10008.1.2.4.50", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.51", DicomCodec::jpeg},
-    {"1.2.840.10008.1.2.4.57", DicomCodec::lossless_jpeg},
-    {"1.2.840.10008.1.2.4.70", DicomCodec::lossless_jpeg},
-    {"1.2.840.10008.1.2.4.80", DicomCodec::jpeg_ls},
-    {"1.2.840.10008.1.2.4.81", DicomCodec::jpeg_ls},
-}};
+struct TransferSyntax {
+  std::string_view uid;
+  DicomCodec codec = DicomCodec::none;
+  std::uint64_t best_ratio = 1;
+};
+constexpr TransferSyntax transfer_syntaxes[] = {
+    {""},
+    {"1.2.840.10008.1.2"},
+    {"1.2.840.10008.1.2.1"},
+    {"1.2.840.10008.1.2.1.99"},
+    {"1.2.840.10008.1.2.2"},
+    {"1.2.840.10008.1.2.5", DicomCodec::rle, 64},  // 128 bytes in two
+    {"1.2.840.10008.1.2.4.50", DicomCodec::jpeg, 1000},
+    {"1.2.840.10008.1.2.4.51", DicomCodec::jpeg, 1000},
+    {"1.2.840.10008.1.2.4.57", DicomCodec::lossless_jpeg, 16},  // a bit for a sample
+    {"1.2.840.10008.1.2.4.70", DicomCodec::lossless_jpeg, 16},
+    {"1.2.840.10008.1.2.4.80", DicomCodec::jpeg_ls, 1000},
+    {"1.2.840.10008.1.2.4.81", DicomCodec::jpeg_ls, 1000},
+    {"1.2.840.10008.1.2.4.90", DicomCodec::jpeg_2000, 1000},
+    {"1.2.840.10008.1.2.4.91", DicomCodec::jpeg_2000, 1000},
+};
 
-DicomCodec codec_of(const DicomFile& file) {
-  const auto& uid = file.transfer_syntax;
-  if (uid == "1.2.840.10008.1.2.4.90" || uid == "1.2.840.10008.1.2.4.91") return DicomCodec::jpeg_2000;
-  for (const auto& [known, codec] : transfer_syntaxes)
-    if (known == uid) return codec;
-  fail(file, fmt::format("its pixels are encoded as '{}' (transfer syntax)", excerpt(uid)), convert_hint);
-}
-
-/// The most bytes of pixels that one compressed byte can hold, except in frames of a single value, which are
-/// small.
-std::uint64_t best_ratio(DicomCodec codec) {
-  switch (codec) {
-    case DicomCodec::none:
-      return 1;
-    case DicomCodec::rle:
-      return 64;  // 128 bytes in two
-    case DicomCodec::lossless_jpeg:
-      return 16;  // a bit for a sample
-    case DicomCodec::jpeg:
-    case DicomCodec::jpeg_ls:
-    case DicomCodec::jpeg_2000:
-      break;
-  }
-  return 1000;
+const TransferSyntax& syntax_of(const DicomFile& file) {
+  for (const auto& syntax : transfer_syntaxes)
+    if (syntax.uid == file.transfer_syntax) return syntax;
+  fail(file, fmt::format("its pixels are encoded as '{}' (transfer syntax)", excerpt(file.transfer_syntax)),
+       convert_hint);
 }
 
 void check_amount(const DicomFile& file, const DicomShape& shape) {
@@ -91,24 +73,22 @@ void check_amount(const DicomFile& file, const DicomShape& shape) {
          "write the file again");
   if (shape.codec == DicomCodec::none) return require_bytes(file.path, stored, 0, shape.bytes());
   constexpr std::uint64_t harmless = 32 << 20;
-  if (shape.bytes() > harmless)
-    require_compressed_bytes(file.path, stored, shape.bytes(), best_ratio(shape.codec));
+  if (shape.bytes() > harmless) require_compressed_bytes(file.path, stored, shape.bytes(), shape.best_ratio);
 }
 
 void check_kind(const DicomFile& file) {
-  if (file.elements.find(dicom::storage_class) == nullptr && file.storage_class.empty())
+  if (file.elements.text(dicom::storage_class).empty() && file.storage_class.empty())
     fail(file, fmt::format("{} is missing", described(dicom::storage_class)), "take a complete DICOM file");
-  const auto* const colours = file.elements.find(dicom::photometric);
-  if (colours != nullptr && *colours != "MONOCHROME1" && *colours != "MONOCHROME2")
-    fail(file, fmt::format("{} is '{}'", described(dicom::photometric), excerpt(*colours)),
+  const auto colours = file.elements.text(dicom::photometric);
+  if (!colours.empty() && colours != "MONOCHROME1" && colours != "MONOCHROME2")
+    fail(file, fmt::format("{} is '{}'", described(dicom::photometric), excerpt(colours)),
          "only scalar volumes can be rendered: take a series of grey images");
 }
 
 /// Makes all allocated bits count. Values stay the same, except those of MONOCHROME1, which GDCM subtracts
 /// from the highest value: refused.
 void count_all_bits(const DicomFile& file, DicomShape& shape) {
-  const auto* const colours = file.elements.find(dicom::photometric);
-  if (colours != nullptr && *colours == "MONOCHROME1" && shape.bits_stored != shape.bits_allocated)
+  if (file.elements.text(dicom::photometric) == "MONOCHROME1" && shape.bits_stored != shape.bits_allocated)
     fail(file,
          fmt::format("MONOCHROME1 of {} bits stored in {} cannot be read", shape.bits_stored,
                      shape.bits_allocated),
@@ -120,7 +100,8 @@ void count_all_bits(const DicomFile& file, DicomShape& shape) {
 DicomShape read_shape(const DicomFile& file) {
   constexpr int most = std::numeric_limits<std::uint16_t>::max();
   DicomShape shape;
-  shape.codec = codec_of(file);
+  shape.codec = syntax_of(file).codec;
+  shape.best_ratio = syntax_of(file).best_ratio;
   if (const int samples = whole(file, dicom::samples, 1, 0, most); samples != 1)
     fail(file, fmt::format("{} values per pixel", samples),
          "only scalar volumes can be rendered: take a series of grey images");
@@ -134,7 +115,7 @@ DicomShape read_shape(const DicomFile& file) {
   if (shape.bits_allocated != 8 && shape.bits_allocated != 16 && shape.bits_allocated != 32)
     fail(file, fmt::format("{} bits allocated per pixel", shape.bits_allocated),
          "convert it to 8, 16 or 32 bits");
-  if (shape.bits_allocated == 32 && (file.big_endian || shape.codec != DicomCodec::none))
+  if (shape.bits_allocated == 32 && (file.big_endian() || shape.codec != DicomCodec::none))
     fail(file, fmt::format("32 bits per pixel as '{}' (transfer syntax)", excerpt(file.transfer_syntax)),
          convert_hint);
   shape.bits_stored = whole(file, dicom::bits_stored, shape.bits_allocated, 1, shape.bits_allocated);
@@ -146,36 +127,37 @@ DicomShape read_shape(const DicomFile& file) {
   return shape;
 }
 
-void check_spacing(const DicomFile& file, const DicomItem& item, DicomTag tag, DicomTag parent = {}) {
-  for (const double value : dicom_numbers(file, item, tag, parent))
+void check_spacing(const DicomFile& file, const DicomItem& item, DicomTag tag) {
+  for (const double value : checked_numbers(file, item, tag))
     if (!(value > 0))
-      fail(file, fmt::format("{} has the value {:g}", described(tag, parent), value), "it must be positive");
+      fail(file, fmt::format("{} has the value {:g}", described(tag), value), "it must be positive");
 }
 
 /// GDCM silently replaces an orientation that it does not accept.
-void check_orientation(const DicomFile& file, const DicomItem& item, DicomTag parent = {}) {
-  const auto n = dicom_numbers(file, item, dicom::orientation, parent);
+void check_orientation(const DicomFile& file, const DicomItem& item) {
+  const auto n = checked_numbers(file, item, dicom::orientation);
   if (n.empty()) return;
   const glm::dvec3 row(n[0], n[1], n[2]), column(n[3], n[4], n[5]);
   constexpr double tolerated = 1e-3;  // GDCM's own
   const double lengths = glm::length(row) * glm::length(column);
   if (!(std::abs(glm::dot(row, column)) < tolerated * lengths))
-    fail(file,
-         fmt::format("{} is not of two directions at a right angle", described(dicom::orientation, parent)),
+    fail(file, fmt::format("{} is not of two directions at a right angle", described(dicom::orientation)),
          "correct the orientation");
 }
 
 /// Whole numbers up to this are exact, and no scanner has larger ones.
-void check_rescale(const DicomFile& file, const DicomItem& item, DicomTag slope_tag, DicomTag parent = {}) {
-  const auto slopes = dicom_numbers(file, item, slope_tag, parent);
-  const auto intercepts =
-      slope_tag == dicom::slope ? dicom_numbers(file, item, dicom::intercept, parent) : std::vector<double>{};
-  const double slope = slopes.empty() ? 1 : slopes[0], intercept = intercepts.empty() ? 0 : intercepts[0];
+Rescale check_rescale(const DicomFile& file, const DicomItem& item, DicomTag slope_tag) {
+  const auto slope = checked_numbers(file, item, slope_tag);
+  auto intercept = checked_numbers(file, item, dicom::intercept);
+  if (slope_tag != dicom::slope) intercept.clear();
+  const Rescale rescale{slope.empty() ? 1 : slope[0], intercept.empty() ? 0 : intercept[0]};
   constexpr double largest = 1e9;
-  if (slope == 0 || std::abs(slope) > largest || std::abs(intercept) > largest)
+  if (rescale.slope == 0 || std::abs(rescale.slope) > largest || std::abs(rescale.intercept) > largest)
     fail(file,
-         fmt::format("pixels are to be rescaled by {:g} and {:g} (slope and intercept)", slope, intercept),
+         fmt::format("pixels are to be rescaled by {:g} and {:g} (slope and intercept)", rescale.slope,
+                     rescale.intercept),
          convert_hint);
+  return rescale;
 }
 
 constexpr ScalarType whole_types[] = {ScalarType::uint8, ScalarType::int8,   ScalarType::uint16,
@@ -203,62 +185,51 @@ ScalarType narrowest_type(const DicomShape& shape, const Rescale& rescale) {
   return found == std::end(whole_types) ? ScalarType::float64 : *found;
 }
 
-/// The first item of a functional group: that of all frames, or that of the first frame.
-const DicomItem* group(const DicomFile& file, DicomTag sequence) {
-  for (const auto groups : {dicom::shared_groups, dicom::frame_groups})
-    if (const auto* const first = file.elements.first_item(groups))
-      if (const auto* const found = first->first_item(sequence)) return found;
-  return nullptr;
-}
-
+/// Checks the functional groups of all frames and of each.
 void check_frame_groups(const DicomFile& file) {
-  std::optional<std::array<double, 2>> rescale;
-  for (const auto groups : {dicom::shared_groups, dicom::frame_groups}) {
-    const auto found = file.elements.sequences.find(groups);
-    if (found == file.elements.sequences.end()) continue;
-    for (const auto& item : found->second) {
+  std::optional<Rescale> rescale;
+  bool measured = false, oriented = !file.elements.text(dicom::orientation).empty();
+  for (const auto& groups : {dicom::shared_groups, dicom::frame_groups})
+    for (const auto& item : file.elements.items(groups)) {
       if (const auto* const plane = item.first_item(dicom::plane_position))
-        dicom_numbers(file, *plane, dicom::position, dicom::plane_position);
-      if (const auto* const plane = item.first_item(dicom::plane_orientation))
-        check_orientation(file, *plane, dicom::plane_orientation);
+        checked_numbers(file, *plane, dicom::position);
+      if (const auto* const plane = item.first_item(dicom::plane_orientation)) {
+        check_orientation(file, *plane);
+        oriented |= !plane->text(dicom::orientation).empty();
+      }
       if (const auto* const measures = item.first_item(dicom::pixel_measures)) {
-        check_spacing(file, *measures, dicom::pixel_spacing, dicom::pixel_measures);
-        dicom_numbers(file, *measures, dicom::slice_distance, dicom::pixel_measures);
+        check_spacing(file, *measures, dicom::pixel_spacing);
+        checked_numbers(file, *measures, dicom::slice_distance);
+        measured = true;
       }
       const auto* const pixels = item.first_item(dicom::pixel_transformation);
-      if (pixels == nullptr) continue;
-      check_rescale(file, *pixels, dicom::slope, dicom::pixel_transformation);
-      const auto slope = dicom_numbers(file, *pixels, dicom::slope, dicom::pixel_transformation);
-      const auto intercept = dicom_numbers(file, *pixels, dicom::intercept, dicom::pixel_transformation);
-      if (slope.empty() || intercept.empty()) continue;
-      if (rescale && *rescale != std::array{slope[0], intercept[0]})
+      if (!pixels) continue;
+      const auto found = check_rescale(file, *pixels, dicom::slope);
+      if (pixels->text(dicom::slope).empty() || pixels->text(dicom::intercept).empty()) continue;
+      if (rescale && (rescale->slope != found.slope || rescale->intercept != found.intercept))
         fail(file, "its frames have different rescaling (slope and intercept)",
              "give the frames as a series of files");
-      rescale = {slope[0], intercept[0]};
+      rescale = found;
     }
-  }
-  const auto* const plane = group(file, dicom::plane_orientation);
-  const bool oriented = (plane != nullptr && plane->find(dicom::orientation) != nullptr) ||
-                        file.elements.find(dicom::orientation) != nullptr;
-  if (group(file, dicom::pixel_measures) != nullptr && !oriented)
+  if (measured && !oriented)
     fail(file, "its frames have a pixel spacing and no orientation", "take a complete DICOM file");
 }
 
 void check_geometry(const DicomFile& file, const DicomShape& shape) {
   const auto& root = file.elements;
-  for (const auto tag : {dicom::pixel_spacing, dicom::imager_spacing, dicom::scanned_spacing,
-                         dicom::plane_spacing, dicom::aspect})
+  for (const auto& tag : {dicom::pixel_spacing, dicom::imager_spacing, dicom::scanned_spacing,
+                          dicom::plane_spacing, dicom::aspect})
     check_spacing(file, root, tag);
-  dicom_numbers(file, root, dicom::slice_distance);
-  dicom_numbers(file, root, dicom::position);
+  checked_numbers(file, root, dicom::slice_distance);
+  checked_numbers(file, root, dicom::position);
   check_orientation(file, root);
   if (const auto* const item = root.first_item(dicom::detectors)) {
-    dicom_numbers(file, *item, dicom::position, dicom::detectors);
-    check_orientation(file, *item, dicom::detectors);
+    checked_numbers(file, *item, dicom::position);
+    check_orientation(file, *item);
   }
   if (const auto* const item = root.first_item(dicom::regions))
-    for (const auto tag : {dicom::delta_x, dicom::delta_y}) check_spacing(file, *item, tag, dicom::regions);
-  const auto offsets = dicom_numbers(file, root, dicom::frame_offsets);
+    for (const auto& tag : {dicom::delta_x, dicom::delta_y}) check_spacing(file, *item, tag);
+  const auto offsets = checked_numbers(file, root, dicom::frame_offsets);
   if (!offsets.empty() && offsets.size() != std::size_t(shape.frames))
     fail(file,
          fmt::format("{} has {} numbers for {} frames", described(dicom::frame_offsets), offsets.size(),
@@ -269,39 +240,15 @@ void check_geometry(const DicomFile& file, const DicomShape& shape) {
 
 }  // namespace
 
-std::vector<double> dicom_numbers(const DicomFile& file, const DicomItem& item, DicomTag tag,
-                                  DicomTag parent) {
-  const auto* const value = item.find(tag);
-  if (value == nullptr) return {};
-  const auto* const rule = find_dicom_rule(tag, parent);
-  std::vector<double> numbers;
-  const auto add = [&](const std::optional<double>& number, const std::string& shown) {
-    if (!number || !std::isfinite(*number))
-      fail(file, fmt::format("{} is '{}'", described(tag, parent), excerpt(shown)), "it must be a number");
-    numbers.push_back(*number);
-  };
-  if (rule->vr == "US" || rule->vr == "FD") {
-    double wide = 0;
-    const bool is_short = rule->vr == "US";
-    if (value->size() != (is_short ? sizeof(std::uint16_t) : sizeof wide))
-      fail(file, fmt::format("{} has {} bytes", described(tag, parent), value->size()),
-           "copy the file again");
-    if (is_short)
-      wide = static_cast<unsigned char>((*value)[0]) + 256 * static_cast<unsigned char>((*value)[1]);
-    else
-      std::memcpy(&wide, value->data(), sizeof wide);
-    add(wide, "not finite");
-    return numbers;
-  }
-  for (std::size_t at = 0; at <= value->size();) {
-    const auto end = std::min(value->find('\\', at), value->size());
-    const auto word = trimmed(value->substr(at, end - at));
-    add(number_in<double>(word), word);
-    at = end + 1;
-  }
-  if (rule->count != 0 && numbers.size() != std::size_t(rule->count))
-    fail(file, fmt::format("{} has {} numbers", described(tag, parent), numbers.size()),
-         fmt::format("it must have {}", rule->count));
+std::vector<double> checked_numbers(const DicomFile& file, const DicomItem& item, DicomTag tag) {
+  auto numbers = item.numbers(tag);
+  for (const double number : numbers)
+    if (std::isnan(number))
+      fail(file, fmt::format("{} is '{}'", described(tag), excerpt(item.text(tag))), "it must be a number");
+  const auto count = dicom_entry(tag).count;
+  if (count != 0 && !numbers.empty() && numbers.size() != count)
+    fail(file, fmt::format("{} has {} numbers", described(tag), numbers.size()),
+         fmt::format("it must have {}", count));
   return numbers;
 }
 
@@ -330,8 +277,8 @@ DicomShape check_dicom(const DicomFile& file) {
   check_geometry(file, shape);
   check_rescale(file, file.elements, dicom::slope);
   if (const auto* const item = file.elements.first_item(dicom::xray_acquisition))
-    check_rescale(file, *item, dicom::slope, dicom::xray_acquisition);
-  if (file.elements.find(dicom::dose_scale) != nullptr) check_rescale(file, file.elements, dicom::dose_scale);
+    check_rescale(file, *item, dicom::slope);
+  check_rescale(file, file.elements, dicom::dose_scale);
   return shape;
 }
 

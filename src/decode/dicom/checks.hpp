@@ -15,6 +15,9 @@ struct DicomShape {
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
   DicomCodec codec = DicomCodec::none;
+  /// The most bytes of pixels that one compressed byte can hold, except in frames of a single value, which
+  /// are small.
+  std::uint64_t best_ratio = 1;
 
   std::uint64_t bytes_per_voxel() const { return std::uint64_t(bits_allocated) / 8; }
   std::uint64_t frame_voxels() const { return std::uint64_t(rows) * std::uint64_t(columns); }
@@ -22,8 +25,8 @@ struct DicomShape {
   std::uint64_t bytes() const { return frame_bytes() * std::uint64_t(frames); }
 };
 
-/// Checks everything GDCM would take on trust: each number, numbers against each other, and the amount of
-/// pixels. Throws InputError naming the element.
+/// Checks what GDCM would take on trust, or draw otherwise than the file means: numbers, these against each
+/// other, and the amount of pixels. Throws InputError naming the element.
 DicomShape check_dicom(const DicomFile& file);
 
 /// The type of pixels as they are stored.
@@ -34,9 +37,8 @@ ScalarType stored_type(const DicomShape& shape);
 /// which `shape` is told.
 ScalarType rescaled_type(const DicomFile& file, DicomShape& shape, const Rescale& rescale);
 
-/// The numbers of a text value (VR DS or IS), or of one in binary. Throws InputError for text that is no
-/// number, or for a wrong count of numbers. Empty when the item lacks the element.
-std::vector<double> dicom_numbers(const DicomFile& file, const DicomItem& item, DicomTag tag,
-                                  DicomTag parent = {});
+/// The numbers of an element. Throws InputError for what is no number, or for a wrong count of numbers. Empty
+/// when the item lacks the element.
+std::vector<double> checked_numbers(const DicomFile& file, const DicomItem& item, DicomTag tag);
 
 }  // namespace ringsplat::detail

@@ -11,14 +11,13 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "decode/dicom/image.hpp"
+#include "decode/dicom/planes.hpp"
 #include "decode/dicom/series.hpp"
-#include "decode/dicom/stack.hpp"
 #include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/slice_by_slice.hpp"
-#include "formats/whole_source.hpp"
+#include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
@@ -37,13 +36,6 @@ void read_image(const DicomFrame& frame, std::span<std::byte> out) {
   if (!image || image->grid().dims != frame.grid.dims || image->grid().type != frame.grid.type)
     throw InputError(fmt::format("{} has changed while it was read", frame.file.string()), "start again");
   image->read(out);
-}
-
-template <class From, class To>
-void convert(const std::vector<std::byte>& in, std::span<std::byte> out) {
-  const auto* values = reinterpret_cast<const From*>(in.data());
-  auto* results = reinterpret_cast<To*>(out.data());
-  for (std::size_t i = 0; i < in.size() / sizeof(From); ++i) results[i] = To(values[i]);
 }
 
 /// Makes `voxels` the mean of itself and `next`, of which `part` counts; whole numbers are rounded.
@@ -92,42 +84,43 @@ class DicomSource final : public SliceBySlice {
     require_unchanged(image.file);
     if (same) return;
     // Slices with different rescaling may have different types; the volume is then float32.
-    visit_type(image.grid.type, [&](auto type) { convert<decltype(type), float>(raw, out); });
+    apply({}, image.grid.type, raw, grid().type, out);
   }
 
   std::vector<DicomFrame> images_;
   std::vector<DicomSlice> slices_;
 };
 
-/// The frames of one file. GDCM decodes all at once.
-class MultiFrameSource final : public WholeSource {
+/// The frames of one file. GDCM decodes all at once, and they are kept.
+class MultiFrameSource final : public VolumeSource {
  public:
   /// `slices`: which frames are the volume's slices.
   MultiFrameSource(const Grid& grid, DicomFrame frames, std::vector<DicomSlice> slices)
-      : WholeSource(grid), frames_(std::move(frames)), slices_(std::move(slices)) {}
+      : grid_(grid), frames_(std::move(frames)), slices_(std::move(slices)) {}
 
- private:
-  bool as_stored() const {
-    for (std::size_t z = 0; z < slices_.size(); ++z)
-      if (slices_[z].image != z || slices_[z].part != 0) return false;
-    return slices_.size() == std::size_t(frames_.grid.dims.z);
-  }
-
-  void decode(std::span<std::byte> voxels) override {
-    if (as_stored()) return read_image(frames_, voxels);
-    std::vector<std::byte> stored(frames_.grid.bytes());
-    read_image(frames_, stored);
-    const auto bytes = grid().slice_bytes(Axis::z);
-    const auto frame = [&](std::size_t i) { return std::span(stored).subspan(i * bytes, bytes); };
-    for (std::size_t z = 0; z < slices_.size(); ++z) {
-      const auto slice = voxels.subspan(z * bytes, bytes);
-      std::ranges::copy(frame(slices_[z].image), slice.begin());
-      if (slices_[z].part > 0) mix(grid().type, frame(slices_[z].next), slices_[z].part, slice);
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return false; }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    if (stored_.empty()) {
+      std::vector<std::byte> stored(frames_.grid.bytes());
+      read_image(frames_, stored);
+      stored_ = std::move(stored);
+    }
+    const auto bytes = grid_.slice_bytes(Axis::z);
+    const auto frame = [&](std::size_t i) { return std::span(stored_).subspan(i * bytes, bytes); };
+    for (int k = 0; k < count; ++k) {
+      const auto& slice = slices_[std::size_t(first + k)];
+      const auto voxels = out.subspan(std::size_t(k) * bytes, bytes);
+      std::ranges::copy(frame(slice.image), voxels.begin());
+      if (slice.part > 0) mix(grid_.type, frame(slice.next), slice.part, voxels);
     }
   }
 
+ private:
+  Grid grid_;
   DicomFrame frames_;
   std::vector<DicomSlice> slices_;
+  std::vector<std::byte> stored_;  ///< empty until they are first read
 };
 
 void require_alike(const std::vector<DicomFrame>& images) {
@@ -168,11 +161,6 @@ void place(const DicomStack& stack, const std::filesystem::path& where, Grid& gr
   check_lattice(grid, where.string());
 }
 
-struct Opened {
-  std::unique_ptr<VolumeSource> source;
-  int frames = 1;
-};
-
 /// The images of a series that can be read; warns of the others. Throws the first complaint when none can.
 std::vector<DicomFrame> images_of(const DicomSeries& series) {
   std::vector<DicomFrame> images;
@@ -191,8 +179,9 @@ std::vector<DicomFrame> images_of(const DicomSeries& series) {
   return images;
 }
 
-Opened open_series(const DicomSeries& series, const VolumeChoice& choice,
-                   const std::filesystem::path& where) {
+/// `times`: becomes the number of time points.
+std::unique_ptr<VolumeSource> open_series(const DicomSeries& series, const VolumeChoice& choice,
+                                          const std::filesystem::path& where, int& times) {
   auto images = images_of(series);
   require_alike(images);
   Grid grid = images.front().grid;
@@ -204,18 +193,18 @@ Opened open_series(const DicomSeries& series, const VolumeChoice& choice,
   placing.name_of = [&](std::size_t i) { return images[i].file.filename().string(); };
   auto stack = stack_planes(planes, placing);
   place(stack, where, grid);
-  return {std::make_unique<DicomSource>(grid, std::move(images), std::move(stack.slices)), stack.frames};
+  times = stack.frames;
+  return std::make_unique<DicomSource>(grid, std::move(images), std::move(stack.slices));
 }
 
 /// Where the frames have places of their own these count; GDCM takes frames for an even stack in their order.
-Opened open_frames(const DicomHeader& header, const VolumeChoice& choice) {
+std::unique_ptr<VolumeSource> open_frames(const DicomHeader& header, const VolumeChoice& choice, int& times) {
   const auto image = DicomImage::open(header.file);
   if (!image) throw InputError(fmt::format("{} has changed", header.file.string()), "start again");
   DicomFrame frames{header.file, image->grid(), {}};
   Grid grid = frames.grid;
   std::vector<DicomSlice> slices(std::size_t(grid.dims.z));
   for (std::size_t z = 0; z < slices.size(); ++z) slices[z] = {.image = z, .next = z};
-  int times = 1;
   if (const auto& planes = image->planes()) {
     grid.spacing = {planes->spacing.x, planes->spacing.y, grid.spacing.z};
     grid.direction[0] = planes->row;
@@ -230,7 +219,7 @@ Opened open_frames(const DicomHeader& header, const VolumeChoice& choice) {
     grid.spacing.z = -grid.spacing.z;
     grid.direction[2] = -grid.direction[2];
   }
-  return {std::make_unique<MultiFrameSource>(grid, std::move(frames), std::move(slices)), times};
+  return std::make_unique<MultiFrameSource>(grid, std::move(frames), std::move(slices));
 }
 
 VolumeNotes notes_of(const DicomSeries& series, int frames) {
@@ -254,10 +243,12 @@ std::unique_ptr<VolumeSource> read_dicom(const std::filesystem::path& path, cons
   }
   const auto& series = choose_series(all, choice.series, path.string());
   const bool multi_frame = series.images.size() == 1 && series.images.front().frames > 1;
-  auto opened = multi_frame ? open_frames(series.images.front(), choice) : open_series(series, choice, path);
-  auto notes = notes_of(series, opened.frames);
+  int times = 1;
+  auto source = multi_frame ? open_frames(series.images.front(), choice, times)
+                            : open_series(series, choice, path, times);
+  auto notes = notes_of(series, times);
   notes.series = describe(all);
-  return with_notes(std::move(opened.source), std::move(notes));
+  return with_notes(std::move(source), std::move(notes));
 }
 
 }  // namespace ringsplat::detail

@@ -1,16 +1,23 @@
 #include "decode/dicom/elements.hpp"
 
 #include <fmt/format.h>
+#include <gdcmDict.h>
+#include <gdcmDicts.h>
+#include <gdcmGlobal.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
 #include <span>
 #include <string_view>
 #include <utility>
 
-#include "decode/dicom/schema.hpp"
-#include "formats/inflate_all.hpp"
+#include "base/text.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -19,13 +26,22 @@ namespace {
 
 constexpr std::uint64_t preamble = 128;
 constexpr std::uint32_t undefined_length = 0xFFFFFFFF;
-constexpr int deepest = 32;  // nested sequences
-constexpr std::uint64_t longest_value = 1 << 20;
+constexpr int deepest = 32;                       // nested sequences
+constexpr std::uint64_t longest_value = 1 << 20;  // of those that are kept
 
 constexpr DicomTag transfer_syntax{0x0002, 0x0010}, meta_storage_class{0x0002, 0x0002};
 constexpr DicomTag item_begin{0xFFFE, 0xE000}, item_end{0xFFFE, 0xE00D}, sequence_end{0xFFFE, 0xE0DD};
-constexpr DicomTag no_sequence{0xFFFF, 0xFFFF};  ///< parent of elements that are not kept
+/// Sequences that say something of the pixels; the items of others are not kept.
+constexpr DicomTag kept_sequences[] = {
+    dicom::regions,           dicom::xray_acquisition, dicom::detectors,
+    dicom::shared_groups,     dicom::frame_groups,     dicom::plane_position,
+    dicom::plane_orientation, dicom::pixel_measures,   dicom::pixel_transformation,
+    dicom::frame_content};
 constexpr std::uint16_t meta_group = 0x0002, delimiter_group = 0xFFFE;
+
+/// Of elements that are kept.
+constexpr std::uint16_t geometry_group = 0x0020, pixel_group = 0x0028;
+constexpr std::uint16_t kept_groups[] = {0x0008, 0x0018, geometry_group, pixel_group, 0x3002, 0x3004};
 
 struct Element {
   DicomTag tag;
@@ -47,16 +63,15 @@ class Parser {
   void parse() {
     auto at = parse_meta();
     encoding_ = encoding_of(file_.transfer_syntax);
-    file_.big_endian = encoding_.big_endian;
     if (file_.transfer_syntax == "1.2.840.10008.1.2.1.99") {
       file_.inflated.emplace();
-      inflate_all(*file_.data, at, *file_.inflated);
+      inflate_from(at);
       file_.data = std::make_unique<InputFile>(file_.inflated->path());
       at = 0;
     }
     file_.end = size();
-    parse_elements(at, size(), encoding_, {}, &file_.elements, 0);
-    if (!file_.pixels && file_.elements.find(dicom::rows) != nullptr) fail(size());
+    parse_elements(at, size(), encoding_, &file_.elements, 0);
+    if (!file_.pixels && !file_.elements.text(dicom::rows).empty()) fail(size());
   }
 
  private:
@@ -119,6 +134,28 @@ class Parser {
     return at;
   }
 
+  /// Of a raw deflate stream (RFC 1951) that begins at `at`.
+  void inflate_from(std::uint64_t at) {
+    constexpr int no_header = -15;  // zlib.h, inflateInit2
+    auto in = file_.bytes(at, size());
+    z_stream stream{};
+    if (inflateInit2(&stream, no_header) != Z_OK) throw std::bad_alloc();
+    stream.next_in = reinterpret_cast<Bytef*>(in.data());
+    stream.avail_in = static_cast<uInt>(in.size());
+    std::vector<std::byte> decoded(64 * 1024);
+    int result = Z_OK;
+    while (result == Z_OK) {
+      stream.next_out = reinterpret_cast<Bytef*>(decoded.data());
+      stream.avail_out = static_cast<uInt>(decoded.size());
+      result = inflate(&stream, Z_NO_FLUSH);
+      file_.inflated->append(std::span(decoded).first(decoded.size() - stream.avail_out));
+    }
+    inflateEnd(&stream);
+    if (result != Z_STREAM_END)
+      throw InputError(fmt::format("{}: the compressed data is cut short or damaged", file_.path.string()),
+                       "copy the file again");
+  }
+
   /// PS3.6, table A-1; every compressed syntax has explicit element headers.
   static Encoding encoding_of(const std::string& uid) {
     return {.explicit_vr = !uid.empty() && uid != "1.2.840.10008.1.2",
@@ -127,9 +164,7 @@ class Parser {
 
   std::string bytes_of(const Element& e) const {
     if (e.length > longest_value) fail(e.begin);
-    std::string bytes(e.length, '\0');
-    file_.data->read(e.begin, std::as_writable_bytes(std::span(bytes)));
-    return bytes;
+    return file_.bytes(e.begin, e.end());
   }
   std::string text_of(const Element& e) const {
     auto text = bytes_of(e);
@@ -139,8 +174,8 @@ class Parser {
 
   /// Parses elements up to `end`, or to the delimiter of an item of undefined length. `into` is null when
   /// nothing is to be kept. Returns where they end.
-  std::uint64_t parse_elements(std::uint64_t at, std::uint64_t end, const Encoding& encoding, DicomTag parent,
-                               DicomItem* into, int depth) {
+  std::uint64_t parse_elements(std::uint64_t at, std::uint64_t end, const Encoding& encoding, DicomItem* into,
+                               int depth) {
     if (depth > deepest) fail(at);
     while (at < end) {
       if (depth == 0 && file_.pixels && only_zeros(at)) {
@@ -154,17 +189,17 @@ class Parser {
         at = parse_pixels(e, end);
         if (e.tag == dicom::pixels) file_.pixels->begin = e.begin, file_.pixels->end = at;
       } else
-        at = parse_element(e, end, encoding, parent, into, depth);
+        at = parse_element(e, end, encoding, into, depth);
     }
     return end;
   }
 
-  std::uint64_t parse_element(const Element& e, std::uint64_t end, const Encoding& encoding, DicomTag parent,
-                              DicomItem* into, int depth) {
-    const auto* const rule = into == nullptr ? nullptr : find_dicom_rule(e.tag, parent);
-    const bool sequence = rule != nullptr && rule->vr == "SQ";
+  std::uint64_t parse_element(const Element& e, std::uint64_t end, const Encoding& encoding, DicomItem* into,
+                              int depth) {
+    const auto* const known = std::find(std::begin(kept_sequences), std::end(kept_sequences), e.tag);
+    const bool sequence = into != nullptr && known != std::end(kept_sequences);
     if (!sequence && !e.open_ended()) {
-      if (rule != nullptr) keep(e, *rule, *into);
+      if (into != nullptr && e.length <= longest_value) keep(e, *into);
       return e.end();
     }
     std::vector<DicomItem> items;
@@ -188,19 +223,21 @@ class Parser {
         at = e.end();
       else
         at = parse_elements(e.begin, e.open_ended() ? end : e.end(), encoding,
-                            items != nullptr ? sequence.tag : no_sequence,
                             items != nullptr ? &items->back() : nullptr, depth);
     }
     if (sequence.open_ended()) fail(end);
     return end;
   }
 
-  void keep(const Element& e, const DicomRule& rule, DicomItem& into) {
-    const bool binary = rule.vr == "US" || rule.vr == "UL" || rule.vr == "FD";
+  void keep(const Element& e, DicomItem& into) {
+    const auto group = e.tag.group;
+    if (std::find(std::begin(kept_groups), std::end(kept_groups), group) == std::end(kept_groups)) return;
+    const auto vr = dicom_entry(e.tag).vr;
+    const bool binary = vr == "US" || vr == "UL" || vr == "FD";
     auto value = binary ? bytes_of(e) : text_of(e);
     if (encoding_.big_endian && binary) std::reverse(value.begin(), value.end());
-    if (value.empty()) return;
-    if (!into.values.emplace(e.tag, std::move(value)).second) fail_twice(e.tag);
+    const bool counts = group == geometry_group || group == pixel_group;
+    if (!value.empty() && !into.values.emplace(e.tag, std::move(value)).second && counts) fail_twice(e.tag);
   }
 
   [[noreturn]] void fail_twice(DicomTag tag) const {
@@ -217,7 +254,6 @@ class Parser {
     if (file_.pixels) fail_twice(e.tag);
     file_.pixels.emplace();
     file_.pixels->encapsulated = e.open_ended();
-    file_.pixels->words = e.vr != "OB";
     if (!e.open_ended()) {
       file_.pixels->fragments.push_back({e.begin, e.length});
       return e.end();
@@ -250,14 +286,60 @@ class Parser {
 
 std::string to_string(DicomTag tag) { return fmt::format("({:04X},{:04X})", tag.group, tag.element); }
 
-const std::string* DicomItem::find(DicomTag tag) const {
+const std::string& DicomItem::text(DicomTag tag) const {
+  static const std::string none;
   const auto found = values.find(tag);
-  return found == values.end() ? nullptr : &found->second;
+  return found == values.end() ? none : found->second;
+}
+
+const std::vector<DicomItem>& DicomItem::items(DicomTag sequence) const {
+  static const std::vector<DicomItem> none;
+  const auto found = sequences.find(sequence);
+  return found == sequences.end() ? none : found->second;
 }
 
 const DicomItem* DicomItem::first_item(DicomTag sequence) const {
-  const auto found = sequences.find(sequence);
-  return found == sequences.end() || found->second.empty() ? nullptr : &found->second.front();
+  return items(sequence).empty() ? nullptr : &items(sequence).front();
+}
+
+std::vector<double> DicomItem::numbers(DicomTag tag) const {
+  const auto& value = text(tag);
+  const auto finite = [](double number) { return std::isfinite(number) ? number : NAN; };
+  const auto binary = [&](auto number) -> std::vector<double> {
+    if (value.size() != sizeof number) return {NAN};
+    std::memcpy(&number, value.data(), sizeof number);
+    return {finite(double(number))};
+  };
+  if (value.empty()) return {};
+  const auto vr = dicom_entry(tag).vr;
+  if (vr == "US") return binary(std::uint16_t{});
+  if (vr == "UL") return binary(std::uint32_t{});
+  if (vr == "FD") return binary(double{});
+  std::vector<double> numbers;
+  for (std::size_t at = 0; at <= value.size();) {
+    const auto end = std::min(value.find('\\', at), value.size());
+    numbers.push_back(finite(number_in<double>(trimmed(value.substr(at, end - at))).value_or(NAN)));
+    at = end + 1;
+  }
+  return numbers;
+}
+
+std::string DicomFile::bytes(std::uint64_t begin, std::uint64_t to) const {
+  std::string bytes(std::size_t(to - begin), '\0');
+  data->read(begin, std::as_writable_bytes(std::span(bytes)));
+  return bytes;
+}
+
+DicomEntry dicom_entry(DicomTag tag) {
+  const auto& entry = gdcm::Global::GetInstance().GetDicts().GetDictEntry(gdcm::Tag(tag.group, tag.element));
+  const auto count = entry.GetVM() == gdcm::VM::VM2_n ? 0 : entry.GetVM().GetLength();
+  return {entry.GetName(), gdcm::VR::GetVRString(entry.GetVR()), count};
+}
+
+std::uint32_t little32(const std::string& bytes, std::size_t at) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i > 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[at + i - 1]);
+  return value;
 }
 
 std::optional<DicomFile> read_dicom_file(const std::filesystem::path& path) {

@@ -2,29 +2,115 @@
 
 #include <fmt/format.h>
 #include <gdcmImageHelper.h>
-#include <gdcmImageReader.h>
 #include <gdcmMediaStorage.h>
 #include <gdcmTrace.h>
 
 #include <glm/geometric.hpp>
 #include <sstream>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
-#include "decode/dicom/checks.hpp"
 #include "decode/dicom/elements.hpp"
-#include "decode/dicom/frames.hpp"
-#include "decode/dicom/schema.hpp"
 #include "formats/limits.hpp"
-#include "formats/stored_source.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
+using namespace std::string_view_literals;
+
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what) {
   throw InputError(fmt::format("cannot read {}: {}", path.string(), what),
                    "check the file with another viewer");
+}
+
+[[noreturn]] void fail_frame(const DicomFile& file, const std::string& what) {
+  throw InputError(fmt::format("{}: {}", file.path.string(), what), "copy or write the file again");
+}
+
+std::string bytes_of(const DicomFile& file, const DicomFragment& fragment) {
+  return file.bytes(fragment.begin, fragment.begin + fragment.length);
+}
+
+/// The frames' bytes (PS3.5, annex A.4): of fragments the first is a table of where the frames begin.
+std::vector<std::string> frames_of(const DicomFile& file, const DicomShape& shape) {
+  const auto count = std::size_t(shape.frames);
+  const auto& all = file.pixels->fragments;
+  if (all.size() < 2) fail_frame(file, "its pixels have no fragments");
+  const bool has_table = all[0].length == 4 * count;
+  const std::string table = has_table ? bytes_of(file, all[0]) : std::string();
+  const bool one_each = all.size() == count + 1;
+  std::vector<std::string> frames;
+  for (auto fragment = all.begin() + 1; fragment != all.end(); ++fragment) {
+    const auto next = frames.size();
+    const bool begins =
+        one_each || (count == 1 && next == 0) ||
+        (next < count && has_table && fragment->begin - all[1].begin == little32(table, 4 * next));
+    if (begins) frames.emplace_back();
+    if (frames.empty()) break;
+    frames.back() += bytes_of(file, *fragment);
+  }
+  if (frames.size() != count)
+    fail_frame(file, fmt::format("{} fragments cannot be told to be {} frames", all.size() - 1, count));
+  return frames;
+}
+
+/// GDCM fills what a frame lacks, and reads run lengths of other pixels.
+void require_whole(const DicomFile& file, const DicomShape& shape, std::string& frame) {
+  if (shape.codec == DicomCodec::rle) {
+    if (frame.size() < 4 || little32(frame) != shape.bytes_per_voxel())
+      fail_frame(file, fmt::format("a frame of run lengths is not of {} segments", shape.bytes_per_voxel()));
+    return;
+  }
+  const auto end = frame.rfind("\xFF\xD9"sv);
+  if (end == std::string::npos) fail_frame(file, "a compressed frame is cut short or damaged");
+  frame.resize(end + 2);
+}
+
+/// A JPEG frame without comments and applications' segments, on which GDCM stumbles, and fill bytes.
+std::string without_notes(const DicomFile& file, const std::string& frame) {
+  constexpr unsigned scan = 0xDA, first_application = 0xE0, last_application = 0xEF, comment = 0xFE;
+  std::string kept = frame.substr(0, 2);
+  for (std::size_t at = 2;;) {
+    while (at + 1 < frame.size() && frame[at] == '\xFF' && frame[at + 1] == '\xFF') ++at;
+    if (at + 4 > frame.size() || frame[at] != '\xFF')
+      fail_frame(file, "a compressed frame is cut short or damaged");
+    const auto byte = [&](std::size_t i) { return unsigned(static_cast<unsigned char>(frame[at + i])); };
+    const unsigned marker = byte(1);
+    if (marker == scan) return kept + frame.substr(at);
+    const std::size_t length = 2 + 256 * byte(2) + byte(3);
+    if (marker != comment && (marker < first_application || marker > last_application))
+      kept += frame.substr(at, length);
+    at += length;
+  }
+}
+
+/// A fragment of these bytes.
+std::string item_of(const std::string& bytes) {
+  std::string item("\xFE\xFF\x00\xE0", 4);
+  for (int i = 0; i < 4; ++i) item += char(bytes.size() >> (8 * i));
+  return item + bytes;
+}
+
+/// The bytes of a file that GDCM would not read, or not rightly, as it does: with one fragment a frame,
+/// without segments of JPEG that decide no pixel, without what media pad it with. Nothing for other files.
+/// Throws InputError for frames that cannot be told apart, are cut short, or not as the header says.
+std::optional<std::string> bytes_for_gdcm(const DicomFile& file, const DicomShape& shape) {
+  if (shape.codec == DicomCodec::none) {
+    if (file.inflated || file.end == file.data->size()) return {};
+    return file.bytes(0, file.end);
+  }
+  std::string bytes = file.bytes(0, file.pixels->begin) + item_of({});
+  for (auto& frame : frames_of(file, shape)) {
+    require_whole(file, shape, frame);
+    if (shape.codec != DicomCodec::rle && shape.codec != DicomCodec::jpeg_2000)
+      frame = without_notes(file, frame);
+    if (frame.size() % 2 != 0) frame += '\0';
+    bytes += item_of(frame);
+  }
+  return bytes + std::string("\xFE\xFF\xDD\xE0\0\0\0\0", 8) + file.bytes(file.pixels->end, file.end);
 }
 
 /// Of these kinds GDCM does not say how far pixels are apart.
@@ -48,7 +134,7 @@ bool lacks_spacing(const gdcm::File& file) {
 
 glm::dvec3 spacing_of(const DicomFile& file, const gdcm::ImageReader& reader) {
   if (lacks_spacing(reader.GetFile())) {
-    const auto said = dicom_numbers(file, file.elements, dicom::pixel_spacing);
+    const auto said = checked_numbers(file, file.elements, dicom::pixel_spacing);
     return said.empty() ? glm::dvec3(1) : glm::dvec3(said[1], said[0], 1);
   }
   const double* const spacing = reader.GetImage().GetSpacing();
@@ -73,11 +159,11 @@ Grid lattice_of(const DicomFile& file, const gdcm::ImageReader& reader) {
 
 /// GDCM assumes a spacing of 1 when frames are not one even stack.
 void require_frame_spacing(const DicomFile& file, const Grid& grid) {
-  for (const auto groups : {dicom::shared_groups, dicom::frame_groups}) {
+  for (const auto& groups : {dicom::shared_groups, dicom::frame_groups}) {
     const auto* const frame = file.elements.first_item(groups);
-    const auto* const measures = frame == nullptr ? nullptr : frame->first_item(dicom::pixel_measures);
-    if (measures == nullptr) continue;
-    const auto spacing = dicom_numbers(file, *measures, dicom::pixel_spacing, dicom::pixel_measures);
+    const auto* const measures = frame ? frame->first_item(dicom::pixel_measures) : nullptr;
+    if (!measures) continue;
+    const auto spacing = checked_numbers(file, *measures, dicom::pixel_spacing);
     if (spacing.empty() || (spacing[1] == grid.spacing.x && spacing[0] == grid.spacing.y)) return;
     throw InputError(
         fmt::format("{}: its frames are not one stack of evenly spaced slices", file.path.string()),
@@ -100,65 +186,50 @@ void require_shape(const DicomFile& file, const DicomShape& shape, const gdcm::I
 
 }  // namespace
 
-struct DicomImage::Parts {
-  std::filesystem::path path;
-  gdcm::ImageReader reader = {};
-  DicomShape shape = {};
-  Grid grid = {};
-  Rescale rescale = {};
-  std::optional<DicomPlanes> planes = {};
-};
-
-DicomImage::DicomImage(std::unique_ptr<Parts> parts) : parts_(std::move(parts)) {}
-DicomImage::~DicomImage() = default;
-DicomImage::DicomImage(DicomImage&&) noexcept = default;
-const Grid& DicomImage::grid() const { return parts_->grid; }
-const std::optional<DicomPlanes>& DicomImage::planes() const { return parts_->planes; }
-
-std::optional<DicomImage> DicomImage::open(const std::filesystem::path& path) {
+std::unique_ptr<DicomImage> DicomImage::open(const std::filesystem::path& path) {
   const auto file = read_dicom_file(path);
   if (!file || !file->pixels) return {};
-  auto parts = std::make_unique<Parts>();
-  parts->path = path;
-  parts->shape = check_dicom(*file);
+  auto opened = std::make_unique<DicomImage>();
+  opened->path_ = path;
+  auto& shape = opened->shape_ = check_dicom(*file);
+  auto& reader = opened->reader_;
   gdcm::Trace::DebugOff();
   gdcm::Trace::WarningOff();
   gdcm::Trace::ErrorOff();
   gdcm::ImageHelper::SetForceRescaleInterceptSlope(true);
   std::istringstream changed;
-  if (auto bytes = bytes_for_gdcm(*file, parts->shape)) {
+  if (auto bytes = bytes_for_gdcm(*file, shape)) {
     changed.str(std::move(*bytes));
-    parts->reader.SetStream(changed);
+    reader.SetStream(changed);
   } else {
-    parts->reader.SetFileName(path.c_str());
+    reader.SetFileName(path.c_str());
   }
-  if (!parts->reader.Read()) fail(path, "GDCM does not understand it");
-  gdcm::Image& image = parts->reader.GetImage();
-  parts->grid = lattice_of(*file, parts->reader);
-  require_shape(*file, parts->shape, image, parts->grid);
-  parts->rescale = {image.GetSlope(), image.GetIntercept()};
-  parts->grid.type = rescaled_type(*file, parts->shape, parts->rescale);
-  check_lattice(parts->grid, path.string());
+  if (!reader.Read()) fail(path, "GDCM does not understand it");
+  gdcm::Image& image = reader.GetImage();
+  Grid& grid = opened->grid_ = lattice_of(*file, reader);
+  require_shape(*file, shape, image, grid);
+  opened->rescale_ = {image.GetSlope(), image.GetIntercept()};
+  grid.type = rescaled_type(*file, shape, opened->rescale_);
+  check_lattice(grid, path.string());
   // What may have become more bits that count than the file says.
   gdcm::PixelFormat format = image.GetPixelFormat();
-  format.SetBitsStored(static_cast<unsigned short>(parts->shape.bits_stored));
-  format.SetHighBit(static_cast<unsigned short>(parts->shape.high_bit));
+  format.SetBitsStored(static_cast<unsigned short>(shape.bits_stored));
+  format.SetHighBit(static_cast<unsigned short>(shape.high_bit));
   image.SetPixelFormat(format);
-  if (parts->shape.frames > 1) parts->planes = dicom_planes(*file, parts->shape.frames);
-  if (!parts->planes) require_frame_spacing(*file, parts->grid);
-  return DicomImage(std::move(parts));
+  if (shape.frames > 1) opened->planes_ = dicom_planes(*file, shape.frames);
+  if (!opened->planes_) require_frame_spacing(*file, grid);
+  return opened;
 }
 
 void DicomImage::read(std::span<std::byte> out) {
   const auto decode = [this](std::span<std::byte> pixels) {
-    if (!parts_->reader.GetImage().GetBuffer(reinterpret_cast<char*>(pixels.data())))
-      fail(parts_->path, "its pixels cannot be decoded");
+    if (!reader_.GetImage().GetBuffer(reinterpret_cast<char*>(pixels.data())))
+      fail(path_, "its pixels cannot be decoded");
   };
-  const Rescale& rescale = parts_->rescale;
-  if (rescale.slope == 1 && rescale.intercept == 0) return decode(out);
-  std::vector<std::byte> stored(parts_->shape.bytes());
+  if (rescale_.slope == 1 && rescale_.intercept == 0) return decode(out);
+  std::vector<std::byte> stored(shape_.bytes());
   decode(stored);
-  apply(rescale, stored_type(parts_->shape), stored, parts_->grid.type, out);
+  apply(rescale_, stored_type(shape_), stored, grid_.type, out);
 }
 
 }  // namespace ringsplat::detail

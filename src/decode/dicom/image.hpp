@@ -1,10 +1,13 @@
 #pragma once
+#include <gdcmImageReader.h>
+
 #include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <span>
 
+#include "decode/dicom/checks.hpp"
 #include "decode/dicom/planes.hpp"
 #include "ringsplat/volume/grid.hpp"
 
@@ -16,20 +19,21 @@ class DicomImage {
  public:
   /// Throws InputError for a damaged or unreadable file. Returns nothing for a file that is no DICOM image:
   /// notes, a DICOMDIR, a report.
-  static std::optional<DicomImage> open(const std::filesystem::path& path);
-  ~DicomImage();
-  DicomImage(DicomImage&&) noexcept;
+  static std::unique_ptr<DicomImage> open(const std::filesystem::path& path);
 
-  const Grid& grid() const;  ///< of all frames; its type is that after rescaling
+  const Grid& grid() const { return grid_; }  ///< of all frames; its type is that after rescaling
   /// Where its frames lie; nothing for a single one, and where GDCM alone knows.
-  const std::optional<DicomPlanes>& planes() const;
+  const std::optional<DicomPlanes>& planes() const { return planes_; }
   /// All frames, grid().bytes() bytes.
   void read(std::span<std::byte> out);
 
  private:
-  struct Parts;
-  explicit DicomImage(std::unique_ptr<Parts> parts);
-  std::unique_ptr<Parts> parts_;
+  std::filesystem::path path_;
+  gdcm::ImageReader reader_;
+  DicomShape shape_;
+  Grid grid_;
+  Rescale rescale_;
+  std::optional<DicomPlanes> planes_;
 };
 
 }  // namespace ringsplat::detail

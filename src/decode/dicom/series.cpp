@@ -14,7 +14,6 @@
 #include "base/log.hpp"
 #include "base/text.hpp"
 #include "decode/dicom/checks.hpp"
-#include "decode/dicom/schema.hpp"
 #include "decode/progress.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
@@ -24,26 +23,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string text_of(const DicomFile& file, DicomTag tag) {
-  const auto* const text = file.elements.find(tag);
-  return text == nullptr ? std::string() : trimmed(*text);
-}
-
 /// An image as a series of its own; nothing for a file that is none.
 std::optional<DicomSeries> read_header(const fs::path& path) {
   const auto file = read_dicom_file(path);
   if (!file || !file->pixels) return {};
   const auto shape = check_dicom(*file);
-  DicomSeries series{.uid = text_of(*file, dicom::series),
-                     .description = text_of(*file, dicom::description),
-                     .modality = text_of(*file, dicom::modality),
-                     .number = text_of(*file, dicom::series_number),
-                     .rescale_type = text_of(*file, dicom::rescale_type),
+  const auto text = [&](DicomTag tag) { return trimmed(file->elements.text(tag)); };
+  DicomSeries series{.uid = text(dicom::series),
+                     .description = text(dicom::description),
+                     .modality = text(dicom::modality),
+                     .number = text(dicom::series_number),
+                     .rescale_type = text(dicom::rescale_type),
                      .images = {}};
-  series.images.push_back({.file = path,
-                           .instance = text_of(*file, dicom::instance),
-                           .frames = shape.frames,
-                           .times = dicom_times(*file)});
+  series.images.push_back(
+      {.file = path, .instance = text(dicom::instance), .frames = shape.frames, .times = dicom_times(*file)});
   return series;
 }
 

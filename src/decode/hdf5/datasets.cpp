@@ -9,7 +9,7 @@
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "decode/hdf5/attributes.hpp"
+#include "formats/channels.hpp"
 
 namespace ringsplat::detail::hdf5 {
 namespace {
@@ -31,6 +31,18 @@ std::string shape_of(const Found& found) {
   std::string text;
   for (const int size : found.dims) text += fmt::format("{}{}", text.empty() ? "" : "x", size);
   return text + " " + found.type;
+}
+
+/// Names of what lies in the group itself: links to elsewhere are not followed.
+std::vector<std::string> names_in(hid_t group) {
+  std::vector<std::string> names;
+  const auto add = [](hid_t, const char* name, const H5L_info_t* info, void* data) -> herr_t {
+    auto& list = *static_cast<std::vector<std::string>*>(data);
+    if (info->type == H5L_TYPE_HARD) list.emplace_back(name);
+    return list.size() > std::size_t(most_objects) ? 1 : 0;
+  };
+  H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, add, &names);
+  return names;
 }
 
 /// Collects a group's datasets of numbers with two dimensions and more.
@@ -71,18 +83,6 @@ class Walk {
     H5O_info_t info{};
     if (H5Oget_info2(group, &info, H5O_INFO_BASIC) < 0) return false;
     return visited_.insert(std::uint64_t(info.addr)).second;
-  }
-
-  /// Names of what lies in the group itself: links to elsewhere are not followed.
-  static std::vector<std::string> names_in(hid_t group) {
-    std::vector<std::string> names;
-    const auto add = [](hid_t, const char* name, const H5L_info_t* info, void* data) -> herr_t {
-      auto& list = *static_cast<std::vector<std::string>*>(data);
-      if (info->type == H5L_TYPE_HARD) list.emplace_back(name);
-      return list.size() > std::size_t(most_objects) ? 1 : 0;
-    };
-    H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, add, &names);
-    return names;
   }
 
   hid_t file_;
@@ -140,12 +140,8 @@ std::vector<std::uint64_t> iterations_in(hid_t file, const std::string& before, 
   const Id group(H5Gopen2(file, before.c_str(), H5P_DEFAULT));
   std::vector<std::uint64_t> numbers;
   if (!group || behind != "/") return numbers;
-  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* data) -> herr_t {
-    auto& list = *static_cast<std::vector<std::uint64_t>*>(data);
-    if (const auto number = number_in<std::uint64_t>(name)) list.push_back(*number);
-    return list.size() > std::size_t(most_objects) ? 1 : 0;
-  };
-  H5Literate(group.get(), H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, add, &numbers);
+  for (const auto& name : names_in(group.get()))
+    if (const auto number = number_in<std::uint64_t>(name)) numbers.push_back(*number);
   std::sort(numbers.begin(), numbers.end());
   return numbers;
 }
@@ -160,10 +156,7 @@ Iterations choose_iteration(hid_t file, const std::filesystem::path& path, const
   const auto numbers = iterations_in(file, base.substr(0, at), base.substr(at + 2));
   if (numbers.empty()) return all;
   all.count = int(numbers.size());
-  const int frame = choice.frame.value_or(0);
-  if (frame < 0 || frame >= all.count)
-    throw InputError(fmt::format("--frame {}: {} holds {} iterations", frame, path.string(), all.count),
-                     fmt::format("frames are numbered from 0 to {}", all.count - 1));
+  const int frame = chosen_frame(choice, all.count, "iterations", path.string());
   all.group = base.substr(0, at) + fmt::format("{}", numbers[std::size_t(frame)]);
   return all;
 }
@@ -220,14 +213,6 @@ std::vector<int> dims_of(hid_t dataset) {
     dims.push_back(int(size));
   }
   return dims;
-}
-
-Id open_file(const std::filesystem::path& file) {
-  const Id access(H5Pcreate(H5P_FILE_ACCESS));
-  H5Pset_file_locking(access.get(), false, true);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_WEAK);
-  return made(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()),
-              fmt::format("cannot open {}", file.string()));
 }
 
 Id open_object(hid_t file, const std::string& path, const std::string& where) {

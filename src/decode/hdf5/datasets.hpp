@@ -24,9 +24,6 @@ std::optional<ValueType> value_type_of(hid_t type);
 /// A dataset's dimensions, the slowest first; empty for none, and for such that no volume has.
 std::vector<int> dims_of(hid_t dataset);
 
-/// The file, for reading only and without locks, which read-only file systems do not have.
-Id open_file(const std::filesystem::path& file);
-
 /// A dataset or group by its path. Throws InputError when a link leads to another file or the path to
 /// nothing.
 Id open_object(hid_t file, const std::string& path, const std::string& where);

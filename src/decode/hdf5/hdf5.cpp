@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
+#include <map>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -12,17 +15,276 @@
 #include "base/text.hpp"
 #include "decode/hdf5/axes.hpp"
 #include "decode/hdf5/datasets.hpp"
-#include "decode/hdf5/source.hpp"
 #include "decode/readers.hpp"
 #include "formats/channels.hpp"
+#include "formats/limits.hpp"
 #include "formats/signatures.hpp"
+#include "formats/stored_source.hpp"
+#include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-using hdf5::DatasetAxis;
+using namespace hdf5;
 using Role = DatasetAxis::Role;
+
+/// What is read of a dataset. Sizes and offsets are in the order of its dimensions.
+struct Selection {
+  std::filesystem::path file;
+  std::string dataset;
+  std::vector<hsize_t> first, size;  ///< the chosen frame and channel, and the whole of the others
+  int slices = -1;                   ///< the dimension that z slices lie along; -1: there is one slice
+  ValueType value = {};
+  std::vector<Rescale> rescale = {};  ///< none, one for all, or one a slice
+};
+
+/// Bytes of a layer that a process holds while it hands it out.
+constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
+
+std::string filter_name(H5Z_filter_t id, const char* stored) {
+  static const std::map<int, const char*> known{{32000, "LZF"},        {32001, "Blosc"}, {32004, "LZ4"},
+                                                {32008, "Bitshuffle"}, {32013, "ZFP"},   {32015, "Zstandard"},
+                                                {32026, "Blosc2"},     {307, "bzip2"},   {4, "szip"}};
+  const auto found = known.find(id);
+  if (found != known.end()) return found->second;
+  return stored[0] == '\0' ? "unknown" : stored;
+}
+
+void require_filters(hid_t creation, const std::string& where) {
+  const int filters = H5Pget_nfilters(creation);
+  for (unsigned k = 0; int(k) < filters; ++k) {
+    unsigned flags = 0, configuration = 0;
+    std::size_t values = 0;
+    char name[64] = "";
+    const auto id =
+        H5Pget_filter2(creation, k, &flags, &values, nullptr, sizeof(name) - 1, name, &configuration);
+    if (id < 0) fail(fmt::format("{}: its filters cannot be read", where));
+    if (H5Zfilter_avail(id) <= 0)
+      throw InputError(
+          fmt::format("{}: its chunks went through the filter {} ({}), which HDF5 does not have here", where,
+                      filter_name(id, name), int(id)),
+          "set HDF5_PLUGIN_PATH to a folder with its plugin, or h5repack -f GZIP=4 IN OUT where it is");
+  }
+}
+
+hid_t memory_type(ScalarType type) {
+  const hid_t types[] = {H5T_NATIVE_INT8,  H5T_NATIVE_UINT8,  H5T_NATIVE_INT16, H5T_NATIVE_UINT16,
+                         H5T_NATIVE_INT32, H5T_NATIVE_UINT32, H5T_NATIVE_FLOAT, H5T_NATIVE_DOUBLE};
+  return types[std::size_t(type)];
+}
+
+std::vector<hsize_t> chunk_of(hid_t creation, std::size_t rank) {
+  std::vector<hsize_t> chunk(rank, 0);
+  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, int(rank), chunk.data()) != int(rank))
+    return {};
+  return chunk;
+}
+
+/// The voxels of the selection. Concurrent; its layers are the chunks' layers. A layer of more than 256 MiB
+/// is cut into thinner layers, which keeps memory bounded and decodes its chunks once for each of them. Reads
+/// that are not whole layers keep the last one. Holds the file open; throws InputError when it changes.
+class DatasetSource final : public VolumeSource {
+ public:
+  DatasetSource(const Grid& grid, VolumeNotes notes, Selection selection)
+      : grid_(grid), notes_(std::move(notes)), selection_(std::move(selection)), on_disk_(selection_.file) {
+    file_ = open_file(selection_.file);
+    const Id access(H5Pcreate(H5P_DATASET_ACCESS));
+    // Whole layers are read at once, so no chunk is asked for twice.
+    H5Pset_chunk_cache(access.get(), 0, 0, 0);
+    dataset_ = made(H5Dopen2(file_.get(), selection_.dataset.c_str(), access.get()), where());
+    const Id creation = made(H5Dget_create_plist(dataset_.get()), where());
+    chunk_ = chunk_of(creation.get(), selection_.first.size());
+    if (!chunk_.empty() && selection_.slices >= 0) depth_ = bounded(chunk_[std::size_t(selection_.slices)]);
+  }
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return true; }
+  int layer_depth() const override { return depth_; }
+  VolumeNotes notes() const override { return notes_; }
+
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const std::size_t bytes = grid_.slice_bytes(Axis::z);
+    for (int z = first; z < first + count;) {
+      const int begin = z / depth_ * depth_, end = std::min(begin + depth_, grid_.dims.z),
+                stop = std::min(end, first + count);
+      const auto part = out.subspan(std::size_t(z - first) * bytes, std::size_t(stop - z) * bytes);
+      if (z == begin && stop == end) {
+        read_layer(begin, end, part);
+      } else {
+        if (kept_first_ != begin) {
+          kept_first_ = -1;
+          kept_.resize(std::size_t(end - begin) * bytes);
+          read_layer(begin, end, kept_);
+          kept_first_ = begin;
+        }
+        std::memcpy(part.data(), kept_.data() + std::size_t(z - begin) * bytes, part.size());
+      }
+      z = stop;
+    }
+  }
+
+  Facts facts() const override {
+    std::string chunk, first;
+    for (const hsize_t size : chunk_) chunk += fmt::format("{}{}", chunk.empty() ? "" : " x ", size);
+    for (const hsize_t at : selection_.first) first += fmt::format("{}{}", first.empty() ? "" : " ", at);
+    Facts facts{{"encoding", "HDF5"},
+                {"dataset", selection_.dataset},
+                {"stored type", selection_.value.name},
+                {"first voxel", first},
+                {"chunks", chunk.empty() ? "none" : chunk}};
+    if (!selection_.rescale.empty())
+      facts.push_back({"rescale", fmt::format("{:.17g} {:.17g}", selection_.rescale.front().slope,
+                                              selection_.rescale.front().intercept)});
+    add_facts_of(on_disk_, 0, on_disk_.size(), facts);
+    return facts;
+  }
+
+ private:
+  std::string where() const { return selection_.file.string() + ":" + selection_.dataset; }
+
+  /// A layer of chunks in layers of at most most_layer_bytes, as even as they can be.
+  int bounded(hsize_t layer) const {
+    const auto depth = std::uint64_t(std::min<hsize_t>(layer, hsize_t(grid_.dims.z)));
+    const std::uint64_t most = std::max<std::uint64_t>(1, most_layer_bytes / grid_.slice_bytes(Axis::z));
+    const std::uint64_t parts = (depth + most - 1) / most;
+    return int((depth + parts - 1) / parts);
+  }
+
+  void read_layer(int begin, int end, std::span<std::byte> out) {
+    on_disk_.require_unchanged();
+    if (!selection_.rescale.empty()) {
+      std::vector<double> values(out.size() / size_of(grid_.type));
+      read_as(H5T_NATIVE_DOUBLE, begin, end, values.data());
+      const auto in = std::as_bytes(std::span(values));
+      for (int z = begin; z < end; ++z) {
+        const auto at = std::size_t(z - begin), count = std::size_t(end - begin);
+        const auto& rescale = selection_.rescale[selection_.rescale.size() > 1 ? std::size_t(z) : 0];
+        apply(rescale, ScalarType::float64, in.subspan(in.size() / count * at, in.size() / count), grid_.type,
+              out.subspan(out.size() / count * at, out.size() / count));
+      }
+    } else if (selection_.value.wide) {
+      read_wide(begin, end, out);
+    } else {
+      read_as(memory_type(grid_.type), begin, end, out.data());
+    }
+    on_disk_.require_unchanged();
+  }
+
+  /// 64-bit integers as float64, in place.
+  void read_wide(int begin, int end, std::span<std::byte> out) {
+    const bool is_signed = selection_.value.name.find("uint") == std::string::npos;
+    read_as(is_signed ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64, begin, end, out.data());
+    constexpr std::uint64_t largest = std::uint64_t{1} << 53;
+    for (std::size_t at = 0; at < out.size(); at += sizeof(double)) {
+      std::uint64_t bits;
+      std::memcpy(&bits, out.data() + at, sizeof(bits));
+      const bool negative = is_signed && bits >> 63 != 0;
+      const std::uint64_t magnitude = negative ? ~bits + 1 : bits;
+      if (magnitude > largest)
+        throw InputError(fmt::format("{}: the 64-bit integer {}{} has no exact float64", where(),
+                                     negative ? "-" : "", magnitude),
+                         "convert the dataset to 32-bit integers or floats first");
+      const double value = negative ? -double(magnitude) : double(magnitude);
+      std::memcpy(out.data() + at, &value, sizeof(value));
+    }
+  }
+
+  void read_as(hid_t type, int begin, int end, void* out) {
+    auto first = selection_.first, size = selection_.size;
+    if (selection_.slices >= 0) {
+      first[std::size_t(selection_.slices)] = hsize_t(begin);
+      size[std::size_t(selection_.slices)] = hsize_t(end - begin);
+    }
+    const Id stored = made(H5Dget_space(dataset_.get()), where());
+    done(H5Sselect_hyperslab(stored.get(), H5S_SELECT_SET, first.data(), nullptr, size.data(), nullptr),
+         where());
+    const Id memory = made(H5Screate_simple(int(size.size()), size.data(), nullptr), where());
+    if (H5Dread(dataset_.get(), type, memory.get(), stored.get(), H5P_DEFAULT, out) < 0)
+      fail(fmt::format("{}: slices {} to {} cannot be read", where(), begin, end - 1));
+  }
+
+  Grid grid_;
+  VolumeNotes notes_;
+  Selection selection_;
+  InputFile on_disk_;
+  Id file_, dataset_;
+  std::vector<hsize_t> chunk_;  ///< sizes; empty for a dataset without chunks
+  int depth_ = 1;
+  std::vector<std::byte> kept_;  ///< the last layer that was not read as a whole
+  int kept_first_ = -1;
+};
+
+/// Throws InputError, naming the reason, for voxels that the file does not hold itself or that need a filter
+/// which is missing, and for sizes that the file cannot hold.
+void require_readable(hid_t dataset, const std::filesystem::path& file, const std::string& where) {
+  const Id creation = made(H5Dget_create_plist(dataset), where);
+  const H5D_layout_t layout = H5Pget_layout(creation.get());
+  if (layout == H5D_VIRTUAL)
+    throw InputError(fmt::format("{}: a virtual dataset, whose voxels other datasets hold", where),
+                     "h5repack IN OUT writes them into one file");
+  if (layout < 0) fail(fmt::format("{}: its layout cannot be read", where));
+  if (H5Pget_external_count(creation.get()) != 0)
+    throw InputError(fmt::format("{}: its voxels lie in other files", where),
+                     "h5repack IN OUT writes them into one file");
+  require_filters(creation.get(), where);
+  const auto dims = dims_of(dataset);
+  const Id type = made(H5Dget_type(dataset), where);
+  std::uint64_t bytes = H5Tget_size(type.get());
+  for (const int size : dims) {
+    if (bytes > (std::uint64_t{1} << 62) / std::uint64_t(size))
+      throw InputError(fmt::format("{}: its dimensions are too large for any file", where), "write it again");
+    bytes *= std::uint64_t(size);
+  }
+  const InputFile on_disk(file);
+  const std::uint64_t stored = H5Dget_storage_size(dataset);
+  if (stored == 0)
+    throw InputError(fmt::format("{}: its voxels were never written", where),
+                     "write them, or name another dataset");
+  if (layout == H5D_CONTIGUOUS) {
+    const haddr_t at = H5Dget_offset(dataset);
+    if (at == HADDR_UNDEF) fail(fmt::format("{}: its voxels' place cannot be read", where));
+    require_bytes(file, on_disk.size(), at, bytes);
+  }
+  if (layout != H5D_CHUNKED) return;
+  require_compressed_bytes(file, on_disk.size(), bytes, any_best_ratio);
+  std::uint64_t chunk_bytes = H5Tget_size(type.get());
+  const auto chunk = chunk_of(creation.get(), dims.size());
+  if (chunk.empty()) fail(fmt::format("{}: its chunks' sizes cannot be read", where));
+  for (const hsize_t size : chunk) chunk_bytes *= size;
+  require_compressed_bytes(file, on_disk.size(), chunk_bytes, any_best_ratio);
+}
+
+/// Where the file holds the voxels of the selection, in the order in which they are read and as they are;
+/// nothing where it does not. `dims`: the dataset's.
+std::optional<StoredVoxels> stored_in_place(hid_t dataset, const Selection& selection,
+                                            const std::vector<int>& dims) {
+  const Id creation(H5Dget_create_plist(dataset)), stored(H5Dget_type(dataset));
+  const haddr_t offset = H5Dget_offset(dataset);
+  if (!selection.rescale.empty() || selection.value.wide || !stored || offset == HADDR_UNDEF ||
+      H5Pget_layout(creation.get()) != H5D_CONTIGUOUS)
+    return {};
+  const Id base(H5Tget_class(stored.get()) == H5T_ENUM ? H5Tget_super(stored.get()) : H5Tcopy(stored.get())),
+      little(H5Tcopy(memory_type(selection.value.type))), big(H5Tcopy(little.get()));
+  H5Tset_order(little.get(), H5T_ORDER_LE);
+  H5Tset_order(big.get(), H5T_ORDER_BE);
+  const bool is_big = H5Tequal(base.get(), big.get()) > 0;
+  if (!is_big && H5Tequal(base.get(), little.get()) <= 0) return {};
+  // In front of the first dimension of which more than one voxel is taken any may be left out, behind it
+  // none.
+  std::uint64_t first = 0;
+  bool whole = false;
+  for (std::size_t k = 0; k < dims.size(); ++k) {
+    if (whole && selection.size[k] != hsize_t(dims[k])) return {};
+    whole |= selection.size[k] > 1;
+    first = first * std::uint64_t(dims[k]) + selection.first[k];
+  }
+  StoredVoxels found;
+  found.file = selection.file;
+  found.offset = std::uint64_t(offset) + first * size_of(selection.value.type);
+  found.big_endian = is_big;
+  found.type = selection.value.type;
+  return found;
+}
 
 void require_hdf5(const std::filesystem::path& path) {
   if (is_hdf5(path)) return;
@@ -39,23 +301,14 @@ void require_hdf5(const std::filesystem::path& path) {
                    "the file is damaged or has a wrong ending");
 }
 
-/// The number that --frame chooses; require_choice_there() has the message of a wrong one.
-int frame_of(const VolumeChoice& choice, int frames, const std::string& where) {
-  const int frame = choice.frame.value_or(0);
-  if (frame < 0 || frame >= frames)
-    throw InputError(fmt::format("--frame {}: {} holds {} volumes", frame, where, frames),
-                     fmt::format("frames are numbered from 0 to {}", frames - 1));
-  return frame;
-}
-
 struct Channels {
   int dimension = -1;  ///< -1: none
   int count = 1;
   ChannelChoice choice = {0};
 };
 
-Channels channels_of(const std::vector<DatasetAxis>& axes, const hdf5::ValueType& value,
-                     const VolumeChoice& choice, const std::string& where) {
+Channels channels_of(const std::vector<DatasetAxis>& axes, const ValueType& value, const VolumeChoice& choice,
+                     const std::string& where) {
   Channels channels;
   for (std::size_t k = 0; k < axes.size(); ++k)
     if (axes[k].role == Role::channel) channels = {int(k), axes[k].size, {0}};
@@ -71,14 +324,14 @@ Channels channels_of(const std::vector<DatasetAxis>& axes, const hdf5::ValueType
   return channels;
 }
 
-ScalarType rescaled_type(const hdf5::ValueType& value) {
+ScalarType rescaled_type(const ValueType& value) {
   return value.type == ScalarType::float64 ? ScalarType::float64 : ScalarType::float32;
 }
 
 /// What is read: of frames and channels one, but all of colours whose luminance is made.
-hdf5::Selection select(const std::filesystem::path& file, const std::string& dataset,
-                       const std::vector<DatasetAxis>& axes, const Channels& channels, int frame) {
-  hdf5::Selection selection;
+Selection select(const std::filesystem::path& file, const std::string& dataset,
+                 const std::vector<DatasetAxis>& axes, const Channels& channels, int frame) {
+  Selection selection;
   selection.file = file;
   selection.dataset = dataset;
   for (std::size_t k = 0; k < axes.size(); ++k) {
@@ -90,7 +343,7 @@ hdf5::Selection select(const std::filesystem::path& file, const std::string& dat
     selection.first.push_back(hsize_t(at));
     selection.size.push_back(whole ? hsize_t(axes[k].size) : 1);
   }
-  selection.slices = hdf5::lattice_axes(axes)[2];
+  selection.slices = lattice_axes(axes)[2];
   return selection;
 }
 
@@ -98,37 +351,36 @@ hdf5::Selection select(const std::filesystem::path& file, const std::string& dat
 struct Described {
   Grid grid;
   VolumeNotes notes;
-  hdf5::Selection selection;
+  Selection selection;
   Channels channels;
   std::string where;
   std::optional<StoredVoxels> in_place = {};
 };
 
 Described describe(const std::filesystem::path& path, const std::string& named, const VolumeChoice& choice) {
-  const hdf5::Quiet quiet;
-  const hdf5::Id file = hdf5::open_file(path);
-  hdf5::Iterations iterations;
-  const std::string dataset = hdf5::choose_dataset(file.get(), path, named, choice, iterations);
+  const Id file = open_file(path);
+  Iterations iterations;
+  const std::string dataset = choose_dataset(file.get(), path, named, choice, iterations);
   const std::string where = path.string() + ":" + ringsplat::excerpt(dataset, 200);
-  const hdf5::Id id = hdf5::open_object(file.get(), dataset, where);
-  const auto dims = hdf5::dims_of(id.get());
-  const hdf5::Id type = hdf5::made(H5Dget_type(id.get()), where);
-  const auto value = hdf5::value_type_of(type.get());
+  const Id id = open_object(file.get(), dataset, where);
+  const auto dims = dims_of(id.get());
+  const Id type = made(H5Dget_type(id.get()), where);
+  const auto value = value_type_of(type.get());
   if (!value)
     throw InputError(fmt::format("{}: its values are no single numbers of at most 64 bits", where),
                      "only integers and floating-point numbers can be drawn");
   if (dims.size() < 2)
     throw InputError(fmt::format("{}: it has no three dimensions with voxels", where),
                      "name another dataset");
-  hdf5::require_readable(id.get(), path, where);
-  auto meaning = hdf5::meaning_of(file.get(), id.get(), dataset, dims, where);
+  require_readable(id.get(), path, where);
+  auto meaning = meaning_of(file.get(), id.get(), dataset, dims, where);
   const Channels channels = channels_of(meaning.axes, *value, choice, where);
   const bool by_iteration = iterations.count > 1;
-  const int frame = by_iteration ? 0 : frame_of(choice, meaning.notes.frames, where);
+  const int frame = by_iteration ? 0 : chosen_frame(choice, meaning.notes.frames, "volumes", where);
   if (by_iteration) meaning.notes.frames = iterations.count;
   auto selection = select(path, dataset, meaning.axes, channels, frame);
   selection.value = *value;
-  Grid grid = hdf5::lattice_of(meaning, where);
+  Grid grid = lattice_of(meaning, where);
   auto& rescale = selection.rescale = std::move(meaning.rescale);
   if (rescale.size() > 1) {  // of all frames
     const auto first = rescale.begin() + std::ptrdiff_t(frame) * grid.dims.z;
@@ -140,16 +392,8 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
     const double fill = rescale[0].slope * *meaning.notes.fill + rescale[0].intercept;
     meaning.notes.fill = grid.type == ScalarType::float32 ? double(float(fill)) : fill;
   }
-  auto in_place = channels.choice.index ? hdf5::stored_in_place(id.get(), selection, dims) : std::nullopt;
+  auto in_place = channels.choice.index ? stored_in_place(id.get(), selection, dims) : std::nullopt;
   return {grid, meaning.notes, std::move(selection), channels, where, std::move(in_place)};
-}
-
-std::unique_ptr<VolumeSource> source_of(Described found) {
-  if (found.channels.choice.index)
-    return hdf5::dataset_source(found.grid, found.notes, std::move(found.selection));
-  const Grid interleaved = interleaved_grid(found.grid, found.channels.count, found.where);
-  return channel_source(hdf5::dataset_source(interleaved, found.notes, std::move(found.selection)),
-                        found.grid, found.channels.count, found.channels.choice);
 }
 
 }  // namespace
@@ -160,7 +404,12 @@ std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const
   require_hdf5(file);
   auto found = describe(file, named, choice);
   in_place = found.in_place;
-  return source_of(std::move(found));
+  const bool luminance = !found.channels.choice.index;
+  const Grid read = luminance ? interleaved_grid(found.grid, found.channels.count, found.where) : found.grid;
+  std::unique_ptr<VolumeSource> source =
+      std::make_unique<DatasetSource>(read, found.notes, std::move(found.selection));
+  if (!luminance) return source;
+  return channel_source(std::move(source), found.grid, found.channels.count, found.channels.choice);
 }
 
 }  // namespace ringsplat::detail

@@ -3,12 +3,16 @@
 #define H5_USE_110_API
 #include <hdf5.h>
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "ringsplat/base/error.hpp"
 
-/// What every use of HDF5 here needs: identifiers that close themselves, and errors as InputError.
+/// What every use of HDF5 here needs: identifiers that close themselves, errors as InputError, and attributes
+/// as conventions use them.
 namespace ringsplat::detail::hdf5 {
 
 /// Owns one of HDF5's identifiers: a file, group, dataset, type, space, property list or attribute.
@@ -35,19 +39,6 @@ class Id {
   hid_t id_ = H5I_INVALID_HID;
 };
 
-/// While one lives, its thread alone uses HDF5 (not every build of it allows more), and HDF5 prints nothing.
-class Quiet {
- public:
-  Quiet();
-  ~Quiet();
-  Quiet(const Quiet&) = delete;
-  Quiet& operator=(const Quiet&) = delete;
-
- private:
-  H5E_auto2_t function_ = nullptr;
-  void* data_ = nullptr;
-};
-
 /// Why the last call failed, in HDF5's words, with what it met first; empty for no reason.
 std::string innermost_reason();
 /// Throws InputError with `problem` and HDF5's own innermost reason for the failed call.
@@ -62,5 +53,25 @@ inline Id made(hid_t id, const std::string& problem) {
 inline void done(herr_t status, const std::string& problem) {
   if (status < 0) fail(problem);
 }
+
+/// The file, for reading only and without locks, which read-only file systems do not have.
+Id open_file(const std::filesystem::path& file);
+
+// An attribute that is missing, of another kind, unreadable or unreasonably long gives nothing: attributes
+// only describe, the voxels can be drawn without them.
+
+/// A text, of fixed or variable length; the first of several.
+std::optional<std::string> text_of(hid_t object, const char* attribute);
+/// All texts of a one-dimensional attribute.
+std::vector<std::string> texts_of(hid_t object, const char* attribute);
+/// All numbers, integers as double.
+std::vector<double> numbers_of(hid_t object, const char* attribute);
+/// The first of the numbers.
+std::optional<double> number_of(hid_t object, const char* attribute);
+/// All numbers of a dataset with at most 2²⁰ of them that lie in its own file.
+std::vector<double> numbers_in(hid_t dataset);
+/// The objects that a netCDF variable's DIMENSION_LIST names for its axes, each its first one; no identifier
+/// where an axis has none. Empty without such an attribute.
+std::vector<Id> scales_of(hid_t dataset, int axes);
 
 }  // namespace ringsplat::detail::hdf5

@@ -8,7 +8,6 @@
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "decode/hdf5/attributes.hpp"
 #include "decode/hdf5/axes.hpp"
 
 namespace ringsplat::detail::hdf5 {

@@ -1,22 +1,31 @@
 #include "decode/tiff/description.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <cstring>
+#include <set>
+#include <span>
 #include <string_view>
 #include <utility>
 
 #include "base/text.hpp"
+#include "formats/xml_reader.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
 constexpr std::int64_t most_planes = std::int64_t{1} << 40;  ///< keeps products of counts within 64 bits
 
-using Lines = std::map<std::string, std::string>;
+using Attributes = XmlReader::Attributes;
 
-Lines lines_of(const std::string& description) {
-  Lines lines;
+std::optional<std::int64_t> count_in(const Attributes& a, const char* key) {
+  return number_in<std::int64_t>(trimmed(text_in(a, key)));
+}
+
+Attributes lines_of(const std::string& description) {
+  Attributes lines;
   for (std::size_t at = 0; at < description.size();) {
     const auto end = std::min(description.find('\n', at), description.size());
     const auto line = description.substr(at, end - at);
@@ -27,20 +36,28 @@ Lines lines_of(const std::string& description) {
   return lines;
 }
 
-std::optional<std::int64_t> count_in(const Lines& lines, const char* key) {
-  const auto found = lines.find(key);
-  return found == lines.end() ? std::nullopt : number_in<std::int64_t>(found->second);
+/// A unit of length in micrometres; nothing for other units and texts.
+std::optional<double> micrometres_in(const std::string& unit) {
+  constexpr std::array<std::pair<std::string_view, double>, 24> units{
+      {{"um", 1},           {"\xC2\xB5m", 1},   {"\xCE\xBCm", 1},       {"\xB5m", 1},       {"\\u00B5m", 1},
+       {"\\u00b5m", 1},     {"micron", 1},      {"microns", 1},         {"micrometer", 1},  {"micrometre", 1},
+       {"pm", 1e-6},        {"\xC3\x85", 1e-4}, {"\xE2\x84\xAB", 1e-4}, {"angstrom", 1e-4}, {"nm", 1e-3},
+       {"nanometer", 1e-3}, {"mm", 1e3},        {"millimeter", 1e3},    {"cm", 1e4},        {"dm", 1e5},
+       {"m", 1e6},          {"meter", 1e6},     {"in", 25400},          {"inch", 25400}}};
+  for (const auto& [name, size] : units)
+    if (name == unit) return size;
+  return {};
 }
 
 /// ImageJ's pixels have a size when they have a unit; one that it does not write is 1 (ij/io/FileSaver.java).
-void read_sizes(const TiffNotes& notes, Lines& lines, Microscopy& said) {
+void read_sizes(const std::array<double, 2>& resolution, Attributes& lines, Microscopy& said) {
   const auto& unit = lines["unit"];
   if (!unit.empty() && unit != "pixel" && unit != "pixels") {
     const auto scale = micrometres_in(unit);
     said.sized = true;
     said.unit = scale ? "um" : excerpt(unit);
     for (int i = 0; i < 2; ++i)
-      if (notes.resolution[std::size_t(i)] > 0) said.spacing[i] = 1 / notes.resolution[std::size_t(i)];
+      if (resolution[std::size_t(i)] > 0) said.spacing[i] = 1 / resolution[std::size_t(i)];
     said.spacing *= scale.value_or(1);
   }
   const auto depth = number_in<double>(lines["spacing"]);
@@ -49,8 +66,8 @@ void read_sizes(const TiffNotes& notes, Lines& lines, Microscopy& said) {
   said.spacing.z *= std::abs(*depth);
 }
 
-Microscopy read_image_j(const TiffNotes& notes) {
-  auto lines = lines_of(notes.description);
+Microscopy read_image_j(const std::string& description, const std::array<double, 2>& resolution) {
+  auto lines = lines_of(description);
   Microscopy said;
   said.by = "ImageJ";
   said.channels = count_in(lines, "channels").value_or(1);
@@ -59,7 +76,143 @@ Microscopy read_image_j(const TiffNotes& notes) {
   const auto images = count_in(lines, "images");
   if (!said.slices && said.channels == 1 && said.frames == 1) said.slices = images;
   if (!said.slices && images) said.slices = 1;
-  read_sizes(notes, lines, said);
+  read_sizes(resolution, lines, said);
+  return said;
+}
+
+/// A start tag, whatever its namespace.
+struct Element {
+  std::string name;
+  Attributes attributes;
+};
+
+/// The start tags with one of these names, in the text's order.
+class StartTags : XmlReader {
+ public:
+  StartTags(const char* encoding, const std::set<std::string>& names) : XmlReader(encoding), names_(names) {}
+
+  /// False when the text is no XML; then what was found before.
+  bool read(std::string_view xml) {
+    return parse([&](std::span<std::byte> window) {
+             const auto count = std::min(window.size(), xml.size());
+             std::memcpy(window.data(), xml.data(), count);
+             xml.remove_prefix(count);
+             return count;
+           })
+        .empty();
+  }
+  const std::vector<Element>& found() const { return found_; }
+
+ private:
+  void on_start(const std::string& full, const Attributes& attributes) override {
+    const auto name = full.substr(full.find(':') + 1);
+    if (names_.contains(name)) found_.push_back({name, attributes});
+  }
+
+  std::set<std::string> names_;
+  std::vector<Element> found_;
+};
+
+std::vector<Element> start_tags(const std::string& xml, const std::set<std::string>& names) {
+  StartTags tags(nullptr, names);
+  if (tags.read(xml)) return tags.found();
+  // Some programs write the micro sign in Latin-1 and do not say so.
+  StartTags latin("ISO-8859-1", names);
+  return latin.read(xml) ? latin.found() : tags.found();
+}
+
+/// PhysicalSizeX, PhysicalSizeXUnit and so on. A missing unit is micrometres.
+void read_sizes(const Attributes& pixels, Microscopy& said) {
+  std::array<std::optional<double>, 3> sizes, scales;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto name = std::string("PhysicalSize") + char('X' + i);
+    const auto size = number_in<double>(trimmed(text_in(pixels, name.c_str())));
+    const auto unit = trimmed(text_in(pixels, (name + "Unit").c_str()));
+    if (size && std::isfinite(*size) && *size != 0) sizes[i] = std::abs(*size);
+    scales[i] = unit.empty() ? 1 : micrometres_in(unit);
+  }
+  said.sized = sizes[0].has_value();
+  if (!said.sized) return;
+  said.unit = scales[0] ? "um" : "";
+  said.depth = sizes[2].has_value() && scales[2].has_value() == scales[0].has_value();
+  for (std::size_t i = 0; i < 3; ++i) {
+    const bool like_x = !sizes[i] || scales[i].has_value() != scales[0].has_value();
+    const auto from = like_x ? 0 : i;
+    said.spacing[int(i)] = *sizes[from] * scales[from].value_or(1);
+  }
+}
+
+/// Where runs of planes lie in the file by TiffData. A run without a count goes on to where the next begins.
+void read_runs(const std::vector<Element>& tags, std::int64_t samples, Microscopy& said) {
+  const auto slices = said.slices.value_or(1);
+  for (const auto& [name, a] : tags) {
+    if (name != "TiffData") continue;
+    const auto ifd = count_in(a, "IFD");
+    const auto c = count_in(a, "FirstC").value_or(0) / samples, z = count_in(a, "FirstZ").value_or(0),
+               t = count_in(a, "FirstT").value_or(0);
+    const auto all = std::int64_t(said.planes(slices).value_or(0));
+    const auto count = count_in(a, "PlaneCount").value_or(all);
+    if (c < 0 || z < 0 || t < 0 || c >= said.channels || z >= slices || t >= said.frames || count < 1 ||
+        ifd.value_or(0) < 0) {
+      said.problem = "a TiffData element lies outside of its sizes";
+      return;
+    }
+    Microscopy whole = said;
+    whole.runs.clear();
+    said.runs[*whole.plane(c, z, t, slices)] = {std::uint64_t(ifd.value_or(0)), std::uint64_t(count)};
+  }
+}
+
+void read_channels(const std::vector<Element>& tags, Microscopy& said, std::int64_t& samples) {
+  for (const auto& [name, a] : tags) {
+    if (name != "Channel") continue;
+    if (said.names.empty()) samples = count_in(a, "SamplesPerPixel").value_or(1);
+    said.names.push_back(trimmed(text_in(a, "Name")));
+  }
+  // The colours of a page count as channels there.
+  if (samples < 1 || said.channels % samples != 0) samples = 1;
+  said.channels /= samples;
+  if (said.channels < std::int64_t(said.names.size())) said.names.resize(std::size_t(said.channels));
+}
+
+Microscopy read_ome(const std::string& xml) {
+  Microscopy said;
+  said.by = "OME-XML";
+  const auto tags = start_tags(xml, {"BinaryOnly", "Pixels", "Channel", "TiffData", "UUID"});
+  std::set<std::string> files;
+  std::int64_t images = 0;
+  Attributes pixels;
+  for (const auto& [name, a] : tags) {
+    if (name == "BinaryOnly") {
+      const auto file = text_in(a, "MetadataFile");
+      said.problem = "what its pages are is in another file" + (file.empty() ? "" : ", " + excerpt(file));
+      return said;
+    }
+    if (name == "UUID" && a.contains("FileName")) files.insert(a.at("FileName"));
+    if (name == "Pixels" && ++images == 1) pixels = a;
+  }
+  if (files.size() > 1)
+    said.problem = fmt::format("it is one of {} files of an image", files.size());
+  else if (images != 1)
+    said.problem = fmt::format("it holds {} images", images);
+  if (!said.problem.empty()) return said;
+  const auto channels = count_in(pixels, "SizeC"), frames = count_in(pixels, "SizeT");
+  said.slices = count_in(pixels, "SizeZ");
+  if (!channels || !frames || !said.slices) said.problem = "SizeC, SizeT or SizeZ is missing";
+  said.channels = channels.value_or(1);
+  said.frames = frames.value_or(1);
+  read_sizes(pixels, said);
+  const auto order = text_in(pixels, "DimensionOrder");
+  if (auto sorted = order.substr(std::min<std::size_t>(2, order.size())); order.starts_with("XY")) {
+    said.order = sorted;
+    std::sort(sorted.begin(), sorted.end());
+    if (sorted != "CTZ") said.problem = fmt::format("DimensionOrder is '{}'", excerpt(order));
+  } else {
+    said.order = "ZCT";
+  }
+  std::int64_t samples = 1;
+  read_channels(tags, said, samples);
+  if (said.problem.empty() && said.planes(said.slices.value_or(1))) read_runs(tags, samples, said);
   return said;
 }
 
@@ -90,23 +243,11 @@ std::optional<std::uint64_t> Microscopy::plane(std::int64_t channel, std::int64_
   return run->second.plane + into;
 }
 
-std::optional<double> micrometres_in(const std::string& unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 24> units{
-      {{"um", 1},           {"\xC2\xB5m", 1},   {"\xCE\xBCm", 1},       {"\xB5m", 1},       {"\\u00B5m", 1},
-       {"\\u00b5m", 1},     {"micron", 1},      {"microns", 1},         {"micrometer", 1},  {"micrometre", 1},
-       {"pm", 1e-6},        {"\xC3\x85", 1e-4}, {"\xE2\x84\xAB", 1e-4}, {"angstrom", 1e-4}, {"nm", 1e-3},
-       {"nanometer", 1e-3}, {"mm", 1e3},        {"millimeter", 1e3},    {"cm", 1e4},        {"dm", 1e5},
-       {"m", 1e6},          {"meter", 1e6},     {"in", 25400},          {"inch", 25400}}};
-  for (const auto& [name, size] : units)
-    if (name == unit) return size;
-  return {};
-}
-
-std::optional<Microscopy> read_microscopy(const TiffNotes& notes) {
-  const auto& text = notes.description;
-  if (text.starts_with("ImageJ=")) return read_image_j(notes);
-  if (text.find("<OME") != std::string::npos || text.find(":OME ") != std::string::npos)
-    return read_ome(text);
+std::optional<Microscopy> read_microscopy(const std::string& description,
+                                          const std::array<double, 2>& resolution) {
+  if (description.starts_with("ImageJ=")) return read_image_j(description, resolution);
+  if (description.find("<OME") != std::string::npos || description.find(":OME ") != std::string::npos)
+    return read_ome(description);
   return {};
 }
 

@@ -1,12 +1,11 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
-
-#include "decode/tiff/pages.hpp"
 
 namespace ringsplat::detail {
 
@@ -38,13 +37,9 @@ struct Microscopy {
                                      std::int64_t slice_count) const;
 };
 
-/// Reads ImageJ's description ("ImageJ=1.53...") or OME-XML; nothing for other texts.
-std::optional<Microscopy> read_microscopy(const TiffNotes& notes);
-
-/// Reads OME-XML (the OME data model of 2016-06 and before).
-Microscopy read_ome(const std::string& xml);
-
-/// A unit of length in micrometres; nothing for other units and texts.
-std::optional<double> micrometres_in(const std::string& unit);
+/// Reads ImageJ's description ("ImageJ=1.53...") or OME-XML (the OME data model of 2016-06 and before);
+/// nothing for other texts. `resolution`: the tags', pixels for a unit, 0 when missing.
+std::optional<Microscopy> read_microscopy(const std::string& description,
+                                          const std::array<double, 2>& resolution);
 
 }  // namespace ringsplat::detail

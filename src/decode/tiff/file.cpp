@@ -3,13 +3,199 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <iterator>
+#include <span>
+#include <utility>
 
 #include "base/input_file.hpp"
+#include "base/text.hpp"
 #include "formats/limits.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
+
+/// A directory (page) of a TIFF file.
+struct TiffPage {
+  bool beside = false;   ///< a smaller copy of another page, or a mask
+  bool palette = false;  ///< its pixels are indices of colours
+  /// Where its pixels lie when they are uncompressed and in one piece, else 0 bytes.
+  std::uint64_t raw_begin = 0, raw_bytes = 0;
+};
+struct TiffPages {
+  bool big_endian = false;
+  std::vector<TiffPage> pages;  ///< in the order of the file's chain
+  // Of the first page; empty and 0 when missing.
+  std::string description;                 ///< tag ImageDescription
+  std::array<double, 2> resolution{0, 0};  ///< tags XResolution and YResolution: pixels for a unit
+};
+
+enum Version : std::uint64_t { classic = 42, big_tiff = 43 };
+enum FieldTag : std::uint64_t {
+  new_subfile_type = 254,
+  compression = 259,
+  photometric = 262,
+  image_description = 270,
+  x_resolution = 282,
+  y_resolution = 283,
+  strip_offsets = 273,
+  strip_bytes = 279,
+  planar_configuration = 284,
+  tile_offsets = 324,
+  tile_bytes = 325
+};
+enum FieldType : std::uint64_t {
+  text = 2,
+  short_numbers = 3,
+  long_numbers = 4,
+  ratios = 5,
+  long8_numbers = 16
+};
+
+/// An array of numbers, inside its directory entry when it fits there.
+struct Field {
+  std::uint64_t begin = 0, count = 0;
+  std::size_t number_bytes = 0;
+};
+
+class TiffChain {
+ public:
+  explicit TiffChain(const InputFile& file) : file_(file) {
+    std::array<std::byte, 2> order{};
+    if (file.read_some(0, order) != order.size() || order[0] != order[1]) return;
+    if (order[0] != std::byte{'I'} && order[0] != std::byte{'M'}) return;
+    big_endian_ = order[0] == std::byte{'M'};
+    const auto version = number(2, 2);
+    wide_ = version == big_tiff;
+    is_tiff_ = version == classic || wide_;
+  }
+
+  TiffPages pages() const {
+    TiffPages found{.big_endian = big_endian_, .pages = {}, .description = {}};
+    if (!is_tiff_) return found;
+    const auto most = file_.size() / (count_bytes() + offset_bytes());
+    for (auto at = first_page(); at != 0;) {
+      if (found.pages.size() > most)
+        throw InputError(fmt::format("{}: its pages form a loop", file_.path().string()),
+                         "write the file again");
+      at = read_page(at, found);
+    }
+    return found;
+  }
+
+ private:
+  std::uint64_t first_page() const { return number(wide_ ? 8 : 4, offset_bytes()); }
+  std::size_t offset_bytes() const { return wide_ ? 8 : 4; }
+  std::size_t count_bytes() const { return wide_ ? 8 : 2; }
+  std::size_t entry_bytes() const { return wide_ ? 20 : 12; }
+
+  [[noreturn]] void fail() const {
+    throw InputError(fmt::format("{} is cut short: a page lies behind its end", file_.path().string()),
+                     "copy the file again");
+  }
+
+  std::uint64_t number(std::uint64_t offset, std::size_t bytes) const {
+    std::array<std::byte, 8> raw{};
+    if (offset > file_.size() || file_.read_some(offset, std::span(raw).first(bytes)) != bytes) fail();
+    std::uint64_t value = 0;
+    for (std::size_t i = 0; i < bytes; ++i)
+      value = value << 8 | std::to_integer<std::uint64_t>(raw[big_endian_ ? i : bytes - 1 - i]);
+    return value;
+  }
+
+  /// Returns the offset of the next page's directory, 0 after the last.
+  std::uint64_t read_page(std::uint64_t at, TiffPages& found) const {
+    auto& page = found.pages.emplace_back();
+    const bool first = found.pages.size() == 1;
+    const auto entries = number(at, count_bytes());
+    if (entries > file_.size() / entry_bytes()) fail();
+    Field offsets, lengths;
+    bool raw = true, compressed = false;
+    for (std::uint64_t i = 0; i < entries; ++i) {
+      const auto entry = at + count_bytes() + i * entry_bytes();
+      const auto tag = number(entry, 2), type = number(entry + 2, 2);
+      if (first && tag == image_description && type == text) found.description = text_of(field(entry));
+      if (first && (tag == x_resolution || tag == y_resolution) && type == ratios)
+        found.resolution[tag == x_resolution ? 0 : 1] = ratio_of(field(entry));
+      if (tag == strip_offsets || tag == tile_offsets) offsets = field(entry);
+      if (tag == strip_bytes || tag == tile_bytes) lengths = field(entry);
+      constexpr std::uint64_t smaller_copy = 1, mask = 4, is_palette = 3;
+      if (tag == new_subfile_type) page.beside = (value_of(entry) & (smaller_copy | mask)) != 0;
+      if (tag == photometric) page.palette = value_of(entry) == is_palette;
+      if (tag == compression) compressed = value_of(entry) != 1;
+      if (tag == tile_offsets || (tag == planar_configuration && value_of(entry) != 1)) raw = false;
+    }
+    const auto parts = std::min(offsets.count, lengths.count);
+    for (std::uint64_t i = 0; i < parts; ++i) {
+      const auto begin = number(offsets.begin + i * offsets.number_bytes, offsets.number_bytes);
+      const auto length = number(lengths.begin + i * lengths.number_bytes, lengths.number_bytes);
+      if (begin > file_.size() || length > file_.size() - begin) fail();
+      if (i == 0) page.raw_begin = begin;
+      raw = raw && begin == page.raw_begin + page.raw_bytes;
+      page.raw_bytes += length;
+    }
+    if (!raw || compressed) page.raw_begin = page.raw_bytes = 0;
+    return number(at + count_bytes() + entries * entry_bytes(), offset_bytes());
+  }
+
+  /// A field's first number, 0 when it has none.
+  std::uint64_t value_of(std::uint64_t entry) const {
+    const auto one = field(entry);
+    return one.count == 0 ? 0 : number(one.begin, one.number_bytes);
+  }
+
+  Field field(std::uint64_t entry) const {
+    const auto type = number(entry + 2, 2);
+    const std::size_t bytes = type == text                              ? 1
+                              : type == short_numbers                   ? 2
+                              : type == long_numbers                    ? 4
+                              : type == long8_numbers || type == ratios ? 8
+                                                                        : 0;
+    const auto count = number(entry + 4, offset_bytes()), value = entry + 4 + offset_bytes();
+    if (bytes == 0 || count > file_.size() / bytes) fail();
+    return {count * bytes <= offset_bytes() ? value : number(value, offset_bytes()), count, bytes};
+  }
+
+  /// The field's text up to its first zero byte.
+  std::string text_of(const Field& field) const {
+    std::string text(std::size_t(field.count), '\0');
+    if (field.begin > file_.size() || file_.size() - field.begin < field.count) fail();
+    file_.read(field.begin, std::as_writable_bytes(std::span(text)));
+    return text.substr(0, text.find('\0'));
+  }
+
+  double ratio_of(const Field& field) const {
+    if (field.count < 1) return 0;
+    const auto above = number(field.begin, 4), below = number(field.begin + 4, 4);
+    return below == 0 ? 0 : double(above) / double(below);
+  }
+
+  const InputFile& file_;
+  bool is_tiff_ = false, big_endian_ = false, wide_ = false;
+};
+
+/// Reads the directories of a TIFF or BigTIFF file (TIFF 6.0, section 2) and checks that they and their
+/// strips or tiles lie in the file. In a cut file the library takes a chain that leads beyond the end for the
+/// last page, and missing strips for zeros; here both throw InputError. A file that is not TIFF has no pages.
+TiffPages read_tiff_pages(const std::filesystem::path& path) {
+  const InputFile file(path);
+  return TiffChain(file).pages();
+}
+
+/// Which sample type gives which scalar type. Samples are read as the first one listed for their scalar type.
+constexpr std::pair<ScalarType, SampleType> sample_types[] = {
+    {ScalarType::int8, SampleType::int8},       {ScalarType::uint8, SampleType::uint8},
+    {ScalarType::int16, SampleType::int16},     {ScalarType::uint16, SampleType::uint16},
+    {ScalarType::int32, SampleType::int32},     {ScalarType::uint32, SampleType::uint32},
+    {ScalarType::float32, SampleType::float32}, {ScalarType::float32, SampleType::float16},
+    {ScalarType::float64, SampleType::float64}};
+
+std::optional<ScalarType> scalar_type_of(SampleType type) {
+  for (const auto& [scalar, sample] : sample_types)
+    if (sample == type) return scalar;
+  return {};
+}
 
 bool same_shape(const TiffFile& a, const TiffFile& b) {
   return a.width == b.width && a.height == b.height && a.type == b.type && a.samples == b.samples;
@@ -37,37 +223,21 @@ void set_shape(const ImageShape& shape, bool indices, TiffFile& file) {
   file.has_alpha = !indices && shape.alpha_channel >= 0 && shape.alpha_channel == shape.channels - 1;
 }
 
-/// Sums the bytes that the pages' pixels have uncompressed.
-class Amount {
- public:
-  void add(const TiffPage& page, const ImageShape& shape, const ImageFile& image) {
-    constexpr int whole_byte = 8;
-    auto bytes = page.palette ? shape.bytes / std::uint64_t(std::max(1, shape.channels)) : shape.bytes;
-    if (const int bits = image.number("oiio:BitsPerSample"); bits > 0 && bits < whole_byte)
-      bytes = bytes * std::uint64_t(bits) / whole_byte;
-    bytes_ += bytes;
-    const std::string compression = image.text("compression");
-    compressed_ |= !compression.empty() && compression != "none";
-  }
-  void require(const std::filesystem::path& path) const {
-    const auto size = InputFile(path).size();
-    if (compressed_)
-      require_compressed_bytes(path, size, bytes_, any_best_ratio);
-    else
-      require_bytes(path, size, 0, bytes_);
-  }
-
- private:
-  std::uint64_t bytes_ = 0;
-  bool compressed_ = false;
-};
+/// The bytes that a page's pixels have uncompressed.
+std::uint64_t bytes_of(const TiffPage& page, const ImageShape& shape, const ImageFile& image) {
+  constexpr int whole_byte = 8;
+  const auto bytes = page.palette ? shape.bytes / std::uint64_t(std::max(1, shape.channels)) : shape.bytes;
+  const int bits = image.number("oiio:BitsPerSample");
+  return bits > 0 && bits < whole_byte ? bytes * std::uint64_t(bits) / whole_byte : bytes;
+}
 
 /// Adds the pages that are slices. Smaller copies and masks are none, unless the file has nothing else.
 void add_pages(const TiffPages& chain, TiffFile& file) {
   const auto image = open_tiff_image(file.path);
   const bool none_else =
       std::all_of(chain.pages.begin(), chain.pages.end(), [](const TiffPage& page) { return page.beside; });
-  Amount amount;
+  std::uint64_t bytes = 0;
+  bool compressed = false;
   std::size_t index = 0;
   for (; index < chain.pages.size() && image->seek(int(index)); ++index) {
     const TiffPage& page = chain.pages[index];
@@ -85,12 +255,18 @@ void add_pages(const TiffPages& chain, TiffFile& file) {
                        "all slices must have one size and type");
     file.planes.push_back({file.path, int(index)});
     if (indices) file.planes.back().raw_begin = page.raw_begin;
-    amount.add(page, shape, *image);
+    bytes += bytes_of(page, shape, *image);
+    const auto compression = image->text("compression");
+    compressed |= !compression.empty() && compression != "none";
   }
   if (index != chain.pages.size() || image->seek(int(index)))
     throw InputError(fmt::format("{}: page {} cannot be read", file.path.string(), index),
                      "the file was cut short or damaged");
-  amount.require(file.path);
+  const auto size = InputFile(file.path).size();
+  if (compressed)
+    require_compressed_bytes(file.path, size, bytes, any_best_ratio);
+  else
+    require_bytes(file.path, size, 0, bytes);
 }
 
 /// ImageJ writes one page for a stack of more than 4 GB; its other planes follow the first.
@@ -127,6 +303,26 @@ void require_planes(const TiffPages& chain, TiffFile& file) {
 
 }  // namespace
 
+SampleType sample_type_of(ScalarType type) {
+  return std::find_if(std::begin(sample_types), std::end(sample_types),
+                      [type](const auto& pair) { return pair.first == type; })
+      ->second;
+}
+
+std::string in_words(const std::string& problem) {
+  const bool too_large = problem.find("bad_alloc") != std::string::npos;
+  return too_large ? "its parts are too large for a file of its size" : one_line(problem);
+}
+
+std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path) {
+  const InputFile readable(path);
+  auto [file, problem] = open_image_file(path);
+  if (!file)
+    throw InputError(fmt::format("{} is not a readable TIFF file: {}", path.string(), in_words(problem)),
+                     "check the file with another viewer");
+  return std::move(file);
+}
+
 std::int64_t TiffFile::slices() const {
   if (!microscopy) return std::int64_t(planes.size());
   if (microscopy->slices) return *microscopy->slices;
@@ -140,7 +336,7 @@ TiffFile read_tiff_file(const std::filesystem::path& path) {
   file.path = path;
   add_pages(chain, file);
   if (file.planes.empty()) return file;
-  file.microscopy = read_microscopy(read_tiff_notes(path));
+  file.microscopy = read_microscopy(chain.description, chain.resolution);
   if (!file.microscopy) return file;
   if (!file.microscopy->problem.empty())
     throw InputError(

@@ -1,12 +1,24 @@
 #pragma once
+#include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "decode/tiff/description.hpp"
-#include "decode/tiff/source.hpp"
+#include "images/image_file.hpp"
+#include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat::detail {
+
+/// Where a slice's pixels are: a page that the library reads, or uncompressed bytes of the file.
+struct TiffSlice {
+  std::filesystem::path file;
+  int page = 0;  ///< in the file's chain, from 0
+  std::optional<std::uint64_t> raw_begin = std::nullopt;
+  bool big_endian = false;  ///< of raw bytes
+};
 
 /// One file's planes, all of one shape.
 struct TiffFile {
@@ -19,6 +31,13 @@ struct TiffFile {
   std::optional<Microscopy> microscopy;  ///< without a problem; its planes are there
   std::int64_t slices() const;           ///< of each channel at each time
 };
+
+/// Opens an image by its library. Throws InputError when it is none.
+std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path);
+/// What the library says; of tiles that are larger than any image, why they are not read.
+std::string in_words(const std::string& problem);
+/// As which type samples are read that become this scalar type.
+SampleType sample_type_of(ScalarType type);
 
 /// Throws InputError for a file that is cut short, damaged, or whose pages are no single image.
 TiffFile read_tiff_file(const std::filesystem::path& path);

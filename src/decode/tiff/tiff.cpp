@@ -6,20 +6,81 @@
 #include <utility>
 #include <vector>
 
+#include "base/byte_order.hpp"
+#include "base/input_file.hpp"
 #include "base/log.hpp"
 #include "base/natural_order.hpp"
 #include "base/text.hpp"
 #include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "decode/tiff/file.hpp"
+#include "formats/channels.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
+#include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/config.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
+
+/// What a pixel's numbers are and which is taken.
+struct TiffSamples {
+  int count = 1;
+  ChannelChoice taken{0};
+};
+
+/// Reads slices by number, so every process reads its own. All have the grid's width, height and type.
+class TiffSource final : public SliceBySlice {
+ public:
+  TiffSource(const Grid& grid, std::vector<TiffSlice> slices, const TiffSamples& samples)
+      : SliceBySlice(grid, files_of(slices), {{"encoding", "TIFF"}}),
+        slices_(std::move(slices)),
+        samples_(samples) {}
+
+ private:
+  static std::vector<std::filesystem::path> files_of(const std::vector<TiffSlice>& slices) {
+    std::vector<std::filesystem::path> files;
+    for (const TiffSlice& slice : slices) files.push_back(slice.file);
+    return files;
+  }
+
+  void read_slice(int z, std::span<std::byte> out) override {
+    const TiffSlice& slice = slices_[std::size_t(z)];
+    require_unchanged(slice.file);
+    if (samples_.count == 1) {
+      read_samples(slice, out);
+    } else {
+      std::vector<std::byte> interleaved(out.size() * std::size_t(samples_.count));
+      read_samples(slice, interleaved);
+      take_channel(grid().type, samples_.count, samples_.taken, interleaved, out);
+    }
+    require_unchanged(slice.file);
+  }
+
+  void read_samples(const TiffSlice& slice, std::span<std::byte> out) {
+    if (slice.raw_begin) {
+      InputFile(slice.file).read(*slice.raw_begin, out);
+      return to_native_order(out, size_of(grid().type), slice.big_endian);
+    }
+    if (!image_ || opened_ != slice.file) {
+      image_ = open_tiff_image(slice.file);
+      opened_ = slice.file;
+    }
+    const std::string problem =
+        image_->read(slice.page, samples_.count, sample_type_of(grid().type), out.data());
+    if (!problem.empty())
+      throw InputError(
+          fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
+          "the file was cut short or damaged");
+  }
+
+  std::vector<TiffSlice> slices_;
+  TiffSamples samples_;
+  std::unique_ptr<ImageFile> image_;
+  std::filesystem::path opened_;
+};
 
 std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path};
@@ -90,11 +151,8 @@ Taken take(const TiffFile& file, const VolumeChoice& choice) {
   taken.channel = take_channel_of_planes(file, choice.channel);
   taken.samples = take_samples(file, choice.channel);
   const auto frames = file.microscopy ? file.microscopy->frames : 1;
-  taken.frame = choice.frame.value_or(0);
-  if (taken.frame < 0 || taken.frame >= frames)
-    throw InputError(
-        fmt::format("--frame {}: {} holds {} time points", taken.frame, file.path.string(), frames),
-        fmt::format("they are numbered from 0 to {}", frames - 1));
+  taken.frame = chosen_frame(choice, int(std::min<std::int64_t>(frames, std::numeric_limits<int>::max())),
+                             "time points", file.path.string());
   return taken;
 }
 
@@ -189,7 +247,7 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   place(*first, grid, notes);
   count(*first, notes);
   check_lattice(grid, path.string());
-  return with_notes(tiff_source(grid, std::move(slices), taken.samples), notes);
+  return with_notes(std::make_unique<TiffSource>(grid, std::move(slices), taken.samples), notes);
 }
 
 }  // namespace ringsplat::detail

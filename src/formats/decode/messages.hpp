@@ -5,8 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "base/archive.hpp"
 #include "base/log.hpp"
-#include "formats/decode/archive.hpp"
+
 #include "formats/stored_source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/formats/open.hpp"
@@ -61,44 +62,9 @@ struct DecodeAnswer {
   Facts facts = {};           ///< when they were asked for
 };
 
-template <class Archive>
-void fields(Archive& archive, VolumeChoice& choice) {
-  archive(choice.frame, choice.channel, choice.series);
-}
-template <class Archive>
-void fields(Archive& archive, DecodeRequest& r) {
-  archive(r.kind, r.source, r.first, r.count, r.format, r.folder, r.path, r.choice);
-}
-template <class Archive>
-void fields(Archive& archive, VolumeNotes& notes) {
-  archive(notes.world, notes.unit, notes.quantity, notes.modality, notes.fill, notes.labels, notes.frames,
-          notes.channels, notes.series);
-}
-template <class Archive>
-void fields(Archive& archive, StoredVoxels& stored) {
-  archive(stored.file, stored.offset, stored.compressed, stored.skip, stored.big_endian, stored.type,
-          stored.rescale);
-}
-template <class Archive>
-void fields(Archive& archive, DecodedVolume& volume) {
-  archive(volume.grid, volume.concurrent, volume.layer_depth, volume.notes, volume.in_place);
-}
-template <class Archive>
-void fields(Archive& archive, Fact& fact) {
-  archive(fact.field, fact.value);
-}
-template <class Archive>
-void fields(Archive& archive, DecodeAnswer::LogLine& line) {
-  archive(line.level, line.text);
-}
-template <class Archive>
-void fields(Archive& archive, DecodeAnswer::Failure& failure) {
-  archive(failure.code, failure.what);
-}
-template <class Archive>
-void fields(Archive& archive, DecodeAnswer& answer) {
-  archive(answer.log, answer.failure, answer.volume, answer.facts);
-}
+constexpr DecodedFormat last_of(DecodedFormat) { return DecodedFormat::dicom; }
+constexpr DecodeRequest::Kind last_of(DecodeRequest::Kind) { return DecodeRequest::Kind::close; }
+constexpr Encoding last_of(Encoding) { return Encoding::text; }
 
 /// Sends a message with its length before it; false when the other side is gone.
 bool send_message(int socket, std::span<const std::byte> message);
@@ -106,3 +72,55 @@ bool send_message(int socket, std::span<const std::byte> message);
 std::optional<Bytes> receive_message(int socket);
 
 }  // namespace ringsplat::detail
+
+namespace ringsplat {
+
+constexpr World last_of(World) { return World::microscope; }
+constexpr ScalarType last_of(ScalarType) { return ScalarType::float64; }
+constexpr LogLevel last_of(LogLevel) { return LogLevel::error; }
+constexpr ExitCode last_of(ExitCode) { return ExitCode::run_failed; }
+
+template <class Archive>
+void fields(VolumeChoice& choice, Archive& archive) {
+  archive(choice.frame, choice.channel, choice.series);
+}
+template <class Archive>
+void fields(detail::DecodeRequest& r, Archive& archive) {
+  archive(r.kind, r.source, r.first, r.count, r.format, r.folder, r.path, r.choice);
+}
+template <class Archive>
+void fields(Grid& grid, Archive& archive) {
+  archive(grid.dims, grid.spacing, grid.origin, grid.direction, grid.type);
+}
+template <class Archive>
+void fields(VolumeNotes& notes, Archive& archive) {
+  archive(notes.world, notes.unit, notes.quantity, notes.modality, notes.fill, notes.labels, notes.frames,
+          notes.channels, notes.series);
+}
+template <class Archive>
+void fields(detail::StoredVoxels& stored, Archive& archive) {
+  archive(stored.file, stored.offset, stored.encoding, stored.skip, stored.end, stored.big_endian,
+          stored.type, stored.rescale);
+}
+template <class Archive>
+void fields(detail::DecodedVolume& volume, Archive& archive) {
+  archive(volume.grid, volume.concurrent, volume.layer_depth, volume.notes, volume.in_place);
+}
+template <class Archive>
+void fields(Fact& fact, Archive& archive) {
+  archive(fact.field, fact.value);
+}
+template <class Archive>
+void fields(detail::DecodeAnswer::LogLine& line, Archive& archive) {
+  archive(line.level, line.text);
+}
+template <class Archive>
+void fields(detail::DecodeAnswer::Failure& failure, Archive& archive) {
+  archive(failure.code, failure.what);
+}
+template <class Archive>
+void fields(detail::DecodeAnswer& answer, Archive& archive) {
+  archive(answer.log, answer.failure, answer.volume, answer.facts);
+}
+
+}  // namespace ringsplat

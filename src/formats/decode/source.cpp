@@ -1,9 +1,8 @@
-#include "formats/decode/source.hpp"
-
 #include <algorithm>
 #include <utility>
 
 #include "formats/decode/program.hpp"
+#include "formats/formats.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
@@ -12,68 +11,31 @@ namespace {
 /// Of each answer, so that it is copied while it lies in the processor's caches.
 constexpr std::uint64_t usual_bytes = std::uint64_t{4} << 20;
 
-std::string library_of(DecodedFormat format) {
-  switch (format) {
-    case DecodedFormat::hdf5:
-      return "HDF5";
-    case DecodedFormat::tiff:
-      return "OpenImageIO";
-    case DecodedFormat::dicom:
-      break;
-  }
-  return "GDCM";
-}
+constexpr const char* libraries[] = {"HDF5", "OpenImageIO", "GDCM"};  ///< by DecodedFormat
 
 /// A volume as the program has it open. Other files may end the program; then it is opened again in the next.
-class Decoding {
- public:
-  Decoding(DecodedFormat format, const std::filesystem::path& path, const VolumeChoice& choice)
-      : library_(library_of(format)) {
-    open_.format = format;
-    open_.folder = std::filesystem::current_path().string();
-    open_.path = path.string();
-    open_.choice = choice;
-  }
-  ~Decoding() {
-    if (program_) program_->close(open_.source);
-  }
-  Decoding(const Decoding&) = delete;
-  Decoding& operator=(const Decoding&) = delete;
-
-  DecodedVolume open() {
-    program_ = DecodeProgram::running();
-    open_.source = program_->new_source();
-    return program_->ask(open_, library_, open_.path).volume;
-  }
-  Facts facts() { return ask(DecodeRequest::Kind::facts).facts; }
-  void read(int first, int count, std::span<std::byte> out) {
-    ask(DecodeRequest::Kind::read, first, count, out);
-  }
-
- private:
-  DecodeAnswer ask(DecodeRequest::Kind kind, int first = 0, int count = 0, std::span<std::byte> out = {}) {
-    if (program_->ended()) open();
-    DecodeRequest request = open_;
-    request.kind = kind;
-    request.first = first;
-    request.count = count;
-    return program_->ask(request, library_, open_.path, out);
-  }
-
-  std::string library_;
-  DecodeRequest open_;
-  std::shared_ptr<DecodeProgram> program_;
-};
-
 class DecodedSource final : public VolumeSource {
  public:
-  DecodedSource(DecodedVolume volume, std::unique_ptr<Decoding> decoding)
-      : volume_(std::move(volume)), decoding_(std::move(decoding)) {}
+  DecodedSource(DecodedFormat format, const std::filesystem::path& path, const VolumeChoice& choice)
+      : library_(libraries[std::size_t(format)]) {
+    request_.format = format;
+    request_.folder = std::filesystem::current_path().string();
+    request_.path = path.string();
+    request_.choice = choice;
+  }
+  ~DecodedSource() override {
+    if (program_) program_->close(request_.source);
+  }
+  DecodedSource(const DecodedSource&) = delete;
+  DecodedSource& operator=(const DecodedSource&) = delete;
+
+  void open() { volume_ = open_anew(); }
+  const std::optional<StoredVoxels>& in_place() const { return volume_.in_place; }
   const Grid& grid() const override { return volume_.grid; }
   bool concurrent() const override { return volume_.concurrent; }
   int layer_depth() const override { return volume_.layer_depth; }
   VolumeNotes notes() const override { return volume_.notes; }
-  Facts facts() const override { return decoding_->facts(); }
+  Facts facts() const override { return ask(DecodeRequest::Kind::facts).facts; }
 
   void read_slices(int first, int count, std::span<std::byte> out) override {
     const auto bytes = grid().slice_bytes(Axis::z);
@@ -81,25 +43,53 @@ class DecodedSource final : public VolumeSource {
     const int layers = int(std::max<std::uint64_t>(1, usual_bytes / (bytes * std::uint64_t(depth))));
     for (int z = first, end = first + count; z < end;) {
       const int stop = int(std::min<std::int64_t>(end, (z / depth + std::int64_t{layers}) * depth));
-      decoding_->read(z, stop - z,
-                      out.subspan(std::size_t(z - first) * bytes, std::size_t(stop - z) * bytes));
+      ask(DecodeRequest::Kind::read, z, stop - z,
+          out.subspan(std::size_t(z - first) * bytes, std::size_t(stop - z) * bytes));
       z = stop;
     }
   }
 
  private:
+  DecodedVolume open_anew() const {
+    program_ = DecodeProgram::running();
+    request_.source = program_->new_source();
+    return program_->ask(request_, library_, request_.path).volume;
+  }
+
+  DecodeAnswer ask(DecodeRequest::Kind kind, int first = 0, int count = 0,
+                   std::span<std::byte> out = {}) const {
+    if (program_->ended()) open_anew();
+    DecodeRequest request = request_;
+    request.kind = kind;
+    request.first = first;
+    request.count = count;
+    return program_->ask(request, library_, request_.path, out);
+  }
+
+  std::string library_;
+  mutable DecodeRequest request_;  ///< that opens it
+  mutable std::shared_ptr<DecodeProgram> program_;
   DecodedVolume volume_;
-  std::unique_ptr<Decoding> decoding_;
 };
+
+std::unique_ptr<VolumeSource> open_decoded(DecodedFormat format, const std::filesystem::path& path,
+                                           const VolumeChoice& choice) {
+  auto source = std::make_unique<DecodedSource>(format, path, choice);
+  source->open();
+  if (!source->in_place()) return source;
+  return with_notes(stored_source(source->grid(), *source->in_place()), source->notes());
+}
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> decoded_source(DecodedFormat format, const std::filesystem::path& path,
-                                             const VolumeChoice& choice) {
-  auto decoding = std::make_unique<Decoding>(format, path, choice);
-  DecodedVolume volume = decoding->open();
-  if (volume.in_place) return with_notes(stored_source(volume.grid, *volume.in_place), volume.notes);
-  return std::make_unique<DecodedSource>(std::move(volume), std::move(decoding));
+std::unique_ptr<VolumeSource> open_hdf5(const std::filesystem::path& path, const VolumeChoice& choice) {
+  return open_decoded(DecodedFormat::hdf5, path, choice);
+}
+std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
+  return open_decoded(DecodedFormat::tiff, path, choice);
+}
+std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice) {
+  return open_decoded(DecodedFormat::dicom, path, choice);
 }
 
 }  // namespace ringsplat::detail

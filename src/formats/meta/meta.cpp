@@ -1,8 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <bit>
+#include <cctype>
+#include <cstdint>
+#include <filesystem>
+#include <iterator>
 #include <limits>
+#include <map>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -12,17 +19,204 @@
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/meta/header.hpp"
+#include "formats/meta/types.hpp"
 #include "formats/numbered_name.hpp"
-#include "formats/piece_files.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
-#include "formats/text_source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
+
+/// The header of a MetaImage (Insight Journal, "MetaIO/Documentation"): lines of "key = value", the last of
+/// which is ElementDataFile.
+struct MetaHeader {
+  Grid grid;
+  int dimensions = 3;  ///< NDims, 2 to 4
+  int frames = 1;      ///< along the fourth dimension
+  int channels = 1;    ///< numbers in a voxel
+  bool binary = true;  ///< else the voxels are numbers in text
+  bool compressed = false;
+  bool big_endian = std::endian::native == std::endian::big;
+  std::int64_t header_size = 0;  ///< bytes before a data file's voxels; -1: the voxels are its last bytes
+  std::string data_file;         ///< value of ElementDataFile: a name, or a pattern or list of names
+  std::uint64_t end = 0;         ///< the byte after the header
+
+  bool is_local() const { return data_file == "LOCAL" || data_file == "Local" || data_file == "local"; }
+};
+
+constexpr std::uint64_t longest_header = 1 << 20;  // bytes; a header has a few hundred
+
+constexpr std::string_view known_keys =
+    " ObjectType NDims DimSize ElementType ElementNumberOfChannels ElementSpacing ElementSize Offset "
+    "Position "
+    "Origin ImagePosition TransformMatrix Rotation Orientation BinaryData BinaryDataByteOrderMSB "
+    "ElementByteOrderMSB CompressedData CompressedDataSize HeaderSize ElementDataFile ";
+
+/// Reads and checks every field that matters here, and only the form of other lines. (MetaIO itself does not
+/// check.) Throws InputError naming the file and the field.
+class MetaReader {
+ public:
+  explicit MetaReader(const std::filesystem::path& path) : path_(path), file_(path) {}
+
+  MetaHeader read() {
+    read_lines();
+    MetaHeader header;
+    header.end = end_;
+    header.data_file = required("ElementDataFile");
+    if (std::any_of(header.data_file.begin(), header.data_file.end(),
+                    [](unsigned char c) { return std::iscntrl(c); }))
+      fail(fmt::format("ElementDataFile '{}' has control characters", excerpt(header.data_file)),
+           "correct the header");
+    if (const auto type = value("ObjectType"); type && *type != "Image")
+      fail(fmt::format("ObjectType is '{}'", excerpt(*type)), "only an Image is a volume");
+    header.binary = flag("BinaryData", true);
+    header.compressed = flag("CompressedData", false);
+    header.big_endian = flag("BinaryDataByteOrderMSB", flag("ElementByteOrderMSB", header.big_endian));
+    header.header_size = integer("HeaderSize", 0, -1);
+    integer("CompressedDataSize", 0, 0);
+    const auto channels = integer("ElementNumberOfChannels", 1, 1);
+    if (channels > std::numeric_limits<int>::max())
+      fail(fmt::format("ElementNumberOfChannels is {}", channels), "correct the header");
+    header.channels = int(channels);
+    header.dimensions = read_dimensions();
+    header.grid = read_grid(std::size_t(header.dimensions), header.frames);
+    check_lattice(header.grid, path_.string());
+    return header;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& what, const std::string& hint) const {
+    throw InputError(fmt::format("{}: {}", path_.string(), what), hint);
+  }
+  [[noreturn]] void fail_header(const std::string& what) const {
+    throw InputError(fmt::format("{} has no readable MetaImage header: {}", path_.string(), what),
+                     "it needs NDims, DimSize, ElementType and, last, ElementDataFile");
+  }
+
+  void read_lines() {
+    TextReader text(file_, 0, longest_header);
+    auto line = text.line();
+    for (int number = 1; line && !take_line(*line, number); ++number) line = text.line();
+    if (!line) fail_header("no line ElementDataFile");
+    end_ = text.position();
+  }
+
+  /// True for the header's last line.
+  bool take_line(const std::string& line, int number) {
+    if (one_line(line).empty()) return false;
+    const auto separator = line.find_first_of("=:");
+    if (separator == std::string::npos)
+      fail_header(fmt::format("line {}, '{}', is not 'key = value'", number, excerpt(line)));
+    const auto key = one_line(line.substr(0, separator));
+    const bool known = known_keys.find(" " + key + " ") != std::string_view::npos;
+    if (known && !values_.emplace(key, trimmed(line.substr(separator + 1))).second)
+      fail_header(fmt::format("{} is given twice", key));
+    return key == "ElementDataFile";
+  }
+
+  std::optional<std::string> value(const std::string& key) const {
+    const auto found = values_.find(key);
+    return found == values_.end() ? std::nullopt : std::optional(found->second);
+  }
+  std::string required(const std::string& key) const {
+    const auto text = value(key);
+    if (!text || text->empty()) fail_header(key + " is missing");
+    return *text;
+  }
+
+  bool flag(const std::string& key, bool otherwise) const {
+    const auto text = value(key);
+    if (!text) return otherwise;
+    const auto word = lower_case(*text);
+    if (word == "true" || word == "t" || word == "1" || word == "yes") return true;
+    if (word == "false" || word == "f" || word == "0" || word == "no") return false;
+    fail(fmt::format("{} is '{}'", key, excerpt(*text)), "it is True or False");
+  }
+
+  std::int64_t integer(const std::string& key, std::int64_t otherwise, std::int64_t least) const {
+    const auto text = value(key);
+    if (!text) return otherwise;
+    const auto number = number_in<std::int64_t>(*text);
+    if (!number || *number < least)
+      fail(fmt::format("{} is '{}'", key, excerpt(*text)),
+           fmt::format("it is a whole number from {} on", least));
+    return *number;
+  }
+
+  /// Reads as many numbers as the volume has dimensions, or the square of that.
+  template <class T>
+  std::vector<T> numbers(const std::string& key, const std::string& text, std::size_t count) const {
+    std::vector<T> list;
+    for (const auto& word : words_of(text)) {
+      const auto number = number_in<T>(word);
+      if (!number) fail(fmt::format("{}: '{}' is not a number", key, excerpt(word)), "correct the header");
+      list.push_back(*number);
+    }
+    if (list.size() != count)
+      fail(fmt::format("{} has {} numbers, {} are needed", key, list.size(), count), "correct the header");
+    return list;
+  }
+
+  /// Reads the first key that is there, of several with one meaning.
+  std::vector<double> reals(std::initializer_list<const char*> keys, std::size_t count) const {
+    for (const char* key : keys)
+      if (const auto text = value(key)) return numbers<double>(key, *text, count);
+    return {};
+  }
+
+  ScalarType element_type() const {
+    const auto name = required("ElementType");
+    const auto* const found = std::find(std::begin(meta_types), std::end(meta_types), name);
+    if (found != std::end(meta_types)) return ScalarType(found - std::begin(meta_types));
+    // They have 4 bytes wherever they were written.
+    if (name == "MET_LONG") return ScalarType::int32;
+    if (name == "MET_ULONG") return ScalarType::uint32;
+    fail(fmt::format("voxels of type '{}' cannot be rendered", excerpt(name)),
+         "convert them to int32, uint32 or float32 first");
+  }
+
+  int read_dimensions() const {
+    if (!value("NDims")) fail_header("NDims is missing");
+    const auto n = number_in<int>(*value("NDims"));
+    if (!n || *n < 2 || *n > 4)
+      fail(fmt::format("NDims is '{}'", excerpt(*value("NDims"))),
+           "only volumes of 3 dimensions can be rendered");
+    return *n;
+  }
+
+  /// `frames`: set where the header has four dimensions.
+  Grid read_grid(std::size_t count, int& frames) const {
+    Grid grid;
+    grid.type = element_type();
+    const auto sizes = numbers<std::int64_t>("DimSize", required("DimSize"), count);
+    for (std::size_t i = 0; i < count; ++i)
+      if (sizes[i] < 1 || sizes[i] > std::numeric_limits<int>::max())
+        fail(fmt::format("DimSize is {} along axis {}", sizes[i], i),
+             "every dimension must be at least 1 and less than 2^31");
+    if (count > 3) frames = int(sizes[3]);
+    const auto spacing = reals({"ElementSpacing", "ElementSize"}, count);
+    const auto origin = reals({"Offset", "Position", "Origin", "ImagePosition"}, count);
+    const auto matrix = reals({"TransformMatrix", "Rotation", "Orientation"}, count * count);
+    grid.dims = glm::ivec3(1);
+    for (std::size_t i = 0; i < std::min<std::size_t>(count, 3); ++i) {
+      const int axis = int(i);
+      grid.dims[axis] = int(sizes[i]);
+      if (!spacing.empty()) grid.spacing[axis] = spacing[i];
+      if (!origin.empty()) grid.origin[axis] = origin[i];
+      if (matrix.empty()) continue;
+      for (std::size_t j = 0; j < std::min<std::size_t>(count, 3); ++j)
+        grid.direction[axis][int(j)] = matrix[i * count + j];
+    }
+    return grid;
+  }
+
+  std::filesystem::path path_;
+  InputFile file_;
+  std::map<std::string, std::string> values_;
+  std::uint64_t end_ = 0;
+};
 
 constexpr const char* pattern_hint = "write it as 'NAME%03d.raw FIRST LAST STEP'";
 
@@ -117,6 +311,16 @@ int dimensions_of_a_file(const std::filesystem::path& path, const MetaHeader& he
   return dimensions;
 }
 
+/// The offset of one file's voxels. HeaderSize applies only to uncompressed voxels in a file of their own.
+std::uint64_t voxel_offset(const MetaHeader& header, const std::filesystem::path& file,
+                           std::uint64_t voxel_bytes) {
+  if (header.is_local()) return header.end;
+  if (header.compressed) return 0;
+  if (header.header_size >= 0) return std::uint64_t(header.header_size);
+  const auto size = InputFile(file).size();
+  return header.binary ? size - std::min(size, voxel_bytes) : 0;
+}
+
 /// `grid`: of one frame.
 std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path, const MetaHeader& header,
                                                const Grid& grid, int frame) {
@@ -129,25 +333,15 @@ std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path
       std::int64_t(bytes_of_volumes(path, std::uint64_t(files_of_frame), std::uint64_t(header.frames)));
   const auto names =
       is_list(header) ? names_of_list(path, header, files) : names_of_pattern(path, header, files);
-  const auto first = names.begin() + std::ptrdiff_t(frame * files_of_frame);
-  std::vector<std::filesystem::path> chosen;
-  for (auto name = first; name != first + std::ptrdiff_t(files_of_frame); ++name)
-    chosen.push_back(path.parent_path() / *name);
-  return piece_files_source(grid, chosen, [header](const Grid& piece, const std::filesystem::path& file) {
-    const auto size = InputFile(file).size();
-    const auto offset =
-        header.header_size < 0 ? size - std::min(size, piece.bytes()) : std::uint64_t(header.header_size);
-    return stored_source(
-        piece, {.file = file, .offset = offset, .big_endian = header.big_endian, .type = piece.type});
-  });
-}
-
-/// The offset of one file's voxels. HeaderSize applies only to uncompressed voxels in a file of their own.
-std::uint64_t voxel_offset(const MetaHeader& header, std::uint64_t file_bytes, std::uint64_t voxel_bytes) {
-  if (header.is_local()) return header.end;
-  if (header.compressed) return 0;
-  if (header.header_size < 0) return file_bytes - std::min(file_bytes, voxel_bytes);
-  return std::uint64_t(header.header_size);
+  std::vector<StoredVoxels> pieces;
+  for (std::int64_t k = 0; k < files_of_frame; ++k) {
+    StoredVoxels piece{.file = path.parent_path() / names[std::size_t(frame * files_of_frame + k)],
+                       .big_endian = header.big_endian,
+                       .type = grid.type};
+    piece.offset = voxel_offset(header, piece.file, grid.bytes() / std::uint64_t(files_of_frame));
+    pieces.push_back(std::move(piece));
+  }
+  return stored_source(grid, std::move(pieces));
 }
 
 /// The interleaved voxels of one frame, which the header describes.
@@ -159,37 +353,26 @@ std::unique_ptr<VolumeSource> source_of(const std::filesystem::path& path, const
   if (!header.binary && header.frames > 1)
     fail_data_file(path, header, fmt::format("has {} volumes in text", header.frames),
                    "write them in binary");
-  if (!header.binary)
-    return text_source(
-        grid, file,
-        header.is_local() ? header.end : std::uint64_t(std::max<std::int64_t>(0, header.header_size)));
-  const auto size = InputFile(file).size();
+  StoredVoxels stored{.file = file,
+                      .encoding = !header.binary      ? Encoding::text
+                                  : header.compressed ? Encoding::deflate
+                                                      : Encoding::raw,
+                      .big_endian = header.big_endian,
+                      .type = grid.type};
   const auto total = bytes_of_volumes(path, grid.bytes(), std::uint64_t(header.frames));
-  const auto offset = voxel_offset(header, size, total);
-  if (header.compressed)
-    require_compressed_bytes(file, size - std::min(size, offset), total, deflate_best_ratio);
-  else
-    require_bytes(file, size, offset, total);
-  const auto before = std::uint64_t(frame) * grid.bytes();
-  return stored_source(grid, {.file = file,
-                              .offset = offset + (header.compressed ? 0 : before),
-                              .compressed = header.compressed,
-                              .skip = header.compressed ? before : 0,
-                              .big_endian = header.big_endian,
-                              .type = grid.type});
+  stored.offset = voxel_offset(header, file, total);
+  if (header.binary) stored.choose(grid.bytes(), std::uint64_t(header.frames), std::uint64_t(frame));
+  return stored_source(grid, stored);
 }
 
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice& choice) {
-  const auto header = read_meta_header(path);
+  const auto header = MetaReader(path).read();
   const auto wide = interleaved_grid(header.grid, header.channels, path.string());
   auto source = source_of(path, header, wide, std::clamp(choice.frame.value_or(0), 0, header.frames - 1));
-  if (header.channels > 1) {
-    const auto taken = choose_channel(choice.channel, header.channels,
-                                      are_colours(header.grid.type, header.channels), path.string());
-    source = channel_source(std::move(source), header.grid, header.channels, taken);
-  }
+  source = channel_source(std::move(source), header.grid, header.channels,
+                          are_colours(header.grid.type, header.channels), choice.channel, path.string());
   return with_notes(
       std::move(source),
       {.world = World::patient, .unit = "mm", .frames = header.frames, .channels = header.channels});

@@ -1,36 +1,141 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
+#include <cctype>
+#include <cstring>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "formats/binary_fields.hpp"
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/npy/header.hpp"
 #include "formats/stored_source.hpp"
-#include "formats/transposed_source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
+/// The header of a NumPy array file (NumPy Enhancement Proposal 1, "numpy.lib.format"): a Python dictionary.
+struct NpyHeader {
+  ScalarType type = ScalarType::uint8;
+  bool half = false;  ///< the voxels are binary16; `type` is uint16
+  bool big_endian = false;
+  bool fortran_order = false;       ///< the first axis is the fastest, else the last
+  std::vector<std::int64_t> shape;  ///< as NumPy has it
+  std::uint64_t end = 0;            ///< the byte after the header
+};
+
+constexpr std::size_t longest_header = 64 << 10;  // bytes; NumPy itself reads 10000
+
+/// Type strings without the byte order; b1 holds 0 and 1.
+constexpr std::array<std::pair<std::string_view, ScalarType>, 10> types{{
+    {"b1", ScalarType::uint8},
+    {"i1", ScalarType::int8},
+    {"u1", ScalarType::uint8},
+    {"i2", ScalarType::int16},
+    {"u2", ScalarType::uint16},
+    {"i4", ScalarType::int32},
+    {"u4", ScalarType::uint32},
+    {"f2", ScalarType::uint16},
+    {"f4", ScalarType::float32},
+    {"f8", ScalarType::float64},
+}};
+
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, const std::string& hint) {
+  throw InputError(fmt::format("{}: {}", path.string(), what), hint);
+}
+
+/// The text of Python's dictionary {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4, 5), } as JSON.
+std::string as_json(const std::string& dictionary) {
+  std::string json;
+  for (const char c : dictionary) {
+    const bool closes = c == ')' || c == ']' || c == '}';
+    if (std::isspace(static_cast<unsigned char>(c)) != 0) continue;
+    if (c == 'L' && !json.empty() && std::isdigit(static_cast<unsigned char>(json.back())) != 0)
+      continue;  // Python 2
+    if (closes && json.ends_with(',')) json.pop_back();
+    json += c == '\'' ? '"' : c == '(' ? '[' : c == ')' ? ']' : c;
+    for (const auto& [python, word] : {std::pair("True", "true"), std::pair("False", "false")})
+      if (json.ends_with(python)) json.replace(json.size() - std::strlen(python), std::string::npos, word);
+  }
+  return json;
+}
+
+void read_type(const std::string& descr, const std::filesystem::path& path, NpyHeader& header) {
+  const auto name = std::string_view(descr).substr(descr.empty() ? 0 : 1);
+  for (const auto& [known, type] : types) {
+    if (known != name || std::string_view("<>|=").find(descr[0]) == std::string_view::npos) continue;
+    header.type = type;
+    header.half = name == "f2";
+    header.big_endian = descr[0] == '>' || (descr[0] == '=' && std::endian::native == std::endian::big);
+    return;
+  }
+  const bool whole = name == "i8" || name == "u8";
+  throw InputError(
+      fmt::format("{}: voxels of type '{}' cannot be rendered", path.string(), excerpt(descr)),
+      whole ? "64-bit numbers are not held exactly: save a.astype(np.int32) or a.astype(np.float32)"
+            : "save an array of real numbers of at most 32 bits or float64");
+}
+
+void read_dictionary(const std::string& text, const std::filesystem::path& path, NpyHeader& header) {
+  const auto found = nlohmann::json::parse(as_json(text), nullptr, false);
+  const bool sound = text.find(char(0)) == std::string::npos && found.is_object() && found.size() == 3 &&
+                     found.contains("descr") && found.contains("fortran_order") && found.contains("shape") &&
+                     found["fortran_order"].is_boolean() && found["shape"].is_array() &&
+                     (found["descr"].is_string() || found["descr"].is_array());
+  const auto is_size = [](const nlohmann::json& size) { return size.is_number_unsigned(); };
+  if (!sound || !std::all_of(found["shape"].begin(), found["shape"].end(), is_size))
+    throw InputError(fmt::format("{} has no readable NumPy header: '{}'", path.string(), excerpt(text)),
+                     "write it with numpy.save");
+  if (found["descr"].is_array())
+    fail(path, "its array has several named fields", "save one of them: np.save('volume.npy', a['FIELD'])");
+  read_type(found["descr"], path, header);
+  header.fortran_order = found["fortran_order"];
+  header.shape = found["shape"].get<std::vector<std::int64_t>>();
+}
+
+/// Throws InputError for damaged headers, and for types that no volume may have, with what to do.
+NpyHeader read_npy_header(const std::filesystem::path& path) {
+  const InputFile file(path);
+  std::array<unsigned char, 12> start{};
+  const auto got = file.read_some(0, std::as_writable_bytes(std::span(start)));
+  constexpr std::string_view magic = "\x93NUMPY";
+  if (got < start.size() || std::memcmp(start.data(), magic.data(), magic.size()) != 0 || start[6] < 1 ||
+      start[6] > 3)
+    throw InputError(fmt::format("{} is no NumPy array file of format 1 to 3", path.string()),
+                     "write it with numpy.save");
+  // Two bytes in format 1, four since.
+  const BinaryFields fields(std::as_bytes(std::span(start)), false);
+  const std::uint64_t length = start[6] > 1 ? fields.at<std::uint32_t>(8) : fields.at<std::uint16_t>(8);
+  const std::uint64_t begin = start[6] > 1 ? 12 : 10;
+  if (length > longest_header || begin + length > file.size())
+    throw InputError(
+        fmt::format("{}: its NumPy header of {} bytes is cut short or endless", path.string(), length),
+        "write it with numpy.save");
+  std::string text(std::size_t(length), '\0');
+  file.read(begin, std::as_writable_bytes(std::span(text)));
+  NpyHeader header;
+  header.end = begin + length;
+  read_dictionary(text, path, header);
+  return header;
+}
+
 /// Which of the array's axes are what: [frame][z][y][x][component]; missing ones have 1.
 struct Axes {
   int frames = 1, components = 1;
   glm::ivec3 dims{1};
 };
-
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, const std::string& hint) {
-  throw InputError(fmt::format("{}: {}", path.string(), what), hint);
-}
 
 std::string text_of(const std::vector<std::int64_t>& shape) {
   std::vector<std::string> sizes;
@@ -108,23 +213,18 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   grid.type = header.type;
   check_lattice(grid, path.string());
   const auto wide = interleaved_grid(grid, axes.components, path.string());
-  const auto size = InputFile(path).size();
-  const auto frame = std::uint64_t(std::clamp(choice.frame.value_or(0), 0, axes.frames - 1));
-  require_bytes(path, size, header.end, bytes_of_volumes(path, wide.bytes(), std::uint64_t(axes.frames)));
+  StoredVoxels stored{
+      .file = path, .offset = header.end, .big_endian = header.big_endian, .type = header.type};
+  const int frame = std::clamp(choice.frame.value_or(0), 0, axes.frames - 1);
+  stored.choose(wide.bytes(), std::uint64_t(axes.frames), std::uint64_t(frame));
   auto source = header.fortran_order ? transposed_source(wide, path, header.end, header.big_endian)
-                                     : stored_source(wide, {.file = path,
-                                                            .offset = header.end + frame * wide.bytes(),
-                                                            .big_endian = header.big_endian,
-                                                            .type = header.type});
+                                     : stored_source(wide, stored);
   if (header.half) {
     source = std::make_unique<HalfSource>(std::move(source));
     grid.type = ScalarType::float32;
   }
-  if (axes.components > 1) {
-    const auto taken = choose_channel(choice.channel, axes.components,
-                                      !header.half && are_colours(grid.type, axes.components), path.string());
-    source = channel_source(std::move(source), grid, axes.components, taken);
-  }
+  const bool colours = !header.half && are_colours(grid.type, axes.components);
+  source = channel_source(std::move(source), grid, axes.components, colours, choice.channel, path.string());
   return with_notes(std::move(source), {.frames = axes.frames, .channels = axes.components});
 }
 

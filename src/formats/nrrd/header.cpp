@@ -4,17 +4,163 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
+#include "base/input_file.hpp"
 #include "base/text.hpp"
-#include "formats/nrrd/fields.hpp"
-#include "formats/numbered_name.hpp"
+#include "formats/text_reader.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
+
+void fail_nrrd(const std::filesystem::path& path, const std::string& what) {
+  throw InputError(fmt::format("{} is not a readable NRRD file: {}", path.string(), what),
+                   "see teem.sourceforge.net/nrrd for the format");
+}
+
 namespace {
+
+constexpr std::uint64_t longest_header = 64 << 20;  // bytes; a header has a few hundred
+
+/// In small letters without blanks.
+constexpr std::string_view known_fields =
+    " content number type blocksize dimension space spacedimension sizes spacings thicknesses axismins "
+    "axismaxs spacedirections centerings kinds labels units min max oldmin oldmax endian encoding lineskip "
+    "byteskip sampleunits spaceunits spaceorigin measurementframe datafile ";
+
+std::string spelled(const std::string& field) {
+  std::string name = lower_case(trimmed(field));
+  std::erase(name, ' ');
+  return name == "centers" ? "centerings" : name;
+}
+
+bool is_known(const std::string& field) {
+  return known_fields.find(" " + field + " ") != std::string_view::npos;
+}
+
+/// The lines "field: value" of an NRRD's header, and the names of data files behind its last line.
+class NrrdFields {
+ public:
+  explicit NrrdFields(const std::filesystem::path& path) : path_(path) {
+    const InputFile file(path);
+    TextReader text(file, 0, longest_header);
+    if (const auto magic = text.line(); !magic || !magic->starts_with("NRRD00"))
+      fail_nrrd(path, "it does not begin with the letters NRRD and a version");
+    for (auto line = text.line(); line && !line->empty(); line = text.line()) {
+      if (value("data file").starts_with("LIST"))
+        listed_.push_back(*line);
+      else
+        take(*line);
+    }
+    end_ = text.position();
+    if (end_ >= longest_header) fail_nrrd(path, "its header does not end");
+  }
+
+  const std::filesystem::path& path() const { return path_; }
+  std::uint64_t end() const { return end_; }  ///< the byte behind the header
+  /// Behind "data file: LIST".
+  const std::vector<std::string>& listed() const { return listed_; }
+
+  /// Empty when it is missing. `field`: the first of its spellings, as in "data file".
+  std::string value(const std::string& field) const {
+    const auto found = values_.find(spelled(field));
+    return found == values_.end() ? std::string() : found->second;
+  }
+  std::string required(const std::string& field) const {
+    const auto text = value(field);
+    if (text.empty()) fail_nrrd(path_, fmt::format("'{}' is missing", field));
+    return text;
+  }
+  std::vector<std::string> words(const std::string& field) const { return words_of(value(field)); }
+  /// One word an axis; none when the field is missing.
+  std::vector<std::string> words_of_axes(const std::string& field, std::size_t axes) const {
+    const auto list = words(field);
+    if (!list.empty() && list.size() != axes)
+      fail_nrrd(path_, fmt::format("it has {} {}, but its dimension is {}", list.size(), field, axes));
+    return list;
+  }
+  /// One number an axis, NaN where there is none; none when the field is missing.
+  std::vector<double> numbers_of_axes(const std::string& field, std::size_t axes) const {
+    std::vector<double> numbers;
+    for (const auto& word : words_of_axes(field, axes)) {
+      const auto number = number_in<double>(lower_case(word));
+      if (!number || std::isinf(*number)) fail(field);
+      numbers.push_back(*number);
+    }
+    return numbers;
+  }
+  /// The vectors "(1,2,3)" of as many finite numbers, empty ones for "none"; none when the field is missing.
+  std::vector<std::vector<double>> vectors(const std::string& field, int axes_of_space) const {
+    const std::string text = value(field), blanks = " \t";
+    std::vector<std::vector<double>> list;
+    for (auto at = text.find_first_not_of(blanks); at < text.size();
+         at = text.find_first_not_of(blanks, at)) {
+      if (axes_of_space == 0) fail_nrrd(path_, fmt::format("its {} has no space, or space dimension", field));
+      if (text[at] != '(') {
+        const auto end = std::min(text.find_first_of(blanks, at), text.size());
+        if (text.substr(at, end - at) != "none") fail(field);
+        list.emplace_back();
+        at = end;
+        continue;
+      }
+      const auto end = text.find(')', at);
+      if (end == std::string::npos) fail(field);
+      list.push_back(vector_in(text.substr(at + 1, end - at - 1), field, axes_of_space));
+      at = end + 1;
+    }
+    return list;
+  }
+  std::int64_t integer(const std::string& field, std::int64_t otherwise) const {
+    const auto text = value(field);
+    if (text.empty()) return otherwise;
+    const auto number = number_in<std::int64_t>(text);
+    if (!number) fail(field);
+    return *number;
+  }
+  [[noreturn]] void fail(const std::string& field) const {
+    fail_nrrd(path_, fmt::format("its {} is '{}'", field, excerpt(value(field))));
+  }
+
+ private:
+  void take(const std::string& line) {
+    if (line.starts_with('#')) return;
+    const auto colon = line.find(':');
+    const auto field = spelled(line.substr(0, colon));
+    const bool is_pair = line.find(":=") != std::string::npos;  // key and value, which mean nothing here
+    if (colon == std::string::npos || line.compare(colon, 2, ":=") == 0 || !is_known(field)) {
+      if (is_pair) return;
+      fail_nrrd(path_, fmt::format("'{}' is no line of a header", excerpt(line)));
+    }
+    if (!values_.emplace(field, trimmed(line.substr(colon + 1))).second)
+      fail_nrrd(path_, fmt::format("'{}' is given twice", excerpt(line.substr(0, colon))));
+  }
+
+  std::vector<double> vector_in(const std::string& text, const std::string& field, int axes_of_space) const {
+    std::vector<double> vector;
+    for (std::size_t at = 0; at <= text.size();) {
+      const auto comma = std::min(text.find(',', at), text.size());
+      const auto number = number_in<double>(lower_case(trimmed(text.substr(at, comma - at))));
+      if (!number || std::isinf(*number)) fail(field);
+      vector.push_back(*number);
+      at = comma + 1;
+    }
+    if (int(vector.size()) != axes_of_space) fail(field);
+    const auto missing = std::count_if(vector.begin(), vector.end(), [](double v) { return std::isnan(v); });
+    if (missing == axes_of_space) return {};
+    if (missing > 0) fail(field);
+    return vector;
+  }
+
+  std::filesystem::path path_;
+  std::uint64_t end_ = 0;
+  std::map<std::string, std::string> values_;
+  std::vector<std::string> listed_;
+};
 
 template <class T, std::size_t count>
 std::optional<T> found(const std::pair<std::string_view, T> (&list)[count], const std::string& name) {
@@ -48,11 +194,11 @@ ScalarType type_of(const NrrdFields& fields) {
       "convert them to int32, uint32 or float32 first");
 }
 
-NrrdEncoding encoding_of(const NrrdFields& fields) {
-  constexpr std::pair<std::string_view, NrrdEncoding> encodings[] = {
-      {"raw", NrrdEncoding::raw},    {"gzip", NrrdEncoding::gzip}, {"gz", NrrdEncoding::gzip},
-      {"ascii", NrrdEncoding::text}, {"text", NrrdEncoding::text}, {"txt", NrrdEncoding::text},
-      {"hex", NrrdEncoding::hex}};
+Encoding encoding_of(const NrrdFields& fields) {
+  constexpr std::pair<std::string_view, Encoding> encodings[] = {
+      {"raw", Encoding::raw},    {"gzip", Encoding::deflate}, {"gz", Encoding::deflate},
+      {"ascii", Encoding::text}, {"text", Encoding::text},    {"txt", Encoding::text},
+      {"hex", Encoding::hex}};
   const auto name = fields.required("encoding");
   if (const auto encoding = found(encodings, lower_case(name))) return *encoding;
   throw InputError(fmt::format("{}: encoding '{}' cannot be read", fields.path().string(), excerpt(name)),
@@ -176,7 +322,7 @@ void read_directions(const NrrdFields& fields, NrrdHeader& header) {
 bool is_big_endian(const NrrdFields& fields, const NrrdHeader& header) {
   const auto endian = lower_case(fields.value("endian"));
   if (endian == "big") return true;
-  if (endian.empty() && header.encoding != NrrdEncoding::text && size_of(header.type) > 1)
+  if (endian.empty() && header.encoding != Encoding::text && size_of(header.type) > 1)
     fields.required("endian");
   if (endian != "little" && !endian.empty()) fields.fail("endian");
   return false;
@@ -187,72 +333,8 @@ void read_skips(const NrrdFields& fields, NrrdHeader& header) {
   header.byte_skip = fields.integer("byte skip", 0);
   constexpr std::int64_t farthest = std::int64_t{1} << 60;
   if (header.line_skip < 0) fields.fail("line skip");
-  if (std::abs(header.byte_skip) > farthest || (header.byte_skip < 0 && header.encoding != NrrdEncoding::raw))
+  if (std::abs(header.byte_skip) > farthest || (header.byte_skip < 0 && header.encoding != Encoding::raw))
     fields.fail("byte skip");
-}
-
-using Names = std::vector<std::string>;
-
-bool is_pattern(const std::string& name) {
-  for (auto at = name.find('%'); at != std::string::npos; at = name.find('%', at + 1)) {
-    const auto letter = name.find_first_not_of("0123456789", at + 1);
-    if (letter != std::string::npos && name[letter] == 'd') return true;
-  }
-  return false;
-}
-
-/// How many files there must be, for pieces of as many axes; by default of all but the last.
-void require_count(const NrrdFields& fields, const std::vector<NrrdAxis>& axes, std::size_t count,
-                   const std::optional<std::string>& piece) {
-  const auto given = piece ? number_in<std::size_t>(*piece) : axes.size() - 1;
-  if (!given || *given > axes.size() || (piece && *given == 0)) fields.fail("data file");
-  std::uint64_t expected = 1;
-  for (auto i = *given; i < axes.size(); ++i) expected *= std::uint64_t(axes[i].size);
-  const bool fits =
-      *given == axes.size() ? count > 0 && std::size_t(axes.back().size) % count == 0 : count == expected;
-  if (!fits)
-    fail_nrrd(fields.path(), fmt::format("it names {} data files, which do not fit its sizes", count));
-}
-
-Names names_of_pattern(const NrrdFields& fields, const std::vector<NrrdAxis>& axes) {
-  const auto words = fields.words("data file");
-  const NumberedName name(words[0]);
-  if (!name.valid())
-    throw InputError(fmt::format("{}: the pattern of its data files is '{}'", fields.path().string(),
-                                 excerpt(fields.value("data file"))),
-                     "give a name with one number, such as slice%03d.raw 1 60 1");
-  std::vector<std::int64_t> numbers;
-  for (std::size_t i = 1; i < words.size() && i < 4; ++i)
-    if (const auto number = number_in<std::int32_t>(words[i])) numbers.push_back(*number);
-  if (numbers.size() != 3 || words.size() > 5 || numbers[2] == 0) fields.fail("data file");
-  const auto first = numbers[0], last = numbers[1], step = numbers[2];
-  const auto count = (last - first) / step + 1;
-  constexpr std::int64_t most = 1 << 17;
-  if ((last - first) * step < 0 || count > most) fields.fail("data file");
-  require_count(fields, axes, std::size_t(count), words.size() > 4 ? std::optional(words[4]) : std::nullopt);
-  Names names;
-  for (std::int64_t k = 0; k < count; ++k) names.push_back(name.with(first + k * step));
-  return names;
-}
-
-/// The files that "data file" names: one, a list, or a pattern as "s%03d.raw 1 60 1"; none when the voxels
-/// are in the header's own.
-std::vector<std::filesystem::path> data_files_of(const NrrdFields& fields,
-                                                 const std::vector<NrrdAxis>& axes) {
-  const auto value = fields.value("data file");
-  if (value.empty()) return {};
-  Names names{value};
-  const auto words = words_of(value);
-  if (is_pattern(value)) {
-    names = names_of_pattern(fields, axes);
-  } else if (value.starts_with("LIST")) {
-    names = fields.listed();
-    const auto piece = trimmed(value.substr(4));
-    require_count(fields, axes, names.size(), piece.empty() ? std::nullopt : std::optional(piece));
-  }
-  std::vector<std::filesystem::path> files;
-  for (const auto& name : names) files.push_back(fields.path().parent_path() / name);
-  return files;
 }
 
 }  // namespace
@@ -281,11 +363,9 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
   header.encoding = encoding_of(fields);
   header.big_endian = is_big_endian(fields, header);
   read_skips(fields, header);
-  header.files = data_files_of(fields, header.axes);
-  if (header.files.empty()) {
-    header.files = {path};
-    header.end = fields.end();
-  }
+  header.data_file = fields.value("data file");
+  header.listed = fields.listed();
+  if (header.data_file.empty()) header.end = fields.end();
   return header;
 }
 

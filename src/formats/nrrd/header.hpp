@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/encoded_bytes.hpp"
 #include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat::detail {
@@ -24,8 +25,6 @@ struct NrrdAxis {
   double length() const;          ///< of the direction
 };
 
-enum class NrrdEncoding { raw, gzip, text, hex };
-
 /// The header of an NRRD ("Definition of NRRD File Format", teem.sourceforge.net/nrrd).
 struct NrrdHeader {
   std::filesystem::path path;
@@ -35,17 +34,20 @@ struct NrrdHeader {
   bool patient = false;        ///< the space is a patient's
   glm::dvec3 to_lps{1};        ///< what makes the space's axes left, posterior, superior
   std::vector<double> origin;  ///< in the space; empty without one
-  NrrdEncoding encoding = NrrdEncoding::raw;
+  Encoding encoding = Encoding::raw;
   bool big_endian = false;
   std::int64_t line_skip = 0;  ///< lines of each file before its voxels
   /// Bytes behind these lines, of the decoded ones when compressed; -1 - N: N bytes follow a file's voxels.
   std::int64_t byte_skip = 0;
-  std::vector<std::filesystem::path> files;  ///< equally many voxels in each; the header's own without others
-  std::uint64_t end = 0;                     ///< the byte behind the header where its file holds the voxels
+  std::string data_file;            ///< a name, a pattern as "s%03d.raw 1 60 1", or LIST; empty: its own file
+  std::vector<std::string> listed;  ///< names behind LIST
+  std::uint64_t end = 0;            ///< the byte behind the header where its file holds the voxels
 
   /// Throws InputError.
   [[noreturn]] void fail(const std::string& what) const;
 };
+
+[[noreturn]] void fail_nrrd(const std::filesystem::path& path, const std::string& what);
 
 /// Throws InputError for a damaged header, and for one that says what no volume may have.
 NrrdHeader read_nrrd_header(const std::filesystem::path& path);

@@ -1,9 +1,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <regex>
 #include <span>
 #include <vector>
 
@@ -12,12 +14,19 @@
 #include "base/log.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/raw/raw_name.hpp"
 #include "formats/stored_source.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
+
+int dimension(const std::string& digits, const std::filesystem::path& path) {
+  int value = 0;
+  if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc{})
+    throw InputError(fmt::format("{}: the dimension {} in its name is too large", path.string(), digits),
+                     "give the true size with --dims");
+  return value;
+}
 
 /// If x.raw has a header beside it, the user probably wants that.
 std::string hint_for(const std::filesystem::path& path) {
@@ -64,6 +73,15 @@ void warn_of_byte_order(const InputFile& file, const StoredVoxels& voxels, std::
 }
 
 }  // namespace
+
+std::optional<RawName> parse_raw_name(const std::filesystem::path& path) {
+  static const std::regex pattern(R"(.*_(\d+)x(\d+)x(\d+)_([A-Za-z0-9]+)\.raw)", std::regex::icase);
+  const std::string name = path.filename().string();
+  std::smatch match;
+  if (!std::regex_match(name, match, pattern)) return {};
+  const auto size = [&](std::size_t i) { return dimension(match[i].str(), path); };
+  return RawName{{size(1), size(2), size(3)}, scalar_type_from(match[4].str())};
+}
 
 std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const RawDescription& raw) {
   const bool complete = raw.dims && raw.type;

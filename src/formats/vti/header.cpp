@@ -162,7 +162,7 @@ class Parser : XmlReader {
     is_inline_ = format != "appended";
     if (is_inline_) {
       array.format =
-          one_of<VtiFormat>("format", format, {{"ascii", VtiFormat::ascii}, {"binary", VtiFormat::base64}});
+          one_of<Encoding>("format", format, {{"ascii", Encoding::text}, {"binary", Encoding::base64}});
       inline_begin_ = end();
       inline_end_.reset();
       has_text_ = false;
@@ -177,8 +177,8 @@ class Parser : XmlReader {
 
   /// Behind an underscore; what it is, is no XML.
   void start_appended(const Attributes& attributes) {
-    appended_format_ = one_of<VtiFormat>("encoding", text_in(attributes, "encoding", "base64"),
-                                         {{"base64", VtiFormat::base64}, {"raw", VtiFormat::raw}});
+    appended_format_ = one_of<Encoding>("encoding", text_in(attributes, "encoding", "base64"),
+                                        {{"base64", Encoding::base64}, {"raw", Encoding::raw}});
     std::array<char, 256> blanks{};
     const auto behind = end();
     const auto got = file_.read_some(behind, std::as_writable_bytes(std::span(blanks)));
@@ -200,7 +200,7 @@ class Parser : XmlReader {
   int pieces_ = 0;
   std::uint64_t inline_begin_ = 0, appended_begin_ = 0;
   std::optional<std::uint64_t> inline_end_;
-  VtiFormat appended_format_ = VtiFormat::raw;
+  Encoding appended_format_ = Encoding::raw;
   std::vector<std::size_t> appended_;  ///< arrays that have only their offset yet
 };
 

@@ -4,19 +4,19 @@
 #include <string>
 #include <vector>
 
+#include "formats/encoded_bytes.hpp"
 #include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat::detail {
 
 enum class VtiCompressor { none, zlib, lz4, lzma };
-enum class VtiFormat { ascii, base64, raw };
 
 /// One DataArray. Its type may be none that a volume can have.
 struct VtiArray {
   std::string name, type;
   bool of_cells = false;  ///< else of points
   int components = 1;
-  VtiFormat format = VtiFormat::ascii;
+  Encoding format = Encoding::text;  ///< else base64, or appended as it is
   std::uint64_t begin = 0,
                 end = 0;  ///< bytes of the file that hold it; appended data ends where the file does
 };

@@ -1,37 +1,37 @@
 #include <fmt/format.h>
+#include <lz4.h>
+#include <lzma.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
+#include <cstring>
+#include <iterator>
 #include <limits>
-#include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/byte_order.hpp"
+#include "base/input_file.hpp"
 #include "base/text.hpp"
 #include "formats/channels.hpp"
+#include "formats/encoded_bytes.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/text_source.hpp"
+#include "formats/stored_source.hpp"
+#include "formats/volume_files.hpp"
 #include "formats/vti/header.hpp"
-#include "formats/vti/source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-constexpr std::array<std::pair<std::string_view, ScalarType>, 8> types{{
-    {"Int8", ScalarType::int8},
-    {"UInt8", ScalarType::uint8},
-    {"Int16", ScalarType::int16},
-    {"UInt16", ScalarType::uint16},
-    {"Int32", ScalarType::int32},
-    {"UInt32", ScalarType::uint32},
-    {"Float32", ScalarType::float32},
-    {"Float64", ScalarType::float64},
-}};
+constexpr std::string_view types[] = {"Int8",  "UInt8",  "Int16",   "UInt16",
+                                      "Int32", "UInt32", "Float32", "Float64"};  ///< in ScalarType's order
 
 [[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, const std::string& hint) {
   throw InputError(fmt::format("{}: {}", path.string(), what), hint);
@@ -80,8 +80,8 @@ Chosen choose(const VtiHeader& header, const std::string& channel, const std::fi
 }
 
 ScalarType type_of(const VtiArray& array, const std::filesystem::path& path) {
-  for (const auto& [name, type] : types)
-    if (name == array.type) return type;
+  const auto* const found = std::find(std::begin(types), std::end(types), array.type);
+  if (found != std::end(types)) return ScalarType(found - std::begin(types));
   fail(path,
        fmt::format("voxels of type '{}' cannot be rendered (the array '{}')", excerpt(array.type),
                    excerpt(array.name)),
@@ -111,6 +111,169 @@ Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesyst
   return grid;
 }
 
+/// False unless `in` decodes to exactly `out`.
+bool decompress(VtiCompressor compressor, std::span<const std::byte> in, std::span<std::byte> out) {
+  const auto* from = reinterpret_cast<const unsigned char*>(in.data());
+  auto* to = reinterpret_cast<unsigned char*>(out.data());
+  if (compressor == VtiCompressor::zlib) {
+    uLongf made = out.size();
+    return uncompress(to, &made, from, in.size()) == Z_OK && made == out.size();
+  }
+  if (compressor == VtiCompressor::lz4) {
+    constexpr std::size_t most = LZ4_MAX_INPUT_SIZE;
+    if (in.size() > most || out.size() > most) return false;
+    const int made = LZ4_decompress_safe(reinterpret_cast<const char*>(from), reinterpret_cast<char*>(to),
+                                         int(in.size()), int(out.size()));
+    return made >= 0 && std::size_t(made) == out.size();
+  }
+  // The largest dictionary that liblzma's presets have takes 65 MiB.
+  std::uint64_t memory = 80 << 20;
+  std::size_t read = 0, made = 0;
+  return lzma_stream_buffer_decode(&memory, 0, nullptr, from, &read, in.size(), to, &made, out.size()) ==
+             LZMA_OK &&
+         made == out.size();
+}
+
+std::uint64_t best_ratio(VtiCompressor compressor) {
+  return compressor == VtiCompressor::lzma ? any_best_ratio : deflate_best_ratio;  // LZ4's is 255
+}
+
+/// An array behind its numbers: a length, or the sizes of compressed blocks. Decoded in order, a block at a
+/// time.
+class VtiSource final : public VolumeSource {
+ public:
+  /// Throws InputError when the array's own sizes are not the grid's, or the file cannot hold them.
+  VtiSource(const Grid& grid, const std::filesystem::path& path, const VtiHeader& header,
+            const VtiArray& array)
+      : grid_(grid), header_(header), array_(array), bytes_(grid.bytes()), file_(path) {
+    encoded_ = encoded_bytes(file_, array.format, array.begin, array.end);
+    if (header.compressor == VtiCompressor::none)
+      read_length();
+    else
+      read_blocks();
+  }
+
+  std::uint64_t begin() const { return begin_; }  ///< of the voxels, behind the numbers
+  const Grid& grid() const override { return grid_; }
+  bool concurrent() const override { return false; }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const auto bytes = grid_.slice_bytes(Axis::z);
+    const auto wanted = out.first(std::size_t(count) * bytes);
+    read(std::uint64_t(first) * bytes, wanted);
+    file_.require_unchanged();
+    to_native_order(wanted, size_of(grid_.type), header_.big_endian);
+  }
+  Facts facts() const override {
+    Facts facts{{"encoding", "base64 or compressed"}};
+    add_facts_of(file_, 0, file_.size(), facts);
+    return facts;
+  }
+
+ private:
+  void read(std::uint64_t offset, std::span<std::byte> out) {
+    if (header_.compressor == VtiCompressor::none) return encoded_->read(begin_ + offset, out);
+    while (!out.empty()) {
+      const auto block = std::size_t(offset / block_bytes_);
+      hold(block);
+      const auto within = std::size_t(offset % block_bytes_);
+      const auto count = std::min(out.size(), held_.size() - within);
+      std::memcpy(out.data(), held_.data() + within, count);
+      out = out.subspan(count);
+      offset += count;
+    }
+  }
+
+  [[noreturn]] void fail_array(const std::string& what) const {
+    throw InputError(fmt::format("{}: the array '{}' {}", file_.path().string(), excerpt(array_.name), what),
+                     "the file is damaged or its extents are wrong: write it again");
+  }
+
+  std::uint64_t number(std::size_t i) {
+    const auto size = std::size_t(header_.header_bytes);
+    std::array<std::byte, 8> bytes{};
+    const auto part = std::span(bytes).subspan(header_.big_endian ? 8 - size : 0, size);
+    encoded_->read(std::uint64_t(i) * size, part);
+    std::uint64_t value = 0;
+    to_native_order(bytes, 8, header_.big_endian);
+    std::memcpy(&value, bytes.data(), sizeof value);
+    return value;
+  }
+
+  void read_length() {
+    begin_ = std::uint64_t(header_.header_bytes);
+    const auto length = number(0);
+    // A number of 32 bits is the rest of a longer length.
+    const auto expected = header_.header_bytes == 4 ? bytes_ & 0xFFFFFFFFU : bytes_;
+    if (length != expected) fail_array(fmt::format("has {} bytes, its extent needs {}", length, bytes_));
+    if (encoded_->most() < begin_ || encoded_->most() - begin_ < bytes_)
+      require_bytes(file_.path(), encoded_->most(), begin_, bytes_);
+  }
+
+  /// Number of blocks, bytes of a whole one, bytes of the last if it is not whole, compressed bytes of each.
+  void read_blocks() {
+    const auto blocks = number(0), last = number(2);
+    block_bytes_ = number(1);
+    const auto size = std::uint64_t(header_.header_bytes);
+    if (blocks == 0 || block_bytes_ == 0 || last > block_bytes_ || blocks > encoded_->most() / size)
+      fail_array(fmt::format("has {} blocks of {} bytes", blocks, block_bytes_));
+    const auto whole = last == 0 ? blocks : blocks - 1;
+    if (whole > std::numeric_limits<std::int64_t>::max() / block_bytes_ ||
+        whole * block_bytes_ + last != bytes_)
+      fail_array(fmt::format("has {} blocks of {} bytes, its extent needs {}", blocks, block_bytes_, bytes_));
+    begin_ = (3 + blocks) * size;
+    ends_.reserve(std::size_t(blocks));
+    std::uint64_t end = 0;
+    for (std::uint64_t i = 0; i < blocks; ++i) {
+      const auto packed = number(std::size_t(3 + i));
+      if (packed > encoded_->most() - std::min(encoded_->most(), begin_ + end))
+        fail_array(fmt::format("has a block of {} compressed bytes, the file has fewer", packed));
+      end += packed;
+      ends_.push_back(end);
+    }
+    require_compressed_bytes(file_.path(), end, bytes_, best_ratio(header_.compressor));
+  }
+
+  void hold(std::size_t block) {
+    if (block == held_block_) return;
+    held_block_ = std::numeric_limits<std::size_t>::max();
+    const auto begin = block == 0 ? 0 : ends_[block - 1];
+    packed_.resize(std::size_t(ends_[block] - begin));
+    encoded_->read(begin_ + begin, packed_);
+    held_.resize(std::size_t(std::min(block_bytes_, bytes_ - std::uint64_t(block) * block_bytes_)));
+    if (!decompress(header_.compressor, packed_, held_))
+      fail_array(fmt::format("has a damaged block, {} of {}", block + 1, ends_.size()));
+    held_block_ = block;
+  }
+
+  Grid grid_;
+  VtiHeader header_;
+  VtiArray array_;
+  std::uint64_t bytes_;
+  InputFile file_;
+  std::unique_ptr<EncodedBytes> encoded_;
+  std::uint64_t begin_ = 0, block_bytes_ = 0;
+  std::vector<std::uint64_t> ends_;  ///< of the compressed blocks, from begin_ on
+  std::vector<std::byte> packed_, held_;
+  std::size_t held_block_ = std::numeric_limits<std::size_t>::max();
+};
+
+/// A binary array's voxels: uncompressed appended ones and text are read as other files' are. `grid`:
+/// interleaved components.
+std::unique_ptr<VolumeSource> source_of(const Grid& grid, const std::filesystem::path& path,
+                                        const VtiHeader& header, const VtiArray& array) {
+  StoredVoxels stored{.file = path,
+                      .offset = array.begin,
+                      .encoding = array.format,
+                      .end = array.end,
+                      .big_endian = header.big_endian,
+                      .type = grid.type};
+  if (array.format == Encoding::text) return stored_source(grid, stored);
+  auto source = std::make_unique<VtiSource>(grid, path, header, array);
+  if (array.format == Encoding::base64 || header.compressor != VtiCompressor::none) return source;
+  stored.offset += source->begin();
+  return stored_source(grid, stored);
+}
+
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const VolumeChoice& choice) {
@@ -123,13 +286,9 @@ std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const 
   const Grid grid = grid_of(header, array, path);
   const int components = array.components;
   const auto wide = interleaved_grid(grid, components, path.string());
-  auto source = array.format == VtiFormat::ascii ? text_source(wide, path, array.begin, array.end)
-                                                 : vti_source(wide, path, header, array);
-  if (components > 1) {
-    const auto taken = choose_channel(component, components, are_colours(grid.type, components),
-                                      fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
-    source = channel_source(std::move(source), grid, components, taken);
-  }
+  auto source = channel_source(source_of(wide, path, header, array), grid, components,
+                               are_colours(grid.type, components), component,
+                               fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
   const auto channels = std::max<std::int64_t>(components, std::int64_t(header.arrays.size()));
   return with_notes(std::move(source), {.quantity = array.name, .channels = int(channels)});
 }

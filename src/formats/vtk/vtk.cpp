@@ -15,7 +15,6 @@
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
-#include "formats/text_source.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
@@ -157,14 +156,13 @@ std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const 
   const Header header = Reader(path).read();
   const auto& grid = header.grid;
   const auto wide = interleaved_grid(grid, header.components, path.string());
-  auto source =
-      header.binary
-          ? stored_source(wide, {.file = path, .offset = header.end, .big_endian = true, .type = grid.type})
-          : text_source(wide, path, header.end);
-  if (header.components == 1) return source;
-  const auto taken = choose_channel(choice.channel, header.components,
-                                    are_colours(grid.type, header.components), path.string());
-  return with_notes(channel_source(std::move(source), grid, header.components, taken),
+  const StoredVoxels stored{.file = path,
+                            .offset = header.end,
+                            .encoding = header.binary ? Encoding::raw : Encoding::text,
+                            .big_endian = true,
+                            .type = grid.type};
+  return with_notes(channel_source(stored_source(wide, stored), grid, header.components,
+                                   are_colours(grid.type, header.components), choice.channel, path.string()),
                     {.channels = header.components});
 }
 

@@ -11,9 +11,9 @@
 
 #include "base/byte_stream.hpp"
 
-/// Structs as bytes, between processes of one machine. A struct names its fields once for both ways, in a
-/// template `fields(archive, value)` that calls archive(field...).
-namespace ringsplat::detail {
+/// Structs as bytes, between processes of one build. A struct names its fields once for both ways, in a
+/// template `fields(value, archive)` that calls archive(field...), or archive("name", field).
+namespace ringsplat {
 
 class ToBytes {
  public:
@@ -26,11 +26,12 @@ class ToBytes {
  private:
   template <class T>
   void put(const T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>)
-      append(bytes, value);
+    if constexpr (requires(T & described, ToBytes & archive) { fields(described, archive); })
+      fields(const_cast<T&>(value), *this);  // which only reads it
     else
-      fields(*this, const_cast<T&>(value));  // which only reads it
+      append(bytes, value);
   }
+  void put(const char*) {}  // a field's name
   void put(const std::string& text) { put_all(text); }
   void put(const std::filesystem::path& path) { put(path.string()); }
   template <class T>
@@ -49,7 +50,7 @@ class ToBytes {
   }
 };
 
-/// What does not fit leaves ok() false and values as they are.
+/// What does not fit, or is no value of its type, leaves ok() false.
 class FromBytes {
  public:
   explicit FromBytes(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -63,10 +64,20 @@ class FromBytes {
  private:
   template <class T>
   void get(T& value) {
-    if constexpr (std::is_trivially_copyable_v<T>)
+    if constexpr (requires { fields(value, *this); }) {
+      fields(value, *this);
+    } else {
       ok_ = ok_ && take(bytes_, at_, value);
-    else
-      fields(*this, value);
+      // An enumeration of which last_of() is known has no other values.
+      if constexpr (requires { last_of(value); }) ok_ = ok_ && int(value) >= 0 && value <= last_of(value);
+    }
+  }
+  void get(const char*) {}
+  void get(bool& value) {
+    std::uint8_t byte = 0;
+    get(byte);
+    ok_ = ok_ && byte <= 1;
+    value = byte == 1;
   }
   void get(std::string& text) { get_all(text); }
   void get(std::filesystem::path& path) {
@@ -98,10 +109,10 @@ class FromBytes {
   bool ok_ = true;
 };
 
-template <class T>
-Bytes to_bytes(const T& value) {
+template <class... Values>
+Bytes to_bytes(const Values&... values) {
   ToBytes archive;
-  archive(value);
+  archive(values...);
   return std::move(archive.bytes);
 }
 
@@ -115,4 +126,4 @@ std::optional<T> from_bytes(std::span<const std::byte> bytes) {
   return value;
 }
 
-}  // namespace ringsplat::detail
+}  // namespace ringsplat
