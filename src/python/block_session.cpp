@@ -39,18 +39,6 @@ void BlockSession::set_grid(const Grid& grid, const VolumeNotes& notes) {
   notes_ = notes;
 }
 
-int BlockSession::add_block(const VoxelBox& extent, const void* first_voxel, const Strides& strides) {
-  return session_.add_block(extent, first_voxel, strides);
-}
-
-void BlockSession::update_block(int block, const void* first_voxel, const Strides& strides) {
-  session_.update_block(block, first_voxel, strides);
-}
-
-void BlockSession::clear_blocks() { session_.clear_blocks(); }
-
-void BlockSession::note_problem(const std::string& problem) { SessionParts::note_problem(session_, problem); }
-
 void BlockSession::commit() {
   session_.commit();
   committed_ = grid_;
@@ -88,7 +76,7 @@ std::vector<Picture> BlockSession::render(const std::vector<std::string>& words,
     if (values.range.empty())
       throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
                        "check the blocks' values");
-    if (rank() == 0) wanted = request(words, views, values);
+    if (session_.rank() == 0) wanted = request(words, views, values);
   });
   const ValueRange range = values.range;
   std::vector<Picture> pictures;

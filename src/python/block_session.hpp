@@ -8,8 +8,7 @@
 
 namespace ringsplat::python {
 
-/// A session whose pictures are described by the command line's options. Calls are collective as a session's
-/// are.
+/// A session whose pictures are described by the command line's options.
 class BlockSession {
  public:
   /// `layout`: words for parse_layout(). Throws InputError on all ranks when one has a `problem` or wrong
@@ -17,17 +16,10 @@ class BlockSession {
   BlockSession(Processes processes, const std::vector<std::string>& layout, const SessionOptions& options,
                const std::string& problem);
 
-  int rank() const { return session_.rank(); }
-  int ranks() const { return session_.ranks(); }
+  /// For its blocks and what else has nothing to do with pictures.
+  Session& session() { return session_; }
   void set_grid(const Grid& grid, const VolumeNotes& notes);
-  int add_block(const VoxelBox& extent, const void* first_voxel, const Strides& strides);
-  void update_block(int block, const void* first_voxel, const Strides& strides);
-  void clear_blocks();
-  /// Has the next collective call throw it as InputError on all ranks.
-  void note_problem(const std::string& problem);
   void commit();
-  ValueRange range() { return session_.range(); }
-
   /// Rank 0's words and views count. The pictures are returned on rank 0.
   std::vector<Picture> render(const std::vector<std::string>& words,
                               const std::vector<app::ViewAngles>& views, const Hooks& hooks);

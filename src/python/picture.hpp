@@ -1,17 +1,24 @@
 #pragma once
 #include <filesystem>
+#include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
 
 #include "app/annotation.hpp"
 #include "options/options.hpp"
-#include "python/hooks.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "session/director.hpp"
 #include "study/measured_error.hpp"
 
 namespace ringsplat::python {
+
+/// What long work calls now and then on the thread that called it; either may throw to end the work. Either
+/// may be empty.
+struct Hooks {
+  std::function<void()> poll;
+  std::function<void(const std::string& what, double done, double total)> told;
+};
 
 /// A picture, and what people want to know of it.
 struct Picture {

@@ -4,6 +4,7 @@
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
@@ -14,11 +15,12 @@
 #include "classify/colour_maps.hpp"
 #include "options/option_values.hpp"
 #include "program/process_end.hpp"
-#include "python/array_volume.hpp"
 #include "python/block_session.hpp"
 #include "python/picture.hpp"
 #include "python/picture_options.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/volume/source.hpp"
+#include "session/session_parts.hpp"
 
 namespace nb = nanobind;
 using namespace ringsplat;
@@ -31,6 +33,43 @@ using Three = std::array<double, 3>;
 using Angles = std::array<std::optional<double>, 4>;  ///< azimuth, elevation, roll, zoom
 
 constexpr double seconds_between_polls = 0.03;
+
+/// A volume in the caller's memory, which must outlive all that reads it.
+struct ArrayVolume {
+  Grid grid;
+  const std::byte* first_voxel = nullptr;  ///< (0, 0, 0), a scalar in native byte order, aligned or not
+  Strides strides;
+  VolumeNotes notes;
+};
+
+class ArraySource final : public VolumeSource {
+ public:
+  explicit ArraySource(const ArrayVolume& volume) : volume_(volume) { check(volume.grid, "the array"); }
+  const Grid& grid() const override { return volume_.grid; }
+  bool concurrent() const override { return true; }
+  VolumeNotes notes() const override { return volume_.notes; }
+
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    const glm::ivec3& dims = volume_.grid.dims;
+    std::byte* to = out.data();
+    for (int z = first; z < first + count; ++z)
+      for (int y = 0; y < dims.y; ++y, to += row_bytes_)
+        read_row(volume_.first_voxel + z * volume_.strides.z + y * volume_.strides.y, to);
+  }
+
+ private:
+  void read_row(const std::byte* from, std::byte* to) const {
+    if (volume_.strides.x == std::int64_t(scalar_)) {
+      std::memcpy(to, from, row_bytes_);
+      return;
+    }
+    for (int x = 0; x < volume_.grid.dims.x; ++x, from += volume_.strides.x, to += scalar_)
+      std::memcpy(to, from, scalar_);
+  }
+
+  ArrayVolume volume_;
+  std::size_t scalar_ = size_of(volume_.grid.type), row_bytes_ = scalar_ * std::size_t(volume_.grid.dims.x);
+};
 
 /// Throws what a signal's handler raised, KeyboardInterrupt after Ctrl-C.
 void throw_signals() {
@@ -65,12 +104,6 @@ std::vector<app::ViewAngles> views_of(const std::vector<Angles>& angles) {
   return views;
 }
 
-nb::list to_list(std::vector<Picture>&& pictures) {
-  nb::list list;
-  for (Picture& picture : pictures) list.append(nb::cast(std::move(picture)));
-  return list;
-}
-
 glm::dvec3 to_vec(const Three& v) { return {v[0], v[1], v[2]}; }
 
 Grid grid_of(const std::array<int, 3>& dims, const std::string& type, const Three& spacing,
@@ -100,20 +133,16 @@ Strides strides_of(const std::array<std::int64_t, 3>& xyz) { return {xyz[0], xyz
 void set_volume(app::VolumeOptions& options, const std::optional<ArrayVolume>& array,
                 const std::string& name) {
   options.path = name;
-  if (array) options.opener = [array = *array] { return array_source(array); };
+  if (array) options.opener = [array = *array] { return std::make_unique<ArraySource>(array); };
 }
 
-nb::list render(const Words& words, const std::vector<Angles>& views, const std::optional<ArrayVolume>& array,
-                const std::string& name, nb::handle told) {
+std::vector<Picture> render(const Words& words, const std::vector<Angles>& views,
+                            const std::optional<ArrayVolume>& array, const std::string& name,
+                            nb::handle told) {
+  const nb::gil_scoped_release without;
   app::RenderOptions options = parse_picture(words, views_of(views), From::volume);
   set_volume(options.volume, array, name);
-  const Hooks hooks = hooks_of(told);
-  std::vector<Picture> pictures;
-  {
-    const nb::gil_scoped_release without;
-    pictures = render_pictures(options, hooks);
-  }
-  return to_list(std::move(pictures));
+  return render_pictures(options, hooks_of(told));
 }
 
 app::MeasuredError measure_again(const Picture& picture, const Words& words,
@@ -122,9 +151,8 @@ app::MeasuredError measure_again(const Picture& picture, const Words& words,
   app::RenderOptions options = parse_picture(words, {}, From::volume);
   set_volume(options.volume, array, name);
   const app::ErrorOptions error{app::truth_from(truth, "truth"), pixels, seed};
-  const Hooks hooks = hooks_of(nb::none());
   const nb::gil_scoped_release without;
-  return measure(picture, options.volume, error, hooks);
+  return measure(picture, options.volume, error, {poll_now_and_then(), {}});
 }
 
 /// Log lines go to a callable (level, text); levels are those of Python's logging.
@@ -148,10 +176,9 @@ int run_main(Words words) {
 }
 
 template <class Named>
-nb::list named(const std::vector<Named>& all) {
-  nb::list list;
-  for (const auto& one : all)
-    list.append(nb::make_tuple(std::string(one.name), std::string(one.description)));
+std::vector<std::pair<std::string, std::string>> named(const std::vector<Named>& all) {
+  std::vector<std::pair<std::string, std::string>> list;
+  for (const auto& one : all) list.emplace_back(one.name, one.description);
   return list;
 }
 
@@ -160,9 +187,8 @@ void bind_pictures(nb::module_& m) {
   nb::class_<app::MeasuredError>(m, "MeasuredError")
       .def_prop_ro("truth", [](const app::MeasuredError& e) { return app::to_string(e.truth); })
       .def_prop_ro("rms", [](const app::MeasuredError& e) { return e.error.rmse; })
-      .def_prop_ro(
-          "interval",
-          [](const app::MeasuredError& e) { return nb::make_tuple(e.error.rmse_low, e.error.rmse_high); })
+      .def_prop_ro("interval",
+                   [](const app::MeasuredError& e) { return std::pair(e.error.rmse_low, e.error.rmse_high); })
       .def_prop_ro("max", [](const app::MeasuredError& e) { return e.error.largest; })
       .def_prop_ro("mean", [](const app::MeasuredError& e) { return e.error.mean; })
       .def_prop_ro("pixels", [](const app::MeasuredError& e) { return e.error.pixels; })
@@ -220,40 +246,38 @@ void bind_session(nb::module_& m) {
           },
           nb::arg("processes").none(), nb::arg("layout"), nb::arg("threads"), nb::arg("stall_timeout"),
           nb::arg("problem"))
-      .def_prop_ro("rank", &BlockSession::rank)
-      .def_prop_ro("ranks", &BlockSession::ranks)
+      .def_prop_ro("rank", [](BlockSession& s) { return s.session().rank(); })
+      .def_prop_ro("ranks", [](BlockSession& s) { return s.session().ranks(); })
       .def("set_grid", [](BlockSession& s, const ArrayVolume& like) { s.set_grid(like.grid, like.notes); })
       .def("add_block",
            [](BlockSession& s, const std::array<int, 3>& first, const std::array<int, 3>& end,
               std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
-             return s.add_block({{first[0], first[1], first[2]}, {end[0], end[1], end[2]}},
-                                at_address(address), strides_of(strides));
+             return s.session().add_block({{first[0], first[1], first[2]}, {end[0], end[1], end[2]}},
+                                          at_address(address), strides_of(strides));
            })
       .def(
           "update_block",
           [](BlockSession& s, int block, std::uintptr_t address, const std::array<std::int64_t, 3>& strides) {
-            s.update_block(block, at_address(address), strides_of(strides));
+            s.session().update_block(block, at_address(address), strides_of(strides));
           })
-      .def("clear_blocks", &BlockSession::clear_blocks)
-      .def("note_problem", &BlockSession::note_problem)
+      .def("clear_blocks", [](BlockSession& s) { s.session().clear_blocks(); })
+      .def("note_problem",
+           [](BlockSession& s, const std::string& problem) {
+             SessionParts::note_problem(s.session(), problem);
+           })
       .def("commit", &BlockSession::commit, without_lock)
       .def(
           "range",
           [](BlockSession& s) {
-            const ValueRange range = s.range();
+            const ValueRange range = s.session().range();
             return std::array{range.low, range.high};
           },
           without_lock)
       .def(
           "render",
           [](BlockSession& s, const Words& words, const std::vector<Angles>& views, nb::handle told) {
-            const Hooks hooks = hooks_of(told);
-            std::vector<Picture> pictures;
-            {
-              const nb::gil_scoped_release without;
-              pictures = s.render(words, views_of(views), hooks);
-            }
-            return to_list(std::move(pictures));
+            const nb::gil_scoped_release without;
+            return s.render(words, views_of(views), hooks_of(told));
           },
           nb::arg("words"), nb::arg("views"), nb::arg("told").none());
 }

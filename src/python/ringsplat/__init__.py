@@ -11,8 +11,7 @@ MPI communicator, and view() shows a volume in a notebook or a browser. Pictures
 from . import _log  # first: what follows may log
 from ._core import InputError, RunError, __version__
 from ._image import Error, Image
-from ._presets import colour_maps, presets
-from ._render import render
+from ._render import colour_maps, presets, render
 from ._session import Session
 from ._view import View, view
 

@@ -72,20 +72,10 @@ def _path(value: Any) -> list[str]:
 
 # What the command line calls a value: the Python types, and its words.
 FORMS = {
-    "FLOAT": ("float", _one),
-    "INT": ("int", _one),
-    "UINT": ("int", _one),
-    "TEXT": ("str", _text),
-    "DEGREES": ("float", _one),
-    "RADII": ("float", _one),
-    "RMSE": ("float", _one),
-    "F": ("float", _one),
-    "N": ("int", _one),
-    "T": ("int", _one),
-    "BYTES": ("int", _one),
+    **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F"), ("float", _one)),
+    **dict.fromkeys(("INT", "UINT", "N", "T", "BYTES"), ("int", _one)),
+    **dict.fromkeys(("NAME", "TYPE"), ("str", _text)),
     "N|NAME": ("int | str", _text),
-    "NAME": ("str", _text),
-    "TYPE": ("str", _text),
     "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),
     "XxYxZ": ("float | Sequence[float] | str", _joined("x", (1, 3))),
@@ -96,9 +86,6 @@ FORMS = {
     "RIGHT DOWN": ("tuple[float, float]", _numbers),
     "M11 ... M34": ("ArrayLike", _numbers),
     "NAME|FILE": ("str | os.PathLike[str] | dict[str, Any] | Sequence[Sequence[float]]", _path),
-    "G|auto": ("int", _one),
-    "R|auto": ("int", _one),
-    "COLUMNSxROWS": ("tuple[int, int] | str", _joined("x", (1, 2))),
 }
 
 

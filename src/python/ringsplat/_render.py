@@ -1,4 +1,4 @@
-"""Pictures of whole volumes."""
+"""Pictures of whole volumes, and names that their options know."""
 
 from __future__ import annotations
 
@@ -61,6 +61,16 @@ def _measure_with(words: list[str], source: Volume) -> Any:
         return _core.measure(picture, words, source.core(), source.name, truth, pixels, seed)
 
     return measure
+
+
+def presets() -> dict[str, str]:
+    """Transfer functions that `tf` knows by name, and what each is for."""
+    return dict(_core.presets())
+
+
+def colour_maps() -> dict[str, str]:
+    """Colour maps that `colours` knows by name, and what each is for."""
+    return dict(_core.colour_maps())
 
 
 document(render, session=False)

@@ -16,7 +16,7 @@ from . import _core, _progress
 from ._core import InputError
 from ._image import Image
 from ._table import command_line, document
-from ._volume import TYPES, address_of, ascii_unit, nine, strides_of, three
+from ._volume import TYPES, Volume, address_of, ascii_unit, nine, strides_of, three
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -174,20 +174,11 @@ class Session:
         if len(sizes) != 3 or not all(0 < size < 2**31 for size in sizes):
             raise InputError(f"the grid has the dims {tuple(sizes)}; hint: three sizes from 1 to 2^31 - 1")
         scalar = _scalar_type(dtype)
-        matrix = nine(np.eye(3) if direction is None else direction)
-        self._open().set_grid(
-            _core.ArrayVolume(
-                0,
-                sizes,
-                [0, 0, 0],
-                scalar,
-                three(spacing, "spacing"),
-                three(origin, "origin"),
-                matrix,
-                ascii_unit(unit),
-                quantity,
-            )
-        )
+        place = Volume("", unit=ascii_unit(unit), quantity=quantity)
+        place.spacing, place.origin = three(spacing, "spacing"), three(origin, "origin")
+        if direction is not None:
+            place.direction = nine(direction)
+        self._open().set_grid(place.grid(sizes, scalar))
         self._type = scalar
         self._blocks = []
 

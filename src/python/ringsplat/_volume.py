@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Sequence
 
 import numpy as np
 
@@ -15,6 +15,11 @@ TYPES = ("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "floa
 _UNEVEN = 1e-4  # of a step, by which coordinates may lie apart
 _LARGEST = 2**31 - 1
 _EXACT = 2**53  # whole numbers up to here are doubles
+_AXES = {  # the usual names of their coordinates
+    "x": ("x", "lon", "longitude"),
+    "y": ("y", "lat", "latitude"),
+    "z": ("z", "lev", "level", "height", "depth", "altitude"),
+}
 
 
 @dataclass
@@ -34,17 +39,11 @@ class Volume:
         if self.array is None:
             return None
         z, y, x = self.array.shape
-        return _core.ArrayVolume(
-            address_of(self.array),
-            [x, y, z],
-            strides_of(self.array),
-            self.array.dtype.name,
-            self.spacing,
-            self.origin,
-            self.direction,
-            self.unit,
-            self.quantity,
-        )
+        return self.grid([x, y, z], self.array.dtype.name, address_of(self.array), strides_of(self.array))
+
+    def grid(self, dims: list[int], dtype: str, address: int = 0, strides: Sequence[int] = (0, 0, 0)) -> Any:
+        place = (self.spacing, self.origin, self.direction, self.unit, self.quantity)
+        return _core.ArrayVolume(address, dims, strides, dtype, *place)
 
 
 def address_of(array: np.ndarray) -> int:
@@ -143,18 +142,10 @@ def _axis_letter(data: Any, dim: Any) -> str:
     """x, y or z, where its name or the CF convention's attribute says so; else empty."""
     attribute = str(data.coords[dim].attrs.get("axis", "")).lower() if dim in data.coords else ""
     name = str(dim).lower()
-    usual = {
-        "lon": "x",
-        "longitude": "x",
-        "lat": "y",
-        "latitude": "y",
-        "lev": "z",
-        "level": "z",
-        "height": "z",
-        "depth": "z",
-        "altitude": "z",
-    }
-    return attribute if attribute in ("x", "y", "z") else name if name in ("x", "y", "z") else usual.get(name, "")
+    for letter, names in _AXES.items():
+        if attribute == letter or (attribute not in _AXES and name in names):
+            return letter
+    return ""
 
 
 def _step(data: Any, dim: Any) -> tuple[float, float]:
