@@ -156,8 +156,8 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.target_seconds = options.target_ms / 1e3;
   v.largest_side = largest_side();
   v.ffmpeg = find_program("ffmpeg");
-  v.server = {options.address,         options.port,           options.allowed_hosts,
-              options.allowed_origins, options.allowed_frames, true};
+  v.server = {options.address, options.port, options.allowed_hosts, options.allowed_origins,
+              options.allowed_frames};
   return v;
 }
 

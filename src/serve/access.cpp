@@ -5,8 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/beast/http/rfc7230.hpp>
 #include <regex>
-#include <utility>
 
 #include "ringsplat/base/error.hpp"
 
@@ -23,12 +23,6 @@ bool same_in_constant_time(std::string_view a, std::string_view b) {
   return differs == 0;
 }
 
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t");
-  if (first == std::string_view::npos) return {};
-  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
-
 }  // namespace
 
 std::string make_token() {
@@ -38,6 +32,18 @@ std::string make_token() {
   std::string token;
   for (const unsigned char byte : bits) token += fmt::format("{:02x}", byte);
   return token;
+}
+
+std::string policy_source(std::string_view hexadecimal) {
+  constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;  // in base64: two digits for three hexadecimal ones
+  for (std::size_t k = 0; k < hexadecimal.size(); k += 3) {
+    const std::string group = std::string(hexadecimal.substr(k, 3)) + "00";
+    const unsigned long bits = std::stoul(group.substr(0, 3), nullptr, 16);
+    text += {digits[bits >> 6], digits[bits & 63]};
+  }
+  text.back() = '=';  // 256 bits are 43 of these digits
+  return "'sha256-" + text + "'";
 }
 
 std::string frame_ancestors(const std::vector<std::string>& origins) {
@@ -52,27 +58,22 @@ std::string frame_ancestors(const std::vector<std::string>& origins) {
   return list.empty() ? "'none'" : list;
 }
 
-Access::Access(std::string token, std::vector<std::string> hosts, std::vector<std::string> origins)
-    : token_(std::move(token)), hosts_(std::move(hosts)), origins_(std::move(origins)) {}
-
 bool Access::host_allowed(std::string_view host) const {
-  return std::find(hosts_.begin(), hosts_.end(), host) != hosts_.end();
+  return std::find(hosts.begin(), hosts.end(), host) != hosts.end();
 }
 
 bool Access::origin_allowed(std::string_view origin, std::string_view host) const {
   if (origin.empty()) return false;
   if (origin == "http://" + std::string(host)) return host_allowed(host);
-  return std::find(origins_.begin(), origins_.end(), origin) != origins_.end();
+  return std::find(origins.begin(), origins.end(), origin) != origins.end();
 }
 
-bool Access::is_token(std::string_view text) const { return same_in_constant_time(text, token_); }
+bool Access::is_token(std::string_view text) const { return same_in_constant_time(text, token); }
 
 bool Access::may_connect(std::string_view offered) const {
   bool speaks = false, knows = false;
-  while (!offered.empty()) {
-    const auto end = std::min(offered.find(','), offered.size());
-    const std::string_view word = trimmed(offered.substr(0, end));
-    offered.remove_prefix(std::min(end + 1, offered.size()));
+  for (const auto& item : boost::beast::http::token_list({offered.data(), offered.size()})) {
+    const std::string_view word(item.data(), item.size());
     speaks = speaks || word == subprotocol;
     if (word.starts_with(token_prefix)) knows = is_token(word.substr(token_prefix.size())) || knows;
   }

@@ -10,11 +10,10 @@ std::string make_token();
 
 /// Who may see the page and connect. A page of another site that the user also has open can send requests
 /// here, but it can set neither Host nor Origin, and does not know the token.
-class Access {
- public:
-  /// `hosts`: exactly what a request's Host may be, as "localhost:8080". `origins`: pages that may connect
-  /// besides those of these hosts, as "https://hub.example.org".
-  Access(std::string token, std::vector<std::string> hosts, std::vector<std::string> origins);
+struct Access {
+  std::string token;
+  std::vector<std::string> hosts;    ///< exactly what a request's Host may be, as "localhost:8080"
+  std::vector<std::string> origins;  ///< pages besides the hosts' that may connect: "https://hub.example.org"
 
   bool host_allowed(std::string_view host) const;
   /// `host`: of the same request.
@@ -24,16 +23,15 @@ class Access {
   /// `offered`: a WebSocket request's list of subprotocols, which must have "ringsplat.v1" and
   /// "token.TOKEN".
   bool may_connect(std::string_view offered) const;
-
- private:
-  std::string token_;
-  std::vector<std::string> hosts_, origins_;
 };
 
 /// The list of frame-ancestors in a Content-Security-Policy: origins such as "https://hub.example.org" or
 /// "http://localhost:*", or 'none'. Throws InputError that names --allow-frame for anything else, as a blank
 /// or a semicolon would change the rest of the policy.
 std::string frame_ancestors(const std::vector<std::string>& origins);
+
+/// A SHA-256 as a Content-Security-Policy names what may stand in a page: "'sha256-...'".
+std::string policy_source(std::string_view hexadecimal);
 
 /// The subprotocol that the server chooses.
 inline constexpr std::string_view subprotocol = "ringsplat.v1";

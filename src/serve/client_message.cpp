@@ -1,9 +1,11 @@
 #include "serve/client_message.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
+#include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "serve/json_fields.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
 namespace {
@@ -11,84 +13,240 @@ namespace {
 using nlohmann::json;
 
 constexpr int deepest = 8;
+constexpr double any = 1e300;                                  // leaves room for sums and differences
+constexpr std::size_t most_points = 1100, longest_name = 200;  // points: four for each of 256 labels
 
-/// The parser and its values recurse, so texts are measured before it sees them.
-int depth_of(std::string_view text) {
-  int depth = 0, most = 0;
-  bool in_text = false;
-  for (std::size_t k = 0; k < text.size(); ++k) {
-    const char c = text[k];
-    if (in_text && c == '\\')
-      ++k;
-    else if (c == '"')
-      in_text = !in_text;
-    else if (!in_text && (c == '[' || c == '{'))
-      most = std::max(most, ++depth);
-    else if (!in_text && (c == ']' || c == '}'))
-      --depth;
+// Members of untrusted JSON; all throw InputError that names the member.
+
+double number_from(const json& j, const std::string& name, double low, double high) {
+  const double value = j.is_number() ? j.get<double>() : NAN;
+  if (!(value >= low && value <= high))
+    throw InputError(fmt::format("{} must be a number from {:g} to {:g}", name, low, high));
+  return value;
+}
+
+const json& member(const json& object, const char* name) {
+  const auto found = object.find(name);
+  if (found == object.end()) throw InputError(fmt::format("the message has no {}", name));
+  return *found;
+}
+
+double number(const json& object, const char* name, double low, double high) {
+  return number_from(member(object, name), name, low, high);
+}
+
+/// A whole number up to 2^32 − 1.
+std::uint32_t whole(const json& object, const char* name, std::uint32_t low = 0,
+                    std::uint32_t high = UINT32_MAX) {
+  return static_cast<std::uint32_t>(number(object, name, low, high));
+}
+
+/// A list of `least` to `most` entries.
+const json& list_from(const json& j, const std::string& name, std::size_t least, std::size_t most) {
+  if (!j.is_array() || j.size() < least || j.size() > most)
+    throw InputError(least == most ? fmt::format("{} must be a list of {}", name, least)
+                                   : fmt::format("{} must be a list of {} to {}", name, least, most));
+  return j;
+}
+
+glm::dvec3 vector_from(const json& j, const std::string& name, double low, double high) {
+  list_from(j, name, 3, 3);
+  glm::dvec3 v;
+  for (int k = 0; k < 3; ++k) v[k] = number_from(j[std::size_t(k)], name, low, high);
+  return v;
+}
+
+// The scene.
+
+Camera camera_from(const json& j, Camera c) {
+  if (!j.is_object()) throw InputError("camera must be an object");
+  const auto set = [&](const char* name, double& value, double low, double high) {
+    if (const auto found = j.find(name); found != j.end()) value = number_from(*found, name, low, high);
+  };
+  set("azimuth", c.azimuth, -1e6, 1e6);
+  set("elevation", c.elevation, -1e6, 1e6);
+  set("roll", c.roll, -1e6, 1e6);
+  set("zoom", c.zoom, 1e-6, 1e6);
+  set("fov", c.fov, 0, 179);
+  set("distance", c.distance, 0, 1e5);
+  if (const auto pan = j.find("pan"); pan != j.end()) {
+    list_from(*pan, "pan", 2, 2);
+    for (std::size_t k = 0; k < 2; ++k) c.pan[k] = number_from((*pan)[k], "pan", -1e6, 1e6);
   }
-  return most;
+  return c;
 }
 
-SceneState scene_of(const json& j, const MessageRules& rules) {
+std::string name_from(const json& j) {
+  if (!j.is_string() || j.get_ref<const std::string&>().size() > longest_name)
+    throw InputError(fmt::format("name must be a text of at most {} bytes", longest_name));
+  return j.get<std::string>();
+}
+
+TransferFunction transfer_function_from(const json& j, TransferFunction tf) {
+  if (!j.is_object()) throw InputError("transfer_function must be an object");
+  if (const auto found = j.find("name"); found != j.end()) tf.name = name_from(*found);
+  if (const auto found = j.find("colours"); found != j.end()) {
+    tf.colours.clear();
+    for (const json& point : list_from(*found, "colours", 2, most_points)) {
+      list_from(point, "a colour", 4, 4);
+      glm::dvec3 srgb;
+      for (int k = 0; k < 3; ++k) srgb[k] = number_from(point[std::size_t(k) + 1], "a colour", 0, 1);
+      tf.colours.push_back({number_from(point[0], "a colour's value", -any, any), srgb});
+    }
+  }
+  if (const auto found = j.find("opacities"); found != j.end()) {
+    tf.opacities.clear();
+    for (const json& point : list_from(*found, "opacities", 2, most_points)) {
+      list_from(point, "an opacity", 2, 2);
+      tf.opacities.push_back({number_from(point[0], "an opacity's value", -any, any),
+                              number_from(point[1], "an opacity", 0, 1)});
+    }
+  }
+  check(tf, "transfer_function");
+  return tf;
+}
+
+VoxelBox box_from(const json& j, const glm::ivec3& dims) {
+  list_from(j, "clip", 3, 3);
+  VoxelBox box;
+  for (int k = 0; k < 3; ++k) {
+    const json& side = list_from(j[std::size_t(k)], "a side of clip", 2, 2);
+    box.first[k] = static_cast<int>(number_from(side[0], "a side of clip", 0, dims[k] - 1));
+    box.end[k] = static_cast<int>(number_from(side[1], "a side of clip", box.first[k] + 1, dims[k]));
+  }
+  return box;
+}
+
+// The messages.
+
+/// Refuses deep nesting while it is read: values recurse when they are written or destroyed.
+json parsed(std::string_view text) {
+  const auto shallow = [](int depth, json::parse_event_t event, json&) {
+    using Event = json::parse_event_t;
+    if ((event == Event::object_start || event == Event::array_start) && depth >= deepest)
+      throw InputError(fmt::format("the message is nested deeper than {}", deepest));
+    return true;
+  };
+  json j = json::parse(text, shallow, false);
+  if (!j.is_object()) throw InputError("the message is no JSON object");
+  return j;
+}
+
+Shot shot_from(const json& j, const MessageRules& rules) {
+  const auto side = [&](const char* name) {
+    return static_cast<int>(whole(j, name, 1, static_cast<std::uint32_t>(rules.largest_side)));
+  };
   const auto state = j.find("state");
-  return state == j.end() ? rules.initial : scene_from(*state, rules.initial, rules.dims, rules.frames);
-}
-
-int side(const json& j, const char* name, int largest) {
-  return static_cast<int>(whole(j, name, 1, static_cast<std::uint32_t>(largest)));
+  return {side("width"), side("height"), state == j.end() ? rules.initial : scene_from(*state, rules)};
 }
 
 ViewMessage view_from(const json& j, const MessageRules& rules) {
-  ViewMessage view;
-  view.seq = whole(j, "seq");
-  view.moving = j.contains("moving") && j["moving"] == true;
-  view.width = side(j, "width", rules.largest_width);
-  view.height = side(j, "height", rules.largest_height);
-  if (j.contains("time")) view.time = number(j, "time", -1e18, 1e18);
-  view.scene = scene_of(j, rules);
-  return view;
+  return {whole(j, "seq"), j.contains("moving") && j["moving"] == true,
+          j.contains("time") ? number(j, "time", -1e18, 1e18) : 0, shot_from(j, rules)};
 }
 
-SnapshotMessage snapshot_from(const json& j, const MessageRules& rules) {
-  SnapshotMessage snapshot;
-  snapshot.id = whole(j, "id");
-  snapshot.width = side(j, "width", rules.largest_width);
-  snapshot.height = side(j, "height", rules.largest_height);
+/// In few digits, as the page sends it back with each view.
+MapMessage map_from(const json& j) {
+  MapMessage message{whole(j, "id"), parse_transfer_function(member(j, "map").dump(), "the file")};
+  TransferFunction& map = message.transfer_function;
+  for (auto& point : map.colours)
+    for (int k = 0; k < 3; ++k) point.srgb[k] = std::round(point.srgb[k] * 1e6) / 1e6;
+  map = transfer_function_from(to_json(map), map);
+  return message;
+}
+
+FileMessage snapshot_from(const json& j, const MessageRules& rules) {
   const json& format = member(j, "format");
   if (format != "png" && format != "exr") throw InputError("format must be png or exr");
-  snapshot.exr = format == "exr";
-  snapshot.scene = scene_of(j, rules);
-  return snapshot;
+  return {whole(j, "id"), shot_from(j, rules), format == "exr", {}};
 }
 
-MovieFrameMessage movie_frame_from(const json& j, const MessageRules& rules) {
+FileMessage movie_frame_from(const json& j, const MessageRules& rules) {
   constexpr std::uint32_t most_frames = 10000;
-  MovieFrameMessage frame;
-  frame.id = whole(j, "id");
-  frame.plan.count = static_cast<int>(whole(j, "count", 1, most_frames));
-  frame.index = static_cast<int>(whole(j, "index", 0, static_cast<std::uint32_t>(frame.plan.count - 1)));
-  frame.plan.frames_a_second = number(j, "fps", 1, 120);
-  frame.plan.width = side(j, "width", rules.largest_width);
-  frame.plan.height = side(j, "height", rules.largest_height);
-  frame.scene = scene_of(j, rules);
-  return frame;
+  FileMessage file{whole(j, "id"), shot_from(j, rules), false, {}};
+  const std::uint32_t count = whole(j, "count", 1, most_frames);
+  file.movie = {static_cast<int>(whole(j, "index", 0, count - 1)),
+                {static_cast<int>(count), number(j, "fps", 1, 120), file.shot.width, file.shot.height}};
+  return file;
 }
 
 }  // namespace
 
+json to_json(const TransferFunction& tf) {
+  json colours = json::array(), opacities = json::array();
+  for (const auto& p : tf.colours) colours.push_back({p.value, p.srgb.x, p.srgb.y, p.srgb.z});
+  for (const auto& p : tf.opacities) opacities.push_back({p.value, p.opacity});
+  return {{"name", tf.name}, {"colours", colours}, {"opacities", opacities}};
+}
+
+json to_json(const SceneState& s) {
+  const Camera& c = s.camera;
+  json clip;
+  if (s.clip)
+    for (int k = 0; k < 3; ++k) clip.push_back({s.clip->first[k], s.clip->end[k]});
+  return {{"frame", s.frame},
+          {"camera",
+           {{"azimuth", c.azimuth},
+            {"elevation", c.elevation},
+            {"roll", c.roll},
+            {"zoom", c.zoom},
+            {"pan", c.pan},
+            {"fov", c.fov},
+            {"distance", c.distance}}},
+          {"transfer_function", to_json(s.transfer_function)},
+          {"shading", s.shading == Shading::phong ? "phong" : "none"},
+          {"light", {s.light.x, s.light.y, s.light.z}},
+          {"clip", clip},
+          {"background", {s.background.x, s.background.y, s.background.z}}};
+}
+
+std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+SceneState scene_from(const json& j, const MessageRules& rules) {
+  if (!j.is_object()) throw InputError("state must be an object");
+  SceneState scene = rules.initial;
+  if (j.contains("frame"))
+    scene.frame = static_cast<int>(whole(j, "frame", 0, static_cast<std::uint32_t>(rules.frames - 1)));
+  if (const auto found = j.find("camera"); found != j.end()) scene.camera = camera_from(*found, scene.camera);
+  if (const auto found = j.find("transfer_function"); found != j.end())
+    scene.transfer_function = transfer_function_from(*found, scene.transfer_function);
+  if (const auto found = j.find("shading"); found != j.end()) {
+    if (*found != "phong" && *found != "none") throw InputError("shading must be phong or none");
+    scene.shading = *found == "phong" ? Shading::phong : Shading::none;
+  }
+  if (const auto found = j.find("light"); found != j.end())
+    scene.light = vector_from(*found, "light", -1e6, 1e6);
+  if (const auto found = j.find("clip"); found != j.end()) {
+    scene.clip.reset();
+    if (!found->is_null()) scene.clip = box_from(*found, rules.dims);
+  }
+  if (const auto found = j.find("background"); found != j.end())
+    scene.background = vector_from(*found, "background", 0, 1);
+  return scene;
+}
+
+FrameSpec with_shot(FrameSpec frame, const Shot& shot) {
+  const SceneState& scene = shot.scene;
+  frame.shown.width = shot.width;
+  frame.shown.height = shot.height;
+  frame.shown.camera = scene.camera;
+  frame.shown.transfer_function = scene.transfer_function;
+  frame.shown.shading = scene.shading;
+  frame.shown.light = scene.light;
+  frame.shown.clip = scene.clip;
+  return frame;
+}
+
 ClientMessage parse_client_message(std::string_view text, const MessageRules& rules) {
-  if (depth_of(text) > deepest)
-    throw InputError(fmt::format("the message is nested deeper than {}", deepest));
-  const json j = json::parse(text, nullptr, false);
-  if (!j.is_object()) throw InputError("the message is no JSON object");
+  const json j = parsed(text);
   const json& type = member(j, "type");
   if (type == "view") return view_from(j, rules);
   if (type == "ack") return AckMessage{whole(j, "picture")};
   if (type == "drive") return DriveMessage{};
   if (type == "probe")
-    return ProbeMessage{whole(j, "id"), number(j, "x", 0, rules.largest_width),
-                        number(j, "y", 0, rules.largest_height)};
+    return ProbeMessage{whole(j, "id"), number(j, "x", 0, rules.largest_side),
+                        number(j, "y", 0, rules.largest_side)};
+  if (type == "map") return map_from(j);
   if (type == "snapshot") return snapshot_from(j, rules);
   if (type == "movie_frame") return movie_frame_from(j, rules);
   if (type == "cancel") return CancelMessage{whole(j, "id")};
@@ -96,16 +254,16 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
 }
 
 std::optional<Request> request_of(std::string_view text) {
-  if (depth_of(text) > deepest) return std::nullopt;
-  const json j = json::parse(text, nullptr, false);
-  if (!j.is_object()) return std::nullopt;
-  const auto id = j.find("id");
-  if (id == j.end() || !id->is_number_unsigned() || id->get<std::uint64_t>() > UINT32_MAX)
+  try {
+    const json j = parsed(text);
+    if (!member(j, "id").is_number_unsigned()) return std::nullopt;
+    Request request{"", whole(j, "id")};
+    for (const char* type : {"probe", "map", "snapshot", "movie_frame"})
+      if (j.value("type", json()) == type) request.type = type;
+    return request;
+  } catch (const InputError&) {
     return std::nullopt;
-  Request request{"", id->get<std::uint32_t>()};
-  for (const char* type : {"probe", "snapshot", "movie_frame"})
-    if (const auto found = j.find("type"); found != j.end() && *found == type) request.type = type;
-  return request;
+  }
 }
 
 }  // namespace ringsplat::serve

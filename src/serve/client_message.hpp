@@ -1,22 +1,48 @@
 #pragma once
 #include <cstdint>
+#include <glm/vec3.hpp>
+#include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <variant>
 
+#include "ringsplat/frame/frame_spec.hpp"
 #include "serve/movie.hpp"
-#include "serve/scene_state.hpp"
 
 /// What pages send (docs/viewer.md has the formats).
 namespace ringsplat::serve {
 
+/// What a page can change of a picture.
+struct SceneState {
+  int frame = 0;  ///< which volume of a series, from 0
+  Camera camera;
+  TransferFunction transfer_function;
+  Shading shading = Shading::phong;
+  glm::dvec3 light{-0.4, 0.6, 0.7};
+  std::optional<VoxelBox> clip;
+  glm::dvec3 background{0.0};  ///< sRGB, 0..1
+  bool operator==(const SceneState&) const = default;
+};
+
+nlohmann::json to_json(const TransferFunction& tf);
+nlohmann::json to_json(const SceneState& scene);
+
+/// JSON for a client, whatever texts are in it.
+std::string text_of(const nlohmann::json& j);
+
+/// A picture that is wanted.
+struct Shot {
+  int width = 0, height = 0;
+  SceneState scene;
+  bool operator==(const Shot&) const = default;
+};
+
 struct ViewMessage {
   std::uint32_t seq = 0;
   bool moving = false;
-  int width = 0, height = 0;
   double time = 0;  ///< the page's clock in milliseconds, sent back with the pictures
-  SceneState scene;
+  Shot shot;
 };
 struct AckMessage {
   std::uint32_t picture = 0;
@@ -26,32 +52,43 @@ struct ProbeMessage {
   std::uint32_t id = 0;
   double x = 0, y = 0;  ///< pixels of the last view's picture
 };
-struct SnapshotMessage {
+/// ParaView's colour map, to be used by the page.
+struct MapMessage {
   std::uint32_t id = 0;
-  int width = 0, height = 0;
-  bool exr = false;
-  SceneState scene;
+  TransferFunction transfer_function;
 };
-struct MovieFrameMessage {
-  std::uint32_t id = 0;  ///< of the whole movie
+struct MovieFrame {
   int index = 0;
   MoviePlan plan;
-  SceneState scene;
+};
+/// A snapshot or a frame of a movie.
+struct FileMessage {
+  std::uint32_t id = 0;  ///< of a movie's frame the whole movie's
+  Shot shot;
+  bool exr = false;
+  std::optional<MovieFrame> movie;
 };
 /// The movie of that number is no longer wanted.
 struct CancelMessage {
   std::uint32_t id = 0;
 };
-using ClientMessage = std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, SnapshotMessage,
-                                   MovieFrameMessage, CancelMessage>;
+/// `frame` with that size and scene. The background is not the frame's.
+FrameSpec with_shot(FrameSpec frame, const Shot& shot);
+
+using ClientMessage =
+    std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, MapMessage, FileMessage, CancelMessage>;
 
 /// What messages are read against.
 struct MessageRules {
   SceneState initial;  ///< has what a message's scene leaves out
   glm::ivec3 dims{1};  ///< of the volume
   int frames = 1;      ///< volumes of the series
-  int largest_width = 4096, largest_height = 4096;
+  int largest_side = 4096;
 };
+
+/// Members that are missing are those of the initial scene. Throws InputError naming the member that is
+/// wrong.
+SceneState scene_from(const nlohmann::json& j, const MessageRules& rules);
 
 /// Throws InputError, for the page to show, when the text is no such message: no JSON, nested deeper than 8,
 /// an unknown type, a number that is not finite or out of range.
@@ -59,7 +96,7 @@ ClientMessage parse_client_message(std::string_view text, const MessageRules& ru
 
 /// What a page waits for an answer to.
 struct Request {
-  std::string type;  ///< "probe", "snapshot" or "movie_frame"; empty when it is none of them
+  std::string type;  ///< "probe", "map", "snapshot" or "movie_frame"; empty when it is none of them
   std::uint32_t id = 0;
 };
 

@@ -1,5 +1,5 @@
-# Writes OUTPUT, a C++ source with the bytes of FILES (a list of names below FOLDER) as a table. Its index.html has the
-# style sheet and all modules in it, so that a browser asks once.
+# Writes OUTPUT, a C++ source with the bytes of FOLDER's index.html, which gets the style sheet and all modules, so that a
+# browser asks once.
 cmake_minimum_required(VERSION 3.19)
 set_property(GLOBAL PROPERTY script "")
 
@@ -41,36 +41,30 @@ foreach(text script style page)
   string(SHA256 ${text}_hash "${${text}}")
 endforeach()
 
+# The same bytes whenever it is built: the time in the gzip file's head becomes 0.
+file(WRITE ${OUTPUT}.html "${page}")
+file(ARCHIVE_CREATE OUTPUT ${OUTPUT}.gz PATHS ${OUTPUT}.html FORMAT raw COMPRESSION GZip COMPRESSION_LEVEL 9)
+file(READ ${OUTPUT}.html html HEX)
+file(READ ${OUTPUT}.gz gzipped HEX)
+string(SUBSTRING ${gzipped} 16 -1 gzipped)
+set(gzipped "1f8b080000000000${gzipped}")
+
 set(arrays)
-set(rows)
-set(index 0)
-foreach(name IN LISTS FILES)
-  if(name STREQUAL "index.html")
-    string(HEX "${page}" hex)
-  else()
-    file(READ ${FOLDER}/${name} hex HEX)
-  endif()
-  string(REGEX REPLACE "(..)" "0x\\1," bytes "${hex}")
-  string(APPEND arrays "constexpr unsigned char file_${index}[] = {${bytes}0};\n")
-  string(APPEND rows "    {\"${name}\", {reinterpret_cast<const char*>(file_${index}), sizeof file_${index} - 1}},\n")
-  math(EXPR index "${index} + 1")
+foreach(name html gzipped)
+  string(REGEX REPLACE "(..)" "0x\\1," bytes "${${name}}")
+  string(APPEND arrays "constexpr unsigned char ${name}[] = {${bytes}0};\n")
 endforeach()
-file(WRITE ${OUTPUT} "#include \"serve/page_files.hpp\"
+file(WRITE ${OUTPUT} "#include \"serve/page.hpp\"
 
 namespace ringsplat::serve {
 namespace {
 
 ${arrays}
-const PageFile files[] = {
-${rows}};
-
 }  // namespace
 
-std::span<const PageFile> page_files() { return files; }
-
-PageHashes page_hashes() {
-  return {\"${script_hash}\", \"${style_hash}\", \"${page_hash}\"};
-}
+const PageFile page_file{{reinterpret_cast<const char*>(html), sizeof html - 1},
+                         {reinterpret_cast<const char*>(gzipped), sizeof gzipped - 1},
+                         \"${script_hash}\", \"${style_hash}\", \"${page_hash}\"};
 
 }  // namespace ringsplat::serve
 ")

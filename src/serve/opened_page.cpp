@@ -13,12 +13,10 @@
 namespace ringsplat::serve {
 namespace {
 
-/// The user's own folder of what lasts no longer than a login, in memory; else below TMPDIR.
+/// The user's own folder of what lasts no longer than a login, in memory; empty when there is none.
 std::filesystem::path fleeting_folder() {
   const char* const own = std::getenv("XDG_RUNTIME_DIR");
-  if (own != nullptr && access(own, W_OK | X_OK) == 0) return own;
-  std::error_code error;
-  return std::filesystem::temp_directory_path(error);
+  return own != nullptr && access(own, W_OK | X_OK) == 0 ? own : "";
 }
 
 void write_redirect(const std::filesystem::path& file, const std::string& url) {
@@ -34,7 +32,7 @@ void write_redirect(const std::filesystem::path& file, const std::string& url) {
 
 }  // namespace
 
-OpenedPage::OpenedPage(const std::string& url) : folder_(fleeting_folder(), "page") {
+OpenedPage::OpenedPage(const std::string& url) : folder_("page", fleeting_folder()) {
   const std::filesystem::path file = folder_.path() / "page.html";
   write_redirect(file, url);
   const auto program = find_program("xdg-open");

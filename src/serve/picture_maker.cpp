@@ -1,14 +1,25 @@
 #include "serve/picture_maker.hpp"
 
+#include <fmt/format.h>
+#include <turbojpeg.h>
+
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <limits>
+#include <concepts>
 #include <utility>
 
 #include "images/image_io.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
 namespace {
+
+template <std::unsigned_integral T>
+void put(std::string& bytes, std::size_t at, T value) {
+  for (std::size_t k = 0; k < sizeof(T); ++k)
+    bytes[at + k] = static_cast<char>(static_cast<unsigned char>(value >> (8 * k)));
+}
 
 /// Where the pixels of a row or column lie in a smaller one.
 struct Place {
@@ -28,6 +39,31 @@ std::vector<Place> places(int small, int large) {
 }
 
 }  // namespace
+
+std::string picture_message(const PictureHead& head, std::string_view file) {
+  std::string message(picture_head_bytes, '\0');
+  message += file;
+  return with_head(std::move(message), head);
+}
+
+std::string with_head(std::string message, const PictureHead& h) {
+  message.replace(0, 4, "RSP1");
+  put(message, 4, static_cast<std::uint32_t>(h.kind));
+  put(message, 8, h.number);
+  put(message, 12, h.seq);
+  put(message, 16, static_cast<std::uint16_t>(h.width));
+  put(message, 18, static_cast<std::uint16_t>(h.height));
+  put(message, 20, static_cast<std::uint8_t>(h.level));
+  put(message, 21, static_cast<std::uint8_t>(h.levels));
+  put(message, 22, static_cast<std::uint8_t>(h.at_rest ? 1 : 0));
+  put(message, 23, static_cast<std::uint8_t>(h.format));
+  put(message, 24, std::bit_cast<std::uint32_t>(h.seconds));
+  put(message, 28, std::bit_cast<std::uint32_t>(h.pictures_a_second));
+  put(message, 32, std::bit_cast<std::uint64_t>(h.time));
+  put(message, 40, std::bit_cast<std::uint32_t>(h.rmse));
+  put(message, 44, std::uint32_t{0});
+  return message;
+}
 
 float rmse_of(const std::vector<std::uint8_t>& small, int small_width, int small_height,
               const std::vector<std::uint8_t>& rgb, int width, int height) {
@@ -57,7 +93,10 @@ float rmse_of(const std::vector<std::uint8_t>& small, int small_width, int small
 }
 
 PictureMaker::PictureMaker(int levels)
-    : rmse_(std::size_t(levels), std::numeric_limits<float>::quiet_NaN()) {}
+    : encoder_(tjInitCompress(), tjDestroy),
+      rmse_(std::size_t(levels), std::numeric_limits<float>::quiet_NaN()) {
+  if (!encoder_) throw RunError(fmt::format("no JPEG encoder: {}", tjGetErrorStr2(nullptr)));
+}
 
 std::string PictureMaker::make(RenderedPicture& picture) {
   PictureHead& head = picture.head;
@@ -66,8 +105,14 @@ std::string PictureMaker::make(RenderedPicture& picture) {
   rgb_ = display_rgb(picture.image, picture.background);
   const bool best = head.level + 1 == head.levels;
   head.rmse = best ? 0 : rmse_[std::size_t(head.level)];
-  const auto jpeg = encoder_.encode(rgb_, head.width, head.height, picture.quality);
-  return picture_message(head, {reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
+  const auto chroma = picture.moving ? TJSAMP_420 : TJSAMP_444;
+  unsigned long size = tjBufSize(head.width, head.height, chroma);
+  jpeg_.resize(std::max(jpeg_.size(), std::size_t(size)));
+  unsigned char* bytes = jpeg_.data();
+  if (tjCompress2(encoder_.get(), rgb_.data(), head.width, 0, head.height, TJPF_RGB, &bytes, &size, chroma,
+                  picture.moving ? 80 : 95, TJFLAG_NOREALLOC) != 0)
+    throw RunError(fmt::format("a picture could not be encoded: {}", tjGetErrorStr2(encoder_.get())));
+  return picture_message(head, {reinterpret_cast<const char*>(bytes), size});
 }
 
 void PictureMaker::learn(const RenderedPicture& picture) {

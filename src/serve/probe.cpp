@@ -41,13 +41,13 @@ Camera camera_of_pixel(const Camera& camera, int width, int height, double x, do
 }
 
 Probe::Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, double x, double y)
-    : grid_(grid), range_(range), pixel_(full), box_(full.shown.clip.value_or(whole_box(grid))) {
-  Shown& shown = pixel_.shown;
+    : grid_(grid), range_(range), next_(full), box_(full.shown.clip.value_or(whole_box(grid))) {
+  Shown& shown = next_->shown;
   shown.camera = camera_of_pixel(shown.camera, shown.width, shown.height, x, y);
   shown.width = shown.height = 1;
   shown.shading = Shading::none;
-  check_frame(pixel_, grid);
-  const Traversal traversal = make_geometry(pixel_, grid).traversal;
+  check_frame(*next_, grid);
+  const Traversal traversal = make_geometry(*next_, grid).traversal;
   axis_ = static_cast<int>(traversal.axis);
   ascending_ = traversal.ascending;
   high_ = box_.end[axis_] - box_.first[axis_];
@@ -62,73 +62,61 @@ VoxelBox Probe::front_slices(int count) const {
   return box;
 }
 
-std::optional<FrameSpec> Probe::next_frame() const {
-  FrameSpec spec = pixel_;
-  switch (stage_) {
-    case Stage::whole:
-      return spec;
-    case Stage::place:
-      spec.shown.clip = front_slices((low_ + high_) / 2);
-      return spec;
-    case Stage::value:
-    case Stage::value_again:
-      spec.shown.transfer_function = value_as_red(value_low_, value_high_);
-      spec.shown.clip = box_;
-      spec.shown.clip->first[axis_] = slice_;
-      spec.shown.clip->end[axis_] = slice_ + 1;
-      return spec;
-    case Stage::done:
-      break;
-  }
-  return std::nullopt;
-}
-
 void Probe::take(const Image& picture) {
   const float* const rgba = picture.pixel(0, 0);
   switch (stage_) {
     case Stage::whole:
       high_opacity_ = rgba[3];
       wanted_ = 0.5F * rgba[3];
-      stage_ = rgba[3] < least_opacity ? Stage::done : Stage::place;
+      if (rgba[3] < least_opacity) return next_.reset();
+      stage_ = Stage::place;
       break;
     case Stage::place: {
-      const int middle = (low_ + high_) / 2;
       const bool enough = rgba[3] >= wanted_;
-      (enough ? high_ : low_) = middle;
+      (enough ? high_ : low_) = middle();
       (enough ? high_opacity_ : low_opacity_) = rgba[3];
       break;
     }
     case Stage::value:
     case Stage::value_again:
-      read(rgba[0] / std::max(rgba[3], least_opacity));
-      break;
-    case Stage::done:
-      break;
+      return read(rgba[0] / std::max(rgba[3], least_opacity));
   }
-  if (stage_ == Stage::place && high_ - low_ <= 1) choose_place(low_opacity_, high_opacity_);
+  if (high_ - low_ > 1)
+    next_->shown.clip = front_slices(middle());
+  else
+    choose_place();
 }
 
-void Probe::choose_place(float before, float upto) {
+void Probe::choose_place() {
   const double into =
-      double(high_ - 1) + std::clamp((wanted_ - before) / std::max(upto - before, 1e-6F), 0.0F, 1.0F);
-  slice_ = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
+      double(high_ - 1) +
+      std::clamp((wanted_ - low_opacity_) / std::max(high_opacity_ - low_opacity_, 1e-6F), 0.0F, 1.0F);
   const double at = ascending_ ? box_.first[axis_] - 0.5 + into : box_.end[axis_] - 0.5 - into;
-  const ViewTransform view = make_view(pixel_.shown.camera, lattice_frame(grid_), 1, 1);
+  const ViewTransform view = make_view(next_->shown.camera, lattice_frame(grid_), 1, 1);
   answer_.hit = true;
   answer_.voxel = glm::clamp(meet(view, axis_, at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
   answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);
-  value_low_ = range_.low;
-  value_high_ = range_.high > range_.low ? range_.high : range_.low + 1;
+  const int slice = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
+  next_->shown.clip = box_;
+  next_->shown.clip->first[axis_] = slice;
+  next_->shown.clip->end[axis_] = slice + 1;
   stage_ = Stage::value;
+  ask_for_values(range_.low, range_.high > range_.low ? range_.high : range_.low + 1);
+}
+
+void Probe::ask_for_values(double low, double high) {
+  value_low_ = low;
+  value_high_ = high;
+  next_->shown.transfer_function = value_as_red(low, high);
 }
 
 void Probe::read(double red) {
   answer_.value = std::clamp(value_low_ + red * (value_high_ - value_low_), range_.low, range_.high);
   // Tables resolve some 256 values of the range, so the neighbourhood is looked at once more.
   const double reach = (value_high_ - value_low_) / 32;
-  value_low_ = answer_.value - reach;
-  value_high_ = answer_.value + reach;
-  stage_ = stage_ == Stage::value && reach > 0 ? Stage::value_again : Stage::done;
+  if (stage_ == Stage::value_again || !(reach > 0)) return next_.reset();
+  stage_ = Stage::value_again;
+  ask_for_values(answer_.value - reach, answer_.value + reach);
 }
 
 }  // namespace ringsplat::serve

@@ -33,20 +33,22 @@ class Probe {
   /// The values of the volume that is read, when it became known after the view.
   void know_range(const ValueRange& range) { range_ = range; }
   /// The next frame to draw; nothing when the answer is there.
-  std::optional<FrameSpec> next_frame() const;
+  const std::optional<FrameSpec>& next_frame() const { return next_; }
   /// Takes the frame's picture.
   void take(const Image& picture);
   const Probed& answer() const { return answer_; }
 
  private:
-  enum class Stage { whole, place, value, value_again, done };
+  enum class Stage { whole, place, value, value_again };
+  int middle() const { return (low_ + high_) / 2; }
   VoxelBox front_slices(int count) const;
-  void choose_place(float before, float upto);
+  void choose_place();
+  void ask_for_values(double low, double high);
   void read(double red);
 
   Grid grid_;
   ValueRange range_;
-  FrameSpec pixel_;
+  std::optional<FrameSpec> next_;
   VoxelBox box_;  ///< the part that is shown
   int axis_;
   bool ascending_;
@@ -54,7 +56,6 @@ class Probe {
   int low_ = 0, high_ = 0;  ///< slices: too few, enough
   float low_opacity_ = 0, high_opacity_ = 0;
   float wanted_ = 0;                       ///< opacity
-  int slice_ = 0;                          ///< that has the point
   double value_low_ = 0, value_high_ = 0;  ///< that black and white stand for
   Probed answer_;
 };

@@ -25,9 +25,14 @@ std::string_view text(const Bytes& bytes) {
 
 }  // namespace
 
-Requests::Requests(RequestsHost host, const Grid& grid, const ValueRange& range, int levels,
-                   std::optional<std::filesystem::path> ffmpeg)
-    : host_(std::move(host)), grid_(grid), levels_(levels), ffmpeg_(std::move(ffmpeg)), range_(range) {}
+Requests::Requests(WebServer& server, std::function<void()> wake, const Grid& grid, const ValueRange& range,
+                   int levels, std::optional<std::filesystem::path> ffmpeg)
+    : server_(server),
+      wake_(std::move(wake)),
+      grid_(grid),
+      levels_(levels),
+      ffmpeg_(std::move(ffmpeg)),
+      range_(range) {}
 
 Requests::~Requests() { stop(); }
 
@@ -55,65 +60,52 @@ void Requests::add(ClientId client, const ProbeMessage& asked, const FrameSpec& 
     probes_.insert_or_assign(client, std::move(probing));
   }
   if (replaced)
-    host_.send_text(client, error_text("another pixel was asked for", Request{"probe", *replaced}));
+    server_.send_text(client, error_text("another pixel was asked for", Request{"probe", *replaced}));
 }
 
-void Requests::add(ClientId client, const SnapshotMessage& asked, const FrameSpec& best) {
+void Requests::add(ClientId client, const FileMessage& asked, const FrameSpec& best) {
   const std::lock_guard lock(mutex_);
-  queue({.client = client,
-         .request = {"snapshot", asked.id},
-         .spec = best,
-         .volume = asked.scene.frame,
-         .background = srgb_to_linear(asked.scene.background),
-         .exr = asked.exr,
-         .movie = nullptr});
-}
-
-void Requests::add(ClientId client, const MovieFrameMessage& asked, const FrameSpec& best) {
-  const std::lock_guard lock(mutex_);
-  queue({.client = client,
-         .request = {"movie_frame", asked.id},
-         .spec = best,
-         .volume = asked.scene.frame,
-         .background = srgb_to_linear(asked.scene.background),
-         .movie = movie_for(client, asked),
-         .index = asked.index});
-}
-
-/// The mutex is held.
-void Requests::queue(File&& file) {
+  File file{.client = client,
+            .request = {asked.movie ? "movie_frame" : "snapshot", asked.id},
+            .spec = best,
+            .volume = asked.shot.scene.frame,
+            .background = srgb_to_linear(asked.shot.scene.background),
+            .exr = asked.exr,
+            .movie = asked.movie ? movie_for(client, asked) : nullptr,
+            .index = asked.movie ? asked.movie->index : 0};
   const auto waiting =
-      std::count_if(files_.begin(), files_.end(), [&](const File& f) { return f.client == file.client; });
+      std::count_if(files_.begin(), files_.end(), [&](const File& f) { return f.client == client; });
   if (waiting >= most_waiting)
     throw InputError(fmt::format("{} pictures are waiting already", most_waiting), "try again later");
   if (!ended_) files_.push_back(std::move(file));
 }
 
 /// The mutex is held.
-std::shared_ptr<Movie> Requests::movie_for(ClientId client, const MovieFrameMessage& asked) {
+std::shared_ptr<Movie> Requests::movie_for(ClientId client, const FileMessage& asked) {
+  const auto& [index, plan] = *asked.movie;
   if (!ffmpeg_)
     throw InputError("movies need ffmpeg, which was not in PATH when the server was started",
                      "take the pictures instead");
-  if (asked.index == 0) begin_movie(client, asked);
+  if (index == 0) begin_movie(client, asked);
   if (!movie_ || movie_->client != client || movie_->id != asked.id)
     throw InputError("there is no such movie", "begin with frame 0");
-  if (movie_->next != asked.index || movie_->movie->plan() != asked.plan)
-    throw InputError(movie_->next == asked.index
+  if (movie_->next != index || movie_->movie->plan() != plan)
+    throw InputError(movie_->next == index
                          ? std::string("all frames of a movie must have the same size, rate and count")
-                         : fmt::format("frame {} of the movie must come, not {}", movie_->next, asked.index));
+                         : fmt::format("frame {} of the movie must come, not {}", movie_->next, index));
   ++movie_->next;
   movie_->heard = Clock::now();
   return movie_->movie;
 }
 
 /// The mutex is held. A client that begins anew has given its other movie up.
-void Requests::begin_movie(ClientId client, const MovieFrameMessage& asked) {
+void Requests::begin_movie(ClientId client, const FileMessage& asked) {
   const bool abandoned =
       movie_ && movie_->answered == movie_->next && Clock::now() - movie_->heard > patience_with_a_movie;
   if (movie_ && movie_->client != client && !abandoned)
     throw InputError("somebody else's movie is being made", "try again when it is done");
   give_movie_up();
-  movie_ = MovieTurn{client, asked.id, std::make_shared<Movie>(*ffmpeg_, asked.plan), Clock::now()};
+  movie_ = MovieTurn{client, asked.id, std::make_shared<Movie>(*ffmpeg_, asked.movie->plan), Clock::now()};
 }
 
 /// The mutex is held. The folder, which may take long to remove, goes when the workers have let go of it.
@@ -168,7 +160,7 @@ void Requests::refuse_volume(int volume, const std::string& what) {
     std::erase_if(probes_, [&](const auto& waiting) {
       const auto& [client, probing] = waiting;
       if (probing.volume != volume) return false;
-      if (!probing.forgotten) host_.send_text(client, error_text(what, Request{"probe", probing.id}));
+      if (!probing.forgotten) server_.send_text(client, error_text(what, Request{"probe", probing.id}));
       return true;
     });
     std::copy_if(files_.begin(), files_.end(), std::back_inserter(refused),
@@ -212,15 +204,12 @@ bool Requests::renders(std::int64_t frame) const {
 
 bool Requests::unwanted(std::int64_t frame) {
   const std::lock_guard lock(mutex_);
-  if (probing_ && probing_->frame == frame && (ended_ || probing_->forgotten)) {
-    probing_.reset();
+  const auto drop = [&](auto& job) {
+    if (!job || job->frame != frame || !(ended_ || job->forgotten)) return false;
+    job.reset();
     return true;
-  }
-  if (rendering_ && rendering_->frame == frame && (ended_ || rendering_->forgotten)) {
-    rendering_.reset();
-    return true;
-  }
-  return false;
+  };
+  return drop(probing_) || drop(rendering_);
 }
 
 void Requests::take(FrameResult&& result) {
@@ -243,7 +232,7 @@ void Requests::take_probe(const Image& picture) {
   probing_->probe.take(picture);
   if (probing_->probe.next_frame()) return;
   if (!probing_->forgotten)
-    host_.send_text(probing_->client, probe_text(probing_->id, probing_->probe.answer()));
+    server_.send_text(probing_->client, probe_text(probing_->id, probing_->probe.answer()));
   probing_.reset();
 }
 
@@ -262,14 +251,14 @@ void Requests::make_file(const FrameResult& result, const File& file) {
     const std::lock_guard lock(mutex_);
     encoding_ = false;
   }
-  host_.wake();
+  wake_();
 }
 
 /// A movie that was given up needs no answer.
 void Requests::fail(const File& file, const std::string& what) {
   if (file.movie && file.movie->cancelled()) return;
   if (file.movie) cancel_movie(file.client, file.request.id);
-  host_.send_text(file.client, error_text(what, file.request));
+  server_.send_text(file.client, error_text(what, file.request));
 }
 
 PictureHead Requests::head_of(const File& file, PictureKind kind, PictureFormat format) const {
@@ -289,7 +278,7 @@ void Requests::make_snapshot(const FrameResult& result, const File& file) {
       image_bytes(result.image, file.exr ? ".exr" : ".png", file.background, to_json_text(result.spec));
   PictureHead head = head_of(file, PictureKind::snapshot, file.exr ? PictureFormat::exr : PictureFormat::png);
   head.seconds = static_cast<float>(result.stats.seconds);
-  host_.send_binary(file.client, picture_message(head, text(bytes)));
+  server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, text(bytes))));
 }
 
 void Requests::add_to_movie(const FrameResult& result, const File& file) {
@@ -305,7 +294,7 @@ void Requests::add_to_movie(const FrameResult& result, const File& file) {
     ++movie_->answered;
     movie_->heard = Clock::now();
   }
-  host_.send_text(file.client, movie_frame_text(file.request.id, file.index));
+  server_.send_text(file.client, movie_frame_text(file.request.id, file.index));
 }
 
 void Requests::finish_movie(const File& file) {
@@ -316,7 +305,7 @@ void Requests::finish_movie(const File& file) {
     head.height += head.height % 2;
     if (file.movie->cancelled()) return;
     cancel_movie(file.client, file.request.id);  // before the answer, after which another may be asked for
-    host_.send_binary(file.client, picture_message(head, bytes));
+    server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, bytes)));
   } catch (const std::exception& e) {
     fail(file, e.what());
   }

@@ -9,12 +9,11 @@
 #include <optional>
 #include <string>
 
-#include "base/byte_stream.hpp"
 #include "ringsplat/volume/grid.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/client_message.hpp"
 #include "serve/movie.hpp"
-#include "serve/picture_head.hpp"
+#include "serve/picture_maker.hpp"
 #include "serve/probe.hpp"
 #include "serve/web_server.hpp"
 #include "serve/worker.hpp"
@@ -22,38 +21,32 @@
 
 namespace ringsplat::serve {
 
-/// What requests need of the viewer that has them; called by any thread.
-struct RequestsHost {
-  std::function<void(ClientId, std::string&&)> send_text, send_binary;  ///< only hand over: take no lock
-  std::function<void()> wake;                                           ///< there may be a frame to render
-};
-
 /// What pages ask for beside the views that they show: probes, snapshots, movies. Each is answered once, with
 /// what was asked for or an error that has its number, unless the client goes or cancels it before. Frames
 /// are rendered one at a time for probes, and one at a time for files. All functions may be called by any
 /// thread.
 class Requests {
  public:
-  /// `levels`: how many there are; files are drawn at the last. `ffmpeg`: without it there are no movies.
-  Requests(RequestsHost host, const Grid& grid, const ValueRange& range, int levels,
-           std::optional<std::filesystem::path> ffmpeg);
+  /// `wake`: called by any thread when there may be a frame to render. `levels`: how many there are; files
+  /// are drawn at the last. `ffmpeg`: without it there are no movies.
+  Requests(WebServer& server, std::function<void()> wake, const Grid& grid, const ValueRange& range,
+           int levels, std::optional<std::filesystem::path> ffmpeg);
   ~Requests();
   Requests(const Requests&) = delete;
   Requests& operator=(const Requests&) = delete;
 
   /// `best`: the frame to draw, or the last view's, at the best level; the ranks will not refuse it. All
   /// throw InputError when there is too much to do already, and for a movie whatever is wrong with it.
-  /// A probe is of volume `volume` of the series; the others say theirs.
+  /// A probe is of volume `volume` of the series; a file says its own.
   void add(ClientId client, const ProbeMessage& asked, const FrameSpec& best, int volume);
-  void add(ClientId client, const SnapshotMessage& asked, const FrameSpec& best);
-  void add(ClientId client, const MovieFrameMessage& asked, const FrameSpec& best);
+  void add(ClientId client, const FileMessage& asked, const FrameSpec& best);
   /// Gives a client's movie up. Another number than its movie's: nothing happens.
   void cancel_movie(ClientId client, std::uint32_t id);
   /// The client is gone.
   void forget(ClientId client);
   /// No more frames will be rendered.
   void end();
-  /// end(), and waits for what is under way. The host is not called any more.
+  /// end(), and waits for what is under way. Nothing is sent any more.
   void stop();
 
   /// Frames are drawn of another volume from now on; none is under way.
@@ -106,9 +99,8 @@ class Requests {
   std::optional<FrameSpec> next_probe(std::int64_t frame);
   std::optional<FrameSpec> next_file(std::int64_t frame);
   void take_probe(const Image& picture);
-  void queue(File&& file);
-  std::shared_ptr<Movie> movie_for(ClientId client, const MovieFrameMessage& asked);
-  void begin_movie(ClientId client, const MovieFrameMessage& asked);
+  std::shared_ptr<Movie> movie_for(ClientId client, const FileMessage& asked);
+  void begin_movie(ClientId client, const FileMessage& asked);
   void give_movie_up();
 
   void make_file(const FrameResult& result, const File& file);
@@ -118,7 +110,8 @@ class Requests {
   void fail(const File& file, const std::string& what);
   PictureHead head_of(const File& file, PictureKind kind, PictureFormat format) const;
 
-  const RequestsHost host_;
+  WebServer& server_;
+  const std::function<void()> wake_;
   const Grid grid_;
   const int levels_;
   const std::optional<std::filesystem::path> ffmpeg_;

@@ -16,48 +16,36 @@ using namespace std::chrono_literals;
 
 constexpr auto rest_begins = 150ms;
 
-bool shows_the_same(const ViewMessage& a, const ViewMessage& b) {
-  return a.width == b.width && a.height == b.height && a.scene == b.scene;
-}
-
 }  // namespace
 
 Viewer::Viewer(ViewerOptions options)
     : options_(std::move(options)),
       levels_(make_levels(options_.qualities, options_.volume.grid.dims)),
-      rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()), options_.largest_side,
-             options_.largest_side},
-      hello_(hello_text(options_, levels_)),
+      rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()), options_.largest_side},
       controller_(options_.target_seconds),
-      requests_(requests_host(), options_.volume.grid, options_.volume.range, int(levels_.size()),
-                options_.ffmpeg),
-      server_(std::make_unique<WebServer>(options_.server, events())),
+      requests_(
+          server_,
+          [this] {
+            const std::lock_guard lock(mutex_);
+            wake();
+          },
+          options_.volume.grid, options_.volume.range, int(levels_.size()), options_.ffmpeg),
+      server_(options_.server, events()),
       maker_(int(levels_.size())) {
-  server_->start();
+  server_.start();
 }
 
 /// Requests send their answers by the server, which calls them.
 Viewer::~Viewer() { requests_.stop(); }
 
-RequestsHost Viewer::requests_host() {
-  return {.send_text = [this](ClientId client, std::string&& text) { say(client, std::move(text)); },
-          .send_binary =
-              [this](ClientId client, std::string&& bytes) {
-                server_->send_binary(client, std::make_shared<const std::string>(std::move(bytes)));
-              },
-          .wake =
-              [this] {
-                const std::lock_guard lock(mutex_);
-                wake();
-              }};
-}
-
 ServerEvents Viewer::events() {
-  return {.opened = [this](ClientId client) { opened(client); },
-          .received = [this](ClientId client, std::string&& text) { received(client, text); },
-          .refused = [this](ClientId client) { say(client, error_text("messages must be texts", {})); },
-          .closed = [this](ClientId client) { closed(client); },
-          .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
+  return {
+      .opened = [this](ClientId client) { opened(client); },
+      .received = [this](ClientId client, std::string&& text) { received(client, text); },
+      .refused =
+          [this](ClientId client) { server_.send_text(client, error_text("messages must be texts", {})); },
+      .closed = [this](ClientId client) { closed(client); },
+      .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
 }
 
 Director Viewer::director() {
@@ -77,7 +65,7 @@ void Viewer::warn(const std::string& text) {
   const std::lock_guard lock(mutex_);
   if (warnings_.size() >= most) return;
   warnings_.push_back(warning_text(text));
-  for (const ClientId client : audience_.all()) say(client, warnings_.back());
+  say_to_all(warnings_.back());
 }
 
 void Viewer::end(const std::string& message) {
@@ -87,7 +75,7 @@ void Viewer::end(const std::string& message) {
     wake();
   }
   requests_.end();
-  server_->end(end_text(message));
+  server_.end(end_text(message));
 }
 
 std::optional<int> Viewer::next_volume() {
@@ -102,27 +90,27 @@ void Viewer::loaded(int volume, const ValueRange& range) {
   shown_volume_ = volume;
   not_yet_seen_ = true;
   next_frame_ = 0;
-  say_frame(volume, "shown");
+  say_to_all(frame_text(volume, "shown"));
 }
 
 void Viewer::not_loaded(int volume, const std::string& why) {
   requests_.refuse_volume(volume, why);
   const std::lock_guard lock(mutex_);
-  if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
-  if (current_ && current_->message.scene.frame == volume) current_.reset();
-  say_frame(volume, "failed");
-  for (const ClientId client : audience_.all()) say(client, error_text(why, {}));
+  if (newest_ && newest_->message.shot.scene.frame == volume) newest_.reset();
+  if (current_ && current_->message.shot.scene.frame == volume) current_.reset();
+  say_to_all(frame_text(volume, "failed"));
+  say_to_all(error_text(why, {}));
 }
 
 /// The mutex is held.
 void Viewer::ask_for(int volume) {
   next_volume_ = volume;
-  say_frame(volume, "loading");
+  say_to_all(frame_text(volume, "loading"));
 }
 
 /// The mutex is held.
-void Viewer::say_frame(int volume, std::string_view status) {
-  for (const ClientId client : audience_.all()) say(client, frame_text(volume, status));
+void Viewer::say_to_all(const std::string& text) {
+  for (const ClientId client : audience_.all()) server_.send_text(client, text);
 }
 
 /// The mutex is held.
@@ -139,23 +127,19 @@ void Viewer::pause(std::chrono::nanoseconds most) {
 
 // What pages say: on the server's thread.
 
-void Viewer::say(ClientId client, std::string text) {
-  server_->send_text(client, std::make_shared<const std::string>(std::move(text)));
-}
-
 /// The mutex is held.
 void Viewer::say_driver() {
   for (const ClientId client : audience_.all())
-    say(client, driver_text(audience_.drives(client), audience_.size()));
+    server_.send_text(client, driver_text(audience_.drives(client), audience_.size()));
 }
 
 void Viewer::opened(ClientId client) {
   const std::lock_guard lock(mutex_);
   audience_.add(client);
-  say(client, hello_for(hello_, audience_.drives(client), audience_.size()));
-  for (const std::string& warning : warnings_) say(client, warning);
+  server_.send_text(client, hello_text(options_, levels_, audience_.drives(client), audience_.size()));
+  for (const std::string& warning : warnings_) server_.send_text(client, warning);
   say_driver();
-  if (!audience_.drives(client) && last_.message) send_to(client, last_);
+  if (!audience_.drives(client) && last_.message) send_last(client);
   wake();
 }
 
@@ -174,45 +158,37 @@ void Viewer::received(ClientId client, const std::string& text) {
   } catch (const std::exception& e) {
     const std::optional<Request> request = request_of(text);
     if (request && request->type == "movie_frame") requests_.cancel_movie(client, request->id);
-    say(client, error_text(e.what(), request));
+    server_.send_text(client, error_text(e.what(), request));
   }
+  const std::lock_guard lock(mutex_);
+  wake();
 }
 
-FrameSpec Viewer::full_frame(const SceneState& scene, int width, int height) const {
-  FrameSpec spec = with_scene(options_.frame, scene);
-  spec.shown.width = width;
-  spec.shown.height = height;
-  return spec;
+FrameSpec Viewer::at(const Shot& shot, const Level& level) const {
+  return at_level(with_shot(options_.frame, shot), level);
 }
 
 /// Of a file that a page asks for. An error in a frame that is announced would end the job.
-FrameSpec Viewer::best_frame(const SceneState& scene, int width, int height) const {
-  FrameSpec best = at_level(full_frame(scene, width, height), levels_.back());
+FrameSpec Viewer::best_frame(const Shot& shot) const {
+  FrameSpec best = at(shot, levels_.back());
   check_frame(best, options_.volume.grid);
   return best;
 }
 
-void Viewer::check_view(const ViewMessage& view) const {
-  const FrameSpec full = full_frame(view.scene, view.width, view.height);
-  for (const Level& level : levels_) check_frame(at_level(full, level), options_.volume.grid);
-}
-
 void Viewer::handle(ClientId client, ViewMessage&& view) {
-  check_view(view);
+  for (const Level& level : levels_) check_frame(at(view.shot, level), options_.volume.grid);
   const std::lock_guard lock(mutex_);
   if (!audience_.drives(client)) return;
-  if (!last_put_ || !shows_the_same(*last_put_, view)) ++scenes_;
-  last_put_ = view;
+  if (!last_put_ || *last_put_ != view.shot) ++scenes_;
+  last_put_ = view.shot;
   newest_ = View{std::move(view), scenes_, ++views_, Clock::now(), {}};
-  wake();
 }
 
 void Viewer::handle(ClientId client, const AckMessage& ack) {
   const std::lock_guard lock(mutex_);
   audience_.acknowledge(client, ack.picture);
   // Pictures that a slow watcher could not take are skipped, but not the last one.
-  if (last_.message && audience_.lacks(client, last_.head.number)) send_to(client, last_);
-  wake();
+  if (last_.message && audience_.lacks(client, last_.head.number)) send_last(client);
 }
 
 void Viewer::handle(ClientId client, const DriveMessage&) {
@@ -220,35 +196,22 @@ void Viewer::handle(ClientId client, const DriveMessage&) {
   if (audience_.drives(client)) return;
   audience_.drive(client);
   say_driver();
-  wake();
 }
 
 void Viewer::handle(ClientId client, const ProbeMessage& asked) {
   const std::lock_guard lock(mutex_);
   if (!last_put_ || asked.x >= last_put_->width || asked.y >= last_put_->height)
     throw InputError("there is no such pixel in the last view");
-  requests_.add(client, asked, best_frame(last_put_->scene, last_put_->width, last_put_->height),
-                last_put_->scene.frame);
-  wake();
+  requests_.add(client, asked, best_frame(*last_put_), last_put_->scene.frame);
 }
 
-void Viewer::handle(ClientId client, const SnapshotMessage& asked) {
-  requests_.add(client, asked, best_frame(asked.scene, asked.width, asked.height));
-  const std::lock_guard lock(mutex_);
-  wake();
+void Viewer::handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
+
+void Viewer::handle(ClientId client, const FileMessage& asked) {
+  requests_.add(client, asked, best_frame(asked.shot));
 }
 
-void Viewer::handle(ClientId client, const MovieFrameMessage& asked) {
-  requests_.add(client, asked, best_frame(asked.scene, asked.plan.width, asked.plan.height));
-  const std::lock_guard lock(mutex_);
-  wake();
-}
-
-void Viewer::handle(ClientId client, const CancelMessage& asked) {
-  requests_.cancel_movie(client, asked.id);
-  const std::lock_guard lock(mutex_);
-  wake();
-}
+void Viewer::handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
 
 // What is rendered: on the thread that renders.
 
@@ -270,26 +233,21 @@ std::optional<FrameSpec> Viewer::next() {
 void Viewer::take_newest() {
   if (!newest_) return;
   const bool loaded_for_current =
-      not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == shown_volume_;
-  if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
+      not_yet_seen_ && current_ && !current_->shown && current_->message.shot.scene.frame == shown_volume_;
+  if (loaded_for_current && newest_->message.shot.scene.frame != shown_volume_) return;
   View view = *std::exchange(newest_, std::nullopt);
   if (current_ && current_->scene == view.scene) view.shown = current_->shown;
   current_ = std::move(view);
-  expect_costs(current_->message);
-}
-
-void Viewer::expect_costs(const ViewMessage& view) {
-  const FrameSpec full = full_frame(view.scene, view.width, view.height);
   std::vector<double> costs;
   for (const Level& level : levels_)
-    costs.push_back(rough_seconds(at_level(full, level), options_.volume.grid.dims));
+    costs.push_back(rough_seconds(at(current_->message.shot, level), options_.volume.grid.dims));
   controller_.expect(std::move(costs));
 }
 
 std::optional<FrameSpec> Viewer::next_picture() {
   if (audience_.size() == 0) return std::nullopt;
-  const int under_way = pictures_rendering_ + pictures_encoding_ + audience_.unacknowledged();
-  if (pictures_rendering_ > 0 || under_way >= Audience::most_unacknowledged) return std::nullopt;
+  if (rendering_ || pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
+    return std::nullopt;
   take_newest();
   if (!current_) return std::nullopt;
   View& view = *current_;
@@ -303,40 +261,33 @@ std::optional<FrameSpec> Viewer::next_picture() {
     if (rests) show_again();
     return std::nullopt;
   }
-  if (view.message.scene.frame != shown_volume_) {
-    ask_for(view.message.scene.frame);
+  if (view.message.shot.scene.frame != shown_volume_) {
+    ask_for(view.message.shot.scene.frame);
     return std::nullopt;
   }
   not_yet_seen_ = false;
-  ++pictures_rendering_;
-  rendering_[next_frame_] = {view, *level, rests, view.shown.has_value()};
-  return at_level(full_frame(view.message.scene, view.message.width, view.message.height),
-                  levels_[std::size_t(*level)]);
+  rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
+  return at(view.message.shot, levels_[std::size_t(*level)]);
 }
 
 /// For a view that shows what the last picture shows: the page waits for one with the view's number.
 void Viewer::show_again() {
-  const ViewMessage& view = current_->message;
-  if (pictures_encoding_ > 0 || !last_.message || last_.scene != current_->scene ||
-      last_.view == current_->number)
+  if (pictures_encoding_ > 0 || !last_.message || last_.view.scene != current_->scene ||
+      last_.view.number == current_->number)
     return;
-  LastPicture again = last_;
-  again.view = current_->number;
-  again.head.seq = view.seq;
-  again.head.time = view.time;
+  LastPicture again{last_.message, last_.head, *current_};
+  again.head.seq = current_->message.seq;
+  again.head.time = current_->message.time;
   send_to_all(std::move(again));
 }
 
 bool Viewer::unwanted(const FrameSpec& spec) {
   if (requests_.unwanted(spec.frame)) return true;
   const std::lock_guard lock(mutex_);
-  const auto found = rendering_.find(spec.frame);
-  if (found == rendering_.end()) return false;
-  const Rendering& rendering = found->second;
-  const bool newer = newest_ && newest_->scene != rendering.view.scene;
-  if (!ended_ && audience_.size() > 0 && !(rendering.refines && newer)) return false;
-  --pictures_rendering_;
-  rendering_.erase(found);
+  if (!rendering_ || rendering_->frame != spec.frame) return false;
+  const bool newer = newest_ && newest_->scene != rendering_->view.scene;
+  if (!ended_ && audience_.size() > 0 && !(rendering_->refines && newer)) return false;
+  rendering_.reset();
   return true;
 }
 
@@ -346,11 +297,9 @@ void Viewer::take(FrameResult&& result) {
     return;
   }
   const std::lock_guard lock(mutex_);
-  const auto found = rendering_.find(result.spec.frame);
-  if (found == rendering_.end()) return;  // unwanted() dropped it, but it was already complete
-  const Rendering rendering = std::move(found->second);
-  rendering_.erase(found);
-  --pictures_rendering_;
+  // unwanted() may have dropped it when it was already complete.
+  if (!rendering_ || rendering_->frame != result.spec.frame) return;
+  const Rendering rendering = *std::exchange(rendering_, std::nullopt);
   ++pictures_encoding_;
   const double seconds = result.stats.seconds;
   controller_.took(rendering.level, seconds);
@@ -362,8 +311,8 @@ void Viewer::take(FrameResult&& result) {
     current_->shown = at_rest ? rendering.level : std::min(rendering.level, levels - 2);
   auto picture = std::make_shared<RenderedPicture>();
   picture->image = std::move(result.image);
-  picture->background = srgb_to_linear(view.scene.background);
-  picture->quality = rendering.at_rest ? JpegQuality::at_rest : JpegQuality::moving;
+  picture->background = srgb_to_linear(view.shot.scene.background);
+  picture->moving = !rendering.at_rest;
   picture->scene = rendering.view.scene;
   picture->head = {.seq = view.seq,
                    .level = rendering.level,
@@ -387,8 +336,7 @@ void Viewer::send_picture(RenderedPicture& picture, const View& view) {
     const std::lock_guard lock(mutex_);
     --pictures_encoding_;
     if (!message.empty())
-      send_to_all({std::make_shared<const std::string>(std::move(message)), picture.head, picture.scene,
-                   view.message.scene, view.number});
+      send_to_all({std::make_shared<const std::string>(std::move(message)), picture.head, view});
     wake();
   }
   maker_.learn(picture);
@@ -403,13 +351,14 @@ void Viewer::send_to_all(LastPicture&& picture) {
   picture.head.pictures_a_second = pictures_a_second();
   picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
   last_ = std::move(picture);
-  for (const ClientId client : audience_.takers()) send_to(client, last_);
+  for (const ClientId client : audience_.takers()) send_last(client);
 }
 
-void Viewer::send_to(ClientId client, const LastPicture& picture) {
-  if (audience_.must_learn(client, picture.scene)) say(client, state_text(picture.state));
-  audience_.sent(client, picture.head.number);
-  server_->send_binary(client, picture.message);
+void Viewer::send_last(ClientId client) {
+  if (audience_.must_learn(client, last_.view.scene))
+    server_.send_text(client, state_text(last_.view.message.shot.scene));
+  audience_.sent(client, last_.head.number);
+  server_.send_binary(client, last_.message);
 }
 
 float Viewer::pictures_a_second() {

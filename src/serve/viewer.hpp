@@ -3,15 +3,12 @@
 #include <condition_variable>
 #include <deque>
 #include <filesystem>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
-#include "base/byte_stream.hpp"
 #include "ringsplat/volume/statistics.hpp"
 #include "serve/audience.hpp"
 #include "serve/client_message.hpp"
@@ -67,7 +64,7 @@ class Viewer {
   Viewer(const Viewer&) = delete;
   Viewer& operator=(const Viewer&) = delete;
 
-  std::string url() const { return server_->url(); }
+  std::string url() const { return server_.url(); }
   /// Of a run of the volume that is shown, the first of the series before loaded(). It lasts until another is
   /// needed, end() or a signal. The viewer must outlive it.
   Director director();
@@ -92,6 +89,7 @@ class Viewer {
     std::optional<int> shown;  ///< finest level
   };
   struct Rendering {
+    std::int64_t frame = 0;
     View view;
     int level = 0;
     bool at_rest = false, refines = false;
@@ -99,13 +97,10 @@ class Viewer {
   struct LastPicture {
     std::shared_ptr<const std::string> message;
     PictureHead head;
-    std::uint64_t scene = 0;
-    SceneState state;
-    std::uint64_t view = 0;  ///< its number
+    View view;
   };
 
   ServerEvents events();
-  RequestsHost requests_host();
   void opened(ClientId client);
   void received(ClientId client, const std::string& text);
   void closed(ClientId client);
@@ -113,38 +108,34 @@ class Viewer {
   void handle(ClientId client, const AckMessage& ack);
   void handle(ClientId client, const DriveMessage& drive);
   void handle(ClientId client, const ProbeMessage& probe);
-  void handle(ClientId client, const SnapshotMessage& snapshot);
-  void handle(ClientId client, const MovieFrameMessage& frame);
+  void handle(ClientId client, const MapMessage& map);
+  void handle(ClientId client, const FileMessage& file);
   void handle(ClientId client, const CancelMessage& cancel);
-  void check_view(const ViewMessage& view) const;
 
   std::optional<FrameSpec> next();
   std::optional<FrameSpec> next_picture();
   void take_newest();
   void ask_for(int volume);
-  void say_frame(int volume, std::string_view status);
   void show_again();
   void take(FrameResult&& result);
   bool unwanted(const FrameSpec& spec);
   void pause(std::chrono::nanoseconds most);
 
-  FrameSpec full_frame(const SceneState& scene, int width, int height) const;
-  FrameSpec best_frame(const SceneState& scene, int width, int height) const;
-  void expect_costs(const ViewMessage& view);
+  FrameSpec at(const Shot& shot, const Level& level) const;
+  FrameSpec best_frame(const Shot& shot) const;
   void send_picture(RenderedPicture& picture, const View& view);
   void send_to_all(LastPicture&& picture);
-  void send_to(ClientId client, const LastPicture& picture);
+  void send_last(ClientId client);
   float pictures_a_second();
   void say_driver();
-  void say(ClientId client, std::string text);
+  void say_to_all(const std::string& text);
   void wake();
 
   const ViewerOptions options_;
   const std::vector<Level> levels_;
   const MessageRules rules_;
-  const std::string hello_;  ///< without what differs between clients
 
-  std::mutex mutex_;  ///< guards what follows, up to the server
+  std::mutex mutex_;  ///< guards what follows, up to the requests
   std::condition_variable changed_;
   bool woken_ = false, ended_ = false;
   Audience audience_;
@@ -155,17 +146,17 @@ class Viewer {
   int shown_volume_ = 0;
   std::optional<int> next_volume_;  ///< that the run ends for
   bool not_yet_seen_ = false;       ///< no frame was drawn of the volume since it was loaded
-  std::optional<ViewMessage> last_put_;
+  std::optional<Shot> last_put_;
   LevelController controller_;
-  std::map<std::int64_t, Rendering> rendering_;  ///< by frame
+  std::optional<Rendering> rendering_;
   std::int64_t next_frame_ = 0;
-  int pictures_rendering_ = 0, pictures_encoding_ = 0;
+  int pictures_encoding_ = 0;
   std::uint32_t last_number_ = 0;
   std::deque<Clock::time_point> sent_;
   LastPicture last_;
 
   Requests requests_;  ///< has a lock of its own, taken after that
-  std::unique_ptr<WebServer> server_;
+  WebServer server_;
   PictureMaker maker_;
   Worker picture_worker_;  ///< last, as it uses all else
 };

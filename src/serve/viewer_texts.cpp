@@ -72,7 +72,7 @@ json said(const char* type, std::string_view what) {
 
 }  // namespace
 
-std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels) {
+std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels, bool drives, int viewers) {
   json names = json::array();
   for (const Level& level : levels) names.push_back({{"name", level.name}});
   return text_of({{"type", "hello"},
@@ -86,12 +86,9 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels)
                   {"layout", o.layout},
                   {"target_ms", 1e3 * o.target_seconds},
                   {"ffmpeg", o.ffmpeg.has_value()},
-                  {"largest", {o.largest_side, o.largest_side}}});
-}
-
-std::string hello_for(const std::string& hello, bool drives, int viewers) {
-  return fmt::format(R"({},"driver":{},"viewers":{}}})", std::string_view(hello).substr(0, hello.size() - 1),
-                     drives, viewers);
+                  {"largest", {o.largest_side, o.largest_side}},
+                  {"driver", drives},
+                  {"viewers", viewers}});
 }
 
 std::string driver_text(bool drives, int viewers) {
@@ -104,6 +101,10 @@ std::string frame_text(int frame, std::string_view status) {
 
 std::string state_text(const SceneState& scene) {
   return text_of({{"type", "state"}, {"state", to_json(scene)}});
+}
+
+std::string map_text(const MapMessage& map) {
+  return text_of({{"type", "map"}, {"id", map.id}, {"transfer_function", to_json(map.transfer_function)}});
 }
 
 std::string probe_text(std::uint32_t id, const Probed& probed) {

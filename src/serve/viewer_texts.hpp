@@ -9,13 +9,13 @@
 /// The JSON texts that a viewer sends (docs/viewer.md).
 namespace ringsplat::serve {
 
-/// What does not differ between clients; hello_for() adds the rest.
-std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels);
-std::string hello_for(const std::string& hello, bool drives, int viewers);
+std::string hello_text(const ViewerOptions& options, const std::vector<Level>& levels, bool drives,
+                       int viewers);
 std::string driver_text(bool drives, int viewers);
 /// What becomes of a frame of a series: "loading", "shown" from now on, or "failed".
 std::string frame_text(int frame, std::string_view status);
 std::string state_text(const SceneState& scene);
+std::string map_text(const MapMessage& map);
 std::string probe_text(std::uint32_t id, const Probed& probed);
 /// A movie's frame is there; another may come.
 std::string movie_frame_text(std::uint32_t id, int index);

@@ -10,7 +10,7 @@
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/web_visitor.hpp"
+#include "serve/web_connections.hpp"
 
 namespace ringsplat::serve {
 
@@ -31,38 +31,16 @@ std::string machine_name() {
 
 }  // namespace
 
-class WebServer::Impl {
- public:
-  Impl(const ServerOptions& options, ServerEvents events, const ServerLimits& limits)
-      : token_(make_token()), acceptor_(shared_.io), pause_(shared_.io) {
-    shared_.limits = limits;
+struct WebServer::Impl {
+  Impl(const ServerOptions& options, ServerEvents events)
+      : acceptor_(shared_.io), pause_(shared_.io), signals_(shared_.io, SIGINT, SIGTERM) {
     shared_.events = std::move(events);
     bind(options);
-    shared_.access.emplace(token_, hosts(options), options.allowed_origins);
+    shared_.access = {make_token(), hosts(options), options.allowed_origins};
     shared_.frame_ancestors = frame_ancestors(options.allowed_frames);
-    shared_.packed_page = gzipped(find_page_file("/")->bytes);
-    shared_.page_tag = fmt::format("\"{}\"", page_hashes().page);
     accept();
-    if (options.take_signals) {
-      signals_.emplace(shared_.io, SIGINT, SIGTERM);
-      wait_for_signal();
-    }
+    wait_for_signal();
   }
-
-  ~Impl() {
-    asio::post(shared_.io, [this] {
-      if (!shared_.ending) shared_.io.stop();  // otherwise end() has seen to it
-    });
-    if (thread_.joinable()) thread_.join();
-    shared_.events.closed = [](ClientId) {};
-  }
-
-  void start() {
-    thread_ = std::thread([this] { run(); });
-  }
-
-  int port() const { return port_; }
-  std::string url() const { return fmt::format("http://{}/#{}", name_, token_); }
 
   void send(ClientId id, bool binary, std::shared_ptr<const std::string> bytes) {
     asio::post(shared_.io, [this, id, binary, bytes = std::move(bytes)] {
@@ -72,22 +50,19 @@ class WebServer::Impl {
     });
   }
 
-  void end(std::shared_ptr<const std::string> last_text) {
-    asio::post(shared_.io, [this, last_text = std::move(last_text)] {
-      if (std::exchange(shared_.ending, true)) return;
-      error_code ignored;
-      acceptor_.close(ignored);
-      if (signals_) signals_->cancel(ignored);
-      for (const auto& held : clients()) {
-        held->send(false, last_text);
-        held->close();
-      }
-      last_moment_ = Clock::now() + std::chrono::seconds(1);
-      stop_soon();
-    });
+  void end(const std::shared_ptr<const std::string>& last_text) {
+    if (std::exchange(shared_.ending, true)) return;
+    error_code ignored;
+    acceptor_.close(ignored);
+    signals_.cancel(ignored);
+    for (const auto& held : clients()) {
+      held->send(false, last_text);
+      held->close();
+    }
+    last_moment_ = Clock::now() + std::chrono::seconds(1);
+    stop_soon();
   }
 
- private:
   void bind(const ServerOptions& options) {
     error_code error;
     address_ = asio::ip::make_address(options.address, error);
@@ -155,7 +130,7 @@ class WebServer::Impl {
   }
 
   void wait_for_signal() {
-    signals_->async_wait([this](error_code error, int number) {
+    signals_.async_wait([this](error_code error, int number) {
       if (error) return;
       shared_.events.signalled(number);
       wait_for_signal();
@@ -174,34 +149,46 @@ class WebServer::Impl {
   }
 
   Shared shared_;
-  std::string token_, name_;
+  std::string name_;
   asio::ip::address address_;
   int port_ = 0;
   tcp::acceptor acceptor_;
   asio::steady_timer pause_;
   Clock::time_point last_moment_;
-  std::optional<asio::signal_set> signals_;
+  asio::signal_set signals_;
   std::thread thread_;
 };
 
-WebServer::WebServer(const ServerOptions& options, ServerEvents events, const ServerLimits& limits)
-    : impl_(std::make_unique<Impl>(options, std::move(events), limits)) {}
-WebServer::~WebServer() = default;
+WebServer::WebServer(const ServerOptions& options, ServerEvents events)
+    : impl_(std::make_unique<Impl>(options, std::move(events))) {}
 
-void WebServer::start() { impl_->start(); }
-int WebServer::port() const { return impl_->port(); }
-std::string WebServer::url() const { return impl_->url(); }
+WebServer::~WebServer() {
+  asio::post(impl_->shared_.io, [this] {
+    if (!impl_->shared_.ending) impl_->shared_.io.stop();  // otherwise end() has seen to it
+  });
+  if (impl_->thread_.joinable()) impl_->thread_.join();
+  impl_->shared_.events.closed = [](ClientId) {};
+}
 
-void WebServer::send_text(ClientId client, std::shared_ptr<const std::string> text) {
-  impl_->send(client, false, std::move(text));
+void WebServer::start() {
+  impl_->thread_ = std::thread([this] { impl_->run(); });
+}
+
+std::string WebServer::url() const {
+  return fmt::format("http://{}/#{}", impl_->name_, impl_->shared_.access.token);
+}
+
+void WebServer::send_text(ClientId client, std::string text) {
+  impl_->send(client, false, std::make_shared<const std::string>(std::move(text)));
 }
 
 void WebServer::send_binary(ClientId client, std::shared_ptr<const std::string> bytes) {
   impl_->send(client, true, std::move(bytes));
 }
 
-void WebServer::end(const std::string& last_text) {
-  impl_->end(std::make_shared<const std::string>(last_text));
+void WebServer::end(std::string last_text) {
+  asio::post(impl_->shared_.io,
+             [this, last = std::make_shared<const std::string>(std::move(last_text))] { impl_->end(last); });
 }
 
 }  // namespace ringsplat::serve

@@ -173,31 +173,24 @@ serve::MessageRules message_rules() {
 }
 
 /// A view that is let through must be one that ranks draw: what they refuse ends the job.
-void use(const serve::SceneState& scene, int width, int height) {
+void use(const serve::Shot& shot) {
   static const auto levels = serve::make_levels({}, small_volume().dims);
-  FrameSpec full = serve::with_scene({}, scene);
-  full.shown.width = width;
-  full.shown.height = height;
+  const FrameSpec full = serve::with_shot({}, shot);
   for (const auto& level : levels) {
     const FrameSpec spec = serve::at_level(full, level);
     check_frame(spec, small_volume());
     if (decode_frame_spec(encode(spec)) != spec)
       throw std::logic_error("a view changes on its way to the ranks");
   }
-  const auto rules = message_rules();
-  const auto again = nlohmann::json::parse(serve::text_of(serve::to_json(scene)));
-  static_cast<void>(serve::scene_from(again, rules.initial, rules.dims));
+  const auto again = nlohmann::json::parse(serve::text_of(serve::to_json(shot.scene)));
+  static_cast<void>(serve::scene_from(again, message_rules()));
 }
 
 void run_client_message(std::span<const std::byte> input) {
   static_cast<void>(serve::request_of(text_of(input)));
   const auto message = serve::parse_client_message(text_of(input), message_rules());
-  if (const auto* view = std::get_if<serve::ViewMessage>(&message))
-    use(view->scene, view->width, view->height);
-  if (const auto* snapshot = std::get_if<serve::SnapshotMessage>(&message))
-    use(snapshot->scene, snapshot->width, snapshot->height);
-  if (const auto* frame = std::get_if<serve::MovieFrameMessage>(&message))
-    use(frame->scene, frame->plan.width, frame->plan.height);
+  if (const auto* view = std::get_if<serve::ViewMessage>(&message)) use(view->shot);
+  if (const auto* file = std::get_if<serve::FileMessage>(&message)) use(file->shot);
 }
 
 std::vector<Input> client_message_seeds() {
@@ -207,6 +200,7 @@ std::vector<Input> client_message_seeds() {
       R"({"type":"ack","picture":17})",
       R"({"type":"drive"})",
       R"({"type":"probe","id":1,"x":10.5,"y":20})",
+      R"({"type":"map","id":2,"map":{"ColorSpace":"Lab","RGBPoints":[0,0,0,0,1,1,1,1],"Points":[0,0,0.5,0,1,1,0.5,0]}})",
       R"({"type":"snapshot","id":2,"width":4096,"height":4096,"format":"exr","state":{"clip":null}})",
       R"({"type":"movie_frame","id":3,"index":2,"count":10000,"fps":29.97,"width":1280,"height":720,"state":{}})",
       R"({"type":"cancel","id":3})"};

@@ -1,12 +1,11 @@
 """Writes the documentation's pictures of the page, of the head with which the README begins."""
 
 import os
-import shlex
 
 from selenium.webdriver.common.action_chains import ActionChains
 
 import browser_test
-from viewer_page import Page, Server
+from viewer_page import Page
 
 LOOK = ("--tf", "mr-skin", "--azimuth", "-35", "--elevation", "8", "--zoom", "1.2", "--background", "#20242c")
 
@@ -26,8 +25,7 @@ def save(page, folder, name):
 
 def write(folder):
     os.makedirs(folder, exist_ok=True)
-    arguments = browser_test.arguments
-    server = Server(shlex.split(arguments.launch), arguments.ringsplat, browser_test.HEAD, *LOOK)
+    server = browser_test.serve(browser_test.HEAD, *LOOK)
     page = Page((1180, 860))
     try:
         scheme(page, "light")

@@ -3,7 +3,6 @@
 import io
 import json
 import os
-import shlex
 import shutil
 import struct
 import subprocess
@@ -13,10 +12,9 @@ import zipfile
 
 from selenium.webdriver.common.keys import Keys
 
-import browser_test
 import viewer_client
-from browser_test import WithPage, jack
-from viewer_page import PATIENCE, Page, Server, Wire, wait_for_file
+from browser_test import WithPage, jack, serve
+from viewer_page import PATIENCE, Page, Wire, wait_for_file
 
 
 def rounded(value):
@@ -231,10 +229,6 @@ class Flow(WithPage):
                                      "azimuth, zoom: azimuth ? 4 : 1}})), 0.5, [48, 48, 48]).camera")
         self.assertAlmostEqual(middle["azimuth"], 45, places=5)
         self.assertAlmostEqual(middle["zoom"], 2, places=5)
-        step = module("paraview.js", "m.fromParaView(JSON.stringify({Points: [0, 0, 0.25, 1, 8, 1, 0.5, 0],"
-                                     "RGBPoints: [0, 0, 0, 0, 8, 1, 1, 1]})).opacities")
-        self.assertEqual(step, [[0, 0], [2, 0], [2, 1], [8, 1]])
-        self.assertIn("RGBPoints", module("paraview.js", "m.fromParaView('{}')"))
 
 
 class TwoPages(WithPage):
@@ -292,7 +286,7 @@ class TheEnd(WithPage):
     volume = staticmethod(jack)
 
     def test_the_jobs_end_shows_on_the_page(self):
-        server = Server(shlex.split(browser_test.arguments.launch), browser_test.arguments.ringsplat, jack())
+        server = serve(jack())
         self.addCleanup(server.stop)
         self.page.show(server.url)
         server.process.terminate()

@@ -28,6 +28,11 @@ def run(*command):
     return subprocess.run([arguments.ringsplat, *command], check=True, capture_output=True, text=True).stdout
 
 
+def serve(volume, *options):
+    from viewer_client import Server
+    return Server([*shlex.split(arguments.launch), arguments.ringsplat, "serve", volume, *options])
+
+
 def jack():
     """A volume with unequal arms along +x, +y and +z and a letter F, in patient coordinates."""
     path = os.path.join(scratch, "jack.nrrd")
@@ -42,9 +47,9 @@ class WithPage(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        from viewer_page import Page, Server
+        from viewer_page import Page
         cls.folder = tempfile.mkdtemp(dir=scratch)
-        cls.server = Server(shlex.split(arguments.launch), arguments.ringsplat, cls.volume(), *cls.options)
+        cls.server = serve(cls.volume(), *cls.options)
         cls.addClassCleanup(cls.server.stop)
         cls.page = Page(cls.size, cls.folder)
         cls.addClassCleanup(cls.page.quit)

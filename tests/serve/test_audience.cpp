@@ -6,7 +6,6 @@ using namespace ringsplat::serve;
 
 TEST_CASE("The first to come drives, and when it goes the one that is here longest") {
   Audience audience;
-  CHECK(!audience.driver());
   for (const ClientId client : {4, 5, 6}) audience.add(client);
   CHECK(audience.drives(4));
   audience.drive(6);
@@ -17,7 +16,7 @@ TEST_CASE("The first to come drives, and when it goes the one that is here longe
   CHECK(audience.drives(4));
   audience.remove(4);
   audience.remove(5);
-  CHECK(!audience.driver());
+  for (const ClientId client : {4, 5, 6, 99}) CHECK(!audience.drives(client));
 }
 
 TEST_CASE("A client with two unacknowledged pictures gets no more") {

@@ -31,12 +31,12 @@ TEST_CASE("A view's missing members are those of the initial scene") {
       R"({"type":"view","seq":7,"moving":true,"width":640,"height":480,"time":12.5,"state":{"camera":{"azimuth":30}}})");
   CHECK(view.seq == 7);
   CHECK(view.moving);
-  CHECK(view.width == 640);
-  CHECK(view.height == 480);
+  CHECK(view.shot.width == 640);
+  CHECK(view.shot.height == 480);
   CHECK(view.time == 12.5);
   SceneState expected = rules().initial;
   expected.camera.azimuth = 30;
-  CHECK(view.scene == expected);
+  CHECK(view.shot.scene == expected);
 }
 
 TEST_CASE("A scene that was written is read back to the last bit") {
@@ -50,8 +50,7 @@ TEST_CASE("A scene that was written is read back to the last bit") {
   scene.frame = 3;
   scene.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
   scene.background = {0.1, 0.2, 0.3};
-  CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules().initial, rules().dims,
-                   rules().frames) == scene);
+  CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules()) == scene);
 }
 
 TEST_CASE("Messages that are not quite right are refused with words") {
@@ -89,12 +88,15 @@ TEST_CASE("Deep nesting is refused before it is parsed, brackets in texts do not
 }
 
 TEST_CASE("A movie's frame says which it is, and what all have in common") {
-  const auto frame = parsed<MovieFrameMessage>(
+  const auto frame = parsed<FileMessage>(
       R"({"type":"movie_frame","id":3,"index":4,"count":5,"fps":29.97,"width":64,"height":48,"state":{"camera":{"azimuth":30}}})");
   CHECK(frame.id == 3);
-  CHECK(frame.index == 4);
-  CHECK(frame.plan == MoviePlan{5, 29.97, 64, 48});
-  CHECK(frame.scene.camera.azimuth == 30);
+  REQUIRE(frame.movie);
+  CHECK(frame.movie->index == 4);
+  CHECK(frame.movie->plan == MoviePlan{5, 29.97, 64, 48});
+  CHECK(frame.shot.width == 64);
+  CHECK(frame.shot.height == 48);
+  CHECK(frame.shot.scene.camera.azimuth == 30);
   for (const char* text :
        {R"({"type":"movie_frame","id":3,"index":5,"count":5,"fps":25,"width":64,"height":48})",
         R"({"type":"movie_frame","id":3,"index":-1,"count":5,"fps":25,"width":64,"height":48})",
@@ -106,6 +108,20 @@ TEST_CASE("A movie's frame says which it is, and what all have in common") {
         R"({"type":"movie_frame","index":0,"count":5,"fps":25,"width":64,"height":48})",
         R"({"type":"cancel"})"})
     CHECK_THROWS_AS(parse_client_message(text, rules()), InputError);
+}
+
+TEST_CASE("ParaView's map becomes a transfer function in few digits") {
+  const auto message = parsed<MapMessage>(
+      R"({"type":"map","id":7,"map":[{"Points":[0,0,0.25,1,8,1,0.5,0],"RGBPoints":[0,0,0,0.1234567891,8,1,1,1]}]})");
+  CHECK(message.id == 7);
+  const TransferFunction& tf = message.transfer_function;
+  CHECK(tf.opacities == std::vector<TransferFunction::OpacityPoint>{{0, 0}, {2, 0}, {2, 1}, {8, 1}});
+  CHECK(tf.colours.front().srgb.z == 0.123457);
+  CHECK_THROWS_WITH(parsed<MapMessage>(R"({"type":"map","id":7,"map":{}})"),
+                    Catch::Matchers::Contains("RGBPoints"));
+  std::string many = R"({"type":"map","id":7,"map":{"ColorSpace":"Lab","RGBPoints":[0,0,0,0)";
+  for (int k = 1; k < 40; ++k) many += "," + std::to_string(k) + ",1,1,1";
+  CHECK_THROWS_WITH(parsed<MapMessage>(many + "]}}"), Catch::Matchers::Contains("colours"));
 }
 
 TEST_CASE("A wrong message still tells which request it was") {

@@ -2,7 +2,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "serve/picture_head.hpp"
 #include "serve/picture_maker.hpp"
 #include "support/catch.hpp"
 

@@ -1,12 +1,8 @@
-"""A real server and a headless Chromium that shows its page, for the tests beside this file."""
+"""A headless Chromium that shows a server's page, for the tests beside this file."""
 
 import os
-import re
 import shutil
-import signal
 import socket
-import subprocess
-import tempfile
 import threading
 import time
 
@@ -16,43 +12,6 @@ from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 
 PATIENCE = float(os.environ.get("RINGSPLAT_PATIENCE", "1"))  # sanitizers are slow
-
-
-class Server:
-    """`ringsplat serve` with its URL. `launch` comes before the program: nothing, or mpirun and its arguments."""
-
-    def __init__(self, launch, ringsplat, volume, *options):
-        self.log = tempfile.TemporaryFile("w+")
-        self.process = subprocess.Popen([*launch, ringsplat, "serve", volume, *options], stdout=subprocess.PIPE,
-                                        stderr=self.log, text=True, start_new_session=True)
-        self.url = None
-        for line in self.process.stdout:
-            found = re.search(r"http://\S+#\S+", line)
-            if found:
-                self.url = found.group()
-                break
-        if self.url is None:
-            raise RuntimeError("the server gave no URL: " + self.errors())
-        threading.Thread(target=self.process.stdout.read, daemon=True).start()
-
-    @property
-    def port(self):
-        return int(re.search(r":(\d+)/", self.url).group(1))
-
-    def errors(self):
-        self.log.seek(0)
-        return self.log.read()
-
-    def stop(self):
-        if self.process.poll() is None:
-            self.process.send_signal(signal.SIGTERM)
-            try:
-                self.process.wait(20 * PATIENCE)
-            except subprocess.TimeoutExpired:
-                os.killpg(self.process.pid, signal.SIGKILL)
-                self.process.wait()
-        self.process.stdout.close()
-        self.log.close()
 
 
 class Wire:
@@ -149,10 +108,13 @@ class Page:
         return self.js(f"return ringsplat.{expression}")
 
     def module(self, name, expression):
-        """An expression's value with a module of the page at hand as `m`."""
+        """An expression's value with a module of the page at hand as `m`, after those that it needs."""
+        script = self.js("return document.querySelector('script').textContent")
+        module = "in_" + name.removesuffix(".js")
+        end = script.index("\n})();\n", script.index(f"const {module} =")) + len("\n})();\n")
         return self.driver.execute_async_script(
-            "const done = arguments[0]; import(new URL(%r, document.baseURI)).then(async m => await (%s))"
-            ".then(done, error => done('failed: ' + error));" % (name, expression))
+            script[:end] + "const done = arguments[0], m = %s; (async () => (%s))()"
+            ".then(done, error => done('failed: ' + error));" % (module, expression))
 
     def wait(self, expression, seconds=20.0):
         end = time.monotonic() + seconds * PATIENCE
