@@ -4,7 +4,7 @@ import { fillingZoom, viewOf } from './camera.js';
 import { ClipPanel, wholeBox } from './clip_panel.js';
 import { Connection, kinds } from './connection.js';
 import { Cube } from './cube.js';
-import { byId } from './dom.js';
+import { byId, openFile } from './dom.js';
 import { FilmPanel } from './film_panel.js';
 import { FramePanel } from './frame_panel.js';
 import { Gestures } from './gestures.js';
@@ -13,7 +13,6 @@ import { attachKeyboard } from './keyboard.js';
 import { drawOverlay } from './overlay.js';
 import { LabelsPanel } from './labels_panel.js';
 import { Probe } from './probe.js';
-import { Requests } from './requests.js';
 import { Scene, checkedState, readFragment } from './scene.js';
 import { Sender } from './sender.js';
 import { attachSettings, onSettings, settings } from './settings.js';
@@ -29,11 +28,10 @@ const fragmentWait = 300;  // milliseconds; browsers limit how often the address
 
 export class App {
   constructor() {
-    this.scene = new Scene();
+    this.scene = new Scene((keys) => this.sceneChanged(keys));
     this.history = new History();
     this.hello = null;
     this.driving = true;
-    this.viewers = 1;
     this.lastFov = 40;
     this.latency = NaN;
     this.latencyOf = -1;
@@ -46,7 +44,6 @@ export class App {
     this.connection = new Connection(() => this.token, {
       message: (message) => this.take(message), binary: (head) => this.takeBinary(head),
       status: (status) => this.linkChanged(status) });
-    this.requests = new Requests((message) => this.connection.send(message));
     this.transfer = new TransferPanel(this);
     this.labels = new LabelsPanel(this);
     this.viewPanel = new ViewPanel(this);
@@ -63,7 +60,6 @@ export class App {
     byId('undo').addEventListener('click', () => this.undo(false));
     byId('redo').addEventListener('click', () => this.undo(true));
     byId('take-over').addEventListener('click', () => this.connection.send({ type: 'drive' }));
-    this.scene.subscribe((keys) => this.sceneChanged(keys));
     window.addEventListener('hashchange', () => this.readAddress() && this.connection.reopen());
     window.addEventListener('beforeunload', (event) => this.film.job && event.preventDefault());
     // A page that the browser keeps for "back" must not go on driving.
@@ -103,9 +99,10 @@ export class App {
       driver: () => this.setDriver(message.you, message.viewers),
       state: () => this.follow(message.state),
       frame: () => this.series.told(message),
-      probe: () => this.requests.answer(message.id, message),
-      movie_frame: () => this.requests.answer(message.id, message),
-      error: () => this.requests.fail(message.id, message.message) || showError(message.message, message.hint),
+      probe: () => this.connection.answer(message.id, message),
+      map: () => this.connection.answer(message.id, message),
+      movie_frame: () => this.connection.answer(message.id, message),
+      error: () => this.connection.fail(message.id, message.message) || showError(message.message, message.hint),
       warning: () => showError(message.message, message.hint, true),
       end: () => this.ended(message.message),
     };
@@ -136,14 +133,13 @@ export class App {
   }
 
   setDriver(driving, viewers) {
-    const began = driving && !this.driving;
     if (driving !== this.driving) this.stage.forget();
-    [this.driving, this.viewers, this.scene.locked] = [driving, viewers, !driving];
-    if (!driving) this.film.stop();
-    if (!driving) this.series.stop();
+    [this.driving, this.scene.locked] = [driving, !driving];
     showDriver(driving, viewers);
     this.redraw();
-    if (began || driving) this.sender.request();
+    if (driving) return void this.sender.request();
+    this.film.stop();
+    this.series.stop();
   }
 
   /** The driver's scene, for those who watch. */
@@ -155,7 +151,7 @@ export class App {
   }
 
   async takeBinary(head) {
-    if (head.kind !== kinds.picture) return void this.requests.answer(head.number, head);
+    if (head.kind !== kinds.picture) return void this.connection.answer(head.number, head);
     await this.stage.take(head);
     this.connection.send({ type: 'ack', picture: head.number });
   }
@@ -175,7 +171,7 @@ export class App {
     if (status === 'refused')
       this.refusal = showError(this.token ? 'The token of this address is not the server\'s.' : 'This address lacks its token.',
                     'Open the whole address that ringsplat serve printed when it started.', true);
-    if (status !== 'open') this.requests.failAll('the connection was lost');
+    if (status !== 'open') this.connection.failAll('the connection was lost');
     if (status === 'open') this.losses = 0;
     if (status === 'open') this.refusal?.remove();
     if (status === 'lost' && ++this.losses === lossesTold)
@@ -191,7 +187,7 @@ export class App {
   }
 
   ended(message) {
-    this.requests.failAll('the job has ended');
+    this.connection.failAll('the job has ended');
     showEnd(message, () => this.connection.reopen());
   }
 
@@ -222,10 +218,6 @@ export class App {
     return { ...this.hello.state, ...this.withinSeries(part), camera: { ...this.hello.state.camera, ...part.camera } };
   }
 
-  editTransfer(tf, whole) {
-    this.transfer.edit(tf, whole);
-  }
-
   /** A step of undo ends here. */
   commit() {
     if (this.mayEdit()) this.history.commit(this.scene.state);
@@ -234,7 +226,7 @@ export class App {
   undo(again) {
     if (!this.mayEdit()) return;
     this.commit();
-    this.stopFilm();
+    this.film.stop();
     const state = again ? this.history.redo() : this.history.undo();
     if (state) this.scene.change(state);
     this.showUndo();
@@ -250,11 +242,11 @@ export class App {
   }
 
   resetCamera() {
-    this.stopFilm();
+    this.film.stop();
     this.scene.change({ camera: this.hello.state.camera });
   }
   lookFrom({ azimuth, elevation }) {
-    this.stopFilm();
+    this.film.stop();
     this.scene.change({ camera: { azimuth, elevation, roll: 0 } });
   }
   setProjection(perspective) {
@@ -271,37 +263,14 @@ export class App {
     this.scene.change({ clip: this.scene.state.clip ? null : this.lastClip ?? wholeBox(this.volume.dims) });
   }
 
-  stepFrame(by) {
-    this.series.step(by);
-  }
-  playSeries() {
-    this.series.toggle();
-  }
-
-  addKeyFrame() {
-    this.film.add();
-  }
-  playFilm() {
-    this.film.play();
-  }
-  stopFilm() {
-    this.film.stop();
-  }
-  saveSnapshot() {
-    this.snapshots.save();
-  }
-
   probe(place) {
     if (this.scene.state) this.probing.ask(place);
   }
   probeAtCross() {
     this.probe(this.probing.cross ?? this.gestures.cursor ?? this.probing.middle());
   }
-  moveCross(shift) {
-    this.probing.move(shift);
-  }
   quiet() {
-    this.stopFilm();
+    this.film.stop();
     this.series.stop();
     this.probing.hide();
   }
@@ -385,6 +354,17 @@ export class App {
     if (!this.scene.state) return;
     const fragment = this.scene.fragment();
     history.replaceState(null, '', location.pathname + location.search + (fragment ? '#' + fragment : ''));
+  }
+
+  /** Has `use` take what is in a JSON file; says so, with a hint, when that fails. */
+  async openJson(use, hint) {
+    const file = await openFile('.json');
+    if (!file) return;
+    try {
+      await use(JSON.parse(await file.text()));
+    } catch (error) {
+      this.complain(`${file.name} cannot be used: ${error.message}`, hint);
+    }
   }
 
   complain(message, hint) {

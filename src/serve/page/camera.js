@@ -5,7 +5,7 @@ const degree = Math.PI / 180;
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const sum = (...terms) => [0, 1, 2].map((k) => terms.reduce((total, [s, v]) => total + s * v[k], 0));
-export const length = (a) => Math.hypot(...a);
+const length = (a) => Math.hypot(...a);
 
 /** The picture's directions in the world before it is rolled. */
 function uprightBasis(azimuth, elevation) {

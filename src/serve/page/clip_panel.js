@@ -1,6 +1,6 @@
 // The clip box: three double sliders with numbers, and handles at the middles of its faces on the picture.
 
-import { byId, clamp, element } from './dom.js';
+import { byId, clamp, element, onDrag } from './dom.js';
 import { settings } from './settings.js';
 
 const axes = ['x', 'y', 'z'], ends = ['from', 'to'];
@@ -50,25 +50,16 @@ export class ClipPanel {
   makeHandle(name, axis, end, k) {
     const button = element('button', { 'aria-label': `Face of the clip box: ${name} ${end}; arrow keys move it`,
                                        title: `${name} ${end}` });
-    let from = null;
-    button.addEventListener('pointerdown', (event) => {
-      if (event.button !== 0) return;
-      event.preventDefault();
-      button.focus({ focusVisible: false });
-      button.setPointerCapture(event.pointerId);
-      this.app.sender.hold();
-      from = { x: event.clientX, y: event.clientY, voxel: this.clip[axis][k], way: this.way(axis, k) };
+    let from;
+    onDrag(this.app, button, {
+      begin: ({ clientX, clientY }) => {
+        from = { x: clientX, y: clientY, voxel: this.clip[axis][k], way: this.way(axis, k) };
+      },
+      move: ({ clientX, clientY }) => {
+        const along = (clientX - from.x) * from.way[0] + (clientY - from.y) * from.way[1];
+        this.put(axis, k, from.voxel + along);
+      },
     });
-    button.addEventListener('pointermove', (event) => {
-      if (!from) return;
-      const along = (event.clientX - from.x) * from.way[0] + (event.clientY - from.y) * from.way[1];
-      this.put(axis, k, from.voxel + along);
-    });
-    for (const end of ['pointerup', 'pointercancel'])
-      button.addEventListener(end, () => {
-        if (from) this.app.sender.release();
-        from = null;
-      });
     button.addEventListener('keydown', (event) => {
       const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
       if (!step || event.ctrlKey || event.altKey || event.metaKey) return;

@@ -1,4 +1,4 @@
-// The WebSocket to the server: messages both ways, and coming back after it was lost.
+// The WebSocket to the server: messages both ways, questions, and coming back after it was lost.
 
 const headBytes = 48, magic = 0x31505352;  // "RSP1"
 export const kinds = { picture: 0, snapshot: 1, movie: 2 };
@@ -41,12 +41,14 @@ export class Connection {
     this.status = 'connecting';
     this.socket = null;
     this.timer = 0;
+    this.waiting = new Map();  // by id
+    this.nextId = 1;
   }
 
   open() {
     clearTimeout(this.timer);
     this.become('connecting');
-    if (!this.token()) return this.become('refused');
+    if (!this.token()) return void this.become('refused');
     const address = new URL('ws', document.baseURI);  // relative: works behind a path prefix
     address.protocol = address.protocol === 'https:' ? 'wss:' : 'ws:';
     address.hash = '';
@@ -59,7 +61,6 @@ export class Connection {
       if (this.status === 'connecting' && (await isWrong(this.token())) && socket === this.socket) this.become('refused');
       else if (socket === this.socket && this.status !== 'ended') this.retry();
     };
-    return undefined;
   }
 
   /** Drops the connection and makes a new one at once, as when a new token came. */
@@ -111,5 +112,41 @@ export class Connection {
     if (this.status !== 'open' || this.socket.readyState !== WebSocket.OPEN) return false;
     this.socket.send(JSON.stringify(message));
     return true;
+  }
+
+  // Questions to the server that are answered by one message with the same id.
+
+  newId() {
+    return this.nextId++;
+  }
+
+  /** Resolves with the answer; rejects when the connection is lost or the asker gives up. */
+  ask(message, signal) {
+    const id = message.id ?? this.newId();
+    return new Promise((resolve, reject) => {
+      if (signal?.aborted) return void reject(new Error('cancelled'));
+      const settle = (end) => (value) => {
+        this.waiting.delete(id);
+        signal?.removeEventListener('abort', onAbort);
+        end(value);
+      };
+      const onAbort = () => this.waiting.get(id)?.reject(new Error('cancelled'));
+      this.waiting.set(id, { resolve: settle(resolve), reject: settle(reject) });
+      signal?.addEventListener('abort', onAbort);
+      if (!this.send({ ...message, id })) this.waiting.get(id).reject(new Error('there is no connection'));
+    });
+  }
+
+  answer(id, value) {
+    this.waiting.get(id)?.resolve(value);
+  }
+  /** True when somebody waited for it. */
+  fail(id, message) {
+    const asker = this.waiting.get(id);
+    asker?.reject(new Error(message));
+    return asker !== undefined;
+  }
+  failAll(message) {
+    for (const { reject } of [...this.waiting.values()]) reject(new Error(message));
   }
 }

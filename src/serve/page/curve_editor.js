@@ -1,25 +1,21 @@
 // The two canvases of the transfer function's editor: opacity points over the histogram, and colour stops below.
 
-import { byId, clamp, fitCanvas, themeColour } from './dom.js';
+import { byId, clamp, cssColour, fitCanvas, onDrag, themeColour } from './dom.js';
 import { settings } from './settings.js';
 import { canLose, colourAt, opacityAt, withPoint, withPointAt, withoutPoint } from './transfer_function.js';
 
 const near = 9, top = 10, bottom = 4, side = 8;  // pixels
 
-const cssColour = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
-
 export class CurveEditor {
-  /** `app.editTransfer(tf)` shows a change, `app.commit()` ends it for undo. */
+  /** `app.transfer.edit(tf)` shows a change, `app.commit()` ends it for undo. */
   constructor(app, onSelect) {
     this.app = app;
     this.onSelect = onSelect;
     this.selected = { which: 'opacities', index: 0 };
     for (const [id, which] of [['curve', 'opacities'], ['strip', 'colours']]) {
       const canvas = byId(id);
-      canvas.addEventListener('pointerdown', (event) => this.down(event, canvas, which));
-      canvas.addEventListener('pointermove', (event) => this.move(event, canvas));
-      canvas.addEventListener('pointerup', () => this.up());
-      canvas.addEventListener('pointercancel', () => this.up());
+      onDrag(app, canvas, { begin: (event) => this.take(event, canvas, which),
+                            move: (event) => this.move(event, canvas), end: () => app.commit() });
       canvas.addEventListener('contextmenu', (event) => this.removeAt(event, canvas, which));
       canvas.addEventListener('keydown', (event) => this.key(event, which));
       new ResizeObserver(() => this.draw()).observe(canvas);
@@ -65,37 +61,23 @@ export class CurveEditor {
     return distances[best] <= (event.pointerType === 'touch' ? 2 * near : near) ? best : -1;
   }
 
-  down(event, canvas, which) {
-    if (event.button !== 0 || !this.app.scene.state) return;
-    event.preventDefault();
-    canvas.focus({ focusVisible: false });
-    canvas.setPointerCapture(event.pointerId);
-    this.app.sender.hold();
-    this.dragging = true;
+  take(event, canvas, which) {
     let index = this.indexAt(event, canvas, which);
     if (index < 0) index = this.add(which, this.valueAt(event, canvas));
     this.select(which, index);
   }
 
   move(event, canvas) {
-    if (!this.dragging) return;
     const [value, opacity] = this.valueAt(event, canvas), { which, index } = this.selected;
     const rest = which === 'opacities' ? [opacity] : this.point.slice(1);
-    this.app.editTransfer(withPointAt(this.tf, which, index, [value, ...rest]));
-  }
-
-  up() {
-    if (!this.dragging) return;
-    this.dragging = false;
-    this.app.commit();
-    this.app.sender.release();
+    this.app.transfer.edit(withPointAt(this.tf, which, index, [value, ...rest]));
   }
 
   /** A new point on the curve (or where the pointer is), its index. */
   add(which, [value, opacity]) {
     const point = which === 'opacities' ? [value, opacity] : [value, ...colourAt(this.tf, value)];
     const { tf, index } = withPoint(this.tf, which, point);
-    this.app.editTransfer(tf);
+    this.app.transfer.edit(tf);
     return index;
   }
 
@@ -107,7 +89,7 @@ export class CurveEditor {
 
   remove(which = this.selected.which, index = this.selected.index) {
     if (!canLose(this.tf, which)) return;
-    this.app.editTransfer(withoutPoint(this.tf, which, index), true);
+    this.app.transfer.edit(withoutPoint(this.tf, which, index), true);
     this.select(which, Math.max(0, index - 1));
   }
 
@@ -119,7 +101,7 @@ export class CurveEditor {
       if (which === 'opacities') rest[0] += opacities * fine;
       const { index } = this.selected;
       this.app.sender.pulse();
-      this.app.editTransfer(withPointAt(this.tf, which, index, [value + values * fine * (high - low), ...rest]), true);
+      this.app.transfer.edit(withPointAt(this.tf, which, index, [value + values * fine * (high - low), ...rest]), true);
     };
     const acts = {
       ArrowLeft: () => move(-1, 0), ArrowRight: () => move(1, 0),

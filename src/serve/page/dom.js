@@ -32,6 +32,28 @@ export function onNumber(field, take, refresh) {
   });
 }
 
+/** A drag by the first button or a finger, with which the scene moves: begin(event), move(event) and end(). */
+export function onDrag(app, target, { begin, move, end }) {
+  let held = false;
+  target.addEventListener('pointerdown', (event) => {
+    if (event.button !== 0 || !app.scene.state) return;
+    event.preventDefault();
+    target.focus({ focusVisible: false });
+    target.setPointerCapture(event.pointerId);
+    app.sender.hold();
+    held = true;
+    begin(event);
+  });
+  target.addEventListener('pointermove', (event) => held && move(event));
+  for (const over of ['pointerup', 'pointercancel'])
+    target.addEventListener(over, () => {
+      if (!held) return;
+      held = false;
+      end?.();
+      app.sender.release();
+    });
+}
+
 /** Sizes a canvas to its place in device pixels; gives a context whose unit is a CSS pixel. */
 export function fitCanvas(canvas) {
   const ratio = window.devicePixelRatio || 1, width = canvas.clientWidth, height = canvas.clientHeight;
@@ -46,6 +68,7 @@ export function fitCanvas(canvas) {
 /** The value of one of the style sheet's colours. */
 export const themeColour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
+export const cssColour = (rgb) => `rgb(${rgb.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
 export const toHex = (rgb) =>
   '#' + rgb.map((c) => Math.round(clamp(c, 0, 1) * 255).toString(16).padStart(2, '0')).join('');
 export const fromHex = (text) => [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
@@ -56,6 +79,24 @@ export function download(name, blob) {
   element('a', { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 60000);
 }
+
+/** Asks for a file; undefined when none was chosen. */
+export function openFile(accept) {
+  return new Promise((resolve) => {
+    const input = element('input', { type: 'file', accept, class: 'unseen', 'aria-label': 'File' });
+    for (const end of ['change', 'cancel'])
+      input.addEventListener(end, () => {
+        input.remove();
+        resolve(input.files[0]);
+      });
+    document.body.append(input);
+    input.click();
+  });
+}
+
+/** A file's name of what the volume is called: letters that every system takes. */
+export const fileStem = (name) => (name.replace(/\.(nrrd|nhdr|mhd|mha|nii|nii\.gz|raw|vtk|tiff?)$/i, '')
+  .replace(/[^\p{L}\p{N}._-]+/gu, '-').slice(0, 80) || 'volume');
 
 /** Steps of 1, 2 or 5 times a power of ten, at most `most` of them in `span`. */
 export function niceStep(span, most) {

@@ -1,7 +1,6 @@
 // Key frames: the list, playing them, and rendering a film at full quality.
 
-import { byId, download, element } from './dom.js';
-import { fileStem } from './files.js';
+import { byId, download, element, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
 import { sceneAt } from './spline.js';
 import { mostMembers, zip } from './zip.js';
@@ -76,8 +75,8 @@ export class FilmPanel {
   }
 
   play() {
-    if (this.player) return this.stop();
-    if (this.frames.length < 2 || !this.app.mayEdit()) return undefined;
+    if (this.player) return void this.stop();
+    if (this.frames.length < 2 || !this.app.mayEdit()) return;
     this.app.series.stop();
     const begin = performance.now(), end = this.frames.length - 1;
     this.app.sender.hold();
@@ -89,7 +88,6 @@ export class FilmPanel {
       else this.player = requestAnimationFrame(step);
     };
     this.player = requestAnimationFrame(step);
-    return undefined;
   }
 
   stop() {
@@ -114,7 +112,7 @@ export class FilmPanel {
     const width = byId('film-width').valueAsNumber, height = byId('film-height').valueAsNumber;
     const count = Math.round((this.frames.length - 1) * this.secondsEach * this.rate) + 1;
     if (!(width > 0 && height > 0) || count > mostMembers)
-      return this.app.complain('The film cannot be rendered.', `Give a size, and at most ${mostMembers} frames.`);
+      return void this.app.complain('The film cannot be rendered.', `Give a size, and at most ${mostMembers} frames.`);
     this.stop();
     this.job = new AbortController();
     byId('render-film').textContent = 'Cancel';
@@ -131,46 +129,35 @@ export class FilmPanel {
     this.job = null;
     byId('render-film').textContent = 'Render';
     byId('film-progress').hidden = true;
-    return undefined;
   }
 
   say(words) {
     byId('film-words').textContent = words;
   }
 
-  progress(index, count) {
-    byId('film-progress').value = index;
-    this.say(`${index} of ${count}`);
-  }
-
-  timeOf(index, count) {
-    return (index / (count - 1)) * (this.frames.length - 1);
+  /** What the server answers to a question for each frame. */
+  async *answers(count, question) {
+    for (let index = 0; index < count; ++index) {
+      byId('film-progress').value = index;
+      this.say(`${index} of ${count}`);
+      const state = this.sceneAt((index / (count - 1)) * (this.frames.length - 1));
+      yield await this.app.connection.ask({ ...question, index, state }, this.job.signal);
+    }
   }
 
   async pictures(width, height, count, stem) {
     const members = [], digits = Math.max(4, String(count).length);
-    for (let index = 0; index < count; ++index) {
-      this.progress(index, count);
-      const state = this.sceneAt(this.timeOf(index, count));
-      const name = `${stem}-${String(index).padStart(digits, '0')}.png`;
-      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format: 'png', state },
-                                                   this.job.signal);
-      members.push({ name, bytes: new Uint8Array(await blob.arrayBuffer()) });
-    }
+    for await (const { blob } of this.answers(count, { type: 'snapshot', width, height, format: 'png' }))
+      members.push({ name: `${stem}-${String(members.length).padStart(digits, '0')}.png`,
+                     bytes: new Uint8Array(await blob.arrayBuffer()) });
     return members;
   }
 
   /** The server keeps the frames and answers the last one with the film. */
   async movie(width, height, count) {
-    const id = this.app.requests.newId(), fps = this.rate;
+    const id = this.app.connection.newId(), question = { type: 'movie_frame', id, count, fps: this.rate, width, height };
     try {
-      for (let index = 0; index < count; ++index) {
-        this.progress(index, count);
-        const state = this.sceneAt(this.timeOf(index, count));
-        const answer = await this.app.requests.ask(
-          { type: 'movie_frame', id, index, count, fps, width, height, state }, this.job.signal);
-        if (answer.blob) return answer.blob;
-      }
+      for await (const { blob } of this.answers(count, question)) if (blob) return blob;
       throw new Error('the server sent no film');
     } catch (error) {
       this.app.connection.send({ type: 'cancel', id });

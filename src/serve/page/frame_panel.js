@@ -47,15 +47,14 @@ export class FramePanel {
   }
 
   toggle() {
-    if (this.playing) return this.stop();
-    if (this.count < 2 || !this.app.mayEdit()) return undefined;
-    this.app.stopFilm();
+    if (this.playing) return void this.stop();
+    if (this.count < 2 || !this.app.mayEdit()) return;
+    this.app.film.stop();
     this.playing = true;
     byId('frame-play').setAttribute('aria-pressed', 'true');
     this.app.sender.hold();
     this.seen = this.frame;
     this.next();
-    return undefined;
   }
 
   stop() {

@@ -49,7 +49,7 @@ export class Gestures {
     this.canvas.focus({ focusVisible: false });
     this.canvas.setPointerCapture(event.pointerId);
     this.fingers.set(event.pointerId, this.place(event));
-    this.app.stopFilm();
+    this.app.film.stop();
     if (this.fingers.size === 1) {
       this.mode = this.modeOf(event);
       this.start = { at: this.place(event), tf: this.app.scene.state?.transfer_function };
@@ -102,7 +102,7 @@ export class Gestures {
     const { tf, at } = this.start;
     const factor = 4 ** ((now[0] - at[0]) / this.side);
     const shift = ((at[1] - now[1]) / this.side) * Math.max(windowOf(tf).width, this.app.valueSpan() * 0.1);
-    this.app.editTransfer(windowed(tf, factor, shift));
+    this.app.transfer.edit(windowed(tf, factor, shift));
   }
 
   /** Two fingers: the points under them stay under them. */
@@ -123,7 +123,7 @@ export class Gestures {
     event.preventDefault();
     const { scene, sender } = this.app;
     if (!scene.state) return;
-    this.app.stopFilm();
+    this.app.film.stop();
     const pixels = event.deltaY * [1, 16, 400][event.deltaMode];
     const zoom = Math.exp(-pixels * (event.ctrlKey ? 0.01 : 0.0015));
     sender.pulse();

@@ -1,7 +1,7 @@
 // The keyboard: all that the mouse can do, and the list of it.
 
 import { movePicture, rollBall, sixViews, turnTable } from './camera.js';
-import { byId, clamp, element } from './dom.js';
+import { byId, element } from './dom.js';
 import { set, settings } from './settings.js';
 import { windowed } from './transfer_function.js';
 
@@ -26,7 +26,7 @@ function actions(app) {
   };
   const transfer = (factor, shift) => {
     app.sender.pulse();
-    app.editTransfer(windowed(app.scene.state.transfer_function, factor, shift * 0.02 * app.valueSpan()), true);
+    app.transfer.edit(windowed(app.scene.state.transfer_function, factor, shift * 0.02 * app.valueSpan()), true);
   };
   const toggle = (name) => () => set({ [name]: !settings[name] });
   return [
@@ -49,12 +49,12 @@ function actions(app) {
     ['b', 'scale bar on or off', toggle('scale')],
     ['g', 'colour bar on or off', toggle('colours')],
     ['x', 'handles of the clip box on or off', toggle('box')],
-    ['[', 'the frame before, of a series', () => app.stepFrame(-1)],
-    [']', 'the next frame', () => app.stepFrame(1)],
-    ['l', 'play the series', () => app.playSeries()],
-    ['k', 'add a key frame', () => app.addKeyFrame()],
-    [' ', 'play the film', () => app.playFilm()],
-    ['v', 'save a picture', () => app.saveSnapshot()],
+    ['[', 'the frame before, of a series', () => app.series.step(-1)],
+    [']', 'the next frame', () => app.series.step(1)],
+    ['l', 'play the series', () => app.series.toggle()],
+    ['k', 'add a key frame', () => app.film.add()],
+    [' ', 'play the film', () => app.film.play()],
+    ['v', 'save a picture', () => app.snapshots.save()],
     ['Enter', 'value at the cross or the cursor', () => app.probeAtCross()],
     ['Escape', 'hide the value, stop the film and the series', () => app.quiet()],
     ['\\', 'hide or show the controls',
@@ -98,7 +98,7 @@ export function attachKeyboard(app) {
     if (!app.scene.state || event.altKey || isTaken(event.target, event.key)) return;
     const controlled = event.ctrlKey || event.metaKey;
     const direction = arrows[event.key];
-    if (direction && controlled) app.moveCross(direction.map((d) => d * crossStep));
+    if (direction && controlled) app.probing.move(direction.map((d) => d * crossStep));
     else if (direction) turnOrPan(app, direction, event.shiftKey);
     else if (controlled && event.key.toLowerCase() === 'z') app.undo(event.shiftKey);
     else if (!controlled && byKey.has(event.key)) byKey.get(event.key)();
@@ -109,13 +109,9 @@ export function attachKeyboard(app) {
 
 function turnOrPan(app, [right, down], pans) {
   const { camera } = app.scene.state;
-  app.stopFilm();
+  app.film.stop();
   app.sender.pulse();
   const turn = settings.turning === 'turntable' ? turnTable : rollBall;
   app.scene.change({ camera: pans ? movePicture(camera, { shift: [right * panStep, down * panStep] })
                                   : turn(camera, right * step, down * step) });
 }
-
-/** Moves a place by some pixels and keeps it on the canvas. */
-export const movedWithin = ([x, y], [right, down], canvas) =>
-  [clamp(x + right, 0, canvas.clientWidth - 1), clamp(y + down, 0, canvas.clientHeight - 1)];

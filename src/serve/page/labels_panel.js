@@ -50,7 +50,7 @@ export class LabelsPanel {
     const tf = this.app.scene.state.transfer_function;
     const labels = this.rows.map(({ value }) =>
       ({ value, colour: colourAt(tf, value), opacity: opacityAt(tf, value) }));
-    this.app.editTransfer(labelFunction(labels.map((label) => ({ ...label, ...change(label) }))), true);
+    this.app.transfer.edit(labelFunction(labels.map((label) => ({ ...label, ...change(label) }))), true);
   }
 
   refresh() {

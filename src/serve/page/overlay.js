@@ -1,6 +1,6 @@
 // What is drawn over the picture: the clip box's edges, scale bar, colour bar and the probe's cross.
 
-import { byId, clamp, fitCanvas, niceStep, show } from './dom.js';
+import { byId, clamp, cssColour, fitCanvas, niceStep, show } from './dom.js';
 import { settings } from './settings.js';
 import { colourAt } from './transfer_function.js';
 
@@ -54,10 +54,8 @@ function drawScaleBar(context, colours, { bar, unit, perspective, height }) {
 function drawColourBar(context, colours, tf, [low, high], height) {
   const tall = clamp(height * 0.3, 80, 200), top = height - foot - 44 - tall, wide = 12;
   const gradient = context.createLinearGradient(0, top + tall, 0, top), steps = 48;
-  for (let i = 0; i <= steps; ++i) {
-    const rgb = colourAt(tf, low + ((high - low) * i) / steps).map((c) => Math.round(255 * clamp(c, 0, 1)));
-    gradient.addColorStop(i / steps, `rgb(${rgb.join(' ')})`);
-  }
+  for (let i = 0; i <= steps; ++i)
+    gradient.addColorStop(i / steps, cssColour(colourAt(tf, low + ((high - low) * i) / steps)));
   context.fillStyle = gradient;
   context.fillRect(margin, top, wide, tall);
   context.lineWidth = 1;

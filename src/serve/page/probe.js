@@ -1,7 +1,6 @@
 // The value under the cursor: a cross on the picture, a note beside it, and words for screen readers.
 
-import { byId, show } from './dom.js';
-import { movedWithin } from './keyboard.js';
+import { byId, clamp, show } from './dom.js';
 
 export class Probe {
   constructor(app) {
@@ -23,7 +22,7 @@ export class Probe {
     const pixel = place.map((p, k) => Math.floor((p * stage.pixelsEach - [left, top][k]) / scale));
     if (pixel[0] < 0 || pixel[1] < 0 || pixel[0] >= width || pixel[1] >= height) return;
     try {
-      const answer = await this.app.requests.ask({ type: 'probe', x: pixel[0], y: pixel[1] });
+      const answer = await this.app.connection.ask({ type: 'probe', x: pixel[0], y: pixel[1] });
       if (asked === this.asked) this.show(answer);
     } catch (error) {
       if (asked === this.asked) this.app.complain(`The value could not be asked for: ${error.message}`);
@@ -60,9 +59,11 @@ export class Probe {
     return [0.5 * this.canvas.clientWidth, 0.5 * this.canvas.clientHeight];
   }
 
-  move(shift) {
+  /** Moves the cross by some pixels and keeps it on the canvas. */
+  move([right, down]) {
+    const [x, y] = this.cross ?? this.middle(), { clientWidth, clientHeight } = this.canvas;
     byId('probe').hidden = true;
-    this.cross = movedWithin(this.cross ?? this.middle(), shift, this.canvas);
+    this.cross = [clamp(x + right, 0, clientWidth - 1), clamp(y + down, 0, clientHeight - 1)];
     this.app.redraw();
   }
 }

@@ -4,7 +4,7 @@ const isNumbers = (list, count) => Array.isArray(list) && list.length === count 
 const isRgb = (list) => isNumbers(list, 3) && list.every((c) => c >= 0 && c <= 1);
 const isAscending = (points) => points.every((p, i) => i === 0 || p[0] >= points[i - 1][0]);
 
-export function isTransferFunction(tf) {
+function isTransferFunction(tf) {
   const arePoints = (list, size) =>
     Array.isArray(list) && list.length >= 2 && isAscending(list) &&
     list.every((p) => isNumbers(p, size) && p.slice(1).every((c) => c >= 0 && c <= 1));
@@ -39,23 +39,19 @@ const rounded = (key, value) => (typeof value === 'number' ? Number(value.toPrec
 const sameText = (a, b) => JSON.stringify(a, rounded) === JSON.stringify(b, rounded);
 
 export class Scene {
-  /** Without defaults until the server has said hello. */
-  constructor() {
+  /** `onChange` gets the names of the members that became others. Without defaults until the server has said hello. */
+  constructor(onChange) {
+    this.onChange = onChange;
     this.state = null;
     this.defaults = null;
     this.locked = false;  // while another page drives
-    this.listeners = [];
-  }
-
-  subscribe(listener) {
-    this.listeners.push(listener);
   }
 
   /** Takes the server's initial scene; what `kept` has stays. */
   begin(defaults, kept = {}) {
     this.defaults = defaults;
     this.state = { ...defaults, ...kept, camera: { ...defaults.camera, ...kept.camera } };
-    this.tell(Object.keys(this.state));
+    this.onChange(Object.keys(this.state));
   }
 
   /** Replaces some members; a camera may be given in part. */
@@ -63,11 +59,7 @@ export class Scene {
     if (!this.state || this.locked) return;
     const camera = part.camera ? { ...this.state.camera, ...part.camera } : this.state.camera;
     this.state = { ...this.state, ...part, camera };
-    this.tell(Object.keys(part));
-  }
-
-  tell(keys) {
-    for (const listener of this.listeners) listener(new Set(keys));
+    this.onChange(Object.keys(part));
   }
 
   /** The members that differ from the defaults. */

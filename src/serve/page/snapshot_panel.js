@@ -1,7 +1,6 @@
 // Pictures of any size and the scene, as files.
 
-import { byId, download } from './dom.js';
-import { fileStem, openText } from './files.js';
+import { byId, download, fileStem } from './dom.js';
 import { checkedState } from './scene.js';
 
 export class SnapshotPanel {
@@ -31,14 +30,14 @@ export class SnapshotPanel {
     const width = byId('snapshot-width').valueAsNumber, height = byId('snapshot-height').valueAsNumber;
     const valid = ['snapshot-width', 'snapshot-height'].every((id) => byId(id).checkValidity());
     if (!valid || !(width > 0 && height > 0))
-      return this.app.complain('A picture cannot have this size.',
+      return void this.app.complain('A picture cannot have this size.',
                                `At most ${this.app.hello.largest.join(' × ')} pixels.`);
     const format = byId('snapshot-format').value, button = byId('snapshot');
     button.disabled = true;
     byId('snapshot-words').textContent = 'rendering …';
     try {
       const { state } = this.app.scene;
-      const { blob } = await this.app.requests.ask({ type: 'snapshot', width, height, format, state });
+      const { blob } = await this.app.connection.ask({ type: 'snapshot', width, height, format, state });
       download(`${fileStem(this.app.volume.name)}-${width}x${height}.${format}`, blob);
       byId('snapshot-words').textContent = 'saved';
     } catch (error) {
@@ -46,20 +45,15 @@ export class SnapshotPanel {
       this.app.complain(`The picture was not saved: ${error.message}`);
     }
     button.disabled = false;
-    return undefined;
   }
 
-  async open() {
-    const file = await openText('.json');
-    if (!file) return;
-    try {
-      const given = JSON.parse(file.text), { state, refused } = checkedState(given);
+  open() {
+    this.app.openJson((given) => {
+      const { state, refused } = checkedState(given);
       if (refused.length) throw new Error(`it has an unfit ${refused.join(', ')}`);
       this.app.takeState(state);
       if (Array.isArray(given.key_frames)) this.app.film.take(given.key_frames);
-    } catch (error) {
-      this.app.complain(`${file.name} cannot be used: ${error.message}`, 'Give a scene that this page saved.');
-    }
+    }, 'Give a scene that this page saved.');
   }
 
   /** The address has the scene, but not the token. */

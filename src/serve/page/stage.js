@@ -1,7 +1,7 @@
 // The picture's canvas: shows what the server sent, moved, zoomed and rolled to the present camera until the
 // picture of that camera comes.
 
-import { byId, clamp } from './dom.js';
+import { byId, cssColour } from './dom.js';
 
 const mostRemembered = 512;
 
@@ -138,7 +138,7 @@ export class Stage {
   drawNow() {
     const { context, canvas, shown } = this, { camera, background, driving } = this.view();
     context.setTransform(1, 0, 0, 1, 0, 0);
-    context.fillStyle = `rgb(${background.map((c) => Math.round(255 * clamp(c, 0, 1))).join(' ')})`;
+    context.fillStyle = cssColour(background);
     context.fillRect(0, 0, canvas.width, canvas.height);
     if (!shown) return;
     if (driving && shown.camera) this.preview(shown, camera);

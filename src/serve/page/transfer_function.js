@@ -5,8 +5,6 @@ import { clamp } from './dom.js';
 
 const toLinear = (c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4);
 const toSrgb = (c) => (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055);
-export const linearOf = (rgb) => rgb.map(toLinear);
-export const srgbOf = (rgb) => rgb.map(toSrgb);
 
 /** The points on both sides of a value and the share of the way between them. */
 function between(points, value) {
@@ -25,8 +23,8 @@ export function opacityAt(tf, value) {
 /** sRGB; linear light is interpolated, as the renderer does. */
 export function colourAt(tf, value) {
   const [a, b, t] = between(tf.colours, value);
-  const [from, to] = [linearOf(a.slice(1)), linearOf(b.slice(1))];
-  return srgbOf(from.map((c, k) => c + t * (to[k] - c)));
+  const [from, to] = [a, b].map((point) => point.slice(1).map(toLinear));
+  return from.map((c, k) => toSrgb(c + t * (to[k] - c)));
 }
 
 const fewest = 2;
@@ -81,6 +79,18 @@ export function withMap(tf, map) {
   const low = tf.colours[0][0], high = tf.colours.at(-1)[0];
   const colours = map.colours.map((rgb, i) => [low + ((high - low) * i) / (map.colours.length - 1), ...rgb]);
   return { ...tf, name: map.name, colours };
+}
+
+/** As ParaView reads it; the server reads ParaView's (message `map`). */
+export function toParaView(tf) {
+  const map = {
+    ColorSpace: 'RGB',
+    Name: tf.name,
+    NanColor: [1, 0, 0],
+    RGBPoints: tf.colours.flat(),
+    Points: tf.opacities.flatMap(([value, opacity]) => [value, opacity, 0.5, 0]),
+  };
+  return JSON.stringify([map], null, 2) + '\n';
 }
 
 const fromDigits = (digits) => digits.split(' ').map((hex) =>

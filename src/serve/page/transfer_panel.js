@@ -2,10 +2,10 @@
 
 import { CurveEditor } from './curve_editor.js';
 import { byId, download, element, fromHex, onNumber, show, toHex } from './dom.js';
-import { openText } from './files.js';
-import { fromParaView, toParaView } from './paraview.js';
 import { onSettings } from './settings.js';
-import { canLose, maps, stretched, windowOf, withMap, withPointAt } from './transfer_function.js';
+import { canLose, maps, stretched, toParaView, windowOf, withMap, withPointAt } from './transfer_function.js';
+
+const mostBytes = 60000;  // of a map, nearly a whole message
 
 export class TransferPanel {
   constructor(app) {
@@ -62,14 +62,12 @@ export class TransferPanel {
     this.app.scene.change({ transfer_function: tf });
     if (whole) this.app.commit();
   }
-  async open() {
-    const file = await openText('.json');
-    if (!file) return;
-    try {
-      this.edit(fromParaView(file.text), true);
-    } catch (error) {
-      this.app.complain(`${file.name} cannot be used: ${error.message}`, 'Give a colour map as ParaView exports it.');
-    }
+  open() {
+    this.app.openJson(async (map) => {
+      if (JSON.stringify(map).length > mostBytes) throw new Error('it is larger than the server takes');
+      const { transfer_function } = await this.app.connection.ask({ type: 'map', map });
+      this.edit(transfer_function, true);
+    }, 'Give a colour map as ParaView exports it.');
   }
 
   refresh() {

@@ -1,7 +1,7 @@
 // Camera, light, shading and background by fields.
 
 import { sixViews } from './camera.js';
-import { byId, clamp, element, fitCanvas, fromHex, onNumber, show, themeColour, toHex } from './dom.js';
+import { byId, clamp, element, fitCanvas, fromHex, onDrag, onNumber, show, themeColour, toHex } from './dom.js';
 import { onSettings } from './settings.js';
 
 const fields = {
@@ -65,24 +65,11 @@ export class ViewPanel {
 
   attachPad() {
     const pad = byId('light-pad');
-    let held = false;
     const take = (event) => {
       const box = pad.getBoundingClientRect(), half = 0.5 * box.width - 4;
       this.aim((event.clientX - box.left - box.width / 2) / half, -(event.clientY - box.top - box.height / 2) / half);
     };
-    pad.addEventListener('pointerdown', (event) => {
-      if (event.button !== 0) return;
-      pad.setPointerCapture(event.pointerId);
-      this.app.sender.hold();
-      held = true;
-      take(event);
-    });
-    pad.addEventListener('pointermove', (event) => held && take(event));
-    for (const end of ['pointerup', 'pointercancel'])
-      pad.addEventListener(end, () => {
-        if (held) this.app.sender.release();
-        held = false;
-      });
+    onDrag(this.app, pad, { begin: take, move: take });
     pad.addEventListener('keydown', (event) => {
       const step = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, 0.1], ArrowDown: [0, -0.1] }[event.key];
       if (!step || event.ctrlKey || event.altKey || event.metaKey) return;
