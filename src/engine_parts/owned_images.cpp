@@ -1,7 +1,6 @@
 #include "engine_parts/owned_images.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
 
 #include "net/message.hpp"
@@ -56,10 +55,9 @@ void OwnedImages::deliver(const std::function<void(int, Bytes)>& deliver) const 
   for (std::size_t k = 0; k < images_.size(); ++k) {
     if (!images_[k].touched()) continue;
     const PixelRect& rect = images_[k].rect();
-    std::vector<float> rgba(std::size_t(4) * std::size_t(rect.width()) * std::size_t(rect.height()));
-    images_[k].read_tile(rgba);
-    Bytes body(sizeof(Header) + rgba.size() * sizeof(float));
-    std::memcpy(body.data() + sizeof(Header), rgba.data(), rgba.size() * sizeof(float));
+    const std::size_t floats = std::size_t(4) * std::size_t(rect.width()) * std::size_t(rect.height());
+    Bytes body(sizeof(Header) + floats * sizeof(float));
+    images_[k].read_tile({reinterpret_cast<float*>(body.data() + sizeof(Header)), floats});
     deliver(owned_[k], std::move(body));
   }
 }

@@ -281,7 +281,7 @@ class GroupPainter {
 
   HWY_INLINE M single_slab_serves(auto kind, const State& s, const Work& w) const {
     // The more slabs, the smaller is the error that one instead of them may add to.
-    const float pieces = float(kind.pieces), most_opacity = 0.04F / pieces, most_change = 0.008F / pieces;
+    const float pieces = float(kind.pieces), most_opacity = 0.07F / pieces, most_change = 0.024F / pieces;
     constexpr float most_entries = 8;
     const F opacity = of_all_pieces(kind, OpacityOf(w.whole)), through = sub(set(1.0F), s.opacity),
             bend = bend_of(kind, w);

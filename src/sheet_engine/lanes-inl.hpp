@@ -113,12 +113,13 @@ inline void load_rows(const float* pixels, std::ptrdiff_t, float (&rgba)[4][lane
 inline void store_rows(const float (&rgba)[4][lanes], float* pixels, std::ptrdiff_t) {
   for (int c = 0; c < 4; ++c) pixels[c] = rgba[c][0];
 }
-/// The halves of 64-bit numbers.
+/// The halves of 64-bit numbers, from places at least 0 in steps of `step` bytes.
 struct Halves {
   I low, high;
 };
-inline Halves gather_halves(const std::uint64_t* base, I at) {
-  return {static_cast<I>(static_cast<std::uint32_t>(base[at])), static_cast<I>(base[at] >> 32)};
+template <int step>
+inline Halves gather_halves(const void* base, I at) {
+  return {gather_int(base, at * step), gather_int(base, at * step + 4)};
 }
 
 #else
@@ -200,9 +201,6 @@ HWY_INLINE float greatest(F a) { return hn::GetLane(hn::MaxOfLanes(Df(), a)); }
 HWY_INLINE F choose(M m, F a, F b) { return hn::IfThenElse(m, a, b); }
 HWY_INLINE I choose(M m, I a, I b) { return hn::IfThenElse(hn::RebindMask(Di(), m), a, b); }
 HWY_INLINE F only(M m, F a) { return hn::IfThenElseZero(m, a); }
-HWY_INLINE I gather_int(const void* base, I at) {
-  return hn::GatherOffset(Di(), static_cast<const std::int32_t*>(base), at);
-}
 HWY_INLINE F gather(const float* base, I at) { return hn::GatherIndex(Df(), base, at); }
 HWY_INLINE void load_rows(const float* pixels, std::ptrdiff_t pitch, float (&rgba)[4][lanes]) {
   const hn::Full128<float> row;
@@ -224,24 +222,29 @@ HWY_INLINE void store_rows(const float (&rgba)[4][lanes], float* pixels, std::pt
 struct Halves {
   I low, high;
 };
-template <class D>
-HWY_INLINE hn::Vec<D> load_each(D d, const std::uint64_t* base, const std::int32_t* at) {
+template <int step, class D>
+HWY_INLINE hn::Vec<D> load_each(D d, const char* base, const std::int32_t* at) {
   if constexpr (hn::MaxLanes(d) == 1) {
-    return hn::LoadU(d, base + std::uint32_t(*at));
+    return hn::LoadU(d,
+                     reinterpret_cast<const std::uint64_t*>(base + std::size_t(std::uint32_t(*at)) * step));
   } else {
     const hn::Half<D> half;
-    return hn::Combine(d, load_each(half, base, at + hn::MaxLanes(half)), load_each(half, base, at));
+    return hn::Combine(d, load_each<step>(half, base, at + hn::MaxLanes(half)),
+                       load_each<step>(half, base, at));
   }
 }
 /// By single loads, which take half as long as gathering does, or less.
-HWY_INLINE Halves gather_halves(const std::uint64_t* base, I at) {
+template <int step>
+HWY_INLINE Halves gather_halves(const void* base, I at) {
   HWY_ALIGN std::int32_t places[lanes];
   hn::Store(at, Di(), places);
   const hn::Repartition<std::uint64_t, Di> d;
-  const I first = hn::BitCast(Di(), load_each(d, base, places)),
-          second = hn::BitCast(Di(), load_each(d, base, places + lanes / 2));
+  const auto* from = static_cast<const char*>(base);
+  const I first = hn::BitCast(Di(), load_each<step>(d, from, places)),
+          second = hn::BitCast(Di(), load_each<step>(d, from, places + lanes / 2));
   return {hn::ConcatEven(Di(), second, first), hn::ConcatOdd(Di(), second, first)};
 }
+HWY_INLINE I gather_int(const void* base, I at) { return gather_halves<1>(base, at).low; }
 
 #endif
 

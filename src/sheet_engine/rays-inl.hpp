@@ -56,21 +56,8 @@ class ParallelRays {
   }
 
   HWY_INLINE Tile start(int x, int y) const {
-    HWY_ALIGN std::int32_t u[lanes], v[lanes];
-    for (int l = 0; l < lanes; ++l) {
-      const auto at = [&](int axis) {
-        constexpr std::int64_t limit = std::int64_t{1} << 30;
-        const RayGrid& r = p_.rays.grid;
-        const std::int64_t place =
-            r.origin[axis] + (x + l % tile_width) * r.step_x[axis] + (y + l / tile_width) * r.step_y[axis];
-        return static_cast<std::int32_t>(std::clamp(place >> (40 - position_bits), -limit, limit));
-      };
-      u[l] = at(0);
-      v[l] = at(1);
-    }
-    return {{load(u), load(v)},
-            {*std::min_element(u, u + lanes), *std::max_element(u, u + lanes),
-             *std::min_element(v, v + lanes), *std::max_element(v, v + lanes)}};
+    const Line u = line(0, x, y), v = line(1, x, y);
+    return {{u.at, v.at}, {u.low, u.high, v.low, v.high}};
   }
 
   HWY_INLINE Position at(const Tile& tile, int sheet) const {
@@ -94,6 +81,26 @@ class ParallelRays {
   }
 
  private:
+  /// The lanes' positions along u or v, and their ends, which are at a tile's corners.
+  struct Line {
+    I at;
+    std::int32_t low, high;
+  };
+  HWY_INLINE Line line(int axis, int x, int y) const {
+    const RayGrid& r = p_.rays.grid;
+    const std::int64_t right = r.step_x[axis], down = r.step_y[axis],
+                       first = r.origin[axis] + x * right + y * down;
+    const auto position = [](std::int64_t place) {
+      constexpr std::int64_t limit = std::int64_t{1} << 30;
+      return static_cast<std::int32_t>(std::clamp(place >> (40 - position_bits), -limit, limit));
+    };
+    HWY_ALIGN std::int32_t at[lanes];
+    for (int l = 0; l < lanes; ++l) at[l] = position(first + l % tile_width * right + l / tile_width * down);
+    const std::int64_t across = (tile_width - 1) * right, deep = (tile_height - 1) * down, none = 0;
+    return {load(at), position(first + std::min(across, none) + std::min(deep, none)),
+            position(first + std::max(across, none) + std::max(deep, none))};
+  }
+
   const SheetPaint& p_;
   const SheetSlab* slab_ = nullptr;
   Ends shifts_{};

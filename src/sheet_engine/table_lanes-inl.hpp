@@ -17,7 +17,7 @@ namespace ringsplat::HWY_NAMESPACE {
 /// A table entry in each lane, as it is stored.
 using Entry = Halves;
 HWY_INLINE Entry Look(const std::uint64_t* table, I front, I back) {
-  return gather_halves(table, add(up<8>(front), back));
+  return gather_halves<sizeof *table>(table, add(up<8>(front), back));
 }
 HWY_INLINE F OpacityOf(const Entry& e) {
   const F root_of = mul(to_float(both(e.low, set_int(0xffff))), set(1.0F / 65535));

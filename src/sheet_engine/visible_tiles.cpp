@@ -44,7 +44,7 @@ bool VisibleTiles::mark(const PixelWindow& pixels) {
 std::size_t VisibleTiles::marked() const {
   std::size_t tiles = 0;
   for (std::size_t k = masks_.size() - groups_.size(); k < masks_.size(); ++k)
-    tiles += std::size_t(std::popcount(masks_[k]));
+    if (masks_[k] != 0) tiles += std::size_t(std::popcount(masks_[k]));
   return tiles;
 }
 
