@@ -16,7 +16,7 @@ source "$(dirname "${BASH_SOURCE[0]}")/lib.sh"
 drawing=(
   "g++ cmake ninja-build pkg-config ccache: the build"
   "libopenmpi-dev openmpi-bin: MPI"
-  "libglm-dev libhwy-dev libfmt-dev libspdlog-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev: everything"
+  "libglm-dev libhwy-dev libfmt-dev libcli11-dev nlohmann-json3-dev zlib1g-dev libtbb-dev: everything"
   "libopenimageio-dev fonts-dejavu-core: pictures, and text in them"
   "libpng-dev: pictures in builds without OpenImageIO"
   "libboost-dev libturbojpeg0-dev: the viewer's server and its JPEGs"

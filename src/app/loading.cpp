@@ -80,7 +80,7 @@ SliceMemory settle_layout(RenderOptions& o, Layout& layout, const std::vector<Ca
 
 Scene load(OpenedVolume& volume, const LoadOptions& options, const Layout& layout, const Wiring& wiring,
            Progress& progress) {
-  const KeptDenormals as_before_the_first_frame;
+  const PlainFloats as_before_the_first_frame;
   const Watched watched(wiring.collectives, fmt::format("reading {}", volume.name));
   progress.begin("loading", 1);
   LoadOptions told = options;

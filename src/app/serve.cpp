@@ -14,7 +14,6 @@
 #include "app/series.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
-#include "base/log_to_stderr.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
 #include "formats/label_names.hpp"

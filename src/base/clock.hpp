@@ -1,36 +1,24 @@
 #pragma once
+#include <chrono>
 
 namespace ringsplat {
 
-/// Seconds on a monotonic clock: the machine's, or the one that replaces it.
-double now_seconds();
+/// The clock of this process, in seconds: the machine's monotonic one, or one that simulates time and was put
+/// in its place before anything was timed.
+inline double (*clock_in_use)() = [] {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+};
+inline double now_seconds() { return clock_in_use(); }
 
-/// Replaces the clock of this process by a simulated one. Called before anything is timed; `clock` stays
-/// valid.
-void set_clock(double (*clock)());
-
-/// Adds the seconds of its lifetime to a counter.
+/// Adds the seconds of its lifetime to a counter. One that is null does not even read the clock.
 class ScopedSeconds {
  public:
-  explicit ScopedSeconds(double& counter) : counter_(counter), start_(now_seconds()) {}
-  ~ScopedSeconds() { counter_ += now_seconds() - start_; }
-  ScopedSeconds(const ScopedSeconds&) = delete;
-  ScopedSeconds& operator=(const ScopedSeconds&) = delete;
-
- private:
-  double& counter_;
-  double start_;
-};
-
-/// The same for a counter that may be null; then it does not even read the clock.
-class OptionalSeconds {
- public:
-  explicit OptionalSeconds(double* counter) : counter_(counter), start_(counter ? now_seconds() : 0) {}
-  ~OptionalSeconds() {
+  explicit ScopedSeconds(double* counter) : counter_(counter), start_(counter ? now_seconds() : 0) {}
+  ~ScopedSeconds() {
     if (counter_) *counter_ += now_seconds() - start_;
   }
-  OptionalSeconds(const OptionalSeconds&) = delete;
-  OptionalSeconds& operator=(const OptionalSeconds&) = delete;
+  ScopedSeconds(const ScopedSeconds&) = delete;
+  ScopedSeconds& operator=(const ScopedSeconds&) = delete;
 
  private:
   double* counter_;

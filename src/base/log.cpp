@@ -1,29 +1,18 @@
 #include "base/log.hpp"
 
-#include <spdlog/sinks/stdout_sinks.h>
-#include <spdlog/spdlog.h>
-
+#include <cstdio>
 #include <mutex>
 #include <set>
 #include <utility>
 
 #include "base/lack_of_memory.hpp"
-#include "base/log_to_stderr.hpp"
 #include "base/printable.hpp"
 
 namespace ringsplat {
 namespace {
 
-spdlog::logger& logger() {
-  static const auto shared = [] {
-    auto made =
-        std::make_shared<spdlog::logger>("ringsplat", std::make_shared<spdlog::sinks::stderr_sink_mt>());
-    made->set_pattern("ringsplat: %l: %v");
-    return made;
-  }();
-  return *shared;
-}
-
+std::string rank_name;  ///< such as " [rank 3]", where lines have it
+LogLevel least_level = LogLevel::info;
 bool is_first_rank = true;
 
 std::function<void(LogLevel, const std::string&)>& log_sink() {
@@ -31,28 +20,13 @@ std::function<void(LogLevel, const std::string&)>& log_sink() {
   return sink;
 }
 
-spdlog::level::level_enum to_spdlog(LogLevel level) {
-  switch (level) {
-    case LogLevel::debug:
-      return spdlog::level::debug;
-    case LogLevel::info:
-      return spdlog::level::info;
-    case LogLevel::warning:
-      return spdlog::level::warn;
-    case LogLevel::error:
-      return spdlog::level::err;
-  }
-  return spdlog::level::err;
-}
-
 }  // namespace
 
 void set_log_rank(int rank, bool verbose) {
   is_first_rank = rank == 0;
-  const std::string named = rank == 0 && !verbose ? "" : fmt::format(" [rank {}]", rank);
-  logger().set_pattern(fmt::format("ringsplat{}: %l: %v", named));
-  name_in_lack_of_memory(named);
-  logger().set_level(verbose ? spdlog::level::debug : rank == 0 ? spdlog::level::info : spdlog::level::warn);
+  rank_name = rank == 0 && !verbose ? "" : fmt::format(" [rank {}]", rank);
+  name_in_lack_of_memory(rank_name);
+  least_level = verbose ? LogLevel::debug : rank == 0 ? LogLevel::info : LogLevel::warning;
 }
 
 void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink) {
@@ -60,7 +34,12 @@ void set_log_sink(std::function<void(LogLevel level, const std::string& text)> s
 }
 
 void log_to_stderr(LogLevel level, const std::string& text) {
-  logger().log(to_spdlog(level), printable(text));
+  if (level < least_level) return;
+  constexpr const char* names[] = {"debug", "info", "warning", "error"};
+  const std::string line =
+      fmt::format("ringsplat{}: {}: {}\n", rank_name, names[std::size_t(level)], printable(text));
+  // One call: lines of several threads do not mix.
+  std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 void log_line(LogLevel level, const std::string& text) {

@@ -16,6 +16,8 @@ void set_log_rank(int rank, bool verbose);
 /// log, so it is called from them, too.
 void set_log_sink(std::function<void(LogLevel level, const std::string& text)> sink);
 void log_line(LogLevel level, const std::string& text);
+/// Writes a line as without a sink: for sinks that only listen.
+void log_to_stderr(LogLevel level, const std::string& text);
 /// Logs a text once, on rank 0, and drops it when it comes again. For what is found whenever a file opens.
 void log_line_once(LogLevel level, const std::string& text);
 

@@ -7,12 +7,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <climits>
 #include <cmath>
 #include <fstream>
 #include <limits>
-#include <memory>
 
 #if defined(__SSE2__)
 #include <immintrin.h>
@@ -52,20 +50,14 @@ namespace {
 
 /// Hardware threads that this process may run on.
 std::vector<int> allowed_threads() {
-  // The kernel refuses a set smaller than its own and does not say how large its own is.
-  for (int most = 1024; most <= 1 << 20; most *= 2) {
-    const std::unique_ptr<cpu_set_t, void (*)(cpu_set_t*)> set(CPU_ALLOC(most),
-                                                               [](cpu_set_t* s) { CPU_FREE(s); });
-    if (!set) break;
-    const std::size_t bytes = CPU_ALLOC_SIZE(most);
-    if (sched_getaffinity(0, bytes, set.get()) == 0) {
-      std::vector<int> threads;
-      for (int thread = 0; thread < most; ++thread)
-        if (CPU_ISSET_S(std::size_t(thread), bytes, set.get())) threads.push_back(thread);
-      return threads;
-    }
-    if (errno != EINVAL) break;
-  }
+  // The kernel refuses a set smaller than its own; this one is for 65,536 threads.
+  std::vector<cpu_set_t> set(64);
+  const std::size_t bytes = set.size() * sizeof(cpu_set_t);
+  std::vector<int> threads;
+  if (sched_getaffinity(0, bytes, set.data()) == 0)
+    for (std::size_t thread = 0; thread < 8 * bytes; ++thread)
+      if (CPU_ISSET_S(thread, bytes, set.data())) threads.push_back(int(thread));
+  if (!threads.empty()) return threads;
   return {0};
 }
 
@@ -99,32 +91,16 @@ std::vector<int> allowed_cores() {
   return cores;
 }
 
-namespace {
-
+void flush_denormals() {
 #if defined(__SSE2__)
-constexpr std::uint64_t flushing = 0x8040;  // flush to zero, denormals are zero
-std::uint64_t float_control() { return _mm_getcsr(); }
-void set_float_control(std::uint64_t bits) { _mm_setcsr(static_cast<unsigned>(bits)); }
+  constexpr unsigned flushing = 0x8040;  // flush to zero, denormals are zero
+  _mm_setcsr(_mm_getcsr() | flushing);
 #elif defined(__aarch64__)
-constexpr std::uint64_t flushing = std::uint64_t{1} << 24;
-std::uint64_t float_control() {
   std::uint64_t control = 0;
   asm volatile("mrs %0, fpcr" : "=r"(control));
-  return control;
-}
-void set_float_control(std::uint64_t bits) { asm volatile("msr fpcr, %0" ::"r"(bits)); }
-#else
-constexpr std::uint64_t flushing = 0;
-std::uint64_t float_control() { return 0; }
-void set_float_control(std::uint64_t) {}
+  asm volatile("msr fpcr, %0" ::"r"(control | std::uint64_t{1} << 24));
 #endif
-
-}  // namespace
-
-void flush_denormals() { set_float_control(float_control() | flushing); }
-
-KeptDenormals::KeptDenormals() : before_(float_control()) { set_float_control(before_ & ~flushing); }
-KeptDenormals::~KeptDenormals() { set_float_control(before_); }
+}
 
 PlainFloats::PlainFloats() {
   std::feholdexcept(&before_);

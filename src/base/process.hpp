@@ -31,21 +31,9 @@ void keep_standard_descriptors();
 /// cost hundreds of cycles and weigh nothing in a picture.
 void flush_denormals();
 
-/// While it lives this thread computes with denormal floats, as before flush_denormals(): what is read or
-/// derived of a volume must not depend on whether frames were drawn before.
-class KeptDenormals {
- public:
-  KeptDenormals();
-  ~KeptDenormals();
-  KeptDenormals(const KeptDenormals&) = delete;
-  KeptDenormals& operator=(const KeptDenormals&) = delete;
-
- private:
-  std::uint64_t before_;  ///< the processor's control register
-};
-
 /// While it lives this thread computes as programs do by default: rounding to nearest, denormals, no traps.
-/// Then the caller's environment is restored, with its flags.
+/// So what is read or derived of a volume does not depend on whether frames were drawn before. Then the
+/// caller's environment is restored, with its flags.
 class PlainFloats {
  public:
   PlainFloats();

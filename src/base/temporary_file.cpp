@@ -2,23 +2,27 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <pthread.h>
 #include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <time.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cctype>
 #include <cerrno>
-#include <charconv>
 #include <climits>
 #include <cstdio>
+#include <cstring>
 #include <mutex>
 #include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 
+#include "base/output_file.hpp"
 #include "base/process.hpp"
 
 namespace ringsplat::detail {
@@ -26,6 +30,60 @@ namespace ringsplat::detail {
 namespace fs = std::filesystem;
 
 namespace {
+
+struct Place {
+  std::atomic<bool> filled;
+  char path[PATH_MAX];
+};
+// A signal handler may neither allocate memory nor lock. The lock is between threads only.
+std::array<Place, 64> places;
+std::mutex places_lock;
+std::atomic<int> overflowed{0};
+std::atomic<int> beginning{0};  ///< threads between asking for a place and having their file
+std::atomic<bool> ending{false};
+static_assert(std::atomic<bool>::is_always_lock_free && std::atomic<int>::is_always_lock_free);
+
+/// Blocks signals on this thread while it lives: a handler here that waits for `beginning` would wait for
+/// itself.
+class SignalsHeld {
+ public:
+  SignalsHeld() {
+    sigset_t all;
+    sigfillset(&all);
+    pthread_sigmask(SIG_BLOCK, &all, &before_);
+    ++beginning;
+    while (ending) {
+      --beginning;
+      for (;;) pause();
+    }
+  }
+  ~SignalsHeld() {
+    --beginning;
+    pthread_sigmask(SIG_SETMASK, &before_, nullptr);
+  }
+  SignalsHeld(const SignalsHeld&) = delete;
+  SignalsHeld& operator=(const SignalsHeld&) = delete;
+
+ private:
+  sigset_t before_{};
+};
+
+/// The number of the place; below 0: there is none. The lock is held.
+int place_for(const fs::path& path) {
+  const std::size_t length = path.native().size();
+  const auto free = std::find_if(places.begin(), places.end(), [](const Place& p) { return !p.filled; });
+  if (length >= PATH_MAX || free == places.end()) return -1;
+  std::memcpy(free->path, path.c_str(), length + 1);
+  free->filled = true;
+  return int(free - places.begin());
+}
+
+/// Also true when more files are open than there are places, since then it is not known.
+bool is_unfinished_here(const fs::path& path) {
+  const std::lock_guard lock(places_lock);
+  return overflowed > 0 || std::any_of(places.begin(), places.end(),
+                                       [&](const Place& p) { return p.filled && path == p.path; });
+}
 
 /// The beginning of all hidden names of this machine. No host's is the same as another's, or begins
 /// another's.
@@ -50,14 +108,12 @@ fs::path hidden_name(const fs::path& path) {
 
 /// The process number in the name of a hidden file of this host; 0: it is no such file.
 pid_t maker_of(const std::string& name, const std::string& prefix) {
-  if (name.compare(0, prefix.size(), prefix) != 0) return 0;
-  const char* const end = name.data() + name.size();
   pid_t pid = 0;
   unsigned counter = 0;
-  const auto after_pid = std::from_chars(name.data() + prefix.size(), end, pid);
-  if (after_pid.ec != std::errc{} || pid <= 0 || after_pid.ptr == end || *after_pid.ptr != '-') return 0;
-  const auto after_counter = std::from_chars(after_pid.ptr + 1, end, counter);
-  const bool whole = after_counter.ec == std::errc{} && after_counter.ptr != end && *after_counter.ptr == '_';
+  int end = 0;  // behind the underscore
+  const bool whole = name.starts_with(prefix) && std::isdigit(static_cast<unsigned char>(name[prefix.size()])) != 0 &&
+                     std::sscanf(name.c_str() + prefix.size(), "%d-%u_%n", &pid, &counter, &end) == 2 &&
+                     end > 0;
   return whole ? pid : 0;
 }
 
@@ -93,27 +149,47 @@ fs::path folder_of(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
+void TemporaryFile::make() {
+  const SignalsHeld held;
+  descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) return;
+  unfinished_ = true;
+  const std::lock_guard lock(places_lock);
+  place_ = place_for(path_);
+  if (place_ < 0) ++overflowed;
+}
+
+void TemporaryFile::forget() {
+  unfinished_ = false;
+  const std::lock_guard lock(places_lock);
+  if (place_ < 0)
+    --overflowed;
+  else
+    places[std::size_t(place_)].filled = false;
+}
+
 TemporaryFile::TemporaryFile(const fs::path& path, std::error_code& error) {
   remove_stale_files_once(folder_of(path));
   do {
     path_ = hidden_name(path);
-    unfinished_ = std::make_unique<UnfinishedFile>(path_);
-  } while (unfinished_->descriptor() < 0 && errno == EEXIST);
-  descriptor_ = unfinished_->descriptor();
+    make();
+  } while (descriptor_ < 0 && errno == EEXIST);
   error = descriptor_ < 0 ? std::error_code(errno, std::generic_category()) : std::error_code();
   if (descriptor_ >= 0) flock(descriptor_, LOCK_SH | LOCK_NB);
 }
 
 TemporaryFile::~TemporaryFile() {
   close();
-  if (unfinished_ && unfinished_->descriptor() >= 0) unlink(path_.c_str());
+  if (!unfinished_) return;
+  unlink(path_.c_str());
+  forget();
 }
 
 bool TemporaryFile::close() { return descriptor_ < 0 || ::close(std::exchange(descriptor_, -1)) == 0; }
 
 bool TemporaryFile::rename_to(const fs::path& path) {
   if (std::rename(path_.c_str(), path.c_str()) != 0) return false;
-  unfinished_.reset();
+  forget();
   return true;
 }
 
@@ -127,3 +203,15 @@ void remove_stale_files(const fs::path& folder) {
 }
 
 }  // namespace ringsplat::detail
+
+void ringsplat::remove_unfinished_files() noexcept {
+  const int error = errno;
+  detail::ending = true;
+  // From here on nobody takes a place, so none changes while it is read. The wait is bounded: opening a file
+  // may hang on a network disk, and that must not keep the process from ending.
+  constexpr timespec nap{0, 1'000'000};
+  for (int naps = 0; detail::beginning > 0 && naps < 500; ++naps) nanosleep(&nap, nullptr);
+  for (const detail::Place& place : detail::places)
+    if (place.filled) unlink(place.path);
+  errno = error;
+}

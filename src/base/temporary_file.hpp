@@ -1,9 +1,6 @@
 #pragma once
 #include <filesystem>
-#include <memory>
 #include <system_error>
-
-#include "base/unfinished_files.hpp"
 
 namespace ringsplat::detail {
 
@@ -11,11 +8,12 @@ std::filesystem::path folder_of(const std::filesystem::path& path);
 
 /// A hidden file beside `path`, `.ringsplat_HOST_PID-N_NAME`: HOST with every byte but letters, digits, dots
 /// and dashes as %XX, N counted by the process, NAME that of `path`, cut from the front when it is too long.
-/// Locked while it is open.
+/// Locked while it is open. remove_unfinished_files() removes it while this object lives; there are places
+/// for 64 at a time, and further ones are not registered.
 class TemporaryFile {
  public:
   /// Says in `error` why it could not be made; nothing else may be called then. The first one in a folder
-  /// removes what dead processes left there.
+  /// removes what dead processes left there. No signal arrives between making the file and registering it.
   TemporaryFile(const std::filesystem::path& path, std::error_code& error);
   ~TemporaryFile();
   TemporaryFile(const TemporaryFile&) = delete;
@@ -29,9 +27,13 @@ class TemporaryFile {
   bool rename_to(const std::filesystem::path& path);
 
  private:
+  void make();
+  void forget();
+
   std::filesystem::path path_;
-  std::unique_ptr<UnfinishedFile> unfinished_;
   int descriptor_ = -1;
+  bool unfinished_ = false;
+  int place_ = -1;  ///< below 0: not registered
 };
 
 /// Removes from a folder the unfinished files of dead processes of this user and host. In doubt a file stays.

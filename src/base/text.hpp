@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cctype>
 #include <charconv>
+#include <iterator>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -27,41 +29,25 @@ inline std::string lower_case(std::string text) {
   return text;
 }
 
+/// The words between blanks.
+inline std::vector<std::string> words_of(const std::string& text) {
+  std::istringstream in(text);
+  return {std::istream_iterator<std::string>(in), {}};
+}
+
 /// The text without line ends, doubled blanks and blanks at the ends. Libraries describe errors in several
 /// lines.
 inline std::string one_line(const std::string& text) {
   std::string line;
-  for (const char c : text) {
-    const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
-    if (!space)
-      line += c;
-    else if (!line.empty() && line.back() != ' ')
-      line += ' ';
-  }
-  while (!line.empty() && line.back() == ' ') line.pop_back();
+  for (const std::string& word : words_of(text)) line += (line.empty() ? "" : " ") + word;
   return line;
 }
 
 /// The text without blanks at the ends.
 inline std::string trimmed(const std::string& text) {
-  const auto is_space = [](unsigned char c) { return std::isspace(c) != 0; };
-  const auto begin = std::find_if_not(text.begin(), text.end(), is_space);
-  const auto end =
-      std::find_if_not(text.rbegin(), std::string::const_reverse_iterator(begin), is_space).base();
-  return {begin, end};
-}
-
-/// The words between blanks.
-inline std::vector<std::string> words_of(const std::string& text) {
-  std::vector<std::string> words;
-  bool in_word = false;
-  for (const char c : text) {
-    const bool space = std::isspace(static_cast<unsigned char>(c)) != 0;
-    if (!space && !in_word) words.emplace_back();
-    if (!space) words.back() += c;
-    in_word = !space;
-  }
-  return words;
+  constexpr const char* blanks = " \t\n\v\f\r";
+  const std::size_t begin = std::min(text.find_first_not_of(blanks), text.size());
+  return text.substr(begin, text.find_last_not_of(blanks) + 1 - begin);
 }
 
 /// Parses the whole text as a number; nothing when it is none, has more behind it or does not fit into T.

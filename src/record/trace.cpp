@@ -7,7 +7,6 @@
 
 #include "base/byte_stream.hpp"
 #include "base/clock.hpp"
-#include "base/counted_values.hpp"
 #include "base/process.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"

@@ -50,7 +50,7 @@ void RowBand::begin_row() {
 }
 
 int RowBand::find_row() {
-  const OptionalSeconds timed(stages_ ? &stages_->classify : nullptr);
+  const ScopedSeconds timed(stages_ ? &stages_->classify : nullptr);
   const Columns all{0, std::uint32_t(rows_.slice().width)};
   if (all_in_view_) return rows_.find(row_, all);
   const Columns columns = in_view(all);

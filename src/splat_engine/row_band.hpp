@@ -70,7 +70,7 @@ class RowBand {
   int end() const { return end_; }
   /// encode_row() calls it once it has left out all voxels it can.
   void make_samples() {
-    const OptionalSeconds timed(stages_ ? &stages_->shade : nullptr);
+    const ScopedSeconds timed(stages_ ? &stages_->shade : nullptr);
     rows_.make_samples();
   }
 

@@ -81,7 +81,7 @@ class SliceEncoder final : public Encoder {
   bool work() override {
     double wall = 0;
     {
-      const OptionalSeconds timed(timed_ ? &wall : nullptr);
+      const ScopedSeconds timed(timed_ ? &wall : nullptr);
       threads_.run(int(bands_in_use_), [this](int band) { encode_some(std::size_t(band)); });
     }
     if (timed_) divide(wall);
@@ -134,7 +134,7 @@ class SliceEncoder final : public Encoder {
     Piece& piece = pieces_[band];
     if (piece.complete) return;
     const int pieces_at_once = bands_in_use_ > 1 ? 4 : 1;
-    const OptionalSeconds timed(timed_ ? &piece.busy : nullptr);
+    const ScopedSeconds timed(timed_ ? &piece.busy : nullptr);
     piece.complete =
         bands_[band]->work(1024 * pieces_at_once, 16384 * pieces_at_once, timed_ ? &piece.stages : nullptr);
   }

@@ -69,7 +69,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   bool work() override {
     double wall = 0;
     {
-      const OptionalSeconds timed(lanes_in_use_ > 1 ? &wall : nullptr);
+      const ScopedSeconds timed(lanes_in_use_ > 1 ? &wall : nullptr);
       threads_.run(lanes_in_use_, [this](int lane) { draw_some(lanes_[std::size_t(lane)]); });
     }
     bool complete = next_part_ >= parts_.size();
@@ -110,11 +110,11 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   void draw_some(Lane& lane) {
     // Small, because messages wait until work() returns, and threads wait for each other.
     const std::int64_t splats_at_most = lanes_in_use_ > 1 ? 4096 : 1024, chunk_splats = 512;
-    const OptionalSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
+    const ScopedSeconds timed(lanes_in_use_ > 1 ? &lane.busy : nullptr);
     for (std::int64_t budget = splats_at_most; budget > 0;) {
       if (!lane.drawing && !take_part(lane)) return;
       if (!lane.reader->more()) {
-        const ScopedSeconds composited(lane.compositing);
+        const ScopedSeconds composited(&lane.compositing);
         lane.counts.samples += lane.reader->sum().composite(voxel_);
         lane.drawing = false;
         continue;

@@ -44,7 +44,7 @@ std::size_t ReadAheadSource::most_held() const {
 }
 
 void ReadAheadSource::run() {
-  const KeptDenormals as_without_a_thread;
+  const PlainFloats as_without_a_thread;
   std::unique_lock lock(mutex_);
   while (next_ < runs_.size() && !stop_ && !failure_) {
     const SliceRun& wanted = runs_[next_];

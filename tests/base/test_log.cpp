@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "base/log_to_stderr.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

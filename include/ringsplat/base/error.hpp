@@ -10,7 +10,8 @@ enum class ExitCode : int { done = 0, comparison_failed = 1, bad_input = 2, run_
 /// An error for people: `what()` is one line "WHAT IS WRONG, WHERE; hint: WHAT TO DO".
 class Error : public std::runtime_error {
  public:
-  Error(ExitCode code, const std::string& problem, const std::string& hint);
+  Error(ExitCode code, const std::string& problem, const std::string& hint)
+      : std::runtime_error(hint.empty() ? problem : problem + "; hint: " + hint), code_(code) {}
   ExitCode exit_code() const { return code_; }
 
  private:

@@ -35,7 +35,6 @@ class Ringsplat(CMakePackage):
     depends_on("cli11")
     depends_on("nlohmann-json")
     depends_on("fmt")
-    depends_on("spdlog")
     depends_on("tbb")
     depends_on("zlib-api")
     depends_on("expat")
