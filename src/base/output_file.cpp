@@ -75,31 +75,25 @@ OutputFile::OutputFile(fs::path path) : path_(std::move(path)) {
 
 OutputFile::~OutputFile() = default;
 
-void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
-  if (offset != buffer_at_ + buffer_.size() || buffer_.size() + bytes.size() > buffer_bytes) flush_buffer();
-  if (buffer_.empty()) buffer_at_ = offset;
-  if (bytes.size() >= buffer_bytes) {
-    put(offset, bytes);
-    buffer_at_ = offset + bytes.size();
-  } else {
+void OutputFile::write(std::span<const std::byte> bytes) {
+  if (buffer_.size() + bytes.size() > buffer_bytes) flush_buffer();
+  if (bytes.size() >= buffer_bytes)
+    put(bytes);
+  else
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.end());
-  }
-  size_ = std::max(size_, offset + bytes.size());
+  size_ += bytes.size();
 }
 
 void OutputFile::flush_buffer() {
-  put(buffer_at_, buffer_);
-  buffer_at_ += buffer_.size();
+  put(buffer_);
   buffer_.clear();
 }
 
-void OutputFile::put(std::uint64_t offset, std::span<const std::byte> bytes) {
+void OutputFile::put(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
-    const ssize_t written =
-        ::pwrite(file_->descriptor(), bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    const ssize_t written = ::write(file_->descriptor(), bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail(written < 0 ? errno : EIO);
-    offset += std::uint64_t(written);
     bytes = bytes.subspan(std::size_t(written));
   }
 }

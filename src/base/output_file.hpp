@@ -33,10 +33,8 @@ class OutputFile {
   std::uint64_t size() const { return size_; }  ///< bytes so far
 
   /// Appends.
-  void write(std::span<const std::byte> bytes) { write_at(size_, bytes); }
+  void write(std::span<const std::byte> bytes);
   void write(std::string_view text) { write(std::as_bytes(std::span(text))); }
-  /// Writes from byte `offset` on, over what is there. A gap reads as zeros.
-  void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
 
   /// Proves that all bytes are on the disk: flushed, of the right size, closed. Nothing can be written after
   /// it.
@@ -47,14 +45,13 @@ class OutputFile {
 
  private:
   void flush_buffer();
-  void put(std::uint64_t offset, std::span<const std::byte> bytes);
+  void put(std::span<const std::byte> bytes);
   [[noreturn]] void fail(int reason) const;
 
   std::filesystem::path path_;
   std::unique_ptr<detail::TemporaryFile> file_;
   std::uint64_t size_ = 0;
-  std::vector<std::byte> buffer_;  ///< not yet written, from buffer_at_ on
-  std::uint64_t buffer_at_ = 0;
+  std::vector<std::byte> buffer_;  ///< not yet written
   bool secured_ = false;
 };
 

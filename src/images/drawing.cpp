@@ -65,8 +65,6 @@ void for_each_pixel(const Overlay& overlay, int width, int height, F&& f) {
       }
 }
 
-std::uint8_t to_byte(float v) { return static_cast<std::uint8_t>(std::clamp(v, 0.0F, 1.0F) * 255 + 0.5F); }
-
 }  // namespace
 
 Mask line_mask(const glm::dvec2& from, const glm::dvec2& to, double thickness) {

@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
 #include <utility>
 
+#include "base/text.hpp"
 #include "images/image_file.hpp"
 #include "images/srgb.hpp"
 #include "ringsplat/base/error.hpp"
@@ -32,9 +31,7 @@ constexpr Format formats[] = {{".exr", true, true},   {".png", false, true}, {".
                               {".jpeg", false, false}};
 
 const Format* format_of(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::transform(ending.begin(), ending.end(), ending.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string ending = detail::lower_case(file.extension().string());
   const auto found = std::find_if(std::begin(formats), std::end(formats),
                                   [&](const Format& f) { return ending == f.ending; });
   return found == std::end(formats) ? nullptr : found;
@@ -51,11 +48,6 @@ Image::Floats linear_pixels(const Image& image, const std::optional<glm::dvec3>&
       rgb[3 * p + std::size_t(c)] = image.rgba[4 * p + std::size_t(c)] + left * behind[c];
   }
   return rgb;
-}
-
-std::uint8_t to_byte(float v) {
-  // Not-a-number compares false and becomes 0.
-  return static_cast<std::uint8_t>(v > 0 ? std::min(v, 1.0F) * 255.0F + 0.5F : 0.0F);
 }
 
 /// The same bytes as to_byte(srgb_of_linear(v)) without a power for each value, which would take longer than

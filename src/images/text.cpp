@@ -48,12 +48,12 @@ const std::string& text_font() {
 }
 
 Mask text_mask(const std::string& text, int pixels) {
-  TextCoverage drawn;
+  Mask drawn;
   const std::string problem = image_library().draw_text(text, pixels, text_font(), drawn);
   if (!problem.empty())
     throw InputError(fmt::format("no text can be drawn with {}: {}", text_font(), problem),
                      "name another TrueType font in RINGSPLAT_FONT");
-  return {drawn.left, drawn.top, drawn.width, drawn.height, std::move(drawn.coverage)};
+  return drawn;
 }
 
 }  // namespace ringsplat

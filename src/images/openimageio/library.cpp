@@ -8,7 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <exception>
+#include <new>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -98,43 +100,48 @@ OIIO::ImageSpec spec_of(const ImageData& image, const StandIn& stand_in) {
   return spec;
 }
 
-/// OpenImageIO's PNG, TGA and JPEG writers ignore failed writes; the sink remembers them.
-class SinkProxy final : public OIIO::Filesystem::IOProxy {
+/// Keeps a file's bytes. OpenImageIO's PNG, TGA and JPEG writers ignore failed writes, so it remembers them;
+/// no exception may pass through the writers' libraries.
+class BytesProxy final : public OIIO::Filesystem::IOProxy {
  public:
-  SinkProxy(const std::string& path, ImageSink& sink) : IOProxy(path, Write), sink_(sink) {}
+  BytesProxy(const std::string& path, Bytes& bytes) : IOProxy(path, Write), bytes_(bytes) {}
   const char* proxytype() const override { return "ringsplat"; }
-  size_t write(const void* bytes, size_t count) override {
-    const size_t written = pwrite(bytes, count, m_pos);
+  size_t write(const void* from, size_t count) override {
+    const size_t written = pwrite(from, count, m_pos);
     m_pos += static_cast<int64_t>(written);
     return written;
   }
-  size_t pwrite(const void* bytes, size_t count, int64_t offset) override {
-    constexpr std::size_t most = std::size_t{1} << 20;  // metadata come before the pixels
-    if (std::size_t(offset) == head_.size() && head_.size() < most)
-      head_.append(static_cast<const char*>(bytes), count);
-    return sink_.write_at(static_cast<std::uint64_t>(offset), bytes, count) ? count : 0;
+  size_t pwrite(const void* from, size_t count, int64_t offset) override try {
+    bytes_.resize(std::max(bytes_.size(), std::size_t(offset) + count), std::byte{0});
+    std::memcpy(bytes_.data() + offset, from, count);
+    return count;
+  } catch (const std::bad_alloc&) {
+    failed_ = true;
+    return 0;
   }
-  size_t size() const override { return sink_.size(); }
-
-  /// `png`: the text ends a chunk, behind its type and a key, and a sum over all of it follows.
-  void put_text(const StandIn& stand_in, bool png) {
-    const std::size_t length = stand_in.text.size();
-    for (std::size_t at = 0; length > 0 && (at = head_.find(stand_in.given, at)) != std::string::npos;) {
-      head_.replace(at, length, stand_in.text);
-      pwrite(stand_in.text.data(), length, std::int64_t(at));
-      if (const std::size_t chunk = head_.rfind("tEXt", at); png && chunk != std::string::npos) {
-        const auto sum = crc32(0, reinterpret_cast<const Bytef*>(&head_[chunk]), uInt(at + length - chunk));
-        const std::array<std::uint8_t, 4> bytes{std::uint8_t(sum >> 24), std::uint8_t(sum >> 16),
-                                                std::uint8_t(sum >> 8), std::uint8_t(sum)};
-        pwrite(bytes.data(), bytes.size(), std::int64_t(at + length));
-      }
-    }
-  }
+  size_t size() const override { return bytes_.size(); }
+  bool failed() const { return failed_; }
 
  private:
-  ImageSink& sink_;
-  std::string head_;  ///< the file's first bytes
+  Bytes& bytes_;
+  bool failed_ = false;
 };
+
+/// `png`: the text ends a chunk, behind its type and a key, and a sum over all of it follows.
+void put_text(const StandIn& stand_in, bool png, Bytes& file) {
+  constexpr std::size_t most = std::size_t{1} << 20;  // metadata come before the pixels
+  auto* const bytes = reinterpret_cast<char*>(file.data());
+  const std::string_view head(bytes, std::min(most, file.size()));
+  const std::size_t length = stand_in.text.size();
+  for (std::size_t at = 0; length > 0 && (at = head.find(stand_in.given, at)) != std::string::npos;
+       at += length) {
+    stand_in.text.copy(bytes + at, length);
+    if (const std::size_t chunk = head.rfind("tEXt", at); png && chunk != std::string::npos) {
+      const auto sum = crc32(0, reinterpret_cast<const Bytef*>(bytes + chunk), uInt(at + length - chunk));
+      for (std::size_t k = 0; k < 4; ++k) bytes[at + length + k] = char(sum >> (24 - 8 * k));
+    }
+  }
+}
 
 /// OpenImageIO 2.4's TIFF writer claims to, but it loses the first of two directories, since it cannot read
 /// back through a proxy.
@@ -168,27 +175,29 @@ class OpenImageIo final : public ImageLibrary {
     return {nullptr, error.what()};
   }
 
-  std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const override try {
-    SinkProxy proxy(path, sink);
+  std::string write(const std::string& path, const ImageData& image, const std::string& spare,
+                    Bytes& file) const override try {
+    BytesProxy proxy(path, file);
     const auto output = OIIO::ImageOutput::create(path);
     if (!output) return OIIO::geterror();
-    const bool to_sink = writes_to_proxies(*output) && output->set_ioproxy(&proxy);
-    const std::string name = to_sink ? path : sink.name_to_write_by();
-    if (name.empty()) return "there is no file in memory";
+    const bool to_memory = writes_to_proxies(*output) && output->set_ioproxy(&proxy);
+    const std::string& name = to_memory ? path : spare;
     const std::string_view format = output->format_name();
-    const bool patched = to_sink && (format == "png" || format == "openexr");
+    const bool patched = to_memory && (format == "png" || format == "openexr");
     const StandIn stand_in = patched ? StandIn(image) : StandIn();
     const OIIO::ImageSpec spec = spec_of(image, stand_in);
-    if (!output->open(name, spec) || !output->write_image(spec.format, image.samples) || !output->close())
-      return output->geterror();
-    proxy.put_text(stand_in, format == "png");
-    return to_sink ? std::string() : damage_of(output->format_name(), name, spec);
+    const bool written =
+        output->open(name, spec) && output->write_image(spec.format, image.samples) && output->close();
+    if (proxy.failed()) return no_memory;
+    if (!written) return output->geterror();
+    put_text(stand_in, format == "png", file);
+    return to_memory ? std::string() : damage_of(output->format_name(), name, spec);
   } catch (const std::exception& error) {
     return error.what();
   }
 
   std::string draw_text(const std::string& text, int pixels, const std::string& font,
-                        TextCoverage& drawn) const override try {
+                        Mask& drawn) const override try {
     const OIIO::ROI size = OIIO::ImageBufAlgo::text_size(text, pixels, font);
     if (!size.defined()) return OIIO::has_error() ? OIIO::geterror() : "the font cannot be read";
     // The ends of a text without ink are no numbers to reckon with.
@@ -198,8 +207,7 @@ class OpenImageIo final : public ImageLibrary {
     OIIO::ImageBuf canvas(OIIO::ImageSpec(drawn.width, drawn.height, 1, TypeDesc::FLOAT),
                           drawn.coverage.data());
     const float ink = 1;
-    const bool done =
-        OIIO::ImageBufAlgo::render_text(canvas, -drawn.left, -drawn.top, text, pixels, font, ink);
+    const bool done = OIIO::ImageBufAlgo::render_text(canvas, -drawn.x, -drawn.y, text, pixels, font, ink);
     return done ? std::string() : canvas.geterror();
   } catch (const std::exception& error) {
     return error.what();

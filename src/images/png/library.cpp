@@ -9,7 +9,7 @@
 #include <exception>
 #include <limits>
 #include <list>
-#include <map>
+#include <new>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,16 +38,38 @@ std::string unless_empty(const PngError& error, const char* otherwise) {
   return error.text[0] != '\0' ? error.text.data() : otherwise;
 }
 
-/// A file whose pixels come as 8 or 16 bits a channel, whatever they are in it.
-class PngReader {
+/// Copies the first `channels` of each pixel; false when they cannot be read as that type.
+template <class Stored>
+bool convert(const std::vector<png_byte>& from, int stored_channels, int channels, SampleType type,
+             void* samples) {
+  const bool same = type == (sizeof(Stored) == 1 ? SampleType::uint8 : SampleType::uint16);
+  if (!same && type != SampleType::float32) return false;
+  constexpr float step = 1.0F / float(std::numeric_limits<Stored>::max());
+  const std::size_t pixel_bytes = sizeof(Stored) * std::size_t(stored_channels);
+  std::size_t place = 0;
+  for (std::size_t at = 0; at < from.size(); at += pixel_bytes)
+    for (int c = 0; c < channels; ++c, ++place) {
+      Stored value{};
+      std::memcpy(&value, from.data() + at + std::size_t(c) * sizeof(Stored), sizeof(Stored));
+      if (same)
+        static_cast<Stored*>(samples)[place] = value;
+      else
+        static_cast<float*>(samples)[place] = float(value) * step;
+    }
+  return true;
+}
+
+/// A file whose pixels come as 8 or 16 bits a channel, whatever they are in it. They are read when they are
+/// first asked for.
+class PngFile final : public ImageFile {
  public:
-  PngReader() = default;
-  ~PngReader() {
+  PngFile() = default;
+  ~PngFile() override {
     png_destroy_read_struct(&png_, &info_, nullptr);
     if (file_ != nullptr) std::fclose(file_);
   }
-  PngReader(const PngReader&) = delete;
-  PngReader& operator=(const PngReader&) = delete;
+  PngFile(const PngFile&) = delete;
+  PngFile& operator=(const PngFile&) = delete;
 
   /// Reads all before the pixels. Returns what went wrong, or an empty text.
   std::string open(const std::string& path) {
@@ -59,33 +81,51 @@ class PngReader {
       return std::string("it is no PNG, and this build has no OpenImageIO for others: ") + rebuild;
     png_ = png_create_read_struct(PNG_LIBPNG_VER_STRING, &error_, leave, ignore_warning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
-    if (info_ == nullptr) return "there is not enough memory";
+    if (info_ == nullptr) return no_memory;
     return read_header() ? std::string() : unless_empty(error_, "damaged header");
   }
 
-  png_uint_32 width() const { return png_get_image_width(png_, info_); }
-  png_uint_32 height() const { return png_get_image_height(png_, info_); }
-  int channels() const { return png_get_channels(png_, info_); }
-  int bytes_a_sample() const { return png_get_bit_depth(png_, info_) / 8; }
-
-  std::map<std::string, std::string> texts() const {
-    std::map<std::string, std::string> texts;
+  bool seek(int image) override { return image == 0; }
+  ImageShape shape() const override {
+    const int width = int(png_get_image_width(png_, info_)), height = int(png_get_image_height(png_, info_)),
+              channels = png_get_channels(png_, info_);
+    return {width,
+            height,
+            1,
+            channels,
+            channels % 2 == 0 ? channels - 1 : -1,
+            is_wide() ? SampleType::uint16 : SampleType::uint8,
+            is_wide() ? "uint16" : "uint8",
+            std::uint64_t(width) * std::uint64_t(height) * std::uint64_t(channels * (is_wide() ? 2 : 1))};
+  }
+  std::string text(const std::string& name) const override {
     png_textp entries = nullptr;
     const int count = png_get_text(png_, info_, &entries, nullptr);
-    for (int k = 0; k < count; ++k) texts[entries[k].key] = entries[k].text;
-    return texts;
+    for (int k = count - 1; k >= 0; --k)
+      if (entries[k].key == (name == "ImageDescription" ? "Description" : name)) return entries[k].text;
+    return {};
+  }
+  int number(const std::string& name) const override {
+    return name == "oiio:UnassociatedAlpha" && shape().alpha_channel >= 0 ? 1 : 0;
   }
 
-  /// All samples, rows from the top. Once only.
-  std::string read(std::vector<png_byte>& samples) {
-    samples.resize(png_get_rowbytes(png_, info_) * height());
-    rows_.clear();
-    for (png_uint_32 y = 0; y < height(); ++y)
-      rows_.push_back(samples.data() + y * png_get_rowbytes(png_, info_));
-    return read_rows() ? std::string() : unless_empty(error_, "damaged pixels");
+  std::string read(int image, int channels, SampleType type, void* samples) override try {
+    if (image != 0) return "a PNG holds one image";
+    if (samples_.empty() && !read_rows()) {
+      samples_.clear();
+      return unless_empty(error_, "damaged pixels");
+    }
+    const int stored = png_get_channels(png_, info_);
+    const bool done = is_wide() ? convert<std::uint16_t>(samples_, stored, channels, type, samples)
+                                : convert<std::uint8_t>(samples_, stored, channels, type, samples);
+    return done ? std::string() : "its samples cannot be read as this type";
+  } catch (const std::exception& error) {
+    return error.what();
   }
 
  private:
+  bool is_wide() const { return png_get_bit_depth(png_, info_) == 16; }
+
   bool read_header() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_init_io(png_, file_);
@@ -99,6 +139,10 @@ class PngReader {
   }
 
   bool read_rows() {
+    const std::size_t row = png_get_rowbytes(png_, info_);
+    samples_.resize(row * png_get_image_height(png_, info_));
+    rows_.clear();
+    for (std::size_t at = 0; at < samples_.size(); at += row) rows_.push_back(samples_.data() + at);
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
     png_read_image(png_, rows_.data());
     png_read_end(png_, nullptr);
@@ -109,97 +153,14 @@ class PngReader {
   std::FILE* file_ = nullptr;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
+  std::vector<png_byte> samples_;
   std::vector<png_bytep> rows_;
 };
 
-template <class Stored>
-float share_of(Stored value) {
-  return float(value) * (1.0F / float(std::numeric_limits<Stored>::max()));
-}
-
-/// Copies the first `channels` of each pixel, as the type that `write(place, value)` writes.
-template <class Stored, class Write>
-void take_samples(const std::vector<png_byte>& from, int stored_channels, int channels, Write&& write) {
-  const std::size_t pixel_bytes = sizeof(Stored) * std::size_t(stored_channels);
-  std::size_t place = 0;
-  for (std::size_t at = 0; at < from.size(); at += pixel_bytes)
-    for (int c = 0; c < channels; ++c) {
-      Stored value{};
-      std::memcpy(&value, from.data() + at + std::size_t(c) * sizeof(Stored), sizeof(Stored));
-      write(place++, value);
-    }
-}
-
-template <class Stored>
-bool convert(const std::vector<png_byte>& from, int stored_channels, int channels, SampleType type,
-             void* samples) {
-  const bool same = type == (sizeof(Stored) == 1 ? SampleType::uint8 : SampleType::uint16);
-  if (same)
-    take_samples<Stored>(from, stored_channels, channels, [&](std::size_t place, Stored value) {
-      static_cast<Stored*>(samples)[place] = value;
-    });
-  else if (type == SampleType::float32)
-    take_samples<Stored>(from, stored_channels, channels, [&](std::size_t place, Stored value) {
-      static_cast<float*>(samples)[place] = share_of(value);
-    });
-  else
-    return false;
-  return true;
-}
-
-class PngFile final : public ImageFile {
- public:
-  PngFile(std::string path, const PngReader& opened)
-      : path_(std::move(path)),
-        shape_{int(opened.width()),
-               int(opened.height()),
-               1,
-               opened.channels(),
-               opened.channels() % 2 == 0 ? opened.channels() - 1 : -1,
-               opened.bytes_a_sample() == 1 ? SampleType::uint8 : SampleType::uint16,
-               opened.bytes_a_sample() == 1 ? "uint8" : "uint16",
-               std::uint64_t(opened.width()) * opened.height() *
-                   std::uint64_t(opened.channels() * opened.bytes_a_sample())},
-        texts_(opened.texts()) {}
-
-  bool seek(int image) override { return image == 0; }
-  ImageShape shape() const override { return shape_; }
-  std::string text(const std::string& name) const override {
-    const auto found = texts_.find(name == "ImageDescription" ? "Description" : name);
-    return found == texts_.end() ? std::string() : found->second;
-  }
-  int number(const std::string& name) const override {
-    return name == "oiio:UnassociatedAlpha" && shape_.alpha_channel >= 0 ? 1 : 0;
-  }
-
-  std::string read(int image, int channels, SampleType type, void* samples) override try {
-    if (image != 0) return "a PNG holds one image";
-    PngReader reader;
-    if (std::string problem = reader.open(path_); !problem.empty()) return problem;
-    if (int(reader.width()) != shape_.width || int(reader.height()) != shape_.height ||
-        reader.channels() != shape_.channels ||
-        reader.bytes_a_sample() != (shape_.type == SampleType::uint8 ? 1 : 2))
-      return "it has changed since it was opened";
-    std::vector<png_byte> stored;
-    if (std::string problem = reader.read(stored); !problem.empty()) return problem;
-    const bool done = shape_.type == SampleType::uint8
-                          ? convert<std::uint8_t>(stored, shape_.channels, channels, type, samples)
-                          : convert<std::uint16_t>(stored, shape_.channels, channels, type, samples);
-    return done ? std::string() : "its samples cannot be read as this type";
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-
- private:
-  std::string path_;
-  ImageShape shape_;
-  std::map<std::string, std::string> texts_;
-};
-
-/// Writes into a sink; what is used behind setjmp lies in members.
+/// Writes into memory; what is used behind setjmp lies in members.
 class PngWriter {
  public:
-  PngWriter(const ImageData& image, ImageSink& sink) : image_(image), sink_(sink) {
+  PngWriter(const ImageData& image, Bytes& file) : image_(image), file_(file) {
     const std::size_t row = std::size_t(image.width) * std::size_t(image.channels) * bytes_a_sample();
     auto* const first = static_cast<png_byte*>(const_cast<void*>(image.samples));  // libpng only reads them
     for (int y = 0; y < image.height; ++y) rows_.push_back(first + std::size_t(y) * row);
@@ -214,7 +175,7 @@ class PngWriter {
   std::string write() {
     png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, &error_, leave, ignore_warning);
     info_ = png_ != nullptr ? png_create_info_struct(png_) : nullptr;
-    if (info_ == nullptr) return "there is not enough memory";
+    if (info_ == nullptr) return no_memory;
     return write_all() ? std::string() : unless_empty(error_, "libpng failed");
   }
 
@@ -239,15 +200,21 @@ class PngWriter {
     return types[std::size_t(image_.channels - 1)];
   }
 
-  static void to_sink(png_structp png, png_bytep bytes, png_size_t count) {
-    auto* const self = static_cast<PngWriter*>(png_get_io_ptr(png));
-    if (!self->sink_.write_at(self->written_, bytes, count)) png_error(png, "it cannot be stored");
-    self->written_ += count;
+  static void append(png_structp png, png_bytep bytes, png_size_t count) {
+    Bytes& file = static_cast<PngWriter*>(png_get_io_ptr(png))->file_;
+    bool stored = true;
+    try {
+      file.insert(file.end(), reinterpret_cast<std::byte*>(bytes),
+                  reinterpret_cast<std::byte*>(bytes) + count);
+    } catch (const std::bad_alloc&) {
+      stored = false;
+    }
+    if (!stored) png_error(png, no_memory);
   }
 
   bool write_all() {
     if (setjmp(png_jmpbuf(png_)) != 0) return false;
-    png_set_write_fn(png_, this, to_sink, nullptr);
+    png_set_write_fn(png_, this, append, nullptr);
     png_set_IHDR(png_, info_, png_uint_32(image_.width), png_uint_32(image_.height),
                  int(8 * bytes_a_sample()), colour_type(), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
                  PNG_FILTER_TYPE_DEFAULT);
@@ -261,8 +228,7 @@ class PngWriter {
   }
 
   const ImageData& image_;
-  ImageSink& sink_;
-  std::uint64_t written_ = 0;
+  Bytes& file_;
   std::vector<png_bytep> rows_;
   std::list<std::string> names_;
   std::vector<png_text> texts_;
@@ -274,25 +240,26 @@ class PngWriter {
 class PngLibrary final : public ImageLibrary {
  public:
   OpenedImageFile open(const std::string& path) const override try {
-    PngReader reader;
-    if (std::string problem = reader.open(path); !problem.empty()) return {nullptr, problem};
-    return {std::make_unique<PngFile>(path, reader), {}};
+    auto file = std::make_unique<PngFile>();
+    if (std::string problem = file->open(path); !problem.empty()) return {nullptr, problem};
+    return {std::move(file), {}};
   } catch (const std::exception& error) {
     return {nullptr, error.what()};
   }
 
-  std::string write(const std::string& path, const ImageData& image, ImageSink& sink) const override try {
+  std::string write(const std::string& path, const ImageData& image, const std::string& /*spare*/,
+                    Bytes& file) const override try {
     if (!path.ends_with(".png") && !path.ends_with(".PNG"))
       return std::string("this build has no OpenImageIO and writes PNG only: ") + rebuild;
     const bool known = image.type == SampleType::uint8 || image.type == SampleType::uint16;
     if (!known || image.channels < 1 || image.channels > 4)
       return "a PNG has 1 to 4 channels of 8 or 16 bits";
-    return PngWriter(image, sink).write();
+    return PngWriter(image, file).write();
   } catch (const std::exception& error) {
     return error.what();
   }
 
-  std::string draw_text(const std::string&, int, const std::string&, TextCoverage&) const override {
+  std::string draw_text(const std::string&, int, const std::string&, Mask&) const override {
     return std::string("this build has no OpenImageIO: ") + rebuild;
   }
 };
