@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "classify/classifier.hpp"
-#include "volume/block_ranges.hpp"
+#include "volume/cell_ranges.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {

@@ -2,8 +2,6 @@
 #include <cstdint>
 #include <filesystem>
 
-#include "volume/check_lattice.hpp"
-
 namespace ringsplat::detail {
 
 /// The most bytes that one compressed byte can hold: 1032 with deflate (zlib's technical page). Other coders'

@@ -75,11 +75,11 @@ class MergingAll final : public Merging {
   struct Head {
     ValueRange range;
     std::uint64_t fill;
-    std::uint8_t whole, overflown;
+    std::uint64_t overflown;
   };
 
   void merge_heads(ValueTally& tally) {
-    const Head mine{tally.range, tally.fill, tally.whole, tally.distinct.overflown()};
+    const Head mine{tally.range, tally.fill, tally.distinct.overflown()};
     tally.range = {};
     tally.fill = 0;
     for (const Block& block : collectives_.all_gather(block_of_value(mine))) {
@@ -94,7 +94,6 @@ class MergingAll final : public Merging {
       else
         tally.range.not_finite += not_finite;
       tally.fill += one.fill;
-      tally.whole = tally.whole && one.whole != 0;
       if (one.overflown != 0) tally.distinct.overflow();
     }
   }

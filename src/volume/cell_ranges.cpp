@@ -3,49 +3,79 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <vector>
+#include <cstring>
+#include <limits>
 
 #include "ringsplat/base/error.hpp"
-#include "volume/value_ends.hpp"
 
 namespace ringsplat {
+namespace {
 
-CellRanges::CellRanges(const SliceView& slice)
-    : columns_(blocks_along(slice.width)), rows_(blocks_along(slice.height)) {
-  visit_type(slice.type, [&](auto zero) {
+template <class T>
+struct Ends {
+  T low, high;
+  void widen(const Ends& other) {
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
+  }
+};
+
+/// Of `count` values in native byte order, at any address; of none low > high.
+template <class T>
+Ends<T> ends_of(const std::byte* values, int count) {
+  using Limits = std::numeric_limits<T>;
+  Ends<T> ends{Limits::max(), Limits::lowest()};
+  if constexpr (Limits::has_infinity) ends = {Limits::infinity(), -Limits::infinity()};
+  for (int i = 0; i < count; ++i) {
+    T value;
+    std::memcpy(&value, values + std::size_t(i) * sizeof(T), sizeof(T));
+    // A comparison with not-a-number is false and keeps the end.
+    ends.low = value < ends.low ? value : ends.low;
+    ends.high = value > ends.high ? value : ends.high;
+  }
+  return ends;
+}
+
+int blocks_of(int voxels, int side) { return (voxels + side - 1) / side; }
+
+}  // namespace
+
+RangesOfBlocks::RangesOfBlocks(const SliceView& slice, const Shape& shape)
+    : type_(slice.type),
+      columns_(blocks_of(slice.width, shape.width)),
+      rows_(blocks_of(slice.height, shape.height)) {
+  visit_type(type_, [&](auto zero) {
     using T = decltype(zero);
-    std::vector<ValueEnds<T>> ends(std::size_t(columns_) * std::size_t(rows_), no_values<T>());
-    std::vector<ValueEnds<T>> of_row(static_cast<std::size_t>(columns_));
-    for (int y = 0; y < slice.height; ++y) {
-      const std::byte* row = slice.values_of_row(y);
+    std::vector<Ends<T>> all(std::size_t(columns_) * std::size_t(rows_), ends_of<T>(nullptr, 0));
+    for (int y = 0; y < slice.height; ++y)
       for (int column = 0; column < columns_; ++column) {
-        const int first = column * side;
-        ValueEnds<T> here = no_values<T>();
-        widen(here, row + std::size_t(first) * sizeof(T),
-              std::size_t(std::min(side + 1, slice.width - first)));
-        of_row[std::size_t(column)] = here;
+        const int first = column * shape.width;
+        const Ends<T> here = ends_of<T>(slice.values_of_row(y) + std::size_t(first) * sizeof(T),
+                                        std::min(shape.width + shape.beyond, slice.width - first));
+        // A row behind a block is of the next one, too.
+        for (int row = std::max(y - shape.beyond, 0) / shape.height; row <= y / shape.height; ++row)
+          all[std::size_t(row) * std::size_t(columns_) + std::size_t(column)].widen(here);
       }
-      const auto widen_blocks = [&](int block_row) {
-        for (int column = 0; column < columns_; ++column) {
-          auto& block = ends[std::size_t(block_row) * std::size_t(columns_) + std::size_t(column)];
-          const auto& here = of_row[std::size_t(column)];
-          block.low = std::min(block.low, here.low);
-          block.high = std::max(block.high, here.high);
-        }
-      };
-      widen_blocks(y / side);
-      if (y % side == 0 && y > 0) widen_blocks(y / side - 1);
-    }
-    ends_ = BlockEnds(slice.type, ends);
+    const auto bytes = std::as_bytes(std::span(all));
+    ends_.assign(bytes.begin(), bytes.end());
   });
 }
 
-CellRanges::CellRanges(ScalarType type, int width, int height, std::span<const std::byte> bytes)
-    : columns_(blocks_along(width)), rows_(blocks_along(height)), ends_(type, bytes) {
-  if (bytes.size() != std::size_t(columns_) * std::size_t(rows_) * 2 * size_of(type))
+RangesOfBlocks::RangesOfBlocks(ScalarType type, int columns, int rows, std::span<const std::byte> bytes)
+    : type_(type), columns_(columns), rows_(rows), ends_(bytes.begin(), bytes.end()) {
+  if (bytes.size() != std::size_t(columns) * std::size_t(rows) * 2 * size_of(type))
     throw RunError(
-        fmt::format("a rank sent {} bytes as the ranges of {} x {} blocks", bytes.size(), columns_, rows_),
+        fmt::format("a rank sent {} bytes as the ranges of {} x {} blocks", bytes.size(), columns, rows),
         "all ranks must run the same build");
+}
+
+RangesOfBlocks::Range RangesOfBlocks::range(int column, int row) const {
+  const std::size_t block = std::size_t(row) * std::size_t(columns_) + std::size_t(column);
+  return visit_type(type_, [&](auto zero) {
+    Ends<decltype(zero)> ends;
+    std::memcpy(&ends, ends_.data() + block * sizeof ends, sizeof ends);
+    return Range{static_cast<double>(ends.low), static_cast<double>(ends.high)};
+  });
 }
 
 }  // namespace ringsplat

@@ -9,46 +9,24 @@
 #include <glm/matrix.hpp>
 #include <limits>
 #include <string_view>
-#include <utility>
+#include <vector>
 
 #include "base/text.hpp"
 #include "ringsplat/base/error.hpp"
-#include "volume/check_lattice.hpp"
 
 namespace ringsplat {
 namespace {
 
-constexpr std::array<std::string_view, 8> type_names{"int8",  "uint8",  "int16",   "uint16",
-                                                     "int32", "uint32", "float32", "float64"};
-
-constexpr std::array<std::pair<std::string_view, ScalarType>, 27> type_aliases{{
-    {"i8", ScalarType::int8},
-    {"schar", ScalarType::int8},
-    {"signed char", ScalarType::int8},
-    {"int8_t", ScalarType::int8},
-    {"u8", ScalarType::uint8},
-    {"uchar", ScalarType::uint8},
-    {"byte", ScalarType::uint8},
-    {"unsigned char", ScalarType::uint8},
-    {"uint8_t", ScalarType::uint8},
-    {"i16", ScalarType::int16},
-    {"short", ScalarType::int16},
-    {"int16_t", ScalarType::int16},
-    {"u16", ScalarType::uint16},
-    {"ushort", ScalarType::uint16},
-    {"uint16_t", ScalarType::uint16},
-    {"unsigned short", ScalarType::uint16},
-    {"i32", ScalarType::int32},
-    {"int", ScalarType::int32},
-    {"int32_t", ScalarType::int32},
-    {"u32", ScalarType::uint32},
-    {"uint", ScalarType::uint32},
-    {"uint32_t", ScalarType::uint32},
-    {"unsigned int", ScalarType::uint32},
-    {"f32", ScalarType::float32},
-    {"float", ScalarType::float32},
-    {"f64", ScalarType::float64},
-    {"double", ScalarType::float64},
+/// By type its own name, then others.
+constexpr std::array<std::array<std::string_view, 6>, 8> type_names{{
+    {{"int8", "i8", "schar", "signed char", "int8_t"}},
+    {{"uint8", "u8", "uchar", "byte", "unsigned char", "uint8_t"}},
+    {{"int16", "i16", "short", "int16_t"}},
+    {{"uint16", "u16", "ushort", "uint16_t", "unsigned short"}},
+    {{"int32", "i32", "int", "int32_t"}},
+    {{"uint32", "u32", "uint", "uint32_t", "unsigned int"}},
+    {{"float32", "f32", "float"}},
+    {{"float64", "f64", "double"}},
 }};
 
 bool finite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
@@ -59,16 +37,17 @@ std::size_t size_of(ScalarType type) {
   return visit_type(type, [](auto value) { return sizeof(value); });
 }
 
-std::string to_string(ScalarType type) { return std::string(type_names[std::size_t(type)]); }
+std::string to_string(ScalarType type) { return std::string(type_names[std::size_t(type)].front()); }
 
 ScalarType scalar_type_from(const std::string& name) {
   const std::string lower = detail::lower_case(name);
-  for (std::size_t i = 0; i < type_names.size(); ++i)
-    if (type_names[i] == lower) return ScalarType(i);
-  for (const auto& [alias, type] : type_aliases)
-    if (alias == lower) return type;
-  throw InputError(fmt::format("'{}' is not a scalar type", name),
-                   "use one of " + detail::comma_list(type_names));
+  std::vector<std::string_view> known;
+  for (std::size_t i = 0; i < type_names.size(); ++i) {
+    const auto& names = type_names[i];
+    if (!lower.empty() && std::find(names.begin(), names.end(), lower) != names.end()) return ScalarType(i);
+    known.push_back(names.front());
+  }
+  throw InputError(fmt::format("'{}' is not a scalar type", name), "use one of " + detail::comma_list(known));
 }
 
 void detail::check_lattice(const Grid& grid, const std::string& where) {

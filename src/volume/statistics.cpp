@@ -18,33 +18,6 @@ void for_values(ScalarType type, std::span<const std::byte> bytes, F&& f) {
   });
 }
 
-struct Extremes {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-  std::uint64_t finite = 0;
-};
-
-template <class T>
-Extremes extremes(std::span<const T> values) {
-  T low = std::numeric_limits<T>::max(), high = std::numeric_limits<T>::lowest();
-  std::uint64_t finite = values.size();
-  if constexpr (std::is_floating_point_v<T>) {
-    finite = 0;
-    // Selections instead of branches, so that the compiler vectorises the loop.
-    for (const T v : values) {
-      const bool is_finite = std::abs(v) <= std::numeric_limits<T>::max();
-      finite += is_finite;
-      low = is_finite && v < low ? v : low;
-      high = is_finite && v > high ? v : high;
-    }
-  } else {
-    for (const T v : values) low = v < low ? v : low;
-    for (const T v : values) high = v > high ? v : high;
-  }
-  if (finite == 0) return {};
-  return {double(low), double(high), finite};
-}
-
 /// Counts of each 8-bit pattern; four tables, so that runs of one value do not wait for each other.
 std::array<std::uint64_t, 256> count_bytes(std::span<const std::byte> values) {
   std::array<std::array<std::uint64_t, 256>, 4> counts{};
@@ -57,16 +30,27 @@ std::array<std::uint64_t, 256> count_bytes(std::span<const std::byte> values) {
 
 }  // namespace
 
-ValueRange::ValueRange()
-    : low(std::numeric_limits<double>::infinity()), high(-std::numeric_limits<double>::infinity()) {}
-
 void ValueRange::add(ScalarType type, std::span<const std::byte> bytes) {
   for_values(type, bytes, [&](auto values) {
-    const Extremes found = extremes(values);
-    low = std::min(low, found.low);
-    high = std::max(high, found.high);
-    finite += found.finite;
-    not_finite += values.size() - found.finite;
+    using T = typename decltype(values)::value_type;
+    T least = std::numeric_limits<T>::max(), most = std::numeric_limits<T>::lowest();
+    std::uint64_t count = values.size();
+    if constexpr (std::is_floating_point_v<T>) {
+      count = 0;
+      // Selections instead of branches, so that the compiler vectorises the loop.
+      for (const T v : values) {
+        const bool is_finite = std::abs(v) <= std::numeric_limits<T>::max();
+        count += is_finite;
+        least = is_finite && v < least ? v : least;
+        most = is_finite && v > most ? v : most;
+      }
+    } else {
+      for (const T v : values) least = v < least ? v : least;
+      for (const T v : values) most = v > most ? v : most;
+    }
+    if (count > 0) merge({double(least), double(most), 0, 0});
+    finite += count;
+    not_finite += values.size() - count;
   });
 }
 
@@ -98,26 +82,8 @@ void Histogram::add(ScalarType type, std::span<const std::byte> bytes) {
   });
 }
 
-void Histogram::merge(const Histogram& other) {
-  for (std::size_t i = 0; i < std::min(counts.size(), other.counts.size()); ++i) counts[i] += other.counts[i];
-  below += other.below;
-  above += other.above;
-}
-
 std::uint64_t Histogram::total() const {
   return std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
-}
-
-double Histogram::quantile(double fraction) const {
-  const double wanted = std::clamp(fraction, 0.0, 1.0) * double(total());
-  const double width = (high - low) / double(std::max<std::size_t>(counts.size(), 1));
-  double seen = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    const auto here = double(counts[i]);
-    if (here > 0 && seen + here >= wanted) return low + width * (double(i) + (wanted - seen) / here);
-    seen += here;
-  }
-  return counts.empty() || seen == 0 ? low : high;
 }
 
 }  // namespace ringsplat

@@ -1,10 +1,10 @@
-#include "volume/value_tally.hpp"
-
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 #include <type_traits>
+
+#include "volume/value_statistics.hpp"
 
 namespace ringsplat {
 namespace {
@@ -186,10 +186,7 @@ void ValueTally::look_for_labels(std::span<const std::byte> values) {
     for (const T value : typed<T>(values)) {
       if (!finite(value)) continue;
       if constexpr (std::is_floating_point_v<T>) {
-        if (value != std::floor(value)) {
-          whole = false;
-          distinct.overflow();
-        }
+        if (value != std::floor(value)) distinct.overflow();
       }
       if (distinct.overflown()) return;
       distinct.add(double(value));

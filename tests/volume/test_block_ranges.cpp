@@ -1,4 +1,4 @@
-#include "volume/block_ranges.hpp"
+#include "volume/cell_ranges.hpp"
 #include "volume/slice_ranges.hpp"
 
 #include <limits>

@@ -66,6 +66,10 @@ struct Grid {
 /// Throws InputError (naming `where`) when a dimension is below 1, the spacing not one that can be
 /// drawn, the origin not finite, or the direction singular.
 void check(const Grid& grid, const std::string& where);
+namespace detail {
+/// The same but for the spacing, which --spacing may replace: open_volume() checks that.
+void check_lattice(const Grid& grid, const std::string& where);
+}  // namespace detail
 
 /// Dimensions, type, spacing, origin and direction; doubles to the last bit.
 Facts facts_of(const Grid& grid);

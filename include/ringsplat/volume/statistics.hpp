@@ -1,5 +1,6 @@
 #pragma once
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -9,9 +10,9 @@ namespace ringsplat {
 
 /// Smallest and largest finite value, and how many values are not finite.
 struct ValueRange {
-  double low, high;  ///< low > high while no finite value was seen
+  /// low > high while no finite value was seen.
+  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
   std::uint64_t finite = 0, not_finite = 0;
-  ValueRange();
   void add(ScalarType type, std::span<const std::byte> values);
   void merge(const ValueRange& other);
   bool empty() const { return finite == 0; }
@@ -26,13 +27,7 @@ struct Histogram {
   Histogram(double low_value, double high_value, int bins)
       : low(low_value), high(high_value), counts(std::size_t(bins)) {}
   void add(ScalarType type, std::span<const std::byte> values);
-  void merge(const Histogram& other);  ///< same bins
   std::uint64_t total() const;
-  double bin_centre(std::size_t bin) const {
-    return low + (high - low) * (double(bin) + 0.5) / double(counts.size());
-  }
-  /// The value below which `fraction` of the counted voxels lie.
-  double quantile(double fraction) const;
 };
 
 }  // namespace ringsplat
