@@ -19,9 +19,18 @@ int steps_between(double low, double high) {
   return std::clamp(int(std::ceil(per_decade * std::log10(high / low))), 1, 256);
 }
 
-/// `points` with others in between, made by `blended(a, b, part, value)`.
-template <class Point, class Blend>
-std::vector<Point> filled(const std::vector<Point>& points, Blend blended) {
+TransferFunction::ColourPoint mixed(const TransferFunction::ColourPoint& a,
+                                    const TransferFunction::ColourPoint& b, double part, double value) {
+  return {value, a.srgb + part * (b.srgb - a.srgb)};
+}
+TransferFunction::OpacityPoint mixed(const TransferFunction::OpacityPoint& a,
+                                     const TransferFunction::OpacityPoint& b, double part, double value) {
+  return {value, a.opacity + part * (b.opacity - a.opacity)};
+}
+
+/// `points` with others in between, so that logarithms are interpolated.
+template <class Point>
+std::vector<Point> filled(const std::vector<Point>& points) {
   std::vector<Point> out;
   for (std::size_t k = 0; k < points.size(); ++k) {
     out.push_back(points[k]);
@@ -30,16 +39,16 @@ std::vector<Point> filled(const std::vector<Point>& points, Blend blended) {
     for (int i = 1; i < steps; ++i) {
       const double part = double(i) / steps;
       out.push_back(
-          blended(points[k], points[k + 1], part, between(points[k].value, points[k + 1].value, part)));
+          mixed(points[k], points[k + 1], part, between(points[k].value, points[k + 1].value, part)));
     }
   }
   return out;
 }
 
-double opacity_at(const TransferFunction& tf, double value) {
-  const Place o = locate(tf.opacities, value);
-  const double opacity = tf.opacities[o.index].opacity;
-  return o.t > 0 ? std::clamp(blend(opacity, tf.opacities[o.index + 1].opacity, o.t), 0.0, 1.0) : opacity;
+/// Moves points as far along the logarithm's axis from `low` to `high` as they were along the values'.
+template <class Point>
+void move_to_logarithms(std::vector<Point>& points, double low, double high) {
+  for (Point& point : points) point.value = between(low, high, fraction(point.value, low, high));
 }
 
 }  // namespace
@@ -71,13 +80,13 @@ std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, do
 }
 
 void clear_below(TransferFunction& tf, double value) {
-  const double here = opacity_at(tf, value);
+  const double here = opacity_at(tf.opacities, value);
   std::erase_if(tf.opacities, [&](const auto& p) { return p.value <= value; });
   tf.opacities.insert(tf.opacities.begin(), {{value, 0.0}, {value, here}});
 }
 
 void clear_above(TransferFunction& tf, double value) {
-  const double here = opacity_at(tf, value);
+  const double here = opacity_at(tf.opacities, value);
   std::erase_if(tf.opacities, [&](const auto& p) { return p.value >= value; });
   tf.opacities.insert(tf.opacities.end(), {{value, here}, {value, 0.0}});
 }
@@ -86,47 +95,32 @@ void clear_at(TransferFunction& tf, double value, bool whole) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double low = whole ? value - 0.5 : std::nextafter(value, -infinity),
                high = whole ? value + 0.5 : std::nextafter(value, infinity);
-  const double before = opacity_at(tf, low), after = opacity_at(tf, high);
+  const double before = opacity_at(tf.opacities, low), after = opacity_at(tf.opacities, high);
   std::erase_if(tf.opacities, [&](const auto& p) { return p.value >= low && p.value <= high; });
   const auto at =
       std::find_if(tf.opacities.begin(), tf.opacities.end(), [&](const auto& p) { return p.value > high; });
   tf.opacities.insert(at, {{low, before}, {low, 0.0}, {high, 0.0}, {high, after}});
 }
 
-namespace {
-
-std::vector<TransferFunction::ColourPoint> filled(const std::vector<TransferFunction::ColourPoint>& points) {
-  return filled(points, [](const auto& a, const auto& b, double part, double value) {
-    return TransferFunction::ColourPoint{value, a.srgb + part * (b.srgb - a.srgb)};
-  });
-}
-
-}  // namespace
-
 TransferFunction on_logarithmic_axis(const TransferFunction& tf) {
   TransferFunction moved = tf;
   const auto [low, high] = ends_of(tf);
-  const auto move = [low = low, high = high](auto& points) {
-    for (auto& point : points) point.value = between(low, high, fraction(point.value, low, high));
-  };
-  move(moved.colours);
-  move(moved.opacities);
+  move_to_logarithms(moved.colours, low, high);
+  move_to_logarithms(moved.opacities, low, high);
   return at_logarithmic_steps(moved);
 }
 
 std::vector<TransferFunction::ColourPoint> on_logarithmic_axis(
     std::vector<TransferFunction::ColourPoint> points) {
   const double low = points.front().value, high = points.back().value;
-  for (auto& point : points) point.value = between(low, high, fraction(point.value, low, high));
+  move_to_logarithms(points, low, high);
   return filled(points);
 }
 
 TransferFunction at_logarithmic_steps(const TransferFunction& tf) {
   TransferFunction out = tf;
   out.colours = filled(tf.colours);
-  out.opacities = filled(tf.opacities, [](const auto& a, const auto& b, double part, double value) {
-    return TransferFunction::OpacityPoint{value, a.opacity + part * (b.opacity - a.opacity)};
-  });
+  out.opacities = filled(tf.opacities);
   return out;
 }
 

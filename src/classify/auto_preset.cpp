@@ -100,8 +100,7 @@ void clear_outside(TransferFunction& tf, const Data& d) {
   if (d.outside_above && !d.fill_above) clear_above(tf, d.high() + span);
 }
 
-// --- CT
-// -----------------------------------------------------------------------------------------------------
+// CT
 
 std::optional<AutoChoice> choose_ct(const ValueStatistics& s, const Data& d) {
   const bool said = s.modality == "CT" && d.low() < -200 && d.high() > 100;
@@ -120,8 +119,7 @@ std::optional<AutoChoice> choose_ct(const ValueStatistics& s, const Data& d) {
   return choice;
 }
 
-// --- both signs
-// ---------------------------------------------------------------------------------------------
+// both signs
 
 /// The bins of |v|, ascending.
 Bins magnitudes(const Bins& bins) {
@@ -163,8 +161,7 @@ std::optional<AutoChoice> choose_signed(const Data& d) {
                     {-end, end}};
 }
 
-// --- many decades
-// -------------------------------------------------------------------------------------------
+// many decades
 
 std::optional<AutoChoice> choose_logarithmic(const Data& d, const Ramp& ramp) {
   if (d.low() < 0) return std::nullopt;
@@ -191,8 +188,7 @@ std::optional<AutoChoice> choose_logarithmic(const Data& d, const Ramp& ramp) {
                     {median, top}};
 }
 
-// --- all else
-// -----------------------------------------------------------------------------------------------
+// all else
 
 /// Scales what is as opaque as a plateau and less, so that a way through the plateau alone is not opaque.
 void thin_out(TransferFunction& tf, const Plateau& plateau, const Data& d) {

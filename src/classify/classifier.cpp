@@ -9,7 +9,6 @@
 #include <type_traits>
 
 #include "classify/mask_where.hpp"
-#include "classify/mask_within.hpp"
 #include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
@@ -21,22 +20,6 @@ namespace {
 double corrected(double opacity, double length) {
   if (opacity >= 1.0 || opacity <= 0.0 || length == 1.0) return opacity;
   return -std::expm1(length * std::log1p(-opacity));
-}
-
-/// The smallest interval outside of which everything is transparent; empty (low > high) when all is.
-struct Support {
-  double low = std::numeric_limits<double>::infinity(), high = -std::numeric_limits<double>::infinity();
-};
-
-Support support_of(const std::vector<TransferFunction::OpacityPoint>& points) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  Support support;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!(points[i].opacity > 0)) continue;
-    support.low = std::min(support.low, i == 0 ? -infinity : points[i - 1].value);
-    support.high = std::max(support.high, i + 1 == points.size() ? infinity : points[i + 1].value);
-  }
-  return support;
 }
 
 /// Clamps a whole number to the range of an integer type, widened by `beyond` at either end.
@@ -67,9 +50,12 @@ Classifier::Classifier(const TransferFunction& tf, ScalarType type, double lengt
     throw InputError(fmt::format("a distance of {} between slices is not positive", length),
                      "check the volume's spacing and the view");
   for (const auto& point : tf_.colours) linear_.push_back(srgb_to_linear(point.srgb));
-  const Support support = support_of(tf_.opacities);
-  support_low_ = support.low;
-  support_high_ = support.high;
+  const auto& points = tf_.opacities;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!(points[i].opacity > 0)) continue;
+    support_low_ = std::min(support_low_, i == 0 ? -infinity : points[i - 1].value);
+    support_high_ = std::max(support_high_, i + 1 == points.size() ? infinity : points[i + 1].value);
+  }
   visit_type(type_, [this](auto zero) {
     using T = decltype(zero);
     if constexpr (sizeof(T) <= 2) make_table<T>();
@@ -97,9 +83,7 @@ void Classifier::make_table() {
 
 ClassifiedSample Classifier::evaluate(double value) const {
   if (!(value >= support_low_ && value <= support_high_)) return {};  // NaN too
-  const Place o = locate(tf_.opacities, value);
-  double opacity = tf_.opacities[o.index].opacity;
-  if (o.t > 0) opacity = std::clamp(blend(opacity, tf_.opacities[o.index + 1].opacity, o.t), 0.0, 1.0);
+  const double opacity = opacity_at(tf_.opacities, value);
   if (!(opacity > 0)) return {};
   const Place c = locate(tf_.colours, value);
   glm::dvec3 colour = linear_[c.index];
@@ -115,7 +99,10 @@ void Classifier::find_by_table(const std::byte* row, int first, int end, std::ui
     return mask_where<T>(row, from, count, [this](T value) { return visible_[table_index(value)]; });
   };
   const Bits low = Bits(first_visible_), span = Bits(Bits(last_visible_) - low);
-  const auto by_ends = [&](int from, int count) { return mask_within(row, from, count, low, span); };
+  const auto by_ends = [&](int from, int count) {
+    return mask_where<Bits>(row, from, count,
+                            [low, span](Bits bits) { return std::uint8_t(Bits(bits - low) <= span); });
+  };
   if (gaps_)
     for_each_mask(first, end, by_table, take);
   else

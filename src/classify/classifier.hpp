@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -77,8 +78,9 @@ class Classifier {
   TransferFunction tf_;
   ScalarType type_;
   double length_;
-  std::vector<glm::dvec3> linear_;     ///< the colour points, in linear light
-  double support_low_, support_high_;  ///< transparent outside; low > high: everywhere
+  std::vector<glm::dvec3> linear_;  ///< the colour points, in linear light
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  double support_low_ = infinity, support_high_ = -infinity;  ///< transparent outside; low > high: everywhere
 
   // For 8- and 16-bit types only:
   std::vector<ClassifiedSample> table_;  ///< of values table_low_ … table_high_; beyond, the ends hold

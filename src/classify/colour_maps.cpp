@@ -100,14 +100,9 @@ std::string plain_name(const std::string& name) {
 std::vector<glm::dvec3> colours_of(const std::string& text) {
   std::vector<glm::dvec3> colours;
   for (std::size_t at = 0; at + 6 <= text.size(); at += 6) {
-    glm::dvec3 colour(0.0);
-    for (int k = 0; k < 3; ++k) {
-      int byte = 0;
-      const char* first = text.data() + at + 2 * std::size_t(k);
-      std::from_chars(first, first + 2, byte, 16);
-      colour[k] = byte / 255.0;
-    }
-    colours.push_back(colour);
+    std::uint32_t rgb = 0;
+    std::from_chars(text.data() + at, text.data() + at + 6, rgb, 16);
+    colours.push_back(colour_of(rgb));
   }
   return colours;
 }

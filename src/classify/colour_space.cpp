@@ -129,25 +129,21 @@ std::optional<ColourSpace> colour_space_from(const std::string& name, bool hsv_w
 }
 
 glm::dvec3 interpolate(ColourSpace space, const glm::dvec3& a, const glm::dvec3& b, double t) {
-  glm::dvec3 mixed{};
-  switch (space) {
-    case ColourSpace::rgb:
-      mixed = blend(a, b, t);
-      break;
-    case ColourSpace::hsv:
-      mixed = interpolate_hsv(a, b, t, false);
-      break;
-    case ColourSpace::hsv_wrapped:
-      mixed = interpolate_hsv(a, b, t, true);
-      break;
-    case ColourSpace::lab:
-      mixed = lab_to_rgb(blend(rgb_to_lab(a), rgb_to_lab(b), t));
-      break;
-    case ColourSpace::diverging:
-      mixed = interpolate_diverging(a, b, t);
-      break;
-  }
-  return glm::clamp(mixed, 0.0, 1.0);
+  const auto mixed = [&] {
+    switch (space) {
+      case ColourSpace::hsv:
+      case ColourSpace::hsv_wrapped:
+        return interpolate_hsv(a, b, t, space == ColourSpace::hsv_wrapped);
+      case ColourSpace::lab:
+        return lab_to_rgb(blend(rgb_to_lab(a), rgb_to_lab(b), t));
+      case ColourSpace::diverging:
+        return interpolate_diverging(a, b, t);
+      case ColourSpace::rgb:
+        break;
+    }
+    return blend(a, b, t);
+  };
+  return glm::clamp(mixed(), 0.0, 1.0);
 }
 
 }  // namespace ringsplat

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "classify/colour_maps.hpp"
+
 namespace ringsplat {
 namespace {
 
@@ -24,8 +26,7 @@ constexpr std::array<std::uint32_t, 64> palette{
 glm::dvec3 label_colour(double label) {
   const double count = double(palette.size());
   const double place = std::fmod(label - 1, count);
-  const std::uint32_t c = palette[std::size_t(place < 0 ? place + count : place)];
-  return {double(c >> 16 & 255) / 255, double(c >> 8 & 255) / 255, double(c & 255) / 255};
+  return colour_of(palette[std::size_t(place < 0 ? place + count : place)]);
 }
 
 TransferFunction label_function(const std::vector<double>& labels) {

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "ringsplat/classify/transfer_function.hpp"
+
 namespace ringsplat {
 
 /// A value's place among ascending points: between points[index] and the next one.
@@ -35,6 +37,13 @@ Place locate(const std::vector<Point>& points, double value) {
 template <class T>
 T blend(const T& a, const T& b, double t) {
   return a + t * (b - a);
+}
+
+/// The opacity that a transfer function's points give a value.
+inline double opacity_at(const std::vector<TransferFunction::OpacityPoint>& points, double value) {
+  const auto [index, t] = locate(points, value);
+  const double opacity = points[index].opacity;
+  return t > 0 ? std::clamp(blend(opacity, points[index + 1].opacity, t), 0.0, 1.0) : opacity;
 }
 
 }  // namespace ringsplat

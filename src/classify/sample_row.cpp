@@ -131,16 +131,10 @@ HWY_INLINE void fill_from_table(const Classifier::Table& table, const VoxelRow& 
 
 void FillFromTable(const Classifier::Table& table, ScalarType type, const VoxelRow& row,
                    const PhongTable* phong, VisibleRow& out) {
-  switch (type) {
-    case ScalarType::uint8:
-      return fill_from_table<std::uint8_t>(table, row, phong, out);
-    case ScalarType::int8:
-      return fill_from_table<std::int8_t>(table, row, phong, out);
-    case ScalarType::uint16:
-      return fill_from_table<std::uint16_t>(table, row, phong, out);
-    default:
-      return fill_from_table<std::int16_t>(table, row, phong, out);
-  }
+  visit_type(type, [&](auto zero) {
+    using T = decltype(zero);
+    if constexpr (sizeof(T) <= 2) fill_from_table<T>(table, row, phong, out);
+  });
 }
 
 void LightRow(const PhongTable& phong, const VoxelRow& row, VisibleRow& out) {

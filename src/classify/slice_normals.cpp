@@ -78,41 +78,29 @@ NormalCode careful_normal(const Neighbourhood<T>& rows, int x, const glm::dmat3&
 }
 
 /// Inner voxels of a row, whose neighbours all exist. Equal neighbours, usual outside the object, cost three
-/// subtractions.
+/// subtractions. Of floats the sum of the differences' squares shows whether anything is not finite, or too
+/// small for the short way.
 template <class T>
-void inner_integer_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
-  using Wide = std::conditional_t<is_exact_in_int<T>, int, std::int64_t>;
+void inner_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
+  using Whole = std::conditional_t<is_exact_in_int<T>, int, std::int64_t>;
+  using Wide = std::conditional_t<std::is_integral_v<T>, Whole, double>;
   for (int x = 1; x + 1 < rows.count; ++x) {
-    const Wide dx = Wide(rows.here[x + 1]) - Wide(rows.here[x - 1]);
-    const Wide dy = Wide(rows.after_y[x]) - Wide(rows.before_y[x]);
-    const Wide dz = Wide(rows.after_z[x]) - Wide(rows.before_z[x]);
-    if ((dx | dy | dz) == 0) {
+    const Wide dx = Wide(rows.here[x + 1]) - Wide(rows.here[x - 1]),
+               dy = Wide(rows.after_y[x]) - Wide(rows.before_y[x]),
+               dz = Wide(rows.after_z[x]) - Wide(rows.before_z[x]);
+    if (dx == 0 && dy == 0 && dz == 0) {
       out[x] = no_normal;
       continue;
     }
     const glm::dvec3 n = m * glm::dvec3(dx, dy, dz);
-    out[x] = encode_moderate(n.x, n.y, n.z);
-  }
-}
-
-/// The same for floats: the sum of the differences' squares shows whether anything is not finite, or too
-/// small for the short way.
-template <class T>
-void inner_float_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* out) {
-  for (int x = 1; x + 1 < rows.count; ++x) {
-    const glm::dvec3 d{double(rows.here[x + 1]) - double(rows.here[x - 1]),
-                       double(rows.after_y[x]) - double(rows.before_y[x]),
-                       double(rows.after_z[x]) - double(rows.before_z[x])};
-    if (d == glm::dvec3(0.0)) {
-      out[x] = no_normal;
-      continue;
+    if constexpr (!std::is_integral_v<T>) {
+      const double square = n.x * n.x + n.y * n.y + n.z * n.z + 0.0 * double(rows.here[x]);
+      if (!(square > 1e-180 && square < 1e180)) {
+        out[x] = careful_normal(rows, x, m);
+        continue;
+      }
     }
-    const glm::dvec3 n = m * d;
-    const double square = n.x * n.x + n.y * n.y + n.z * n.z + 0.0 * double(rows.here[x]);
-    if (square > 1e-180 && square < 1e180)
-      out[x] = encode_moderate(n.x, n.y, n.z);
-    else
-      out[x] = careful_normal(rows, x, m);
+    out[x] = encode_moderate(n.x, n.y, n.z);
   }
 }
 
@@ -124,10 +112,7 @@ void row_normals(const Neighbourhood<T>& rows, const glm::dmat3& m, NormalCode* 
     return;
   }
   out[0] = careful_normal(rows, 0, m);
-  if constexpr (std::is_integral_v<T>)
-    inner_integer_normals(rows, m, out);
-  else
-    inner_float_normals(rows, m, out);
+  inner_normals(rows, m, out);
   out[rows.count - 1] = careful_normal(rows, rows.count - 1, m);
 }
 

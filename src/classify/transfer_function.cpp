@@ -38,10 +38,7 @@ TransferFunction::Sample TransferFunction::evaluate(double value) const {
   const Place c = locate(colours, value);
   sample.colour = srgb_to_linear(colours[c.index].srgb);
   if (c.t > 0) sample.colour = blend(sample.colour, srgb_to_linear(colours[c.index + 1].srgb), c.t);
-  const Place o = locate(opacities, value);
-  sample.opacity = opacities[o.index].opacity;
-  if (o.t > 0)
-    sample.opacity = std::clamp(blend(sample.opacity, opacities[o.index + 1].opacity, o.t), 0.0, 1.0);
+  sample.opacity = opacity_at(opacities, value);
   return sample;
 }
 
