@@ -2,15 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/matrix.hpp>
 #include <limits>
-#include <numbers>
 
 #include "ringsplat/base/error.hpp"
-#include "truth/parallel.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
 #include "truth/shading.hpp"
@@ -18,29 +12,6 @@
 
 namespace ringsplat::truth {
 namespace {
-
-/// The first and last s at which the ray is in the box low ≤ p ≤ high; first > last when it misses.
-struct Span {
-  double first = -std::numeric_limits<double>::infinity(), last = std::numeric_limits<double>::infinity();
-};
-Span inside_box(const CubeRay& ray, const glm::dvec3& low, const glm::dvec3& high) {
-  Span span;
-  for (int k = 0; k < 3; ++k) {
-    if (ray.step[k] == 0) {
-      if (ray.origin[k] < low[k] || ray.origin[k] > high[k]) return {1, 0};
-      continue;
-    }
-    const double a = (low[k] - ray.origin[k]) / ray.step[k], b = (high[k] - ray.origin[k]) / ray.step[k];
-    span.first = std::max(span.first, std::min(a, b));
-    span.last = std::min(span.last, std::max(a, b));
-  }
-  return span;
-}
-
-CubeRay to_cube(const LatticeRay& ray, const Grid& grid) {
-  const glm::dvec3 dims(grid.dims);
-  return {(ray.origin + 0.5) / dims, ray.step / dims};
-}
 
 class FormulaIntegrator {
  public:
@@ -51,20 +22,17 @@ class FormulaIntegrator {
         tolerance_(tolerance),
         rays_(scene),
         curve_(scene.transfer_function),
-        phong_(scene, rays_.view()) {
-    const glm::dmat3 inverse = glm::inverse(scene.grid.direction);
-    const glm::dvec3 size = scene.grid.spacing * glm::dvec3(scene.grid.dims);
-    const double smallest = std::min({size.x, size.y, size.z});
-    for (int k = 0; k < 3; ++k)
-      against_gradient_[k] = -(smallest / size[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
-  }
+        phong_(scene, rays_.view()),
+        against_gradient_(
+            against_gradient(scene.grid.direction, scene.grid.spacing * glm::dvec3(scene.grid.dims))) {}
 
   Rgba along(Pixel pixel) const {
     const LatticeRay lattice_ray = rays_.through(pixel);
     if (!(lattice_ray.enter < lattice_ray.leave)) return Rgba(0.0);
-    const CubeRay ray = to_cube(lattice_ray, scene_.grid);
+    const glm::dvec3 dims(scene_.grid.dims), origin = (lattice_ray.origin + 0.5) / dims,
+                                             step = lattice_ray.step / dims;
     const auto medium_at = [&](double s) {
-      const glm::dvec3 p = ray.origin + s * ray.step;
+      const glm::dvec3 p = origin + s * step;
       const auto sample = curve_.at(scale_ * field_(p.x, p.y, p.z));
       Medium medium{extinction(sample.opacity), sample.colour};
       if (scene_.shaded && sample.opacity > 0)
@@ -96,7 +64,7 @@ class FormulaIntegrator {
   Rays rays_;
   TransferCurve curve_;
   Phong phong_;
-  glm::dmat3 against_gradient_{1.0};
+  glm::dmat3 against_gradient_;
 };
 
 }  // namespace
@@ -109,14 +77,7 @@ std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, 
     throw InputError(fmt::format("a tolerance of {} is not between 0 and 1", tolerance), "for instance 1e-6");
   if (scene.clip) check(*scene.clip, scene.grid);
   const FormulaIntegrator integrator(scene, field, scale, tolerance);
-  std::vector<Rgba> colours(pixels.size());
-  parallel_for(
-      pixels.size(), 16,
-      [&](std::size_t first, std::size_t end) {
-        for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
-      },
-      scene.poll);
-  return colours;
+  return along_rays(scene, pixels, [&](Pixel pixel) { return integrator.along(pixel); });
 }
 
 double synth_scale(ScalarType type) {
@@ -124,32 +85,6 @@ double synth_scale(ScalarType type) {
     using T = decltype(zero);
     return std::is_integral_v<T> ? static_cast<double>(std::numeric_limits<T>::max()) : 1.0;
   });
-}
-
-CubeRay cube_ray(const Scene& scene, Pixel pixel) { return to_cube(Rays(scene).through(pixel), scene.grid); }
-
-double length_in_box(const CubeRay& ray, const glm::dvec3& low, const glm::dvec3& high) {
-  const Span span = inside_box(ray, low, high);
-  return std::max(0.0, span.last - span.first);
-}
-
-double length_in_ball(const CubeRay& ray, const glm::dvec3& centre, double radius) {
-  const glm::dvec3 from = ray.origin - centre;
-  const double a = glm::dot(ray.step, ray.step), s = -glm::dot(from, ray.step) / a;
-  const glm::dvec3 nearest = from + s * ray.step;
-  const double rest = radius * radius - glm::dot(nearest, nearest);
-  return rest > 0 ? 2 * std::sqrt(rest / a) : 0.0;
-}
-
-double integral_of_gaussian(const CubeRay& ray, const glm::dvec3& centre, double sigma) {
-  const Span span = inside_box(ray, glm::dvec3(0.0), glm::dvec3(1.0));
-  if (!(span.first < span.last)) return 0;
-  const glm::dvec3 from = ray.origin - centre;
-  const double a = glm::dot(ray.step, ray.step), s = -glm::dot(from, ray.step) / a;
-  const glm::dvec3 nearest = from + s * ray.step;
-  const double rate = std::sqrt(a / 2) / sigma;
-  return std::exp(-glm::dot(nearest, nearest) / (2 * sigma * sigma)) * std::sqrt(std::numbers::pi) /
-         (2 * rate) * (std::erf(rate * (span.last - s)) - std::erf(rate * (span.first - s)));
 }
 
 }  // namespace ringsplat::truth

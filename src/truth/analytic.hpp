@@ -19,16 +19,4 @@ std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, 
 /// The factor by which synth_source multiplies a field in [0, 1] for this scalar type.
 double synth_scale(ScalarType type);
 
-/// A pixel's ray in the unit cube: origin + s · step, s in unit lengths (the smallest spacing).
-struct CubeRay {
-  glm::dvec3 origin, step;
-};
-CubeRay cube_ray(const Scene& scene, Pixel pixel);
-
-/// Closed forms: unit lengths of the ray inside a shape, or the integral of a field along it.
-double length_in_box(const CubeRay& ray, const glm::dvec3& low, const glm::dvec3& high);
-double length_in_ball(const CubeRay& ray, const glm::dvec3& centre, double radius);
-/// The integral of exp(−|p − centre|² / (2 sigma²)) over the part of the ray in the unit cube.
-double integral_of_gaussian(const CubeRay& ray, const glm::dvec3& centre, double sigma);
-
 }  // namespace ringsplat::truth

@@ -50,11 +50,7 @@ inline std::optional<CellValues> cell_values(const Scene& scene, const TransferC
                                              const Cell& cell) {
   CellValues values{{}, 1 / 0.0, -1 / 0.0};
   for (int c = 0; c < 8; ++c) {
-    const glm::ivec3 p = cell.corner(c);
-    const double v =
-        curve.bounded(scene.values[std::size_t(p.x) + std::size_t(scene.grid.dims.x) *
-                                                          (std::size_t(p.y) + std::size_t(scene.grid.dims.y) *
-                                                                                  std::size_t(p.z))]);
+    const double v = curve.bounded(scene.values[scene.index(cell.corner(c))]);
     if (std::isnan(v)) return std::nullopt;
     values.corners[std::size_t(c)] = v;
     values.low = std::min(values.low, v);

@@ -9,7 +9,6 @@
 
 #include "ringsplat/base/error.hpp"
 #include "truth/cell.hpp"
-#include "truth/parallel.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
 #include "truth/shading.hpp"
@@ -197,14 +196,7 @@ std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels,
     throw InputError(fmt::format("a tolerance of {} is not between 0 and 1", tolerance), "for instance 1e-6");
   if (scene.clip) return field_truth(cropped(scene), pixels, tolerance);
   const FieldIntegrator integrator(scene, tolerance);
-  std::vector<Rgba> colours(pixels.size());
-  parallel_for(
-      pixels.size(), 16,
-      [&](std::size_t first, std::size_t end) {
-        for (std::size_t p = first; p < end; ++p) colours[p] = integrator.along(pixels[p]);
-      },
-      scene.poll);
-  return colours;
+  return along_rays(scene, pixels, [&](Pixel pixel) { return integrator.along(pixel); });
 }
 
 ScreenBounds field_bounds(const Scene& scene) { return Rays(scene).bounds(); }

@@ -2,15 +2,64 @@
 #include <span>
 #include <vector>
 
+#include "truth/field.hpp"
 #include "truth/scene.hpp"
 
 namespace ringsplat::truth {
 
-/// What the scene's method draws, without the renderer's arithmetic: the truth of splats (splat_method.hpp)
-/// or of sheets (sheet_method.hpp).
-std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels);
+/// Where the surface normals of the splats' truth come from.
+enum class Normals {
+  exact,     ///< central differences, normalised
+  quantised  ///< the same, rounded to the renderer's 16-bit codes: leaves only numerical error
+};
+
+/// The splatting model itself, without the renderer's arithmetic.
+///
+/// Each voxel is classified, shaded, and corrected to 1 − (1 − α)^d for d unit lengths between slices along
+/// the ray. Its kernel is Q², Q = 1 − r², r in kernel radii (Neumann 1992, section 2.2; at least a pixel from
+/// the centre), multiplied as Scene::normalisation says: by 3/(π T²) or its widened equivalent, so that
+/// weights average to one; by nothing; or by one over the sum of all kernels of an endless slice at the
+/// pixel. Each slice of the set most parallel to the view plane is summed at the pixel's centre, clamped
+/// (opacity a to [0, 1], colour to [0, a]) and composited front to back.
+///
+/// Cost: slices × voxels under one kernel a pixel, plus one classification a voxel; all cores.
+std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels,
+                                     Normals normals = Normals::exact);
+
+/// The pixels that a voxel's kernel may reach. At all others this truth is transparent.
+ScreenBounds splat_method_bounds(const Scene& scene);
+
+/// The algorithm of sheets itself, without the renderer's arithmetic: no tables, every slab integrated
+/// exactly, nothing left out or stopped early. Scene::sheets must have a value; InputError when its numbers
+/// make no sense. All cores.
+///
+/// A pixel's ray meets q sheets a slice of the set that it crosses most, at i + j/q slices, with
+/// q = Traversal::slabs_for(slabs); the first is slice 0, the last slice n − 1. Two more, at −½ and n − ½,
+/// are the box's faces, so the outermost slabs are half a slice thick, unless there are more of them
+/// (slabs_in_half). On a sheet the value and the central differences of the voxels (one-sided at the border)
+/// are trilinear at the ray's place, which is first moved into [0, n − 1] along each axis. Where a voxel of
+/// the cell is not a number, the sheet's value is none, and the slabs on both sides are transparent. On a
+/// sheet in a slice only that slice counts.
+///
+/// Between two sheets the value is linear: integrate_slab() gives opacity, colour, centroid t and spread d.
+/// Where the ray enters or leaves the box through its sides, only part p of a slab lies inside: its
+/// opacity becomes 1 − (1 − a)^p, while colour, t and d stay the whole slab's. The light of a slab is taken
+/// at t, or is the mean of that at t − d and at t + d (moved into [0, 1]), with gradients interpolated
+/// linearly from one sheet to the other. The image plane is no part of this: the picture of sheets in the
+/// slices' plane has its warp as an error.
+///
+/// Where Scene::nearest is set, q is rounded up to an even number and the outermost half slices have q/2
+/// slabs. Both sheets of a slab then have the value of the voxel that is nearest to the middle between them.
+std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels);
+
+/// What the scene's method draws, without the renderer's arithmetic: the truth of splats or of sheets.
+inline std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels) {
+  return scene.sheets ? sheet_method_truth(scene, pixels) : splat_method_truth(scene, pixels);
+}
 
 /// Outside of these pixels that truth is transparent.
-ScreenBounds method_bounds(const Scene& scene);
+inline ScreenBounds method_bounds(const Scene& scene) {
+  return scene.sheets ? field_bounds(scene) : splat_method_bounds(scene);
+}
 
 }  // namespace ringsplat::truth

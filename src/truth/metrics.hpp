@@ -1,14 +1,22 @@
 #pragma once
 #include <array>
-#include <cstddef>
-#include <optional>
-#include <string>
-#include <vector>
+#include <cmath>
+#include <limits>
 
 #include "ringsplat/base/image.hpp"
 #include "truth/scene.hpp"
 
 namespace ringsplat::truth {
+
+/// Levels of an 8-bit picture. All differences are in units of one level.
+constexpr double levels = 255;
+
+/// a − b in levels. A value that is not finite is infinitely far from every other value.
+inline double levels_apart(double a, double b) {
+  if (std::isfinite(a) && std::isfinite(b)) return levels * (a - b);
+  const bool same = a == b || (std::isnan(a) && std::isnan(b));
+  return same ? 0.0 : std::numeric_limits<double>::infinity();
+}
 
 /// Differences image − truth of premultiplied linear values, in units of 1/255.
 struct ErrorFigures {
@@ -34,27 +42,5 @@ ImageError compare(const Image& image, const Image& truth, int channels = 4);
 /// The fraction of the pixels that differ by more than `threshold` / 255 in one of the first `channels`
 /// channels. The pictures must have the same size.
 double fraction_over(const Image& image, const Image& truth, double threshold, int channels = 4);
-
-/// Measures of defects that a single figure hides. All treat opacities and colours alike.
-
-/// A row or column whose mean signed error stands out from the two lines beside it.
-struct Seam {
-  bool is_column = true;
-  int position = 0;
-  double step = 0;  ///< in 1/255, above both neighbours (or below both)
-  double odds = 0;  ///< step divided by the typical step (1.4826 × median) of all lines of that direction
-};
-/// The most conspicuous line; nothing when the picture has fewer than eight lines each way.
-std::optional<Seam> find_seam(const Image& image, const Image& truth);
-
-/// The gain g for which image = (1 + g) truth fits best (least squares); 0 for an empty truth.
-double brightness_change(const Image& image, const Image& truth);
-
-/// The displacement in pixels (right, down) by which the shifted truth fits the image best (Lucas and Kanade
-/// 1981, iterated on the resampled truth). Zero where the truth has no structure.
-struct Shift {
-  double x = 0, y = 0;
-};
-Shift find_shift(const Image& image, const Image& truth);
 
 }  // namespace ringsplat::truth

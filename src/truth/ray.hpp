@@ -1,8 +1,10 @@
 #pragma once
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
+#include "truth/parallel.hpp"
 #include "truth/scene.hpp"
 
 namespace ringsplat::truth {
@@ -49,6 +51,19 @@ class Rays {
   glm::dmat3 to_lattice_{1.0};
   LatticeRay parallel_;  ///< the direction of an orthographic view's rays
 };
+
+/// along(pixel) of each pixel, on all cores; calls Scene::poll meanwhile.
+template <class Along>
+std::vector<Rgba> along_rays(const Scene& scene, std::span<const Pixel> pixels, const Along& along) {
+  std::vector<Rgba> colours(pixels.size());
+  parallel_for(
+      pixels.size(), 16,
+      [&](std::size_t first, std::size_t end) {
+        for (std::size_t p = first; p < end; ++p) colours[p] = along(pixels[p]);
+      },
+      scene.poll);
+  return colours;
+}
 
 /// Extinction of opacity `opacity` per unit length: infinite for 1.
 double extinction(double opacity);

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "ringsplat/base/error.hpp"
-#include "truth/levels.hpp"
+#include "truth/metrics.hpp"
 #include "truth/sampling.hpp"
 
 namespace ringsplat::truth {

@@ -20,7 +20,7 @@
 /// no packed colours.
 namespace ringsplat::truth {
 
-/// How sheets make a picture (sheet_method.hpp).
+/// How sheets make a picture (method.hpp).
 struct SheetMethod {
   int slabs = 2;         ///< from slice to slice, at least 1
   int light_points = 2;  ///< in a slab, 1 or 2
@@ -50,6 +50,11 @@ struct Scene {
     glm::ivec3 first;
   };
   std::optional<CutFrom> cut_from = std::nullopt;
+  /// A voxel's place in `values`.
+  std::size_t index(const glm::ivec3& p) const {
+    return std::size_t(p.x) +
+           std::size_t(grid.dims.x) * (std::size_t(p.y) + std::size_t(grid.dims.y) * std::size_t(p.z));
+  }
   /// Called now and then by the thread that waits for a truth of pixels; may throw to end its evaluation.
   std::function<void()> poll = {};
 };

@@ -28,14 +28,19 @@ Phong::Light Phong::light(const glm::dvec3& normal, const glm::dvec3& to_viewer)
   return light;
 }
 
-Gradients::Gradients(const Scene& scene) : scene_(scene) {
-  const glm::dvec3& spacing = scene.grid.spacing;
-  const double smallest = std::min({spacing.x, spacing.y, spacing.z});
-  const glm::dmat3 inverse = glm::inverse(scene.grid.direction);
+glm::dmat3 against_gradient(const glm::dmat3& direction, const glm::dvec3& size) {
+  const double smallest = std::min({size.x, size.y, size.z});
+  const glm::dmat3 inverse = glm::inverse(direction);
+  glm::dmat3 against{1.0};
   // The gradient is a covector, so it is mapped by the inverse transpose, whose columns are the inverse's
   // rows.
   for (int k = 0; k < 3; ++k)
-    to_world_[k] = -(smallest / spacing[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
+    against[k] = -(smallest / size[k]) * glm::dvec3(inverse[0][k], inverse[1][k], inverse[2][k]);
+  return against;
+}
+
+Gradients::Gradients(const Scene& scene)
+    : scene_(scene), to_world_(against_gradient(scene.grid.direction, scene.grid.spacing)) {
   double largest = 0;
   for (const double v : scene.values)
     if (std::isfinite(v)) largest = std::max(largest, std::abs(v));
@@ -46,7 +51,7 @@ glm::dvec3 Gradients::at(int x, int y, int z) const {
   const auto& dims = scene_.grid.dims;
   const std::size_t stride[3] = {1, std::size_t(dims.x), std::size_t(dims.x) * std::size_t(dims.y)};
   const int place[3] = {x, y, z};
-  const std::size_t here = std::size_t(x) + stride[1] * std::size_t(y) + stride[2] * std::size_t(z);
+  const std::size_t here = scene_.index({x, y, z});
   const double centre = scene_.values[here];
   if (!std::isfinite(centre)) return glm::dvec3(0.0);
   glm::dvec3 difference{0.0};

@@ -29,6 +29,10 @@ class Phong {
   glm::dvec3 to_light_;
 };
 
+/// From differences along the axes of a lattice, or of any box, to a world direction against the gradient, up
+/// to one common factor. `size`: of a step along each axis.
+glm::dmat3 against_gradient(const glm::dmat3& direction, const glm::dvec3& size);
+
 /// Central differences of the voxels, against the gradient, in world directions, up to one common factor.
 class Gradients {
  public:

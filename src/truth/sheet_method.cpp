@@ -1,5 +1,3 @@
-#include "truth/sheet_method.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,7 +6,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "truth/cell.hpp"
-#include "truth/parallel.hpp"
+#include "truth/method.hpp"
 #include "truth/ray.hpp"
 #include "truth/shading.hpp"
 #include "truth/slab_integral.hpp"
@@ -181,14 +179,7 @@ std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> 
                      "give at least one slab a slice and one or two light points");
   if (scene.clip) return sheet_method_truth(cropped(scene), pixels);
   const SheetTracer tracer(scene);
-  std::vector<Rgba> colours(pixels.size());
-  parallel_for(
-      pixels.size(), 16,
-      [&](std::size_t first, std::size_t end) {
-        for (std::size_t p = first; p < end; ++p) colours[p] = tracer.along(pixels[p]);
-      },
-      scene.poll);
-  return colours;
+  return along_rays(scene, pixels, [&](Pixel pixel) { return tracer.along(pixel); });
 }
 
 }  // namespace ringsplat::truth

@@ -1,5 +1,3 @@
-#include "truth/splat_method.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
@@ -11,6 +9,7 @@
 
 #include "classify/normals.hpp"
 #include "ringsplat/base/error.hpp"
+#include "truth/method.hpp"
 #include "truth/parallel.hpp"
 #include "truth/ray.hpp"
 #include "truth/shading.hpp"
@@ -109,7 +108,7 @@ class Method {
   }
 
  private:
-  glm::dvec3 lattice_point(int u, int v, int slice) const {
+  glm::dvec3 lattice_point(double u, double v, int slice) const {
     glm::dvec3 p{0.0};
     p[u_] = u;
     p[v_] = v;
@@ -133,9 +132,7 @@ class Method {
   }
 
   Rgba classify_voxel(const glm::ivec3& p) const {
-    const std::size_t at =
-        std::size_t(p.x) + std::size_t(scene_.grid.dims.x) *
-                               (std::size_t(p.y) + std::size_t(scene_.grid.dims.y) * std::size_t(p.z));
+    const std::size_t at = scene_.index(p);
     const auto sample = curve_.at(scene_.values[at]);
     if (!(sample.opacity > 0)) return Rgba(0.0);
     glm::dvec3 colour = sample.colour;
@@ -168,11 +165,7 @@ class Method {
     const glm::dvec2 low = glm::ceil(middle - kernel_.lattice_reach - slack),
                      high = glm::floor(middle + kernel_.lattice_reach + slack);
     const auto weight_of = [&](double u, double v) {
-      glm::dvec3 p{0.0};
-      p[u_] = u;
-      p[v_] = v;
-      p[axis_] = slice;
-      return kernel_.q_squared(centre - glm::dvec2(view_.project(p)));
+      return kernel_.q_squared(centre - glm::dvec2(view_.project(lattice_point(u, v, slice))));
     };
     const int width = scene_.grid.dims[u_];
     const double last_u = std::min(high.x, width - 1.0),

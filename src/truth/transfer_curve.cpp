@@ -15,16 +15,7 @@ double linear_light(double display) {
 /// are handled first, since (1 − t) a + t a may differ from a.
 template <class T>
 T on_line(const std::vector<double>& values, const std::vector<T>& results, double value) {
-  std::size_t after = 0;
-  for (std::size_t count = values.size(); count > 0;) {  // the first point above the value
-    const std::size_t half = count / 2;
-    if (values[after + half] <= value) {
-      after += half + 1;
-      count -= half + 1;
-    } else {
-      count = half;
-    }
-  }
+  const auto after = std::size_t(std::upper_bound(values.begin(), values.end(), value) - values.begin());
   if (after == 0) return results.front();
   if (after == values.size() || results[after - 1] == results[after]) return results[after - 1];
   // Halved, because the difference may overflow a double.

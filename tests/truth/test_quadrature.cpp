@@ -115,13 +115,12 @@ TEST_CASE("tolerances that are no shares between 0 and 1 are refused, by name") 
   const Volume volume = make_volume({2, 2, 2}, ScalarType::uint8, [](int, int, int) { return 1; });
   const auto scene = scene_of(volume, plain_spec(constant_opacity(0.5), 2));
   const std::vector<truth::Pixel> pixel{{0, 0}};
-  for (const double tolerance : {0.0, -1e-6, 1.0, std::numeric_limits<double>::quiet_NaN(),
-                                 std::numeric_limits<double>::infinity()}) {
+  for (const double tolerance :
+       {0.0, -1e-6, 1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     CHECK(says(message_of<InputError>([&] { truth::field_truth(scene, pixel, tolerance); }),
                "is not between 0 and 1"));
-    CHECK(says(message_of<InputError>([&] {
-                 truth::analytic_truth(scene, synth_field("ball"), 1.0, pixel, tolerance);
-               }),
+    CHECK(says(message_of<InputError>(
+                   [&] { truth::analytic_truth(scene, synth_field("ball"), 1.0, pixel, tolerance); }),
                "is not between 0 and 1"));
   }
 }

@@ -11,11 +11,10 @@
 #include "study/measured_error.hpp"
 #include "support/scenes.hpp"
 #include "truth/analytic.hpp"
+#include "truth/closed_forms.hpp"
 #include "truth/field.hpp"
 #include "truth/method.hpp"
 #include "truth/metrics.hpp"
-#include "truth/sheet_method.hpp"
-#include "truth/splat_method.hpp"
 
 namespace ringsplat::test {
 
