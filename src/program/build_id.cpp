@@ -4,7 +4,7 @@
 
 #include "program/launch.hpp"
 #include "ringsplat/base/error.hpp"
-#include "session/wire_format.hpp"
+#include "session/render.hpp"
 
 namespace ringsplat::app {
 

@@ -8,25 +8,10 @@
 namespace ringsplat {
 namespace {
 
-double NodeStats::*seconds_of(Activity activity) {
-  switch (activity) {
-    case Activity::slice:
-      return &NodeStats::computing;
-    case Activity::wait_for_token:
-      return &NodeStats::waiting_for_token;
-    case Activity::send:
-      return &NodeStats::sending;
-    case Activity::draw:
-      return &NodeStats::drawing;
-    case Activity::composite:
-      return &NodeStats::compositing;
-    case Activity::deliver:
-      return &NodeStats::delivering;
-    case Activity::frame:
-      break;
-  }
-  return &NodeStats::idle;
-}
+/// By activity.
+constexpr double NodeStats::*seconds[] = {
+    &NodeStats::computing,   &NodeStats::waiting_for_token, &NodeStats::sending, &NodeStats::drawing,
+    &NodeStats::compositing, &NodeStats::delivering,        &NodeStats::idle};
 
 }  // namespace
 
@@ -38,7 +23,8 @@ void NodeBook::turn(const Turn& turn, NodeStats* stats) {
   const double begin = std::exchange(last_time_, now);
   if (stats == nullptr) return;
   const double compositing = std::min(turn.compositing, now - begin);
-  stats->*(turn.activity ? seconds_of(*turn.activity) : &NodeStats::idle) += now - begin - compositing;
+  stats->*(turn.activity ? seconds[std::size_t(*turn.activity)] : &NodeStats::idle) +=
+      now - begin - compositing;
   stats->compositing += compositing;
   if (trace_ != nullptr && turn.activity) add_spans(turn, begin, now);
 }

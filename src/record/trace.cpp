@@ -122,17 +122,16 @@ void Trace::compare_clocks(Collectives& collectives) {
   const std::string clock = clock_identity();
   Bytes block;
   append_all(block, mine);
-  append_all(block, std::vector<char>(clock.begin(), clock.end()));
+  append_all(block, clock);
   const Block sent = to_block(block);
   const Block of_0 = collectives.broadcast(sent, 0);
   std::vector<GatherTimes> times_of_0;
-  std::vector<char> clock_of_0;
+  std::string clock_of_0;
   std::size_t at = 0;
   if (!take_all(of_0, at, times_of_0) || times_of_0.size() != mine.size() || !take_all(of_0, at, clock_of_0))
     throw RunError("process 0 sent something else than its clock's times",
                    "all ranks must run the same build");
-  const bool common = collectives.process() == 0 ||
-                      (!clock.empty() && clock == std::string(clock_of_0.begin(), clock_of_0.end()));
+  const bool common = collectives.process() == 0 || (!clock.empty() && clock == clock_of_0);
   compared_.push_back(common ? ClockOffset{.at = mine.back().left} : estimate_offset(mine, times_of_0));
 }
 

@@ -2,6 +2,7 @@
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "record/stats.hpp"
@@ -34,6 +35,11 @@ struct Director {
 };
 
 /// Renders `frames`, one after another.
-Director director_of(std::vector<FrameSpec> frames, std::function<void(FrameResult&&)> frame_done);
+inline Director director_of(std::vector<FrameSpec> frames, std::function<void(FrameResult&&)> frame_done) {
+  const auto next = [frames = std::move(frames), asked = std::size_t{0}]() mutable {
+    return asked < frames.size() ? std::optional(frames[asked++]) : std::nullopt;
+  };
+  return {next, std::move(frame_done)};
+}
 
 }  // namespace ringsplat

@@ -8,7 +8,6 @@
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_needs.hpp"
-#include "net/agree.hpp"
 #include "net/same_facts.hpp"
 #include "protocol/loopback_run.hpp"
 #include "protocol/rank.hpp"
@@ -16,7 +15,8 @@
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
 #include "session/render_frames.hpp"
-#include "session/wire_format.hpp"
+#include "sheet_engine/sheet_frame.hpp"
+#include "sheet_engine/sheet_rays.hpp"
 
 namespace ringsplat {
 namespace {
@@ -52,6 +52,16 @@ Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) 
 }
 
 }  // namespace
+
+std::string wire_format() { return RINGSPLAT_WIRE_FORMAT; }
+
+void check_frame(const FrameSpec& spec, const Grid& grid) {
+  check(spec);
+  if (std::holds_alternative<Sheets>(spec.how))
+    static_cast<void>(make_sheet_rays(*make_sheet_frame(spec, grid, 1, 1)));
+  else
+    static_cast<void>(make_geometry(spec, grid));
+}
 
 std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
   std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
@@ -178,23 +188,6 @@ void render_frames(Scene scene, const Layout& layout, const ProtocolOptions& pro
   else
     run_on_transport(*engine_of(wiring.transport->rank()), frames, layout, protocol, *wiring.transport,
                      options);
-}
-
-Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
-                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol,
-                   const EngineOptions& engine) {
-  // Without open_everywhere(): only process 0 has the voxels and deals them as if it decoded a file.
-  OpenedVolume volume{grid, false, nullptr};
-  agree_after(wiring.collectives, [&] {
-    check(grid, "the volume");
-    check(spec);
-    if (wiring.collectives.process() == 0) volume.source = memory_source(grid, voxels);
-  });
-  Scene scene = load_scene(volume, needed_to_render(spec, grid), layout, wiring);
-  Image image;
-  const auto keep = [&image](FrameResult&& result) { image = std::move(result.image); };
-  render_frames(std::move(scene), layout, protocol, director_of({spec}, keep), wiring, engine);
-  return image;
 }
 
 }  // namespace ringsplat

@@ -2,15 +2,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
-#include <span>
+#include <string>
 
 #include "net/collectives.hpp"
 #include "net/loopback_options.hpp"
 #include "net/transport.hpp"
 #include "protocol/protocol_options.hpp"
-#include "ringsplat/base/image.hpp"
-#include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/net/layout.hpp"
+#include "ringsplat/volume/grid.hpp"
 
 namespace ringsplat {
 
@@ -45,12 +44,9 @@ std::uint64_t usual_kept_bytes(const Grid& grid, int gps);
 /// Throws InputError that names the option when it asks for more threads than any machine has cores.
 void check(const EngineOptions& options);
 
-/// One image of a volume in memory, for programs that use Ringsplat as a library. `voxels` (grid.bytes()
-/// bytes, native order) is read on process 0 only and is dealt to the GPs; the others may pass an empty span.
-/// Every process passes the same grid, spec and layout. The image is returned on process 0; elsewhere it is
-/// empty.
-Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
-                   const Layout& layout, const Wiring& wiring, const ProtocolOptions& protocol = {},
-                   const EngineOptions& engine = {});
+/// A hash of the headers that say how messages look (src/CMakeLists.txt), sixteen hexadecimal digits: builds
+/// with different digits may misread each other's messages. It says nothing of what nodes do with a message;
+/// the version stands for that.
+std::string wire_format();
 
 }  // namespace ringsplat

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <exception>
+#include <map>
+#include <new>
 #include <utility>
 
 #include "base/byte_stream.hpp"
@@ -13,9 +15,10 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
+#include "scene/scene.hpp"
+#include "scene/voxel_blocks.hpp"
 #include "session/render_frames.hpp"
 #include "session/session_parts.hpp"
-#include "session/shared_volume.hpp"
 
 namespace ringsplat {
 namespace {
@@ -26,25 +29,120 @@ Layout every_rank_both(int ranks) {
 
 Block to_block(const std::vector<FrameSpec>& frames) {
   Bytes out;
-  for (const FrameSpec& frame : frames) {
-    const Bytes one = encode(frame);
-    append(out, std::uint64_t(one.size()));
-    out.insert(out.end(), one.begin(), one.end());
-  }
+  for (const FrameSpec& frame : frames) append_all(out, encode(frame));
   return {out.begin(), out.end()};
 }
 
 std::vector<FrameSpec> frames_of(const Block& block) {
   std::vector<FrameSpec> frames;
   for (std::size_t at = 0; at < block.size();) {
-    std::uint64_t size = 0;
-    if (!take(block, at, size) || block.size() - at < size)
+    Bytes one;
+    if (!take_all(block, at, one))
       throw RunError("rank 0 sent a part of a frame", "all ranks must run the same build");
-    frames.push_back(decode_frame_spec(std::span(block).subspan(at, size)));
-    at += size;
+    frames.push_back(decode_frame_spec(one));
   }
   return frames;
 }
+
+// Rows of this size stay in a core's cache while they are packed, sent and placed; larger ones take up to
+// twice as long (tests/session/bench_commit.cpp).
+constexpr std::size_t round_bytes = std::size_t{1} << 16;
+
+std::map<int, SliceStore> empty_slices(const Grid& grid, SliceDealing dealing, const std::vector<int>& mine) {
+  std::map<int, SliceStore> slices;
+  for (const int gp : mine) slices.emplace(gp, SliceStore(grid, gp, dealing, {false, false, true}, false));
+  return slices;
+}
+
+bool contains(const std::vector<int>& all, const std::vector<int>& some) {
+  return std::all_of(some.begin(), some.end(),
+                     [&](int one) { return std::find(all.begin(), all.end(), one) != all.end(); });
+}
+
+bool covers(const LoadOptions& made, const LoadOptions& needed) {
+  for (const Axis axis : all_axes)
+    if (needed.kept_axes[std::size_t(axis)] && !made.kept_axes[std::size_t(axis)]) return false;
+  const bool reduced = std::any_of(needed.factors.begin(), needed.factors.end(), [](int f) { return f > 1; });
+  return contains(made.factors, needed.factors) && (!reduced || made.prefilter == needed.prefilter) &&
+         (!needed.with_normals || (made.with_normals && made.clip == needed.clip)) &&
+         (!needed.with_cell_ranges || made.with_cell_ranges);
+}
+
+/// Adds to what is needed all of `one` that can be kept beside it.
+void add_needs(LoadOptions& all, const LoadOptions& one) {
+  for (const Axis axis : all_axes) all.kept_axes[std::size_t(axis)] |= one.kept_axes[std::size_t(axis)];
+  if (!all.with_normals) all.clip = one.clip;
+  all.with_normals |= one.with_normals;
+  all.with_cell_ranges |= one.with_cell_ranges;
+  for (const int factor : one.factors)
+    if (!contains(all.factors, {factor}) && (factor == 1 || one.prefilter == all.prefilter))
+      all.factors.push_back(factor);
+}
+
+/// A volume that processes have put together from their blocks. GPs keep its z slices; what frames need
+/// besides is made of them when it is first needed. All calls are collective, with the same arguments but for
+/// the blocks.
+class SharedVolume {
+ public:
+  /// The wiring's parts must outlive it.
+  SharedVolume(const Layout& layout, const Wiring& wiring) : layout_(layout), wiring_(wiring) {}
+
+  /// Takes the voxels of all processes' blocks in place of the volume before. Throws the same InputError on
+  /// all when grids, layouts or blocks do not fit; then the volume stays as it was.
+  void replace(const Grid& grid, const std::vector<VoxelBlock>& blocks) {
+    Collectives& all = wiring_.collectives;
+    agree_after(all, [&] {
+      check(grid, "the grid");
+      check_wiring(layout_, wiring_);
+    });
+    require_same_scene(grid, {}, layout_, wiring_);
+    check_blocks(grid, blocks, all);
+    const auto gps = gps_by_process(layout_, wiring_);
+    scene_.reset();
+    values_.reset();
+    std::string error;
+    if (!grid_ || facts_of(*grid_) != facts_of(grid)) {
+      grid_.reset();
+      slices_.clear();
+      try {
+        slices_ = empty_slices(grid, dealing_of(layout_), gps[std::size_t(all.process())]);
+      } catch (const std::bad_alloc&) {
+        error = "there is no memory for the volume's slices; hint: use more ranks on more machines";
+      }
+    }
+    agree(all, error);
+    grid_ = grid;
+    deal_blocks(grid, blocks, slices_, dealing_of(layout_), gps, round_bytes, all);
+  }
+
+  /// Nothing before the first replace().
+  const std::optional<Grid>& grid() const { return grid_; }
+  const ValueStatistics& values() {
+    if (!values_) values_ = share_values(slices_, *grid_, {}, wiring_.collectives);
+    return *values_;
+  }
+  /// What frames need that need all this.
+  Scene scene_for(const LoadOptions& needed) {
+    if (!scene_ || !covers(made_, needed)) {
+      LoadOptions all = needed;
+      if (scene_) add_needs(all, made_);
+      made_ = all;
+      scene_.reset();
+      scene_ = deal_scene_again(*grid_, slices_, made_, dealing_of(layout_), gps_by_process(layout_, wiring_),
+                                wiring_.collectives);
+    }
+    return *scene_;
+  }
+
+ private:
+  Layout layout_;
+  Wiring wiring_;
+  std::optional<Grid> grid_;
+  std::map<int, SliceStore> slices_;  ///< along z
+  std::optional<ValueStatistics> values_;
+  LoadOptions made_;  ///< the scene's
+  std::optional<Scene> scene_;
+};
 
 /// What all the frames need. Throws InputError when they need different things of one slice.
 LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& grid) {
@@ -57,12 +155,7 @@ LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& gr
     if (one.prefilter != all.prefilter)
       throw InputError("frames with and without a prefilter cannot be drawn in one call",
                        "call render() for either");
-    if (one.with_normals) all.clip = one.clip;
-    for (const Axis axis : all_axes) all.kept_axes[std::size_t(axis)] |= one.kept_axes[std::size_t(axis)];
-    all.with_normals |= one.with_normals;
-    all.with_cell_ranges |= one.with_cell_ranges;
-    if (std::find(all.factors.begin(), all.factors.end(), one.factors.front()) == all.factors.end())
-      all.factors.push_back(one.factors.front());
+    add_needs(all, one);
   }
   return all;
 }

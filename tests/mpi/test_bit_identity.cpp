@@ -31,7 +31,7 @@ Image render_on_ranks(const Layout& layout, const FrameSpec& spec, VolumeSource&
     const Grid grid = source.grid();
     std::vector<std::byte> voxels(rank == 0 ? grid.bytes() : 0);
     if (rank == 0) source.read_slices(0, grid.dims.z, voxels);
-    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()}, {}, engine);
+    image = render_image(grid, voxels, spec, layout, {*collectives, transport.get()}, engine);
   }
   MPI_Comm_free(&part);
   return image;

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "net/collectives.hpp"
-#include "session/render.hpp"
 #include "support/catch.hpp"
+#include "support/scenes.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::serve;
@@ -46,9 +45,8 @@ FrameSpec view(double azimuth, double elevation) {
 }
 
 Image render(const FrameSpec& spec) {
-  SoloCollectives alone;
   const auto values = voxels();
-  return render_image(grid(), std::as_bytes(std::span(values)), spec, {.gps = 1, .renderers = 1}, {alone});
+  return test::render_loopback(*memory_source(grid(), std::as_bytes(std::span(values))), spec, 1, 1).image;
 }
 
 Probed probe(const FrameSpec& spec, double x, double y) {

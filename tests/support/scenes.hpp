@@ -71,6 +71,19 @@ inline FrameResult render_loopback(VolumeSource& source, const FrameSpec& spec, 
   return render_loopback(source, spec, Layout{gps, renderers, placement}, loopback, protocol, engine);
 }
 
+/// One image of a volume in memory. `voxels` (grid.bytes() bytes, native order) is read on process 0 only and
+/// is dealt to the GPs as if it decoded a file; the others may pass an empty span. The image is process 0's.
+inline Image render_image(const Grid& grid, std::span<const std::byte> voxels, const FrameSpec& spec,
+                          const Layout& layout, const Wiring& wiring, const EngineOptions& engine = {}) {
+  OpenedVolume volume{grid, false, nullptr};
+  if (wiring.collectives.process() == 0) volume.source = memory_source(grid, voxels);
+  Scene scene = load_scene(volume, needed_to_render(spec, grid), layout, wiring);
+  Image image;
+  const auto keep = [&image](FrameResult&& result) { image = std::move(result.image); };
+  render_frames(std::move(scene), layout, {}, director_of({spec}, keep), wiring, engine);
+  return image;
+}
+
 inline double largest_difference(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height) return 1e300;
   double largest = 0;
