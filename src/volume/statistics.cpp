@@ -1,7 +1,6 @@
 #include "ringsplat/volume/statistics.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -16,16 +15,6 @@ void for_values(ScalarType type, std::span<const std::byte> bytes, F&& f) {
     using T = decltype(zero);
     f(std::span(reinterpret_cast<const T*>(bytes.data()), bytes.size() / sizeof(T)));
   });
-}
-
-/// Counts of each 8-bit pattern; four tables, so that runs of one value do not wait for each other.
-std::array<std::uint64_t, 256> count_bytes(std::span<const std::byte> values) {
-  std::array<std::array<std::uint64_t, 256>, 4> counts{};
-  for (std::size_t i = 0; i < values.size(); ++i) ++counts[i & 3][std::size_t(values[i])];
-  std::array<std::uint64_t, 256> sum{};
-  for (const auto& table : counts)
-    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += table[i];
-  return sum;
 }
 
 }  // namespace
@@ -61,24 +50,17 @@ void ValueRange::merge(const ValueRange& other) {
   not_finite += other.not_finite;
 }
 
-void Histogram::add(ScalarType type, std::span<const std::byte> bytes) {
-  if (counts.empty()) return;
+void Histogram::add(double value, std::uint64_t times) {
+  // False also for NaN; infinities lie outside.
+  if (counts.empty() || !(value >= low && value <= high)) return;
   const auto bins = double(counts.size());
   const double scale = high > low ? bins / (high - low) : 0.0;
-  const auto count = [&](double value, std::uint64_t times) {
-    // False also for NaN; infinities lie outside.
-    if (!(value >= low && value <= high)) return;
-    counts[std::size_t(std::min((value - low) * scale, bins - 1))] += times;
-  };
+  counts[std::size_t(std::min((value - low) * scale, bins - 1))] += times;
+}
+
+void Histogram::add(ScalarType type, std::span<const std::byte> bytes) {
   for_values(type, bytes, [&](auto values) {
-    using T = typename decltype(values)::value_type;
-    if constexpr (sizeof(T) == 1) {
-      const auto patterns = count_bytes(bytes);
-      for (std::size_t i = 0; i < patterns.size(); ++i)
-        if (patterns[i] != 0) count(double(static_cast<T>(i)), patterns[i]);
-    } else {
-      for (const auto value : values) count(double(value), 1);
-    }
+    for (const auto value : values) add(double(value), 1);
   });
 }
 

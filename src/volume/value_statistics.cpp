@@ -83,16 +83,21 @@ void count_histogram(ValueStatistics& s, const std::vector<ValueBin>& keys, cons
                      Merging& merging) {
   const KeptBins kept = without_outliers(keys);
   s.histogram = Histogram(keys[kept.first].low, std::min(keys[kept.last].high, s.range.high), histogram_bins);
-  pass([&](std::span<const std::byte> rows, int) {
-    for_each_unfilled(s.kind, rows, [&](auto values) { s.histogram.add(s.kind.type, values); });
-  });
-  merging.sum(s.histogram.counts);
+  const bool exact = ValueTally::is_exact(s.kind.type);
+  if (exact) {
+    for (std::size_t k = kept.first; k <= kept.last; ++k) s.histogram.add(keys[k].low, keys[k].count);
+  } else {
+    pass([&](std::span<const std::byte> rows, int) {
+      for_each_unfilled(s.kind, rows, [&](auto values) { s.histogram.add(s.kind.type, values); });
+    });
+    merging.sum(s.histogram.counts);
+  }
   for (std::size_t k = 0; k < keys.size(); ++k) {
     if (k < kept.first) s.histogram.below += keys[k].count;
     if (k > kept.last) s.histogram.above += keys[k].count;
   }
   s.bins = keys;
-  if (ValueTally::is_exact(s.kind.type)) return;
+  if (exact) return;
   s.bins = refined({keys.begin() + std::ptrdiff_t(kept.first), keys.begin() + std::ptrdiff_t(kept.last) + 1},
                    bins_of(s.histogram));
   s.bins.insert(s.bins.begin(), keys.begin(), keys.begin() + std::ptrdiff_t(kept.first));

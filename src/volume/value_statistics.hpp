@@ -127,8 +127,9 @@ class Merging {
   virtual void sum(std::vector<std::uint64_t>&) {}
 };
 
-/// Goes through the values two or three times: counts by key, equal bins, and neighbours where there are few
-/// different whole numbers. The same on all processes, for any number of them.
+/// Goes through the values one to three times: counts by key, equal bins of types whose values have no key of
+/// their own, and neighbours where there are few different whole numbers. The same on all processes, for any
+/// number of them.
 ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const VolumeNotes& notes,
                                 const Pass& pass, Merging& merging);
 

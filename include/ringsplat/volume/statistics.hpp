@@ -26,6 +26,7 @@ struct Histogram {
   Histogram() = default;
   Histogram(double low_value, double high_value, int bins)
       : low(low_value), high(high_value), counts(std::size_t(bins)) {}
+  void add(double value, std::uint64_t times);
   void add(ScalarType type, std::span<const std::byte> values);
   std::uint64_t total() const;
 };
