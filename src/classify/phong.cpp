@@ -1,12 +1,6 @@
 #include "classify/phong.hpp"
 
-#include "base/vector_config.hpp"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "classify/phong.cpp"
 #include <fmt/format.h>
-#include <hwy/foreach_target.h>
-#include <hwy/highway.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +9,6 @@
 
 #include "ringsplat/base/error.hpp"
 
-#ifndef RINGSPLAT_PHONG_ONCE
-#define RINGSPLAT_PHONG_ONCE
 namespace ringsplat {
 namespace {
 
@@ -25,10 +17,6 @@ constexpr std::size_t block = 64;
 
 /// Clamps to the largest float, so that 0 times a scale stays 0.
 constexpr float most = std::numeric_limits<float>::max();
-
-struct NormalBlock {
-  const float *x, *y, *z;
-};
 
 struct Lighting {
   glm::vec3 light, viewer;  ///< unit directions
@@ -40,49 +28,27 @@ struct Lighting {
 /// Cosines between the mirrored light and the viewer; 0 where no highlight is seen.
 using Mirrored = float[block];
 
-}  // namespace
-}  // namespace ringsplat
-#endif
-
-HWY_BEFORE_NAMESPACE();
-namespace ringsplat::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
-
-/// Computes a block's scales; true when some highlights are not faint.
-bool LightBlock(const NormalBlock& n, const Lighting& lighting, float* scales, Mirrored& mirrored) {
-  const hn::CappedTag<float, block> d;
-  const auto cosine = [&](std::size_t k, const glm::vec3& direction) {
-    const auto along = [&](const float* axis, float part) {
-      return hn::Mul(hn::LoadU(d, axis + k), hn::Set(d, part));
-    };
-    return hn::Add(hn::Add(along(n.x, direction.x), along(n.y, direction.y)), along(n.z, direction.z));
-  };
-  const auto faint = hn::Set(d, lighting.faint), ambient = hn::Set(d, lighting.ambient),
-             diffuse = hn::Set(d, lighting.diffuse), light_viewer = hn::Set(d, lighting.light_viewer);
-  auto brightest = hn::Zero(d);
-  for (std::size_t k = 0; k < block; k += hn::Lanes(d)) {
-    const auto facing_light = cosine(k, lighting.light), facing_viewer = cosine(k, lighting.viewer);
+/// Computes the scales of a block of normals; true when some highlights are not faint. A loop that compilers
+/// vectorise: selections instead of branches.
+bool light_block(const float* x, const float* y, const float* z, const Lighting& lighting, float* scales,
+                 Mirrored& mirrored) {
+  const glm::vec3 light = lighting.light, viewer = lighting.viewer;
+  const float light_viewer = lighting.light_viewer, ambient = lighting.ambient, diffuse = lighting.diffuse,
+              faint = lighting.faint;
+  int bright = 0;
+  for (std::size_t k = 0; k < block; ++k) {
+    const float facing_light = x[k] * light.x + y[k] * light.y + z[k] * light.z,
+                facing_viewer = x[k] * viewer.x + y[k] * viewer.y + z[k] * viewer.z;
     // A surface in a volume has no inside: n and −n are lit alike, and a highlight needs light and viewer on
     // the same side.
-    const auto same_side = hn::Mul(facing_light, facing_viewer),
-               lobe = hn::Sub(hn::Add(same_side, same_side), light_viewer);
-    const auto seen = hn::IfThenElseZero(hn::Gt(same_side, hn::Zero(d)), lobe);
-    brightest = hn::Max(brightest, seen);
-    hn::StoreU(seen, d, mirrored + k);
-    const auto scale = hn::Add(ambient, hn::Mul(diffuse, hn::Abs(facing_light)));
-    hn::StoreU(hn::Min(scale, hn::Set(d, most)), d, scales + k);
+    const float same_side = facing_light * facing_viewer, lobe = same_side + same_side - light_viewer;
+    mirrored[k] = same_side > 0 ? lobe : 0;
+    bright |= int(mirrored[k] > faint);
+    const float scale = ambient + diffuse * std::abs(facing_light);
+    scales[k] = scale < most ? scale : most;
   }
-  return !hn::AllFalse(d, hn::Gt(brightest, faint));
+  return bright != 0;
 }
-
-}  // namespace ringsplat::HWY_NAMESPACE
-HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace ringsplat {
-namespace {
-
-HWY_EXPORT(LightBlock);
 
 glm::dvec3 unit_direction(const glm::dvec3& v, const char* what) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -146,9 +112,7 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
     Mirrored mirrored;
     float* scales = &scales_[first];
     // Blocks without a highlight, which are most, need no powers.
-    if (!HWY_DYNAMIC_DISPATCH(LightBlock)({&n.x[first], &n.y[first], &n.z[first]}, lighting, scales,
-                                          mirrored))
-      continue;
+    if (!light_block(&n.x[first], &n.y[first], &n.z[first], lighting, scales, mirrored)) continue;
     for (std::size_t k = 0; k < block; ++k) {
       if (!(mirrored[k] > lighting.faint)) continue;
       scales[k] = -scales[k];
@@ -160,4 +124,3 @@ PhongTable::PhongTable(const PhongMaterial& material, const glm::dvec3& to_light
 }
 
 }  // namespace ringsplat
-#endif
