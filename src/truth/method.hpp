@@ -7,12 +7,6 @@
 
 namespace ringsplat::truth {
 
-/// Where the surface normals of the splats' truth come from.
-enum class Normals {
-  exact,     ///< central differences, normalised
-  quantised  ///< the same, rounded to the renderer's 16-bit codes: leaves only numerical error
-};
-
 /// The splatting model itself, without the renderer's arithmetic.
 ///
 /// Each voxel is classified, shaded, and corrected to 1 − (1 − α)^d for d unit lengths between slices along
@@ -23,8 +17,7 @@ enum class Normals {
 /// (opacity a to [0, 1], colour to [0, a]) and composited front to back.
 ///
 /// Cost: slices × voxels under one kernel a pixel, plus one classification a voxel; all cores.
-std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels,
-                                     Normals normals = Normals::exact);
+std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels);
 
 /// The pixels that a voxel's kernel may reach. At all others this truth is transparent.
 ScreenBounds splat_method_bounds(const Scene& scene);

@@ -39,6 +39,8 @@ struct Scene {
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
   double radius = 1.6;               ///< of the kernel, in lattice distances (splats' truth only)
   Normalisation normalisation = Normalisation::constant;  ///< of the kernels' weights (splats' truth only)
+  /// Of a voxel, of any length, in place of its central differences; may be empty (splats' truth only).
+  std::function<glm::dvec3(const glm::ivec3& voxel)> normal = {};
   /// The method whose truth method_truth() is: sheets, or without a value splats.
   std::optional<SheetMethod> sheets;
   bool opacity_correction = true;  ///< for the distance between slices along the ray (method truth only)

@@ -5,9 +5,7 @@
 #include <glm/matrix.hpp>
 #include <glm/vec2.hpp>
 #include <numbers>
-#include <optional>
 
-#include "classify/normals.hpp"
 #include "ringsplat/base/error.hpp"
 #include "truth/method.hpp"
 #include "truth/parallel.hpp"
@@ -72,7 +70,7 @@ double slice_distance(const Grid& grid, const ViewTransform& view, int axis) {
 /// The truth's data that are the same for every pixel.
 class Method {
  public:
-  Method(const Scene& scene, Normals normals)
+  explicit Method(const Scene& scene)
       : scene_(scene),
         view_(view_of(scene)),
         traversal_(choose_traversal(view_, lattice_of(scene.grid))),
@@ -86,7 +84,6 @@ class Method {
         phong_(scene, view_),
         gradients_(scene) {
     if (normalisation_ == Normalisation::none) kernel_.weight = 1;
-    if (scene.shaded && normals == Normals::quantised) quantise_normals();
     slice_.resize(std::size_t(scene.grid.dims[u_]) * std::size_t(scene.grid.dims[v_]));
   }
 
@@ -116,28 +113,12 @@ class Method {
     return p;
   }
 
-  void quantise_normals() {
-    Grid grid = scene_.grid;
-    grid.type = ScalarType::float64;
-    const std::size_t slice = grid.slice_voxels(Axis::z);
-    codes_.emplace(scene_.values.size());
-    const auto values = [&](int z) {
-      return z < 0 || z >= grid.dims.z
-                 ? nullptr
-                 : reinterpret_cast<const std::byte*>(scene_.values.data() + std::size_t(z) * slice);
-    };
-    for (int z = 0; z < grid.dims.z; ++z)
-      slice_normals(grid, values(z - 1), values(z), values(z + 1),
-                    std::span(*codes_).subspan(std::size_t(z) * slice, slice));
-  }
-
   Rgba classify_voxel(const glm::ivec3& p) const {
-    const std::size_t at = scene_.index(p);
-    const auto sample = curve_.at(scene_.values[at]);
+    const auto sample = curve_.at(scene_.values[scene_.index(p)]);
     if (!(sample.opacity > 0)) return Rgba(0.0);
     glm::dvec3 colour = sample.colour;
     if (scene_.shaded)
-      colour = phong_.shade(colour, codes_ ? decode_normal((*codes_)[at]) : gradients_.at(p.x, p.y, p.z),
+      colour = phong_.shade(colour, scene_.normal ? scene_.normal(p) : gradients_.at(p.x, p.y, p.z),
                             view_.to_viewer);
     const double opacity = sample.opacity >= 1 ? 1 : -std::expm1(distance_ * std::log1p(-sample.opacity));
     return Rgba(colour * opacity, opacity);
@@ -199,18 +180,17 @@ class Method {
   TransferCurve curve_;
   Phong phong_;
   Gradients gradients_;
-  std::optional<std::vector<NormalCode>> codes_;
   std::vector<Rgba> slice_;
 };
 
 }  // namespace
 
-std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels, Normals normals) {
+std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
   check(scene);
   if (scene.camera.fov != 0)
     throw InputError("there is no truth of splats in perspective", "use an orthographic camera");
-  if (scene.clip) return splat_method_truth(cropped(scene), pixels, normals);
-  return Method(scene, normals).evaluate(pixels);
+  if (scene.clip) return splat_method_truth(cropped(scene), pixels);
+  return Method(scene).evaluate(pixels);
 }
 
 ScreenBounds splat_method_bounds(const Scene& scene) {

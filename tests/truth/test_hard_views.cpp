@@ -167,10 +167,9 @@ TEST_CASE("a picture of 16,384 x 16,384 pixels, in the region farthest from its 
   const auto pixels = truth::all_pixels(96, 96);
   std::vector<truth::Pixel> far_pixels;
   for (const auto& p : pixels) far_pixels.push_back({p.x + far, p.y + far});
-  const auto near_truth =
-      truth::splat_method_truth(scene_of(volume, small), pixels, truth::Normals::quantised);
+  const auto near_truth = truth::splat_method_truth(with_quantised_normals(scene_of(volume, small)), pixels);
   const auto far_truth =
-      truth::splat_method_truth(scene_of(volume, large), far_pixels, truth::Normals::quantised);
+      truth::splat_method_truth(with_quantised_normals(scene_of(volume, large)), far_pixels);
   double largest = 0;
   for (std::size_t p = 0; p < pixels.size(); ++p)
     for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(near_truth[p][c] - far_truth[p][c]));

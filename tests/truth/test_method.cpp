@@ -86,8 +86,7 @@ TEST_CASE("all scalar types agree with the truth") {
 TEST_CASE("the 16-bit normals cost less than a quarter of a level") {
   const Volume volume = body({40, 37, 43});
   const FrameSpec spec = spec_of(0.3, 96, {.azimuth = 33, .elevation = 21, .roll = 8, .zoom = 1.2});
-  const auto error =
-      truth::compare(rendered(volume, spec), method_image(volume, spec, truth::Normals::exact));
+  const auto error = truth::compare(rendered(volume, spec), method_image(volume, spec, Normals::exact));
   CHECK(error.total.rmse > 1e-3);  // they are there
   CHECK(error.total.rmse < 0.05);
   CHECK(error.total.largest < 0.25);
@@ -110,7 +109,7 @@ TEST_CASE(
   for (const auto& [name, most] : {std::pair{"mr-soft", 0.04}, {"mr-skin", 0.045}, {"mr-surface", 0.085}}) {
     FrameSpec spec = plain_spec(head_preset(name), 128, {.azimuth = 20, .elevation = 10});
     spec.shown.shading = Shading::phong;
-    const Image exact = method_image(volume, spec, truth::Normals::exact);
+    const Image exact = method_image(volume, spec, Normals::exact);
     const truth::ErrorFigures rounding = truth::compare(method_image(volume, spec), exact).total;
     const truth::ErrorFigures whole = truth::compare(rendered(volume, spec), exact).total;
     INFO(name << ": RMSE " << rounding.rmse << ", largest " << rounding.largest);

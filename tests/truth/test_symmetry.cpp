@@ -29,7 +29,7 @@ Image mirrored(const Image& image) {
 }
 
 using Render = Image (*)(const Volume&, const FrameSpec&);
-Image by_method(const Volume& v, const FrameSpec& s) { return method_image(v, s, truth::Normals::exact); }
+Image by_method(const Volume& v, const FrameSpec& s) { return method_image(v, s, Normals::exact); }
 constexpr struct {
   const char* name;
   Render render;

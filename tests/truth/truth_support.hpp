@@ -7,6 +7,7 @@
 #include <set>
 #include <vector>
 
+#include "classify/normals.hpp"
 #include "ringsplat/formats/open.hpp"
 #include "study/measured_error.hpp"
 #include "support/scenes.hpp"
@@ -89,14 +90,40 @@ inline std::vector<truth::Pixel> random_pixels(int width, int height, std::size_
   return pixels;
 }
 
+/// Where the surface normals of the splats' truth come from.
+enum class Normals {
+  exact,     ///< central differences, normalised
+  quantised  ///< the same, rounded to the renderer's 16-bit codes: leaves only numerical error
+};
+
+/// The scene of the shown part alone, with the renderer's normals.
+inline truth::Scene with_quantised_normals(const truth::Scene& whole) {
+  truth::Scene scene = whole.clip ? truth::cropped(whole) : whole;
+  Grid grid = scene.grid;
+  grid.type = ScalarType::float64;
+  const std::size_t slice = grid.slice_voxels(Axis::z);
+  const auto values = [&](int z) {
+    return z < 0 || z >= grid.dims.z
+               ? nullptr
+               : reinterpret_cast<const std::byte*>(scene.values.data() + std::size_t(z) * slice);
+  };
+  std::vector<NormalCode> codes(scene.values.size());
+  for (int z = 0; z < grid.dims.z; ++z)
+    slice_normals(grid, values(z - 1), values(z), values(z + 1),
+                  std::span(codes).subspan(std::size_t(z) * slice, slice));
+  scene.normal = [codes, dims = grid.dims](const glm::ivec3& p) {
+    return decode_normal(codes[std::size_t((p.z * dims.y + p.y) * dims.x + p.x)]);
+  };
+  return scene;
+}
+
 /// The method's own truth for the whole picture. `normals`: of splats.
-inline Image method_image(const Volume& volume, const FrameSpec& spec,
-                          truth::Normals normals = truth::Normals::quantised) {
+inline Image method_image(const Volume& volume, const FrameSpec& spec, Normals normals = Normals::quantised) {
   const truth::Scene scene = scene_of(volume, spec);
-  const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
+  const bool quantised = !scene.sheets && scene.shaded && normals == Normals::quantised;
   return truth::to_image(spec.shown.width, spec.shown.height,
-                         scene.sheets ? truth::sheet_method_truth(scene, pixels)
-                                      : truth::splat_method_truth(scene, pixels, normals));
+                         truth::method_truth(quantised ? with_quantised_normals(scene) : scene,
+                                             truth::all_pixels(spec.shown.width, spec.shown.height)));
 }
 
 inline Image field_image(const Volume& volume, const FrameSpec& spec) {
