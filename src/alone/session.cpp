@@ -8,8 +8,6 @@
 /// A build without MPI: the same class, for a process that is alone.
 namespace ringsplat {
 
-struct MpiSession::State {};
-
 /// There is nothing that it could start.
 MpiSession::MpiSession(int&, char**&) {
   const std::string rebuild = "build it with -DRINGSPLAT_WITH_MPI=ON";
@@ -22,8 +20,6 @@ MpiSession::MpiSession(int&, char**&) {
 
 MpiSession::~MpiSession() = default;
 
-int MpiSession::rank() const { return 0; }
-int MpiSession::ranks() const { return 1; }
 std::unique_ptr<Transport> MpiSession::make_transport() { return nullptr; }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return std::make_unique<SoloCollectives>(); }
 std::vector<std::string> MpiSession::introductions(const std::string& mine) const { return {mine}; }

@@ -1,14 +1,27 @@
 #pragma once
+#include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <utility>
 
-#include "engine_parts/announced_frames.hpp"
 #include "engine_parts/picture_canvas.hpp"
 #include "frame/engine_setup.hpp"
 #include "protocol/engine.hpp"
+#include "ringsplat/base/error.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
+
+/// Throws RunError unless the store has the slices that frame `number` traverses.
+void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number);
+
+/// Throws RunError unless a traversal of `slices` slices has the step of a payload that came.
+void check_step(int renderer, int step, int slices);
+
+/// What rank 0 announced. Throws RunError when the bytes are no description of that frame.
+FrameSpec announced_spec(const Announcement& announcement);
 
 /// A Renderer's painter, which keeps its buffers from frame to frame.
 template <class Frame>
@@ -54,13 +67,25 @@ class FrameEngine final : public Engine {
   using Frame = typename Parts::Frame;
   using Kept = typename Parts::Kept;
 
+  /// The announced frame, which is made when it is new. Throws RunError when it cannot be: another rank
+  /// announced it, so no input of this one is to blame.
   std::shared_ptr<const Frame> frame(const Announcement& a) {
-    return frames_.get(a, [this](const FrameSpec& spec) { return parts_.frame(spec); });
+    for (const auto& known : frames_)
+      if (known->number == a.frame) return known;
+    constexpr std::size_t most_remembered = 4;
+    if (frames_.size() == most_remembered) frames_.pop_front();
+    try {
+      const FrameSpec spec = announced_spec(a);
+      check(spec);
+      return frames_.emplace_back(parts_.frame(spec));
+    } catch (const InputError& e) {
+      throw RunError(std::string("rank 0 told of a frame that cannot be: ") + e.what());
+    }
   }
 
   Parts parts_;
   TakePicture take_;
-  AnnouncedFrames<Frame> frames_;
+  std::deque<std::shared_ptr<const Frame>> frames_;               ///< in flight; the rank's nodes share them
   std::map<int, std::unique_ptr<Kept>> kept_;                     ///< by level
   std::map<int, std::unique_ptr<FramePainter<Frame>>> painters_;  ///< by Renderer
 };

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "net/message.hpp"
-#include "raster/opaque_news.hpp"
+#include "raster/opaque_tiles.hpp"
 
 namespace ringsplat {
 

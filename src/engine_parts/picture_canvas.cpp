@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "raster/warp_image.hpp"
-#include "screen/pixel_window.hpp"
+#include "screen/regions.hpp"
 
 namespace ringsplat {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "forecast/token_times.hpp"
-#include "frame/region_choice.hpp"
+#include "frame/frame_geometry.hpp"
 #include "program/layouts.hpp"
 #include "scene/scene.hpp"
 #include "simulate/work_costs.hpp"

@@ -6,7 +6,6 @@
 #include <cmath>
 #include <variant>
 
-#include "frame/region_choice.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {

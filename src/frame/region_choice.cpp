@@ -1,4 +1,4 @@
-#include "frame/region_choice.hpp"
+#include "frame/frame_geometry.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <glm/matrix.hpp>
 #include <vector>
 
-#include "screen/pixel_window.hpp"
+#include "screen/regions.hpp"
 
 namespace ringsplat {
 namespace {

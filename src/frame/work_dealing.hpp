@@ -1,5 +1,5 @@
 #pragma once
-#include "frame/region_choice.hpp"
+#include "frame/frame_geometry.hpp"
 #include "frame/work_estimate.hpp"
 
 namespace ringsplat {

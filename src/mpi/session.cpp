@@ -13,18 +13,13 @@
 
 #include "base/clock.hpp"
 #include "base/lack_of_memory.hpp"
-#include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
 #include "net/launcher.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
-struct MpiSession::State {
-  int rank = 0, ranks = 1;
-};
-
-MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>()) {
+MpiSession::MpiSession(int& argc, char**& argv) {
   // With less MPI may fail without a word of ours, or ranks may wait for each other for ever.
   constexpr std::size_t mpi_takes = std::size_t{240} << 20;
   if (!simulated() && !has_address_space(mpi_takes)) throw std::bad_alloc();
@@ -38,15 +33,13 @@ MpiSession::MpiSession(int& argc, char**& argv) : state_(std::make_unique<State>
     throw RunError("this MPI allows no thread beside the one that calls it, but pictures are written by one",
                    "use an MPI library with MPI_THREAD_FUNNELED");
   }
-  MPI_Comm_rank(MPI_COMM_WORLD, &state_->rank);
-  MPI_Comm_size(MPI_COMM_WORLD, &state_->ranks);
+  MPI_Comm_rank(MPI_COMM_WORLD, &rank_);
+  MPI_Comm_size(MPI_COMM_WORLD, &ranks_);
   if (simulated()) clock_in_use = [] { return MPI_Wtime(); };
 }
 
 MpiSession::~MpiSession() { MPI_Finalize(); }
 
-int MpiSession::rank() const { return state_->rank; }
-int MpiSession::ranks() const { return state_->ranks; }
 std::unique_ptr<Transport> MpiSession::make_transport() { return make_mpi_transport(MPI_COMM_WORLD); }
 std::unique_ptr<Collectives> MpiSession::make_collectives() { return make_mpi_collectives(MPI_COMM_WORLD); }
 

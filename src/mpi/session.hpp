@@ -1,11 +1,14 @@
 #pragma once
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "net/collectives.hpp"
 #include "net/transport.hpp"
+#include "ringsplat/net/processes.hpp"
 
+/// Communicators of other languages, without mpi.h.
 namespace ringsplat {
 
 /// Owns MPI's lifetime and hides mpi.h from its users. The constructor initialises MPI (one thread calls it),
@@ -18,8 +21,8 @@ class MpiSession {
   MpiSession(const MpiSession&) = delete;
   MpiSession& operator=(const MpiSession&) = delete;
 
-  int rank() const;
-  int ranks() const;
+  int rank() const { return rank_; }
+  int ranks() const { return ranks_; }
   /// All ranks call both, in the same order.
   std::unique_ptr<Transport> make_transport();
   std::unique_ptr<Collectives> make_collectives();
@@ -36,8 +39,13 @@ class MpiSession {
   static std::string library();
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  int rank_ = 0, ranks_ = 1;
 };
+
+std::size_t communicator_handle_bytes();
+
+/// Connects the processes of the MPI_Comm at this address, as connected() does
+/// (ringsplat/mpi/communicator.hpp).
+Processes connected_at(const void* communicator);
 
 }  // namespace ringsplat

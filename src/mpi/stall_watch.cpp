@@ -15,7 +15,7 @@
 #include "base/clock.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
-#include "mpi/checked.hpp"
+#include "mpi/connections.hpp"
 #include "mpi/pauses.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -9,7 +9,6 @@
 #include <list>
 #include <vector>
 
-#include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
 #include "mpi/pauses.hpp"
 #include "ringsplat/base/error.hpp"

@@ -1,4 +1,4 @@
-#include "net/layout_nodes.hpp"
+#include "net/message.hpp"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "net/layout_nodes.hpp"
+#include "net/message.hpp"
 
 /// The mesh of Neumann 1992, section 3.1, as pure functions of the layout, the same on every rank.
 ///

@@ -7,8 +7,10 @@
 #include <span>
 #include <string>
 #include <type_traits>
+#include <vector>
 
 #include "ringsplat/base/bytes.hpp"
+#include "ringsplat/net/layout.hpp"
 
 namespace ringsplat {
 
@@ -148,5 +150,11 @@ class Message {
  private:
   Bytes wire_;
 };
+
+/// Throws RunError, naming the sender, when a header names nodes that the layout does not have.
+void check(const Header& header, const Layout& layout);
+
+/// The ranks to which `rank` passes an announcement that starts at rank 0 (binomial tree).
+std::vector<int> announcement_children(int rank, int ranks);
 
 }  // namespace ringsplat

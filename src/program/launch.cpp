@@ -9,7 +9,6 @@
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
 #include "net/launcher.hpp"
-#include "net/same_facts.hpp"
 #include "options/option_values.hpp"
 #include "program/layouts.hpp"
 

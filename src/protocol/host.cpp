@@ -7,7 +7,7 @@
 #include "base/byte_stream.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
-#include "net/layout_nodes.hpp"
+#include "net/message.hpp"
 #include "protocol/frame_buffer.hpp"
 #include "protocol/gp.hpp"
 #include "protocol/renderer.hpp"

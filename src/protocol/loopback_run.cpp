@@ -6,7 +6,7 @@
 #include <chrono>
 #include <numeric>
 
-#include "net/lock_step_transport.hpp"
+#include "net/lock_step.hpp"
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "net/layout_nodes.hpp"
+#include "net/message.hpp"
 #include "protocol/engine.hpp"
 
 namespace ringsplat {

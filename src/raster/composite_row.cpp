@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "raster/composite_row.hpp"
 #include "raster/pixel_vectors-inl.hpp"
+#include "raster/slice_buffer.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {

@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "raster/aligned_floats.hpp"
 #include "raster/opaque_tiles.hpp"
+#include "raster/slice_buffer.hpp"
 #include "screen/regions.hpp"
 
 namespace ringsplat {

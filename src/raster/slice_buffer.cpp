@@ -1,6 +1,18 @@
 #include "raster/slice_buffer.hpp"
 
+#include <hwy/aligned_allocator.h>
+
+#include <new>
+
 namespace ringsplat {
+
+void FreeAlignedFloats::operator()(float* floats) const { hwy::FreeAlignedBytes(floats, nullptr, nullptr); }
+
+AlignedFloats allocate_floats(std::size_t count) {
+  AlignedFloats floats(hwy::AllocateAligned<float>(count).release());
+  if (!floats) throw std::bad_alloc();
+  return floats;
+}
 
 float* SliceBufferMemory::reserve(std::size_t floats) {
   if (floats > capacity_) {

@@ -3,10 +3,18 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-
-#include "raster/aligned_floats.hpp"
+#include <memory>
 
 namespace ringsplat {
+
+struct FreeAlignedFloats {
+  void operator()(float* floats) const;
+};
+/// Floats of which the first is aligned for any vector, 64 bytes at least.
+using AlignedFloats = std::unique_ptr<float[], FreeAlignedFloats>;
+
+/// Leaves the floats uninitialised. Throws std::bad_alloc.
+AlignedFloats allocate_floats(std::size_t count);
 
 /// Four neighbouring pixels of a row are a pixel block: four RGBA pixels fill the widest vector.
 inline constexpr int block_pixels = 4;
@@ -66,5 +74,13 @@ class SliceBufferMemory {
 
 /// A slice buffer for the largest region, in `memory`. Margins are widened to whole pixel blocks.
 SliceBuffer make_slice_buffer(const Margins& margins, RegionSize largest, SliceBufferMemory& memory);
+
+/// Composites `floats` floats of a slice's row behind the image's, and clears them in the slice. Pixels are
+/// premultiplied RGBA; C = fma(1 − A, c, C) and A = fma(1 − A, a, A) in float32, with a and c clamped to [0,
+/// 1] and [0, a]. Summing the opacity keeps the digits of slices as faint as 1e-7, which a product of
+/// transmittances loses. Pixels whose transmittance 1 − A is below `opaque` stay as they are.
+///
+/// Both pointers are 64-byte aligned and `floats` is a multiple of 16.
+void composite_row(float* slice, float* image, std::size_t floats, float opaque);
 
 }  // namespace ringsplat

@@ -4,8 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "raster/warp_columns.hpp"
-#include "raster/warp_row.hpp"
+#include "raster/warp_rows.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 #include "ringsplat/base/image.hpp"
-#include "screen/pixel_window.hpp"
+#include "screen/regions.hpp"
 #include "view/slice_plane.hpp"
 
 namespace ringsplat {

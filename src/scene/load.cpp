@@ -6,7 +6,6 @@
 #include "base/clock.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
-#include "net/same_facts.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/dealer.hpp"
 #include "scene/scene.hpp"

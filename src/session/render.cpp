@@ -8,7 +8,7 @@
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
 #include "frame/frame_needs.hpp"
-#include "net/same_facts.hpp"
+#include "net/agree.hpp"
 #include "protocol/loopback_run.hpp"
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"

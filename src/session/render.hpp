@@ -5,7 +5,7 @@
 #include <string>
 
 #include "net/collectives.hpp"
-#include "net/loopback_options.hpp"
+#include "net/loopback.hpp"
 #include "net/transport.hpp"
 #include "protocol/protocol_options.hpp"
 #include "ringsplat/net/layout.hpp"

@@ -3,7 +3,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "screen/pixel_window.hpp"
+#include "screen/regions.hpp"
 #include "sheet_engine/sheet_frame.hpp"
 
 namespace ringsplat {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/byte_stream.hpp"
-#include "engine_parts/checks.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
-#include "raster/opaque_news.hpp"
+#include "raster/opaque_tiles.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
 #include "sheet_engine/kept_blocks.hpp"

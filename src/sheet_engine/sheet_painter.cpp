@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "engine_parts/checks.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "engine_parts/owned_images.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"

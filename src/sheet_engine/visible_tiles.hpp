@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "engine_parts/owned_images.hpp"
-#include "screen/pixel_window.hpp"
+#include "screen/regions.hpp"
 #include "sheet_engine/paint_group.hpp"
 
 namespace ringsplat {

@@ -1,4 +1,4 @@
-#include "simulate/counting_engine.hpp"
+#include "simulate/charged_engine.hpp"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,6 @@
 #include "protocol/engine_decorator.hpp"
 #include "ringsplat/base/error.hpp"
 #include "simulate/counted_payload.hpp"
-#include "simulate/measured_engines.hpp"
 #include "simulate/meter.hpp"
 
 namespace ringsplat {

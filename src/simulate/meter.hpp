@@ -4,9 +4,11 @@
 #include <span>
 #include <vector>
 
+#include "frame/engine_setup.hpp"
 #include "protocol/engine.hpp"
 #include "sheet_engine/sheet_frame.hpp"
 #include "splat_engine/splat_frame.hpp"
+#include "volume/slice_store.hpp"
 
 namespace ringsplat {
 
@@ -38,5 +40,24 @@ Bytes measured_payload(const MeasuredPayload& payload);
 
 /// An encoder whose payloads are measured ones of `inner`'s.
 std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner, std::unique_ptr<Meter> meter);
+
+/// A GP's encoder for a frame of sheets that is only counted, of a volume whose slices have `voxel_weight`
+/// times as many voxels: as many blocks as those have, as large on the screen, are looked at and sent.
+/// Payloads are measured ones (simulate/meter.hpp). `store` must outlive it. Throws RunError as
+/// make_sheet_encoder().
+std::unique_ptr<Encoder> make_weighed_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
+                                              const SliceStore& store, double voxel_weight);
+
+/// The engines of one rank, whose encoders make measured payloads (simulate/meter.hpp), which nobody can
+/// draw. Each voxel stands for `voxel_weight` of its slice: sheets have as many blocks as those would
+/// make; splats are as many as voxels, with kernels as large as those would have.
+std::unique_ptr<Engine> make_measured_engines(const EngineSetup& setup, double voxel_weight);
+
+class RegionDealer;
+
+/// A frame of such splats; without a `dealer` regions are dealt in turn.
+std::shared_ptr<const SplatFrame> make_weighed_frame(const FrameSpec& spec, const Grid& grid,
+                                                     SliceDealing dealing, int renderers, double voxel_weight,
+                                                     RegionDealer* dealer = nullptr);
 
 }  // namespace ringsplat

@@ -1,12 +1,97 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <utility>
+#include <vector>
 
+#include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
+#include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/paint_group.hpp"
 #include "sheet_engine/sheet_payload.hpp"
+#include "sheet_engine/transparent_values.hpp"
 #include "simulate/meter.hpp"
-#include "simulate/sample_counter.hpp"
+#include "volume/cell_ranges.hpp"
 
 namespace ringsplat {
+
 namespace {
+
+/// Counts the samples that a slice's visible blocks take each Renderer, as SheetPainter does when it paints
+/// them: the pixels of the tiles that they touch, for every slab that begins at the slice.
+class SampleCounter {
+ public:
+  /// `finer`: as of BlockWindows.
+  explicit SampleCounter(const SheetFrame& frame, int finer = 1)
+      : frame_(frame), windows_(frame.geometry, finer) {
+    std::size_t tiles = 0;
+    const Regions& regions = frame.geometry.regions;
+    for (int region = 0; region < regions.count(); ++region) {
+      const PixelRect rect = regions.rect(region);
+      const int columns = (rect.width() + tile_side - 1) / tile_side,
+                rows = (rect.height() + tile_side - 1) / tile_side;
+      regions_.push_back({rect, tiles, columns});
+      tiles += std::size_t(columns) * std::size_t(rows);
+    }
+    before_.resize(tiles);
+    behind_.resize(tiles);
+  }
+
+  /// Begins the slice of a step.
+  void begin(int step, int renderers) {
+    step_ = step;
+    samples_.assign(std::size_t(renderers), 0);
+    if (step == 0) std::fill(before_.begin(), before_.end(), false);
+    std::fill(behind_.begin(), behind_.end(), false);
+  }
+  /// Adds a block with visible cells.
+  void add(int column, int row) {
+    const int slice = frame_.slice_at(step_);
+    if (step_ == 0) mark(windows_.before_first.of(column, row, slice), before_);
+    mark(windows_.behind(step_).of(column, row, slice), behind_);
+  }
+  /// By Renderer.
+  const std::vector<std::uint64_t>& samples() const { return samples_; }
+
+ private:
+  struct Region {
+    PixelRect rect;
+    std::size_t first_tile = 0;
+    int columns = 0;  ///< of tiles
+  };
+
+  void mark(const PixelWindow& pixels, std::vector<bool>& marked) {
+    const Regions& all = frame_.geometry.regions;
+    const PixelRect touched = all.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
+    const auto tile = [](std::int64_t pixel, int first, int end) {
+      return int(std::clamp<std::int64_t>(pixel, first, end - 1) - first) / tile_side;
+    };
+    for (int y = touched.y0; y < touched.y1; ++y)
+      for (int x = touched.x0; x < touched.x1; ++x) {
+        const auto number = std::size_t(y * all.columns() + x);
+        const int renderer = frame_.plan.tiles[number].renderer;
+        if (renderer == FramePlan::nobody) continue;
+        const auto& [rect, first, columns] = regions_[number];
+        const int left = tile(pixels.x0, rect.x0, rect.x1), right = tile(pixels.x1, rect.x0, rect.x1),
+                  top = tile(pixels.y0, rect.y0, rect.y1), bottom = tile(pixels.y1, rect.y0, rect.y1);
+        for (int v = top; v <= bottom; ++v)
+          for (int u = left; u <= right; ++u) {
+            const std::size_t here = first + std::size_t(v) * std::size_t(columns) + std::size_t(u);
+            if (!marked[here]) samples_[std::size_t(renderer)] += tile_side * tile_side;
+            marked[here] = true;
+          }
+      }
+  }
+
+  const SheetFrame& frame_;
+  SlabWindows windows_;
+  std::vector<Region> regions_;
+  int step_ = 0;
+  /// By tile: marked in the slab before the first slice, behind this one.
+  std::vector<bool> before_, behind_;
+  std::vector<std::uint64_t> samples_;
+};
 
 class SheetMeter final : public Meter {
  public:
@@ -45,10 +130,188 @@ class SheetMeter final : public Meter {
   SampleCounter samples_;
 };
 
+/// Counts what a SheetEncoder would send of slices that have `finer` times as many voxels along each side.
+/// What is between this slice's voxels is linear, and the slices beside it are alike.
+class WeighedEncoder final : public Encoder {
+ public:
+  WeighedEncoder(std::shared_ptr<const SheetFrame> frame, int renderers, const SliceStore& store,
+                 double voxel_weight)
+      : frame_(std::move(frame)),
+        whole_store_(store),
+        store_(store.level(frame_->shown.reduction.factor)),
+        finer_(std::max(1, int(std::lround(std::sqrt(voxel_weight))))),
+        transparent_(frame_->shown.transfer_function),
+        windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach(), finer_),
+        samples_(*frame_, finer_),
+        parts_(std::size_t(renderers)),
+        tile_marked_(std::size_t(geometry().regions.count())) {
+    check_loaded(store_, axis(), frame_->number);
+  }
+
+  std::vector<int> shown() override {
+    std::vector<int> steps(std::size_t(geometry().slices));
+    for (int step = 0; step < geometry().slices; ++step) steps[std::size_t(step)] = step;
+    return steps;
+  }
+  EncodeCounts left_out(std::size_t steps) const override {
+    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(axis()));
+    return {.voxels = voxels, .outside = voxels};
+  }
+
+  void begin(int step) override {
+    slice_ = store_.slice(axis(), frame_->slice_at(step), geometry().box);
+    columns_ = CellRanges::blocks_along(slice_.width * finer_);
+    rows_ = CellRanges::blocks_along(slice_.height * finer_);
+    counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height)};
+    counts_.blocks = std::uint64_t(columns_) * std::uint64_t(rows_);
+    seen_blocks_ = 0;
+    samples_.begin(step, int(parts_.size()));
+    std::fill(parts_.begin(), parts_.end(), Part{});
+    std::fill(tile_marked_.begin(), tile_marked_.end(), false);
+    visible_.assign(std::size_t(counts_.blocks), false);
+    visit_type(slice_.type, [&](auto zero) { find_visible<decltype(zero)>(); });
+    next_row_ = 0;
+  }
+
+  bool work() override {
+    const int end = std::min(rows_, next_row_ + std::max(1, 1024 / columns_));
+    for (; next_row_ < end; ++next_row_)
+      for (int column = 0; column < columns_; ++column)
+        if (needed(column, next_row_)) deal(column, next_row_);
+    return next_row_ == rows_;
+  }
+
+  EncodedStep finish() override {
+    EncodedStep step;
+    step.parts.resize(parts_.size());
+    step.counts = counts_;
+    constexpr std::uint64_t voxels = CellRanges::side * CellRanges::side;
+    step.counts.visible = std::min(counts_.voxels, seen_blocks_ * voxels / std::uint64_t(finer_ * finer_));
+    for (std::size_t r = 0; r < parts_.size(); ++r)
+      if (parts_[r].present > 0) write(parts_[r], samples_.samples()[r], step.parts[r]);
+    for (std::size_t region = 0; region < tile_marked_.size(); ++region)
+      if (tile_marked_[region])
+        step.parts[std::size_t(frame_->plan.tiles[region].renderer)].tiles.push_back(int(region));
+    return step;
+  }
+
+  void take_news(std::span<const std::byte>) override {}
+  std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }
+
+ private:
+  /// The blocks for one Renderer, as many as come.
+  struct Part {
+    std::int64_t last = -1;  ///< the last one's number
+    int first_row = -1, last_row = -1, first_in_row = 0, last_in_row = 0;
+    std::uint64_t present = 0, bytes = 0;  ///< of its rows before the last
+    std::uint64_t all_bytes() const { return bytes + (present > 0 ? in_row() : 0); }
+    std::uint64_t in_row() const { return std::uint64_t(last_in_row - first_in_row + 1); }
+  };
+
+  const FrameGeometry& geometry() const { return frame_->geometry; }
+  Axis axis() const { return geometry().traversal.axis; }
+  bool at(int column, int row) const {
+    return visible_[std::size_t(row) * std::size_t(columns_) + std::size_t(column)];
+  }
+
+  template <class T>
+  void find_visible() {
+    // The slice's voxels on either side of each block's ends.
+    const auto ends = [this](int block, int voxels) {
+      constexpr double side = CellRanges::side;
+      const double from = block * side / finer_ - 0.5,
+                   to = std::min((block + 1) * side / finer_ - 0.5, voxels - 0.5);
+      return std::pair(std::clamp(int(std::floor(from)), 0, voxels - 1),
+                       std::clamp(int(std::ceil(to)), 0, voxels - 1));
+    };
+    for (int row = 0; row < rows_; ++row) {
+      const auto [y0, y1] = ends(row, slice_.height);
+      for (int column = 0; column < columns_; ++column) {
+        const auto [x0, x1] = ends(column, slice_.width);
+        double low = INFINITY, high = -INFINITY;
+        for (int y = y0; y <= y1; ++y)
+          for (int x = x0; x <= x1; ++x) {
+            T value;
+            std::memcpy(&value, slice_.values_of_row(y) + std::size_t(x) * sizeof(T), sizeof(T));
+            low = std::min(low, double(value));
+            high = std::max(high, double(value));
+          }
+        visible_[std::size_t(row) * std::size_t(columns_) + std::size_t(column)] =
+            low <= high && transparent_.holding(low, high) == TransparentValues::nowhere;
+      }
+    }
+  }
+
+  /// Whether interpolation or gradients in visible cells use the block's voxels.
+  bool needed(int column, int row) const {
+    for (int y = std::max(row - 1, 0); y <= std::min(row + 1, rows_ - 1); ++y)
+      for (int x = std::max(column - 1, 0); x <= std::min(column + 1, columns_ - 1); ++x)
+        if (at(x, y)) return true;
+    return false;
+  }
+
+  void deal(int column, int row) {
+    const PixelWindow window = windows_.of(column, row, slice_.index);
+    const Regions& regions = geometry().regions;
+    const PixelRect touched = regions.touched(window.x0, window.y0, window.x1, window.y1);
+    if (at(column, row)) samples_.add(column, row);
+    if (!touched.empty()) ++seen_blocks_;
+    const std::int64_t number = std::int64_t{row} * columns_ + column;
+    for (int y = touched.y0; y < touched.y1; ++y)
+      for (int x = touched.x0; x < touched.x1; ++x) {
+        const auto region = std::size_t(y * regions.columns() + x);
+        const int renderer = frame_->plan.tiles[region].renderer;
+        if (renderer == FramePlan::nobody) continue;
+        tile_marked_[region] = true;
+        Part& part = parts_[std::size_t(renderer)];
+        if (part.last == number) continue;
+        part.last = number;
+        if (part.last_row != row) {
+          part.bytes = part.all_bytes();
+          part.first_in_row = column;
+        }
+        if (part.first_row < 0) part.first_row = row;
+        part.last_row = row;
+        part.last_in_row = column;
+        ++part.present;
+      }
+  }
+
+  void write(const Part& part, std::uint64_t samples, EncodedPart& out) const {
+    constexpr std::uint64_t voxels = CellRanges::side * CellRanges::side;
+    const auto rows = std::uint64_t(part.last_row - part.first_row + 1);
+    const std::uint64_t bytes = sizeof(SheetHeader) + rows * sizeof(BlockRow) + part.all_bytes() +
+                                part.present * voxels * size_of(slice_.type);
+    out.payload = measured_payload({bytes, {part.all_bytes(), samples}});
+    out.items = std::uint32_t(part.present);
+    out.passes = 1;
+  }
+
+  std::shared_ptr<const SheetFrame> frame_;
+  const SliceStore& whole_store_;
+  const SliceStore& store_;
+  int finer_;
+  TransparentValues transparent_;
+  BlockWindows windows_;
+  SampleCounter samples_;
+  SliceView slice_;
+  int columns_ = 1, rows_ = 1, next_row_ = 0;  ///< of blocks
+  std::vector<bool> visible_;                  ///< by block
+  std::uint64_t seen_blocks_ = 0;
+  EncodeCounts counts_;
+  std::vector<Part> parts_;        ///< by Renderer
+  std::vector<bool> tile_marked_;  ///< by region
+};
+
 }  // namespace
 
 std::unique_ptr<Meter> make_sheet_meter(std::shared_ptr<const SheetFrame> frame) {
   return std::make_unique<SheetMeter>(std::move(frame));
+}
+
+std::unique_ptr<Encoder> make_weighed_encoder(std::shared_ptr<const SheetFrame> frame, int renderers,
+                                              const SliceStore& store, double voxel_weight) {
+  return std::make_unique<WeighedEncoder>(std::move(frame), renderers, store, voxel_weight);
 }
 
 }  // namespace ringsplat

@@ -7,9 +7,9 @@
 #include "base/byte_stream.hpp"
 #include "net/message.hpp"
 #include "raster/slice_buffer.hpp"
-#include "screen/pixel_window.hpp"
+#include "screen/regions.hpp"
 #include "simulate/meter.hpp"
-#include "splat/encode.hpp"
+#include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"
 #include "view/slice_dda.hpp"
 

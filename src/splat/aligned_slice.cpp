@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/encode.hpp"
 #include "splat/splat.hpp"
 #include "splat/stencil.hpp"
-#include "splat/whole_steps.hpp"
 
 namespace ringsplat {
 namespace {

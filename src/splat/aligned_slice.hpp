@@ -3,10 +3,13 @@
 #include <optional>
 #include <vector>
 
-#include "splat/encode.hpp"
 #include "splat/frame_kernel.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
+
+/// Floats of one tap's weights in AlignedSlice. They serve a pixel block that begins at any pixel of a step.
+inline constexpr int tap_floats = 4 * (block_pixels + largest_step - 1);
 
 /// The kernels' weights in a slice whose voxels lie a whole number of pixels apart, as in an image in the
 /// slices' plane. All kernels cover the pixels round their anchors with the same weights, so drawing a row of

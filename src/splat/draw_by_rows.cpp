@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/encode.hpp"
 #include "splat/painter_kernels.hpp"
+#include "splat/splat.hpp"
 #include "splat/splat_vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();

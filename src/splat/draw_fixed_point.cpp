@@ -2,8 +2,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "splat/encode.hpp"
 #include "splat/painter_kernels.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 

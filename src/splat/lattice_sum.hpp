@@ -27,8 +27,6 @@ class LatticeSum {
   /// The sum itself at `lattice`, in double precision. For kernels more than 64 voxels wide it takes
   /// every m-th voxel m times, which changes the sum by less than 1e-6.
   double exact(glm::dvec2 lattice) const;
-  /// 1 / sum, from the table if there is one.
-  float reciprocal(glm::dvec2 lattice) const;
 
   /// Divides `count` RGBA pixels of a row, from pixel (x, y) of the image plane on, by the sum at their
   /// centres. `voxel`: position of any voxel of the slice, in pixels.

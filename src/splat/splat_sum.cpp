@@ -1,12 +1,131 @@
 #include "splat/splat_sum.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <functional>
+#include <memory>
+#include <span>
+#include <type_traits>
+#include <utility>
+#include <variant>
+#include <vector>
 
-#include "raster/composite_row.hpp"
-#include "splat/encode.hpp"
-#include "splat/splat_adder.hpp"
+#include "splat/frame_kernel.hpp"
+#include "splat/painter_kernels.hpp"
+#include "splat/slice_sum.hpp"
+#include "splat/splat.hpp"
+#include "splat/stencil.hpp"
 
 namespace ringsplat {
+
+/// Adds splats to a slice buffer by a frame's kernel, and keeps account of the pixels it wrote.
+class SplatAdder {
+ public:
+  virtual ~SplatAdder() = default;
+  virtual Margins margins() const = 0;
+  /// Call once, with a buffer that has the margins round the largest region.
+  virtual void prepare(const SliceBuffer& largest) = 0;
+  /// `slice`: a region that is no larger, with rows of the same length.
+  virtual DrawCounts add(const SliceBuffer& slice, const SplatRun& run) = 0;
+  /// Each of the region's rows: a run of pixels outside which nothing was written since forget().
+  virtual std::span<const PixelRun> written(const SliceBuffer& slice) = 0;
+  virtual void forget() = 0;
+};
+
+namespace {
+
+/// For kernels whose window is small: splats are added without clipping, and zeros go to the margins.
+class StencilAdder final : public SplatAdder {
+ public:
+  explicit StencilAdder(const Footprint& footprint)
+      : footprint_(footprint), reach_(kernel_reach(footprint)) {}
+
+  Margins margins() const override { return window_margins(reach_); }
+
+  void prepare(const SliceBuffer& largest) override {
+    stencil_ = make_stencil(footprint_, largest.row_floats);
+    anchors_.assign(std::size_t(largest.height + 2 * reach_.y + 1), PixelRun{});
+  }
+
+  DrawCounts add(const SliceBuffer& slice, const SplatRun& run) override {
+    return draw_with_stencil(slice, stencil_, run, anchors_.data());
+  }
+
+  /// The pixels that the anchors' windows cover inside the region.
+  std::span<const PixelRun> written(const SliceBuffer& slice) override {
+    written_.assign(std::size_t(slice.height), PixelRun{});
+    const int reach_x = stencil_.reach_x, reach_y = stencil_.reach_y;
+    for (int i = 0; i < int(anchors_.size()); ++i) {
+      const PixelRun& anchors = anchors_[std::size_t(i)];
+      if (anchors.empty()) continue;
+      const int row = i - reach_y - 1;
+      const int first = std::max(anchors.first - reach_x, 0),
+                end = std::min(anchors.end + reach_x + 1, slice.width);
+      for (int y = std::max(row - reach_y, 0); y <= std::min(row + reach_y + 1, slice.height - 1); ++y)
+        written_[std::size_t(y)].include(first, end);
+    }
+    return written_;
+  }
+
+  void forget() override { std::fill(anchors_.begin(), anchors_.end(), PixelRun{}); }
+
+ private:
+  Footprint footprint_;
+  KernelReach reach_;
+  Stencil stencil_;
+  std::vector<PixelRun> anchors_;  ///< columns of anchors, by their row from −reach_y − 1 on
+  std::vector<PixelRun> written_;
+};
+
+/// For all others: each splat's rows are clipped to the region, but for the rest of the last vector.
+class RowAdder final : public SplatAdder {
+ public:
+  using Draw = std::function<DrawCounts(const SliceBuffer& slice, const SplatRun& run, PixelRun* written)>;
+  explicit RowAdder(Draw draw) : draw_(std::move(draw)) {}
+  Margins margins() const override { return {0, 16, 0, 0}; }
+  void prepare(const SliceBuffer& largest) override {
+    written_.assign(std::size_t(largest.height), PixelRun{});
+  }
+  DrawCounts add(const SliceBuffer& slice, const SplatRun& run) override {
+    return draw_(slice, run, written_.data());
+  }
+  std::span<const PixelRun> written(const SliceBuffer& slice) override {
+    return std::span(written_).first(std::size_t(slice.height));
+  }
+  void forget() override { std::fill(written_.begin(), written_.end(), PixelRun{}); }
+
+ private:
+  Draw draw_;
+  std::vector<PixelRun> written_;
+};
+
+RowAdder::Draw draw_with(const Footprint& of, const RowWeights&) {
+  return [of](const auto& slice, const auto& run, PixelRun* written) {
+    return draw_by_rows(slice, of, run, written);
+  };
+}
+RowAdder::Draw draw_with(const Footprint& of, const FixedPointWeights& weights) {
+  return [of, bits = weights.bits](const auto& slice, const auto& run, PixelRun* written) {
+    return draw_fixed_point(slice, of, bits, run, written);
+  };
+}
+RowAdder::Draw draw_with(const Footprint&, const TabledWeights& weights) {
+  return [table = weights.table](const auto& slice, const auto& run, PixelRun* written) {
+    return draw_with_texture(slice, *table, run, written);
+  };
+}
+
+std::unique_ptr<SplatAdder> make_splat_adder(const FrameKernel& kernel) {
+  const auto make = [&kernel](const auto& weights) -> std::unique_ptr<SplatAdder> {
+    if constexpr (std::is_same_v<decltype(weights), const StencilWeights&>)
+      return std::make_unique<StencilAdder>(kernel.footprint);
+    else
+      return std::make_unique<RowAdder>(draw_with(kernel.footprint, weights));
+  };
+  return std::visit(make, kernel.weights);
+}
+
+}  // namespace
 
 SplatSum::SplatSum(const FrameKernel& kernel, RegionSize largest, SliceBufferMemory& memory)
     : reach_(kernel_reach(kernel.footprint)),

@@ -5,9 +5,9 @@
 
 #include "raster/slice_buffer.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "splat/encode.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat/slice_sum.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 

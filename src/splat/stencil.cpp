@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "splat/encode.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 

@@ -5,7 +5,7 @@
 #include <glm/gtc/packing.hpp>
 #include <glm/packing.hpp>
 
-#include "splat/encode.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 

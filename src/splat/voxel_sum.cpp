@@ -4,9 +4,8 @@
 #include <limits>
 #include <utility>
 
-#include "splat/encode.hpp"
 #include "splat/place_voxels.hpp"
-#include "splat/whole_steps.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat {
 

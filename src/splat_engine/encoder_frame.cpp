@@ -1,6 +1,6 @@
 #include "splat_engine/encoder_frame.hpp"
 
-#include "raster/opaque_news.hpp"
+#include "raster/opaque_tiles.hpp"
 
 namespace ringsplat {
 

@@ -1,9 +1,64 @@
 #include "splat_engine/row_band.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
+#include "classify/sample_row.hpp"
+
 namespace ringsplat {
+
+void RowClassifier::begin(const SliceView& slice, VisibleVoxels& visible) {
+  slice_ = slice;
+  visible_ = &visible;
+}
+
+int RowClassifier::find(int row, Columns columns) {
+  row_index_ = row;
+  if (columns.empty() || visible_->runs().of_row(row).empty())
+    row_.take({}, 0, 0);
+  else
+    row_.take(visible_->of_row(slice_, row), columns.first, columns.end);
+  return int(row_.visible);
+}
+
+int RowClassifier::voxels_outside(Columns columns) const {
+  int outside = 0;
+  for (const ColumnRun& run : visible_->runs().of_row(row_index_)) {
+    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
+    outside += run.end - run.first - std::max(end - first, 0);
+  }
+  return outside;
+}
+
+void RowClassifier::make_samples() {
+  const NormalCode* normals = shading_.lit() ? slice_.normals_of_row(row_index_) : nullptr;
+  ringsplat::make_samples(shading_.classifier(), {slice_.values_of_row(row_index_), normals, slice_.width},
+                          normals == nullptr ? nullptr : &shading_.phong(), row_);
+}
+
+std::vector<int> row_bounds(const SliceRuns& runs, int height, int most) {
+  if (runs.empty()) return {0};
+  if (most == 1) return {0, height};
+  std::vector<std::int64_t> before{0};  // by row: possibly visible voxels in the rows before
+  for (int row = 0; row < height; ++row) {
+    std::int64_t voxels = 0;
+    for (const ColumnRun& run : runs.of_row(row)) voxels += run.end - run.first;
+    before.push_back(before.back() + voxels);
+  }
+  // Waking a thread costs as much as some hundred voxels.
+  constexpr std::int64_t worth_a_thread = 256;
+  const auto bands = std::clamp<std::int64_t>(before.back() / worth_a_thread, 1, most);
+  std::vector<int> bounds{0};
+  for (std::int64_t band = 1; band < bands; ++band) {
+    const auto cut = std::lower_bound(before.begin(), before.end(), before.back() * band / bands);
+    const int row = int(cut - before.begin());
+    if (row > bounds.back() && row < height) bounds.push_back(row);
+  }
+  bounds.push_back(height);
+  return bounds;
+}
 
 RowBand::RowBand(const EncoderFrame& frame)
     : geometry_(frame.geometry),

@@ -2,22 +2,88 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
+#include <cstdint>
 #include <glm/vec2.hpp>
 #include <memory>
 #include <span>
 #include <vector>
 
 #include "base/clock.hpp"
+#include "classify/empty_space.hpp"
 #include "frame/frame_geometry.hpp"
 #include "record/trace.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "splat/encode.hpp"
+#include "splat/splat.hpp"
 #include "splat_engine/encoder_frame.hpp"
-#include "splat_engine/row_axis.hpp"
-#include "splat_engine/row_classifier.hpp"
 #include "view/slice_dda.hpp"
 
 namespace ringsplat {
+
+/// Half-open range of a row's columns.
+struct Columns {
+  std::uint32_t first, end;
+  bool empty() const { return first >= end; }
+};
+
+/// A row's positions along one axis of the image plane.
+class RowAxis {
+ public:
+  /// `step`: distance from column to column.
+  explicit RowAxis(double step) : inverse_(1 / step) {}
+  void begin_row(double start) { start_ = start; }
+  /// The columns among `columns` whose positions lie within [low, high].
+  Columns within(double low, double high, Columns columns) const {
+    if (!std::isfinite(inverse_)) return start_ >= low && start_ <= high ? columns : Columns{0, 0};
+    const double a = (low - start_) * inverse_, b = (high - start_) * inverse_;
+    const double first = std::max(std::min(a, b), double(columns.first)),
+                 last = std::min(std::max(a, b), double(columns.end) - 1);
+    if (!(first <= last)) return {0, 0};
+    const auto truncated = static_cast<std::uint32_t>(static_cast<std::int64_t>(first));
+    return {truncated + (double(truncated) < first),
+            static_cast<std::uint32_t>(static_cast<std::int64_t>(last)) + 1};
+  }
+
+ private:
+  double inverse_, start_ = 0;
+};
+
+/// Finds the visible voxels of one frame's slices row by row, then makes the lit samples of those that are
+/// kept. After a row's first search only kept voxels are read.
+class RowClassifier {
+ public:
+  /// `shading` must outlive it.
+  explicit RowClassifier(const FrameShading& shading) : shading_(shading) {}
+
+  /// `visible` belongs to the slice and must outlive the work on it.
+  void begin(const SliceView& slice, VisibleVoxels& visible);
+  const SliceView& slice() const { return slice_; }
+
+  /// Finds the visible voxels in these columns of row `row`; returns how many. The functions below refer to
+  /// this row.
+  int find(int row, Columns columns);
+  /// Number of the row's voxels outside `columns` that may be visible.
+  int voxels_outside(Columns columns) const;
+  /// The visible voxels, by ascending columns.
+  std::span<const VisibleBlock> blocks() const { return row_.blocks; }
+  /// Keeps only the voxels in `kept`, a mask for each block.
+  void keep(const std::vector<std::uint64_t>& kept) { row_.keep(kept); }
+  void make_samples();  ///< call once before samples()
+  /// Straight colours and corrected opacities.
+  std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
+
+ private:
+  const FrameShading& shading_;
+  SliceView slice_;
+  VisibleVoxels* visible_ = nullptr;
+  int row_index_ = 0;
+  VisibleRow row_;
+};
+
+/// Cuts rows 0 … height − 1 into at most `most` bands with about equal numbers of possibly visible voxels.
+/// Band k has rows bounds[k] … bounds[k + 1] − 1, at least one. There are fewer bands, down to one, when a
+/// band would not be worth a thread. A slice with nothing to see has no bands: {0}.
+std::vector<int> row_bounds(const SliceRuns& runs, int height, int most);
 
 /// Passes of a (region, slice) that have a splat (Neumann 1992, Fig. 3): an element for each row offset, a
 /// bit for each column offset.

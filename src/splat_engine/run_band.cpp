@@ -7,7 +7,7 @@
 #include "base/byte_stream.hpp"
 #include "splat/voxel_run.hpp"
 #include "splat_engine/row_band.hpp"
-#include "splat_engine/voxel_form.hpp"
+#include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
 namespace {

@@ -9,14 +9,12 @@
 
 #include "base/clock.hpp"
 #include "classify/empty_space.hpp"
-#include "engine_parts/checks.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "frame/frame_geometry.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat_engine/row_band.hpp"
-#include "splat_engine/row_bounds.hpp"
 #include "splat_engine/splat_engine.hpp"
-#include "splat_engine/wall_share.hpp"
 
 namespace ringsplat {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/clock.hpp"
-#include "engine_parts/checks.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "engine_parts/owned_images.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
@@ -14,7 +14,6 @@
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/splat_engine.hpp"
-#include "splat_engine/wall_share.hpp"
 
 namespace ringsplat {
 namespace {

@@ -7,7 +7,6 @@
 #include "fuzz/driver.hpp"
 #include "fuzz/other_process.hpp"
 #include "fuzz/small_scene.hpp"
-#include "net/layout_nodes.hpp"
 #include "net/link_counts.hpp"
 #include "net/message.hpp"
 #include "record/trace.hpp"

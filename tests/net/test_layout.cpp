@@ -1,7 +1,7 @@
 #include <functional>
 #include <set>
 
-#include "net/layout_nodes.hpp"
+#include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 

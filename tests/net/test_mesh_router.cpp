@@ -1,4 +1,4 @@
-#include "net/mesh_router.hpp"
+#include "net/mesh_transport.hpp"
 
 #include <fmt/format.h>
 

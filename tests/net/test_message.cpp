@@ -1,6 +1,5 @@
 #include <cstddef>
 
-#include "net/layout_nodes.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"

@@ -1,4 +1,4 @@
-#include "net/same_facts.hpp"
+#include "net/agree.hpp"
 
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"

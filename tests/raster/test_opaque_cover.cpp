@@ -1,7 +1,7 @@
 #include <cmath>
 #include <random>
 
-#include "raster/opaque_cover.hpp"
+#include "raster/opaque_tiles.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -5,8 +5,8 @@
 #include <functional>
 #include <random>
 
-#include "raster/vector_targets.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 

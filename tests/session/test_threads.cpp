@@ -3,7 +3,7 @@
 #include "classify/empty_space.hpp"
 #include "net/message.hpp"
 #include "ringsplat/base/error.hpp"
-#include "splat_engine/row_bounds.hpp"
+#include "splat_engine/row_band.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
 #include "support/views.hpp"

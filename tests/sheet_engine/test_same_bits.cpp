@@ -4,8 +4,8 @@
 #include <cstring>
 #include <limits>
 
-#include "raster/vector_targets.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 #include "support/views.hpp"
 
 using namespace ringsplat;

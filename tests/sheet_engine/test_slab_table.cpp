@@ -1,11 +1,11 @@
 #include <cmath>
 
-#include "raster/vector_targets.hpp"
 #include "sheet_engine/fill_slab_table.hpp"
 #include "sheet_engine/slab_table.hpp"
 #include "sheet_engine/transparent_values.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

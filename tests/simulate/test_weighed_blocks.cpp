@@ -3,7 +3,6 @@
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/slice_blocks.hpp"
 #include "simulate/meter.hpp"
-#include "simulate/weighed_encoder.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
 #include "support/views.hpp"

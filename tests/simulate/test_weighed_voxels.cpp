@@ -1,6 +1,6 @@
 #include "base/thread_team.hpp"
 #include "classify/empty_space.hpp"
-#include "simulate/measured_engines.hpp"
+#include "simulate/meter.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"

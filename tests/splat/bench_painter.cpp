@@ -8,11 +8,11 @@
 
 #include "base/byte_stream.hpp"
 #include "base/process.hpp"
-#include "raster/vector_targets.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
+#include "splat/splat.hpp"
 #include "splat/splat_sum.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 

@@ -7,8 +7,8 @@
 #include <span>
 #include <vector>
 
-#include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
+#include "splat/splat.hpp"
 
 namespace ringsplat::test {
 

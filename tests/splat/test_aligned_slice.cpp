@@ -4,10 +4,10 @@
 #include <random>
 #include <set>
 
-#include "raster/vector_targets.hpp"
 #include "splat/scene.hpp"
 #include "splat/voxel_sum.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

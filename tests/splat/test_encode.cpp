@@ -2,8 +2,8 @@
 #include <limits>
 #include <random>
 
-#include "splat/encode.hpp"
 #include "splat/scene.hpp"
+#include "splat/splat.hpp"
 #include "support/catch.hpp"
 
 using namespace ringsplat;

@@ -4,11 +4,11 @@
 #include <cmath>
 #include <random>
 
-#include "raster/vector_targets.hpp"
 #include "ringsplat/base/bytes.hpp"
-#include "splat/footprint_table.hpp"
+#include "splat/painter_kernels.hpp"
 #include "splat/scene.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

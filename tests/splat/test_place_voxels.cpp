@@ -6,9 +6,9 @@
 #include <limits>
 #include <random>
 
-#include "raster/vector_targets.hpp"
-#include "splat/encode.hpp"
+#include "splat/splat.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 

@@ -3,11 +3,11 @@
 #include <random>
 #include <string>
 
-#include "raster/vector_targets.hpp"
 #include "splat/reference_painter.hpp"
 #include "splat/scene.hpp"
 #include "splat/voxel_run.hpp"
 #include "support/catch.hpp"
+#include "support/vector_targets.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;

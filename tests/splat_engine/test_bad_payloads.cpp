@@ -7,7 +7,7 @@
 #include "classify/empty_space.hpp"
 #include "frame/frame_geometry.hpp"
 #include "net/message.hpp"
-#include "raster/opaque_news.hpp"
+#include "raster/opaque_tiles.hpp"
 #include "ringsplat/base/error.hpp"
 #include "splat/splat.hpp"
 #include "splat/voxel_run.hpp"

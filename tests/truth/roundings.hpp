@@ -5,8 +5,8 @@
 #include <cmath>
 #include <random>
 
-#include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
+#include "splat/splat.hpp"
 #include "view/slice_dda.hpp"
 
 namespace ringsplat::test {

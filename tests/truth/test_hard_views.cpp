@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "frame/frame_geometry.hpp"
-#include "splat/encode.hpp"
 #include "splat/region_painter.hpp"
+#include "splat/splat.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
 #include "view/slice_dda.hpp"

@@ -3,7 +3,6 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/string.h>
 
-#include "mpi/communicator_handle.hpp"
 #include "mpi/session.hpp"
 #include "ringsplat/base/error.hpp"
 

@@ -1,21 +1,90 @@
 #include "simulate/simgrid/link_monitor.hpp"
 
 #include <fmt/format.h>
+#include <simgrid/kernel/resource/Action.hpp>
 #include <simgrid/kernel/resource/NetworkModelIntf.hpp>
+#include <simgrid/s4u.hpp>
 
 #include <algorithm>
 #include <cstdio>
 #include <map>
 #include <unordered_set>
+#include <utility>
 #include <vector>
-
-#include "simulate/simgrid/payload_copies.hpp"
-#include "simulate/simgrid/transfer_log.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {
 
 namespace s4u = simgrid::s4u;
+
+/// One transfer; times are seconds of the simulated clock.
+struct Transfer {
+  double start = 0;
+  double bytes = 0;
+  double latency = 0;    ///< sum over the links
+  double bandwidth = 0;  ///< of the slowest link
+  std::vector<s4u::Link*> links;
+  double taken = 0;  ///< from start to end; 0 while it is under way
+  bool payload = false;
+
+  double alone() const { return latency + bytes / bandwidth; }  ///< seconds without other traffic
+};
+
+/// All transfers: how long they took, and which of them carried payloads.
+///
+/// SimGrid reports in pieces: at a transfer's start its links, at its end its start and size, and at the copy
+/// to the receiver the size and the bytes. Transfers of the same size that start, or end, at the same instant
+/// are matched in order, so sums are right.
+class TransferLog {
+ public:
+  /// SimGrid's links are `speedup` times as fast as the described ones.
+  explicit TransferLog(double speedup) : speedup_(speedup) {}
+
+  /// The result holds until the next call.
+  const Transfer& started(double now, double bytes, const std::vector<s4u::Link*>& links) {
+    Transfer transfer{.start = now, .bytes = bytes, .latency = 0, .bandwidth = 1e300, .links = links};
+    for (const auto* link : links) {
+      transfer.latency += link->get_latency();
+      transfer.bandwidth = std::min(transfer.bandwidth, link->get_bandwidth() / speedup_);
+    }
+    under_way_.emplace(Key(now, bytes), transfers_.size());
+    transfers_.push_back(std::move(transfer));
+    return transfers_.back();
+  }
+  void ended(const simgrid::kernel::resource::Action& action) {
+    const auto found = under_way_.find({action.get_start_time(), action.get_cost()});
+    if (found == under_way_.end()) return;
+    Transfer& transfer = transfers_[found->second];
+    transfer.taken = action.get_finish_time() - action.get_start_time();
+    if (action.get_finish_time() != last_end_) just_ended_.clear();
+    last_end_ = action.get_finish_time();
+    just_ended_.emplace(Key(last_end_, transfer.bytes), found->second);
+    under_way_.erase(found);
+  }
+  /// The receiver has a payload; `bytes` are those of the transfer that has just ended.
+  void received_payload(double now, double bytes) {
+    const auto found = just_ended_.find({now, bytes});
+    if (found == just_ended_.end()) return;
+    transfers_[found->second].payload = true;
+    just_ended_.erase(found);
+  }
+
+  /// Payloads that arrived, by start.
+  std::vector<const Transfer*> payloads() const {
+    std::vector<const Transfer*> some;
+    for (const Transfer& transfer : transfers_)
+      if (transfer.payload) some.push_back(&transfer);
+    return some;
+  }
+
+ private:
+  double speedup_;
+  using Key = std::pair<double, double>;  ///< instant and bytes
+  std::vector<Transfer> transfers_;
+  std::multimap<Key, std::size_t> under_way_;   ///< by start
+  std::multimap<Key, std::size_t> just_ended_;  ///< at `last_end_`
+  double last_end_ = -1;
+};
 
 struct Interval {
   double begin, end;

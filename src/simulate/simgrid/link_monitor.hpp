@@ -1,5 +1,8 @@
 #pragma once
 #include <simgrid/s4u.hpp>
+
+#include <cstddef>
+#include <functional>
 #include <string>
 
 namespace ringsplat::simgrid_platform {
@@ -19,5 +22,13 @@ struct MonitorFiles {
 /// another one on a link in that time is an overlap, counted on that link for the later one. Without overlaps
 /// no payload slows another; it takes its time alone, unless it meets messages without a payload.
 void watch_links(simgrid::s4u::NetZone* zone, double speedup, MonitorFiles files);
+
+/// Makes SimGrid copy only the first bytes of payloads that only count (counted_magic); it still charges
+/// their true size. Otherwise a large volume's frame moves hundreds of gigabytes through this machine's
+/// memory.
+void copy_only_what_counts();
+
+/// Calls `callback` with a payload's size when it arrives: when SimGrid copies it to its receiver.
+void on_payload_copied(std::function<void(std::size_t bytes)> callback);
 
 }  // namespace ringsplat::simgrid_platform

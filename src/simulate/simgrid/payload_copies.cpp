@@ -1,4 +1,4 @@
-#include "simulate/simgrid/payload_copies.hpp"
+#include "simulate/simgrid/link_monitor.hpp"
 
 #include <smpi/smpi.h>
 

@@ -1,6 +1,8 @@
 // A SimGrid platform made from a machine of mpi_configs/machines, for smpirun -platform. scripts/simulate.sh
 // sets the machine, the number of ranks and a mesh's layout by environment variables.
 #include <fmt/format.h>
+#include <simgrid/kernel/routing/NetPoint.hpp>
+#include <simgrid/kernel/routing/NetZoneImpl.hpp>
 #include <simgrid/s4u.hpp>
 
 #include <cmath>
@@ -12,12 +14,11 @@
 #include "ringsplat/base/error.hpp"
 #include "simulate/machine.hpp"
 #include "simulate/simgrid/link_monitor.hpp"
-#include "simulate/simgrid/payload_copies.hpp"
-#include "simulate/simgrid/route_zone.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {
 
+namespace routing = simgrid::kernel::routing;
 namespace s4u = simgrid::s4u;
 
 /// Speed of a core. Any number does, since charges are in seconds.
@@ -86,10 +87,46 @@ s4u::Link* add_local_link(Zone& zone, const std::string& name, const Job& job) {
   return link;
 }
 
+using Links = std::vector<s4u::Link*>;
+
+/// Hosts n0, n1, ... and a function that lists the links from one to another. SimGrid has no zone for a mesh
+/// whose messages turn once.
+class RouteZone final : public routing::NetZoneImpl {
+ public:
+  using Way = std::function<Links(int from, int to)>;
+  explicit RouteZone(const std::string& name) : NetZoneImpl(name) {}
+
+  s4u::Host* add_host(int index) {
+    auto* const host = create_host(fmt::format("n{}", index), {speed});
+    const auto point = std::size_t(host->get_netpoint()->id());
+    if (host_of_point_.size() <= point) host_of_point_.resize(point + 1, -1);
+    host_of_point_[point] = index;
+    return host;
+  }
+  /// One direction of a wire.
+  s4u::Link* add_link(const std::string& name, double bandwidth, double latency) {
+    return create_link(name, {bandwidth})->set_latency(latency);
+  }
+  void set_way(Way way) { way_ = std::move(way); }
+
+  void get_local_route(const routing::NetPoint* from, const routing::NetPoint* to, routing::Route* route,
+                       double* latency) override {
+    for (const auto* link :
+         way_(host_of_point_.at(std::size_t(from->id())), host_of_point_.at(std::size_t(to->id())))) {
+      route->link_list_.push_back(link->get_impl());
+      if (latency != nullptr) *latency += link->get_latency();
+    }
+  }
+
+ private:
+  std::vector<int> host_of_point_;  ///< by netpoint id
+  Way way_;
+};
+
 RouteZone& new_zone(const Job& job) {
   auto* const zone = new RouteZone("machine");  // SimGrid's engine owns it
   for (int host = 0; host < job.hosts(); ++host)
-    zone->add_host(host, speed)->set_core_count(job.machine.platform.cores);
+    zone->add_host(host)->set_core_count(job.machine.platform.cores);
   return *zone;
 }
 

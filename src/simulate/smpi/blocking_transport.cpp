@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/byte_stream.hpp"
-#include "mpi/checked.hpp"
 #include "mpi/connections.hpp"
 #include "ringsplat/base/error.hpp"
 #include "simulate/counted_payload.hpp"

@@ -1,4 +1,4 @@
-#include "raster/opaque_news.hpp"
+#include "raster/opaque_tiles.hpp"
 
 #include <fmt/format.h>
 

@@ -5,11 +5,10 @@
 
 namespace ringsplat {
 
-/// The vector instruction set in use ("AVX3", "AVX2", "SSE4", "NEON", "SCALAR" ...), for the log.
+/// The vector instruction set in use ("AVX3", "AVX2", "NEON", "SCALAR" ...).
 const char* vector_target();
 
-/// The instruction sets that both this program and the processor have, best first; for tests that compare
-/// them.
+/// The instruction sets that both this program and the processor have, best first.
 std::vector<std::string> vector_targets();
 /// Uses only the named instruction set from now on, or the best one again when `name` is empty or unknown. Do
 /// not call while another thread draws.

@@ -1,9 +1,9 @@
-#include "raster/vector_targets.hpp"
+#include "support/vector_targets.hpp"
 
 #include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "raster/vector_targets.cpp"
+#define HWY_TARGET_INCLUDE "support/vector_targets.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 

@@ -1,7 +1,8 @@
-#include "engine_parts/checks.hpp"
+#include "engine_parts/frame_engine.hpp"
 
 #include <fmt/format.h>
 
+#include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -18,6 +19,13 @@ void check_step(int renderer, int step, int slices) {
     throw RunError(
         fmt::format("Renderer {} got a payload for step {} of a traversal of {}", renderer, step, slices),
         "all ranks must run the same build");
+}
+
+FrameSpec announced_spec(const Announcement& a) {
+  FrameSpec spec = decode_frame_spec(a.body);
+  if (spec.frame != a.frame)
+    throw RunError(fmt::format("rank 0 told of frame {} in a message about frame {}", spec.frame, a.frame));
+  return spec;
 }
 
 }  // namespace ringsplat

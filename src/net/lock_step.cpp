@@ -1,4 +1,4 @@
-#include "net/mesh_lock_step.hpp"
+#include "net/lock_step.hpp"
 
 #include <cmath>
 

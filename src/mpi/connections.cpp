@@ -1,10 +1,12 @@
-#include "mpi/checked.hpp"
+#include "mpi/connections.hpp"
 
 #include <fmt/format.h>
 
 #include <string>
 
+#include "mpi/session.hpp"
 #include "ringsplat/base/error.hpp"
+#include "ringsplat/mpi/communicator.hpp"
 
 namespace ringsplat {
 
@@ -29,6 +31,19 @@ OwnedComm::~OwnedComm() {
   int finalised = 0;
   MPI_Finalized(&finalised);
   if (finalised == 0 && comm_ != MPI_COMM_NULL) MPI_Comm_free(&comm_);
+}
+
+std::size_t communicator_handle_bytes() { return sizeof(MPI_Comm); }
+
+Processes connected_at(const void* communicator) {
+  return connected<MPI_Comm>(*static_cast<const MPI_Comm*>(communicator));
+}
+
+template <>
+Processes connected<MPI_Comm>(MPI_Comm comm) {
+  auto collectives = make_mpi_collectives(comm);
+  const bool alone = collectives->processes() == 1;
+  return {std::move(collectives), alone ? nullptr : make_mpi_transport(comm)};
 }
 
 }  // namespace ringsplat

@@ -1,9 +1,9 @@
-#include "raster/warp_columns.hpp"
+#include "raster/warp_rows.hpp"
 
 #include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "raster/warp_columns.cpp"
+#define HWY_TARGET_INCLUDE "raster/warp_rows.cpp"
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
@@ -11,12 +11,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "raster/warp_weights-inl.hpp"
+#include "raster/pixel_vectors-inl.hpp"
 
-#ifndef RINGSPLAT_WARP_COLUMNS_ONCE
-#define RINGSPLAT_WARP_COLUMNS_ONCE
+#ifndef RINGSPLAT_WARP_ROWS_ONCE
+#define RINGSPLAT_WARP_ROWS_ONCE
 namespace ringsplat {
 namespace {
+
+/// Catmull and Rom's weights of the four taps as polynomials of the fraction: [power][tap] coefficients.
+alignas(16) constexpr float cubic[4][4] = {
+    {0, 1, 0, 0}, {-0.5F, 0, 0.5F, 0}, {1, -2.5F, 2, -0.5F}, {-0.5F, 1.5F, -1.5F, 0.5F}};
 
 /// The plane's rows, interpolated at the places of some of the picture's columns. A column's pixels lie
 /// together, as the second pass needs them.
@@ -34,6 +38,153 @@ struct ColumnStrip {
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
+
+/// Pixels whose places are found at a time.
+inline constexpr int most_places = 64;
+
+/// Finds the weights of the four taps, [tap][pixel]. Compilers make vectors of pixels of the plain loop.
+HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, float (*weights)[most_places]) {
+  for (int tap = 0; tap < 4; ++tap) {
+    float* HWY_RESTRICT w = weights[tap];
+    for (int k = 0; k < count; ++k)
+      w[k] =
+          std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
+                   fraction[k], cubic[0][tap]);
+  }
+}
+
+/// Finds first taps and weights along one axis, of places start + k · step from k = first on. Places are
+/// positive, so that truncation is floor.
+HWY_INLINE void find_taps(double start, double step, int first, int count, std::int32_t* HWY_RESTRICT taps,
+                          float (*weights)[most_places]) {
+  float fraction[most_places];
+  for (int k = 0; k < count; ++k) {
+    const double place = std::fma(step, double(first + k), start);
+    taps[k] = static_cast<std::int32_t>(place);
+    fraction[k] = static_cast<float>(place - taps[k]);
+  }
+  find_weights(fraction, count, weights);
+}
+
+#if RINGSPLAT_ONE_BY_ONE
+
+HWY_INLINE void store_clamped(const float* rgba, float* out) {
+  const float opacity = std::min(std::max(rgba[3], 0.0F), 1.0F);
+  for (int channel = 0; channel < 4; ++channel)
+    out[channel] = std::min(std::max(rgba[channel], 0.0F), opacity);
+}
+
+#else
+
+/// Clamps what the cubic's negative lobes bring out of range.
+template <class D>
+HWY_INLINE hn::Vec<D> clamp_pixels(D d, hn::Vec<D> rgba) {
+  const auto zero = hn::Zero(d);
+  const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
+  return hn::Min(hn::Max(rgba, zero), opacity);
+}
+
+#endif
+
+/// Some of a row's pixels: their first taps, and [tap][pixel] weights along both axes.
+struct Places {
+  std::ptrdiff_t tap[most_places];  ///< in floats from the plane's first
+  float wx[4][most_places], wy[4][most_places];
+};
+
+/// Finds the places of pixels first … first + count − 1.
+HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& places) {
+  std::int32_t columns[most_places], rows[most_places];
+  find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
+  find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
+  for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
+}
+
+#if RINGSPLAT_ONE_BY_ONE
+
+void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k, float* out) {
+  float product[4][4];
+  for (int column = 0; column < 4; ++column) {
+    for (int channel = 0; channel < 4; ++channel) {
+      const float* tap = taps + 4 * column + channel;
+      float sum = places.wy[0][k] * tap[0];
+      for (int row = 1; row < 4; ++row) sum = std::fma(places.wy[row][k], tap[row * row_floats], sum);
+      product[column][channel] = places.wx[column][k] * sum;
+    }
+  }
+  float rgba[4];
+  for (int channel = 0; channel < 4; ++channel)
+    rgba[channel] = (product[0][channel] + product[1][channel]) + (product[2][channel] + product[3][channel]);
+  store_clamped(rgba, out);
+}
+
+#else
+
+/// The columns' weights in the `part`-th vector of a row of taps, each repeated over its pixel's floats.
+template <int part>
+HWY_INLINE FloatVector column_weights(const Places& places, int k) {
+  const auto one = [&](std::size_t column) { return hn::Set(FourFloats(), places.wx[column][k]); };
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Floats> two;
+  return hn::Combine(Floats(), hn::Combine(two, one(3), one(2)), hn::Combine(two, one(1), one(0)));
+#elif HWY_MAX_BYTES == 32
+  return hn::Combine(Floats(), one(2 * part + 1), one(2 * part));
+#else
+  return one(part);
+#endif
+}
+
+/// The `part`-th vector of columns: each is the weighted sum of four taps.
+template <int part>
+HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k) {
+  const Floats d;
+  const float* tap = taps + std::size_t{part} * lanes;
+  auto sum = hn::Mul(hn::Set(d, places.wy[0][k]), hn::LoadU(d, tap));
+  for (int row = 1; row < 4; ++row)
+    sum = hn::MulAdd(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
+  return hn::Mul(column_weights<part>(places, k), sum);
+}
+
+/// Returns (c0 + c1) + (c2 + c3) of the columns c.
+HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row_floats, const Places& places,
+                                           int k) {
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Floats> two;
+  const hn::Half<hn::Half<Floats>> one;
+  const auto all = columns<0>(taps, row_floats, places, k);
+  const auto left = hn::LowerHalf(two, all), right = hn::UpperHalf(two, all);
+  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
+                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
+#elif HWY_MAX_BYTES == 32
+  const hn::Half<Floats> one;
+  const auto left = columns<0>(taps, row_floats, places, k), right = columns<1>(taps, row_floats, places, k);
+  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
+                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
+#else
+  return hn::Add(hn::Add(columns<0>(taps, row_floats, places, k), columns<1>(taps, row_floats, places, k)),
+                 hn::Add(columns<2>(taps, row_floats, places, k), columns<3>(taps, row_floats, places, k)));
+#endif
+}
+
+/// `taps`: the first of four pixels in the first of four rows. `k`: which of the places' weights they have.
+HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k,
+                            float* out) {
+  const FourFloats d;
+  hn::StoreU(clamp_pixels(d, sum_columns(taps, row_floats, places, k)), d, out);
+}
+
+#endif
+
+void WarpRow(const WarpedRow& row, float* screen) {
+  Places places;
+  for (int first = row.first; first < row.end; first += most_places) {
+    const int count = std::min(row.end - first, most_places);
+    find_places(row, first, count, places);
+    for (int k = 0; k < count; ++k)
+      interpolate(row.plane + places.tap[k], row.row_floats, places, k,
+                  screen + std::ptrdiff_t{4} * (first + k));
+  }
+}
 
 #if RINGSPLAT_ONE_BY_ONE
 
@@ -188,7 +339,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ringsplat {
 
+HWY_EXPORT(WarpRow);
 HWY_EXPORT(WarpColumns);
+
+void warp_row(const WarpedRow& row, float* screen) { HWY_DYNAMIC_DISPATCH(WarpRow)(row, screen); }
 
 void warp_columns(std::span<const WarpedRow> rows, int first_tap, int last_tap, Image& screen) {
   int first = screen.width, end = 0;
