@@ -13,17 +13,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-#if RINGSPLAT_ONE_BY_ONE
-
-void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
-  for (std::size_t i = 0; i < floats; i += 4) {
-    composite_pixel(slice + i, opaque, image + i);
-    std::fill_n(slice + i, 4, 0.0F);
-  }
-}
-
-#else
-
 void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::size_t floats, float opaque) {
   const Floats d;
   for (std::size_t i = 0; i < floats; i += lanes) {
@@ -31,8 +20,6 @@ void CompositeRow(float* HWY_RESTRICT slice, float* HWY_RESTRICT image, std::siz
     hn::Store(hn::Zero(d), d, slice + i);
   }
 }
-
-#endif
 
 }  // namespace ringsplat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

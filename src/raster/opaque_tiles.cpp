@@ -42,6 +42,7 @@ void read_opaque_news(std::span<const std::byte> news, std::vector<OpaqueTiles>&
           tiles.set_opaque(column, row);
       }
     }
+    tiles.sum_up();
     at += bitmap_bytes(tiles);
   }
 }

@@ -17,36 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if RINGSPLAT_ONE_BY_ONE
-
-/// Premultiplied (red, green, blue, opacity).
-struct Colour {
-  float rgba[4];
-};
-HWY_INLINE Colour premultiply(const std::uint16_t* rgb, float opacity) {
-  const float scale = opacity * (1.0F / 65535.0F);
-  return {{static_cast<float>(rgb[0]) * scale, static_cast<float>(rgb[1]) * scale,
-           static_cast<float>(rgb[2]) * scale, opacity}};
-}
-HWY_INLINE void store_pixel(const Colour& colour, float* pixel) {
-  for (int i = 0; i < 4; ++i) pixel[i] = colour.rgba[i];
-}
-
-HWY_INLINE void add_to(float* pixel, float weight, const Colour& colour) {
-  for (int i = 0; i < 4; ++i) pixel[i] = std::fma(weight, colour.rgba[i], pixel[i]);
-}
-
-/// Composites a slice's sums behind a pixel of the image. Returns whether the pixel is opaque now.
-HWY_INLINE bool composite_pixel(const float* sums, float opaque, float* image) {
-  const float opacity = std::min(std::max(sums[3], 0.0F), 1.0F), left = 1.0F - image[3];
-  const float transmittance = left < opaque ? 0.0F : left;
-  for (int k = 0; k < 4; ++k)
-    image[k] = std::fma(transmittance, std::min(std::max(sums[k], 0.0F), opacity), image[k]);
-  return 1.0F - image[3] < opaque;
-}
-
-#else
-
 /// As many floats as the processor adds at once, but at most four pixels.
 using Floats = hn::CappedTag<float, 16>;
 using FloatVector = hn::Vec<Floats>;
@@ -54,6 +24,18 @@ using FourFloats = hn::Full128<float>;
 using Colour = FloatVector;
 inline constexpr std::size_t lanes = HWY_LANES(float) < 16 ? HWY_LANES(float) : 16;
 inline constexpr std::size_t pixels_a_vector = lanes / 4;
+
+/// a · b + c, rounded once. Emulated vectors round the product, too.
+template <class V>
+HWY_INLINE V fused(V a, V b, V c) {
+#if HWY_TARGET == HWY_EMU128
+  for (std::size_t i = 0; i < sizeof c.raw / sizeof c.raw[0]; ++i)
+    c.raw[i] = std::fma(a.raw[i], b.raw[i], c.raw[i]);
+  return c;
+#else
+  return hn::MulAdd(a, b, c);
+#endif
+}
 
 /// Spreads one value for each pixel over RGBA pixels: get<part>() takes the part-th quarter of `lanes` values
 /// and repeats each four times.
@@ -106,17 +88,15 @@ HWY_INLINE hn::Mask<Floats> composite_pixels(FloatVector sums, FloatVector opaqu
   const auto behind = hn::Load(d, image);
   const auto left = hn::Sub(one, hn::Broadcast<3>(behind));
   const auto transmittance = hn::IfThenZeroElse(hn::Lt(left, opaque), left);
-  const auto after = hn::MulAdd(transmittance, added, behind);
+  const auto after = fused(transmittance, added, behind);
   hn::Store(after, d, image);
   return hn::Lt(hn::Sub(one, hn::Broadcast<3>(after)), opaque);
 }
 
 HWY_INLINE void add_to(float* pixels, FloatVector weights, FloatVector colour) {
   const Floats d;
-  hn::StoreU(hn::MulAdd(weights, colour, hn::LoadU(d, pixels)), d, pixels);
+  hn::StoreU(fused(weights, colour, hn::LoadU(d, pixels)), d, pixels);
 }
-
-#endif
 
 }  // namespace ringsplat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

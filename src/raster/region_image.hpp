@@ -20,7 +20,7 @@ namespace ringsplat {
 /// The memory is allocated when the first pixels come, and kept from frame to frame.
 class RegionImage {
  public:
-  /// `rect`: the region's pixels in the image plane. Throws InputError when there are none.
+  /// `rect`: the region's pixels in the image plane, at least one.
   explicit RegionImage(const PixelRect& rect);
 
   /// Forgets the last frame's image. `opaque_threshold`: transmittances below it count as 0; 0: none does.
@@ -45,8 +45,7 @@ class RegionImage {
   /// Tiles that take nothing more in this frame, as slices_composited() last found them.
   const OpaqueTiles& opaque_tiles() const { return tiles_; }
 
-  /// Writes width × height premultiplied RGBA floats, rows from the top. Throws InputError when `rgba` has
-  /// another size.
+  /// Writes width × height premultiplied RGBA floats, rows from the top.
   void read_tile(std::span<float> rgba) const;
 
  private:

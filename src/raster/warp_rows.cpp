@@ -66,16 +66,6 @@ HWY_INLINE void find_taps(double start, double step, int first, int count, std::
   find_weights(fraction, count, weights);
 }
 
-#if RINGSPLAT_ONE_BY_ONE
-
-HWY_INLINE void store_clamped(const float* rgba, float* out) {
-  const float opacity = std::min(std::max(rgba[3], 0.0F), 1.0F);
-  for (int channel = 0; channel < 4; ++channel)
-    out[channel] = std::min(std::max(rgba[channel], 0.0F), opacity);
-}
-
-#else
-
 /// Clamps what the cubic's negative lobes bring out of range.
 template <class D>
 HWY_INLINE hn::Vec<D> clamp_pixels(D d, hn::Vec<D> rgba) {
@@ -83,8 +73,6 @@ HWY_INLINE hn::Vec<D> clamp_pixels(D d, hn::Vec<D> rgba) {
   const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
   return hn::Min(hn::Max(rgba, zero), opacity);
 }
-
-#endif
 
 /// Some of a row's pixels: their first taps, and [tap][pixel] weights along both axes.
 struct Places {
@@ -99,26 +87,6 @@ HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& 
   find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
   for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
 }
-
-#if RINGSPLAT_ONE_BY_ONE
-
-void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k, float* out) {
-  float product[4][4];
-  for (int column = 0; column < 4; ++column) {
-    for (int channel = 0; channel < 4; ++channel) {
-      const float* tap = taps + 4 * column + channel;
-      float sum = places.wy[0][k] * tap[0];
-      for (int row = 1; row < 4; ++row) sum = std::fma(places.wy[row][k], tap[row * row_floats], sum);
-      product[column][channel] = places.wx[column][k] * sum;
-    }
-  }
-  float rgba[4];
-  for (int channel = 0; channel < 4; ++channel)
-    rgba[channel] = (product[0][channel] + product[1][channel]) + (product[2][channel] + product[3][channel]);
-  store_clamped(rgba, out);
-}
-
-#else
 
 /// The columns' weights in the `part`-th vector of a row of taps, each repeated over its pixel's floats.
 template <int part>
@@ -141,7 +109,7 @@ HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, con
   const float* tap = taps + std::size_t{part} * lanes;
   auto sum = hn::Mul(hn::Set(d, places.wy[0][k]), hn::LoadU(d, tap));
   for (int row = 1; row < 4; ++row)
-    sum = hn::MulAdd(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
+    sum = fused(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
   return hn::Mul(column_weights<part>(places, k), sum);
 }
 
@@ -173,8 +141,6 @@ HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const 
   hn::StoreU(clamp_pixels(d, sum_columns(taps, row_floats, places, k)), d, out);
 }
 
-#endif
-
 void WarpRow(const WarpedRow& row, float* screen) {
   Places places;
   for (int first = row.first; first < row.end; first += most_places) {
@@ -186,47 +152,7 @@ void WarpRow(const WarpedRow& row, float* screen) {
   }
 }
 
-#if RINGSPLAT_ONE_BY_ONE
-
-/// The weights of four neighbouring pixels.
-struct FourWeights {
-  float of[4];
-  static FourWeights get(const float (*weights)[most_places], int k) {
-    return {{weights[0][k], weights[1][k], weights[2][k], weights[3][k]}};
-  }
-};
-
-/// Two of the resulting pixels.
-struct Pair {
-  float rgba[2][4];
-};
-
-/// Returns (w0 p0 + w2 p2) + (w1 p1 + w3 p3) of the pixels from p on, and likewise from q on.
-Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
-  const auto sum = [](const float* pixels, const float* of, int channel) {
-    const float* c = pixels + channel;
-    return std::fma(of[2], c[8], of[0] * c[0]) + std::fma(of[3], c[12], of[1] * c[4]);
-  };
-  Pair pair;
-  for (int channel = 0; channel < 4; ++channel) {
-    pair.rgba[0][channel] = sum(p, w.of, channel);
-    pair.rgba[1][channel] = sum(q, v.of, channel);
-  }
-  return pair;
-}
-
-Pair clamp(Pair pair) {
-  for (auto& rgba : pair.rgba) store_clamped(rgba, rgba);
-  return pair;
-}
-
-void store_first(const Pair& pair, float* out) { std::copy_n(pair.rgba[0], 4, out); }
-void store(const Pair& pair, float* out) {
-  store_first(pair, out);
-  std::copy_n(pair.rgba[1], 4, out + 4);
-}
-
-#elif HWY_MAX_BYTES >= 32
+#if HWY_MAX_BYTES >= 32
 
 using TwoPixels = hn::CappedTag<float, 8>;
 using Pair = hn::Vec<TwoPixels>;
@@ -242,7 +168,7 @@ struct FourWeights {
 HWY_INLINE Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
   const TwoPixels d;
   const auto sums = [&](const float* pixels, const FourWeights& of) {
-    return hn::MulAdd(of.far, hn::LoadU(d, pixels + 8), hn::Mul(of.near, hn::LoadU(d, pixels)));
+    return fused(of.far, hn::LoadU(d, pixels + 8), hn::Mul(of.near, hn::LoadU(d, pixels)));
   };
   const auto first = sums(p, w), second = sums(q, v);
   return hn::Add(hn::ConcatLowerLower(d, second, first), hn::ConcatUpperUpper(d, second, first));
@@ -272,8 +198,8 @@ struct FourWeights {
 HWY_INLINE Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
   const FourFloats d;
   const auto sum = [&](const float* pixels, const FourWeights& of) {
-    return hn::Add(hn::MulAdd(of.w2, hn::LoadU(d, pixels + 8), hn::Mul(of.w0, hn::LoadU(d, pixels))),
-                   hn::MulAdd(of.w3, hn::LoadU(d, pixels + 12), hn::Mul(of.w1, hn::LoadU(d, pixels + 4))));
+    return hn::Add(fused(of.w2, hn::LoadU(d, pixels + 8), hn::Mul(of.w0, hn::LoadU(d, pixels))),
+                   fused(of.w3, hn::LoadU(d, pixels + 12), hn::Mul(of.w1, hn::LoadU(d, pixels + 4))));
   };
   return {sum(p, w), sum(q, v)};
 }

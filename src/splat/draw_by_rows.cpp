@@ -14,6 +14,18 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
+template <class DrawOne>
+HWY_INLINE DrawCounts draw_each(const SplatRun& run, const DrawOne& draw_one) {
+  DrawCounts counts;
+  for (std::size_t i = 0; i < run.count; ++i) {
+    const Splat splat = load_splat(run.bytes + i * sizeof(Splat));
+    if (is_plausible(splat) && draw_one(splat, run.base_x + splat.anchor_x, run.base_y + splat.anchor_y))
+      ++counts.drawn;
+  }
+  counts.clipped = run.count - counts.drawn;
+  return counts;
+}
+
 /// Half-open run of pixels, as offsets from the anchor.
 struct OffsetRun {
   std::int64_t first, end;
@@ -35,26 +47,6 @@ RowConstants row_constants(const Footprint& footprint, const Splat& splat, std::
           std::fma(splat.b, static_cast<float>(dy), splat.c)};
 }
 
-#if RINGSPLAT_ONE_BY_ONE
-
-class RowAdder {
- public:
-  bool add(float* pixels, const RowConstants& row, const Colour& colour, const OffsetRun& extent) const {
-    bool reached = false;
-    for (std::int64_t at = extent.first; at < extent.end; ++at, pixels += 4) {
-      const auto dx = static_cast<float>(static_cast<std::int32_t>(at));
-      const float u = std::fma(row.p00, dx, row.u0), v = std::fma(row.p10, dx, row.v0);
-      const float q = std::fma(row.a, dx, -std::fma(u, u, v * v)) + row.linear;
-      if (!(q > 0)) continue;
-      reached = true;
-      add_to(pixels, q * q, colour);
-    }
-    return reached;
-  }
-};
-
-#else
-
 class RowAdder {
  public:
   // An implicit constructor would be compiled without the target's instructions.
@@ -72,9 +64,9 @@ class RowAdder {
     for (std::int64_t at = extent.first; at < extent.end; at += lanes, pixels += 4 * lanes) {
       const auto column = hn::Iota(d32, static_cast<std::int32_t>(at));
       const auto dx = hn::ConvertTo(d, column);
-      const auto u = hn::MulAdd(p00, dx, u0), v = hn::MulAdd(p10, dx, v0);
-      const auto k = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
-      const auto q = hn::Add(hn::MulAdd(a, dx, k), linear);
+      const auto u = fused(p00, dx, u0), v = fused(p10, dx, v0);
+      const auto k = hn::Neg(fused(u, u, hn::Mul(v, v)));
+      const auto q = hn::Add(fused(a, dx, k), linear);
       const auto inside = hn::RebindMask(d, hn::Lt(column, end));
       const auto w = hn::IfThenElseZero(inside, hn::Max(q, hn::Zero(d)));
       largest = hn::Max(largest, w);
@@ -90,8 +82,6 @@ class RowAdder {
  private:
   Spread spread_;
 };
-
-#endif
 
 /// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
 /// and D < 0.
@@ -113,20 +103,8 @@ class RowPainter {
   RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
       : slice_(slice), written_(written), footprint_(footprint), reach_(kernel_reach(footprint)) {}
 
-  DrawCounts draw(const SplatRun& run) const {
-    DrawCounts counts;
-    for (std::size_t i = 0; i < run.count; ++i) {
-      const Splat splat = load_splat(run.bytes + i * sizeof(Splat));
-      if (is_plausible(splat) && draw_one(splat, run.base_x + splat.anchor_x, run.base_y + splat.anchor_y)) {
-        ++counts.drawn;
-      }
-    }
-    counts.clipped = run.count - counts.drawn;
-    return counts;
-  }
-
- private:
-  bool draw_one(const Splat& splat, std::int64_t x, std::int64_t y) const {
+  /// Returns whether the splat reaches a pixel.
+  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
     const OffsetRun columns{std::max(-x, -reach_.x), std::min(slice_.width - x, reach_.x + 2)};
     const OffsetRun rows{std::max(-y, -reach_.y), std::min(slice_.height - y, reach_.y + 2)};
     if (columns.empty()) return false;
@@ -146,6 +124,7 @@ class RowPainter {
     return reached;
   }
 
+ private:
   const SliceBuffer& slice_;
   PixelRun* written_;
   const Footprint& footprint_;
@@ -155,7 +134,66 @@ class RowPainter {
 
 DrawCounts DrawByRows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
                       PixelRun* written) {
-  return RowPainter(slice, footprint, written).draw(run);
+  return draw_each(run, RowPainter(slice, footprint, written));
+}
+
+class TextureAdder {
+ public:
+  // An implicit constructor would be compiled without the target's instructions.
+  HWY_INLINE TextureAdder() {}
+  /// Adds to `count` pixels; up to the end of the last vector zeros are added.
+  HWY_INLINE void add(float* pixels, const float* weights, const Colour& colour, int count) const {
+    const Floats d;
+    for (int left = count; left > 0; left -= int(pixels_a_vector)) {
+      const auto inside = hn::FirstN(d, std::min(std::size_t(left), pixels_a_vector));
+      add_to(pixels, spread_.get<0>(hn::IfThenElseZero(inside, hn::LoadU(d, weights))), colour);
+      pixels += lanes;
+      weights += pixels_a_vector;
+    }
+  }
+
+ private:
+  Spread spread_;
+};
+
+class TexturePainter {
+ public:
+  HWY_INLINE TexturePainter(const SliceBuffer& slice, const FootprintTable& table, PixelRun* written)
+      : slice_(slice), table_(table), written_(written) {}
+
+  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
+    const std::int64_t left = -x, right = slice_.width - x, top = std::max(-y, -table_.reach_y),
+                       bottom = std::min(slice_.height - 1 - y, table_.reach_y + 1);
+    if (left > table_.reach_x + 1 || right <= -table_.reach_x) return false;
+    const Colour colour = load_colour(splat);
+    const std::size_t first_row = table_.phase_of(splat.a, splat.b) * table_.rows();
+    bool reached = false;
+    for (std::int64_t dy = top; dy <= bottom; ++dy) {
+      const std::size_t at = first_row + static_cast<std::size_t>(dy + table_.reach_y);
+      const PixelRun& covered = table_.covered[at];
+      const auto first = std::max<std::int64_t>(covered.first, left),
+                 end = std::min<std::int64_t>(covered.end, right);
+      if (first >= end) continue;
+      reached = true;
+      const auto row = static_cast<std::ptrdiff_t>(y + dy);
+      written_[row].include(static_cast<std::int32_t>(x + first), static_cast<std::int32_t>(x + end));
+      adder_.add(slice_.origin + row * slice_.row_floats + (x + first) * 4,
+                 table_.weights.data() + at * table_.row + (first + table_.reach_x), colour,
+                 static_cast<int>(end - first));
+    }
+    return reached;
+  }
+
+ private:
+  const SliceBuffer& slice_;
+  const FootprintTable& table_;
+  PixelRun* written_;
+  TextureAdder adder_;
+};
+
+DrawCounts DrawWithTexture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
+                           PixelRun* written) {
+  return draw_each(run, TexturePainter(slice, table, written));
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -165,10 +203,73 @@ HWY_AFTER_NAMESPACE();
 namespace ringsplat {
 
 HWY_EXPORT(DrawByRows);
+HWY_EXPORT(DrawWithTexture);
 
 DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
                         PixelRun* written) {
   return HWY_DYNAMIC_DISPATCH(DrawByRows)(slice, footprint, run, written);
+}
+
+namespace {
+
+constexpr std::size_t most_floats = std::size_t{4} << 20;
+constexpr std::size_t widest_vector = 16;  ///< floats
+
+void fill_row(const Footprint& footprint, std::int64_t reach_x, double y, double centre_x, float* weights,
+              PixelRun& covered) {
+  for (std::int64_t x = -reach_x; x <= reach_x + 1; ++x) {
+    const double dx = static_cast<double>(x) - centre_x;
+    const double q = 1 + footprint.d * dx * dx + footprint.e * dx * y + footprint.f * y * y;
+    if (!(q > 0)) continue;
+    weights[x + reach_x] = static_cast<float>(q * q);
+    const auto at = static_cast<std::int32_t>(x);
+    covered.include(at, at + 1);
+  }
+}
+
+}  // namespace
+
+std::size_t FootprintTable::phase_of(float a, float b) const {
+  const auto nearest = [&](double centre) {
+    return static_cast<std::size_t>(std::clamp(centre * phases, 0.0, phases - 0.5));
+  };
+  const auto fa = static_cast<double>(a), fb = static_cast<double>(b);
+  return nearest(y_of_a * fa + y_of_b * fb) * static_cast<std::size_t>(phases) +
+         nearest(x_of_a * fa + x_of_b * fb);
+}
+
+FootprintTable make_footprint_table(const Footprint& footprint, int phases) {
+  const auto reach = kernel_reach(footprint);
+  FootprintTable table;
+  table.reach_x = reach.x;
+  table.reach_y = reach.y;
+  table.row = static_cast<std::size_t>(2 * reach.x + 2) + widest_vector;
+  while (phases > 1 &&
+         static_cast<std::size_t>(phases) * static_cast<std::size_t>(phases) * table.rows() * table.row >
+             most_floats)
+    --phases;
+  table.phases = phases;
+
+  const double determinant = 4 * footprint.d * footprint.f - footprint.e * footprint.e;
+  table.x_of_a = -2 * footprint.f / determinant;
+  table.x_of_b = table.y_of_a = footprint.e / determinant;
+  table.y_of_b = -2 * footprint.d / determinant;
+
+  const std::size_t all = static_cast<std::size_t>(phases) * static_cast<std::size_t>(phases);
+  table.weights.assign(all * table.rows() * table.row, 0.0F);
+  table.covered.resize(all * table.rows());
+  std::size_t at = 0;
+  for (int j = 0; j < phases; ++j)
+    for (int i = 0; i < phases; ++i)
+      for (std::int64_t y = -reach.y; y <= reach.y + 1; ++y, ++at)
+        fill_row(footprint, reach.x, static_cast<double>(y) - (j + 0.5) / phases, (i + 0.5) / phases,
+                 table.weights.data() + at * table.row, table.covered[at]);
+  return table;
+}
+
+DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,
+                             PixelRun* written) {
+  return HWY_DYNAMIC_DISPATCH(DrawWithTexture)(slice, table, run, written);
 }
 
 }  // namespace ringsplat

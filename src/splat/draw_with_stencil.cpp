@@ -13,38 +13,6 @@
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-#if RINGSPLAT_ONE_BY_ONE
-
-constexpr std::size_t pixels_a_vector = 1;
-
-template <std::size_t>
-class KernelAdder {
- public:
-  KernelAdder(const SliceBuffer& slice, const Stencil& stencil) : slice_(slice), stencil_(stencil) {}
-
-  template <bool at_border>
-  bool add(const Splat& splat, int x, int y) const {
-    const Colour colour = load_colour(splat);
-    float* anchor = slice_.origin + y * slice_.row_floats + x * std::ptrdiff_t{4};
-    bool reached = false;
-    for (std::size_t i = 0; i < stencil_.blocks * block_pixels; ++i) {
-      const float dx = stencil_.dx[i], dy = stencil_.dy[i];
-      if (at_border && !slice_.holds(x + static_cast<int>(dx), y + static_cast<int>(dy))) continue;
-      const float q = std::fma(splat.a, dx, stencil_.k[i]) + std::fma(splat.b, dy, splat.c);
-      if (!(q > 0)) continue;
-      reached = true;
-      add_to(anchor + stencil_.offset[i / block_pixels] + i % block_pixels * 4, q * q, colour);
-    }
-    return reached;
-  }
-
- private:
-  const SliceBuffer& slice_;
-  const Stencil& stencil_;
-};
-
-#else
-
 /// The stencil's constants of `lanes` pixels.
 struct StencilVectors {
   FloatVector k, dx, dy;
@@ -135,7 +103,7 @@ class KernelAdder {
   template <class Clip>
   HWY_INLINE void add_vector(float* anchor, const std::ptrdiff_t* offset, const StencilVectors& at,
                              const SplatVectors& splat, Clip& border) const {
-    const auto q = hn::Add(hn::MulAdd(splat.a, at.dx, at.k), hn::MulAdd(splat.b, at.dy, splat.c));
+    const auto q = hn::Add(fused(splat.a, at.dx, at.k), fused(splat.b, at.dy, splat.c));
     const auto w = border.clip(hn::Max(q, hn::Zero(Floats())), at);
     const auto weights = hn::Mul(w, w);
     constexpr std::size_t a_block = 4 / pixels_a_vector;
@@ -153,8 +121,6 @@ class KernelAdder {
   Spread spread_;
   StencilVectors vectors_[fixed_vectors > 0 ? fixed_vectors : 1];
 };
-
-#endif
 
 template <std::size_t fixed_vectors>
 HWY_INLINE DrawCounts draw_run(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,

@@ -140,33 +140,20 @@ float LatticeSum::factor_of_phase(int x, int y, glm::dvec2 voxel) const {
   return static_cast<float>(1 / exact(lattice - glm::floor(lattice)));
 }
 
-void LatticeSum::fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel,
-                              float (&factors)[4][16]) const {
-  float of_phase[largest_step][largest_step];
-  for (int v = 0; v < phases_y_; ++v)
-    for (int u = 0; u < phases_x_; ++u) of_phase[v][u] = factor_of_phase(u, v, voxel);
-  for (int row = 0; row < largest_step; ++row)
-    for (int column = 0; column < largest_step; ++column)
-      std::fill_n(factors[row] + std::ptrdiff_t{4} * column, 4,
-                  of_phase[phase_of(y + row, phases_y_)][phase_of(x + column, phases_x_)]);
-}
-
-void LatticeSum::divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
-                                  glm::dvec2 voxel) const {
-  float factors[largest_step];
+void LatticeSum::fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel, float (&factors)[16]) const {
+  float of_phase[largest_step];
   for (int phase = 0; phase < phases_x_; ++phase)
-    factors[phase] = factor_of_phase(phase, int(phase_of(y, phases_y_)), voxel);
-  auto phase = phase_of(x, phases_x_);
-  for (std::size_t i = 0; i < count; ++i, rgba += 4) {
-    for (int c = 0; c < 4; ++c) rgba[c] *= factors[phase];
-    phase = phase + 1 == phases_x_ ? 0 : phase + 1;
-  }
+    of_phase[phase] = factor_of_phase(phase, int(phase_of(y, phases_y_)), voxel);
+  for (int column = 0; column < largest_step; ++column)
+    std::fill_n(factors + std::ptrdiff_t{4} * column, 4, of_phase[phase_of(x + column, phases_x_)]);
 }
 
 void LatticeSum::divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
                             glm::dvec2 voxel) const {
   if (phases_x_ > 0) {
-    divide_by_phases(rgba, count, x, y, voxel);
+    float factors[16];
+    fill_factors(x, y, voxel, factors);
+    for (std::size_t i = 0; i < 4 * count; ++i) rgba[i] *= factors[i % 16];
     return;
   }
   const double down = static_cast<double>(y) + 0.5 - voxel.y;

@@ -32,15 +32,13 @@ class LatticeSum {
   /// centres. `voxel`: position of any voxel of the slice, in pixels.
   void divide_row(float* rgba, std::size_t count, std::int64_t x, std::int64_t y, glm::dvec2 voxel) const;
 
-  /// The factors by which divide_row multiplies the 4 × 4 pixels from (x, y) on, row by row, each factor once
-  /// a channel. Only for voxels a whole number of pixels apart, as in an AlignedSlice: all other pixels
-  /// repeat these.
-  void fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel, float (&factors)[4][16]) const;
+  /// The factors by which divide_row multiplies four pixels from (x, y) on, each factor once a channel. Only
+  /// for voxels a whole number of pixels apart, as in an AlignedSlice: the row's other pixels repeat these,
+  /// and so do every fourth row's.
+  void fill_factors(std::int64_t x, std::int64_t y, glm::dvec2 voxel, float (&factors)[16]) const;
 
  private:
   float factor_of_phase(int x, int y, glm::dvec2 voxel) const;
-  void divide_by_phases(float* rgba, std::size_t count, std::int64_t x, std::int64_t y,
-                        glm::dvec2 voxel) const;
 
   int phases_x_ = 0, phases_y_ = 0;  ///< pixels from voxel to voxel if these are whole numbers, else 0
   glm::dmat2 to_lattice_{1.0};       ///< from pixels

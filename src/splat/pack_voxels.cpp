@@ -13,42 +13,6 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if RINGSPLAT_ONE_BY_ONE
-
-void PackFloats(const float* rgba, std::size_t count, FloatVoxel* voxels) {
-  for (; count > 0; --count, rgba += 4, ++voxels) {
-    for (int i = 0; i < 3; ++i) voxels->rgb[i] = quantise_colour(rgba[i]);
-    std::memcpy(voxels->opacity, rgba + 3, sizeof voxels->opacity);
-  }
-}
-
-/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants").
-HWY_INLINE std::uint16_t to_half(float value) {
-  if (value < 0x1p-14F) {
-    // The sum has the half's last place, so that adding rounds.
-    return static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(value + 0.5F) -
-                                      std::bit_cast<std::uint32_t>(0.5F));
-  }
-  const auto bits = std::bit_cast<std::uint32_t>(value);
-  const std::uint32_t odd = bits >> 13 & 1;
-  return static_cast<std::uint16_t>((bits - (std::uint32_t{127 - 15} << 23) + 0xfff + odd) >> 13);
-}
-
-void PackHalves(const float* rgba, std::size_t count, HalfVoxel* voxels) {
-  for (; count > 0; --count, rgba += 4, ++voxels) {
-    for (int i = 0; i < 4; ++i) voxels->rgba[i] = to_half(rgba[i]);
-  }
-}
-
-void PackBytes(const float* rgba, std::size_t count, ByteVoxel* voxels) {
-  for (; count > 0; --count, rgba += 4, ++voxels) {
-    for (int i = 0; i < 4; ++i)
-      voxels->rgba[i] = static_cast<std::uint8_t>(static_cast<std::int32_t>(rgba[i] * 255.0F + 0.5F));
-  }
-}
-
-#else
-
 using FourFloats = hn::Full128<float>;
 using FourInts = hn::Full128<std::int32_t>;
 using Voxel = hn::Vec<FourFloats>;
@@ -90,6 +54,26 @@ void PackFloats(const float* rgba, std::size_t count, FloatVoxel* voxels) {
   std::memcpy(out + (count - 1) * sizeof(FloatVoxel), last, sizeof(FloatVoxel));
 }
 
+#if HWY_TARGET == HWY_EMU128
+
+/// Rounds 0 and numbers from 2⁻¹²⁶ to 65504 to nearest even (Giesen 2012, "Float->half variants"). Highway's
+/// own emulation cuts off.
+HWY_INLINE std::uint16_t to_half(float value) {
+  // The sum has the half's last place, so that adding rounds.
+  if (value < 0x1p-14F)
+    return static_cast<std::uint16_t>(std::bit_cast<std::uint32_t>(value + 0.5F) -
+                                      std::bit_cast<std::uint32_t>(0.5F));
+  const auto bits = std::bit_cast<std::uint32_t>(value);
+  const std::uint32_t odd = bits >> 13 & 1;
+  return static_cast<std::uint16_t>((bits - (std::uint32_t{127 - 15} << 23) + 0xfff + odd) >> 13);
+}
+
+void PackHalves(const float* rgba, std::size_t count, HalfVoxel* voxels) {
+  for (std::size_t i = 0; i < 4 * count; ++i) voxels[i / 4].rgba[i % 4] = to_half(rgba[i]);
+}
+
+#else
+
 void PackHalves(const float* rgba, std::size_t count, HalfVoxel* voxels) {
   const FourFloats d;
   const hn::Rebind<hwy::float16_t, FourFloats> halves;
@@ -100,6 +84,8 @@ void PackHalves(const float* rgba, std::size_t count, HalfVoxel* voxels) {
   }
 }
 
+#endif
+
 void PackBytes(const float* rgba, std::size_t count, ByteVoxel* voxels) {
   const FourFloats d;
   const FourInts i;
@@ -109,8 +95,6 @@ void PackBytes(const float* rgba, std::size_t count, ByteVoxel* voxels) {
     hn::StoreU(hn::DemoteTo(bytes, hn::ConvertTo(i, scaled)), bytes, voxels[k].rgba);
   }
 }
-
-#endif
 
 }  // namespace ringsplat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

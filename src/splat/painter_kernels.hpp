@@ -5,7 +5,6 @@
 
 #include "raster/slice_buffer.hpp"
 #include "splat/footprint.hpp"
-#include "splat/slice_sum.hpp"
 #include "splat/splat.hpp"
 #include "splat/stencil.hpp"
 
@@ -57,8 +56,6 @@ DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, c
 /// `written`: [height], takes the pixels written in each row.
 DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
                         PixelRun* written);
-
-struct FootprintTable;
 
 /// The same with the weight of a pixel looked up in the table, at the splat's phase.
 DrawCounts draw_with_texture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,

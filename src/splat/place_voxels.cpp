@@ -1,4 +1,4 @@
-#include "splat/place_voxels.hpp"
+#include "splat/voxel_kernels.hpp"
 
 #include "base/vector_config.hpp"
 
@@ -61,24 +61,6 @@ HWY_INLINE float weighted(float opacity, double weight) {
   const auto product = static_cast<float>(static_cast<double>(opacity) * weight);
   return std::abs(product) < largest_coefficient ? product : 0.0F;
 }
-
-#if RINGSPLAT_ONE_BY_ONE
-
-template <class Voxel>
-struct VoxelLoader {};
-
-template <class Voxel>
-void place_row(const VoxelLoader<Voxel>&, int steps, double weight, std::uint64_t mask, const Voxel* voxels,
-               bool, float* row) {
-  for (; mask != 0; mask &= mask - 1, ++voxels) {
-    const VoxelColour voxel = unpack(*voxels);
-    const auto colour = premultiply(&voxel.red, weighted(voxel.opacity, weight));
-    float* pixels = row + std::ptrdiff_t{4} * (std::countr_zero(mask) * steps);
-    for (int copy = 0; copy < steps; ++copy, pixels += 4) store_pixel(colour, pixels);
-  }
-}
-
-#else
 
 using Pixel = hn::Vec<FourFloats>;
 using FourInts = hn::Full128<std::int32_t>;
@@ -163,8 +145,6 @@ HWY_INLINE void place_row(const VoxelLoader<Voxel>& loader, int steps, double we
   place_one(loader.load(reinterpret_cast<const Voxel*>(copy)), weight, steps, to());
 }
 
-#endif
-
 /// Sets 64 bits' ones in a row of bits from `place` on, but none before place 0.
 HWY_INLINE void put(std::uint64_t* row, std::uint64_t bits, std::int64_t place) {
   if (place < 0) {
@@ -198,20 +178,21 @@ HWY_INLINE std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffe
 }
 
 template <int known_steps, class Voxel>
-HWY_INLINE PlacedVoxels place(const AlignedSlice& slice, const VoxelPlaces& to,
-                              const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
+HWY_INLINE DrawnBlocks place(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
+                             std::uint64_t most) {
   const VoxelLoader<Voxel> loader;
   const int steps = known_steps > 0 ? known_steps : slice.step_x;
   // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
   const std::int64_t least_x = -slice.reach_x - 1, most_x = to.buffer.width + slice.reach_x - 1,
                      least_y = -slice.reach_y - 1, most_y = to.buffer.height + slice.reach_y - 1;
-  PlacedVoxels placed;
-  while (placed.blocks < blocks.count && placed.voxels < most) {
+  DrawnBlocks placed;
+  std::uint64_t seen = 0;
+  while (placed.blocks < blocks.count && seen < most) {
     VoxelBlock block;
     std::memcpy(&block, blocks.blocks + placed.blocks * sizeof block, sizeof block);
     const bool last = ++placed.blocks == blocks.count;
-    const Voxel* voxels = blocks.voxels + placed.voxels;
-    placed.voxels += std::uint64_t(std::popcount(block.mask));
+    const Voxel* voxels = blocks.voxels + seen;
+    seen += std::uint64_t(std::popcount(block.mask));
     const std::int64_t x = to.x + std::int64_t{steps} * block.first,
                        y = to.y + std::int64_t{slice.step_y} * block.row;
     if (y < least_y || y > most_y) continue;
@@ -220,30 +201,31 @@ HWY_INLINE PlacedVoxels place(const AlignedSlice& slice, const VoxelPlaces& to,
     voxels += std::popcount(block.mask & ((within & -within) - 1));
     place_row(loader, steps, slice.opacity_weight, within, voxels, last,
               to.buffer.origin + y * to.buffer.row_floats + 4 * x);
-    mark(to.filled + y * to.row_words, within, x + to.left, steps);
-    placed.drawn += count_drawn(slice, to.buffer, x, y, within);
-    placed.top = std::min(placed.top, int(y));
-    placed.bottom = std::max(placed.bottom, int(y) + 1);
+    mark(to.filled + y * std::ptrdiff_t(to.row_words), within, x + to.left, steps);
+    placed.counts.drawn += count_drawn(slice, to.buffer, x, y, within);
+    to.top = std::min(to.top, int(y));
+    to.bottom = std::max(to.bottom, int(y) + 1);
   }
+  placed.counts.clipped = seen - placed.counts.drawn;
   return placed;
 }
 
 template <class Voxel>
-HWY_INLINE PlacedVoxels place_any(const AlignedSlice& slice, const VoxelPlaces& to,
-                                  const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
+HWY_INLINE DrawnBlocks place_any(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
+                                 std::uint64_t most) {
   return slice.step_x == 1 ? place<1>(slice, to, blocks, most) : place<0>(slice, to, blocks, most);
 }
 
-PlacedVoxels PlaceFloats(const AlignedSlice& slice, const VoxelPlaces& to,
-                         const VoxelBlocks<FloatVoxel>& blocks, std::uint64_t most) {
+DrawnBlocks PlaceFloats(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<FloatVoxel>& blocks,
+                        std::uint64_t most) {
   return place_any(slice, to, blocks, most);
 }
-PlacedVoxels PlaceHalves(const AlignedSlice& slice, const VoxelPlaces& to,
-                         const VoxelBlocks<HalfVoxel>& blocks, std::uint64_t most) {
+DrawnBlocks PlaceHalves(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<HalfVoxel>& blocks,
+                        std::uint64_t most) {
   return place_any(slice, to, blocks, most);
 }
-PlacedVoxels PlaceBytes(const AlignedSlice& slice, const VoxelPlaces& to,
-                        const VoxelBlocks<ByteVoxel>& blocks, std::uint64_t most) {
+DrawnBlocks PlaceBytes(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<ByteVoxel>& blocks,
+                       std::uint64_t most) {
   return place_any(slice, to, blocks, most);
 }
 
@@ -257,16 +239,16 @@ HWY_EXPORT(PlaceFloats);
 HWY_EXPORT(PlaceHalves);
 HWY_EXPORT(PlaceBytes);
 
-PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
-                          const VoxelBlocks<FloatVoxel>& blocks, std::uint64_t most) {
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<FloatVoxel>& blocks,
+                         std::uint64_t most) {
   return HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, to, blocks, most);
 }
-PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
-                          const VoxelBlocks<HalfVoxel>& blocks, std::uint64_t most) {
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<HalfVoxel>& blocks,
+                         std::uint64_t most) {
   return HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, to, blocks, most);
 }
-PlacedVoxels place_voxels(const AlignedSlice& slice, const VoxelPlaces& to,
-                          const VoxelBlocks<ByteVoxel>& blocks, std::uint64_t most) {
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<ByteVoxel>& blocks,
+                         std::uint64_t most) {
   return HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, to, blocks, most);
 }
 

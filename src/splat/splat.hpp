@@ -27,6 +27,12 @@ static_assert(sizeof(Splat) == 24);
 /// into the picture.
 inline constexpr float largest_coefficient = 1e6F;
 
+struct DrawCounts {
+  std::uint64_t drawn = 0;    ///< splats that reached at least one pixel centre of the region with Q > 0
+  std::uint64_t clipped = 0;  ///< splats that reached none
+  std::uint64_t hidden = 0;   ///< splats that lie wholly under opaque tiles, not drawn
+};
+
 /// Heads a run of splats of one region whose anchors lie within 256 × 256 pixels from its base.
 struct SplatGroup {
   std::int32_t region;

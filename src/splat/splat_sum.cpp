@@ -2,138 +2,56 @@
 
 #include <algorithm>
 #include <cstring>
-#include <functional>
 #include <memory>
-#include <span>
-#include <type_traits>
-#include <utility>
 #include <variant>
-#include <vector>
 
-#include "splat/frame_kernel.hpp"
-#include "splat/painter_kernels.hpp"
-#include "splat/slice_sum.hpp"
-#include "splat/splat.hpp"
 #include "splat/stencil.hpp"
 
 namespace ringsplat {
 
-/// Adds splats to a slice buffer by a frame's kernel, and keeps account of the pixels it wrote.
-class SplatAdder {
- public:
-  virtual ~SplatAdder() = default;
-  virtual Margins margins() const = 0;
-  /// Call once, with a buffer that has the margins round the largest region.
-  virtual void prepare(const SliceBuffer& largest) = 0;
-  /// `slice`: a region that is no larger, with rows of the same length.
-  virtual DrawCounts add(const SliceBuffer& slice, const SplatRun& run) = 0;
-  /// Each of the region's rows: a run of pixels outside which nothing was written since forget().
-  virtual std::span<const PixelRun> written(const SliceBuffer& slice) = 0;
-  virtual void forget() = 0;
-};
-
 namespace {
 
-/// For kernels whose window is small: splats are added without clipping, and zeros go to the margins.
-class StencilAdder final : public SplatAdder {
- public:
-  explicit StencilAdder(const Footprint& footprint)
-      : footprint_(footprint), reach_(kernel_reach(footprint)) {}
+/// How a frame's kernel is drawn, by its weights.
+struct DrawWith {
+  const Footprint& footprint;
+  std::ptrdiff_t row_floats;  ///< of the slice buffer
 
-  Margins margins() const override { return window_margins(reach_); }
-
-  void prepare(const SliceBuffer& largest) override {
-    stencil_ = make_stencil(footprint_, largest.row_floats);
-    anchors_.assign(std::size_t(largest.height + 2 * reach_.y + 1), PixelRun{});
+  SplatSum::Draw operator()(const StencilWeights&) const {
+    const auto stencil = std::make_shared<const Stencil>(make_stencil(footprint, row_floats));
+    return [stencil](const SliceBuffer& slice, const SplatRun& run, PixelRun* anchors) {
+      return draw_with_stencil(slice, *stencil, run, anchors);
+    };
   }
-
-  DrawCounts add(const SliceBuffer& slice, const SplatRun& run) override {
-    return draw_with_stencil(slice, stencil_, run, anchors_.data());
+  SplatSum::Draw operator()(const RowWeights&) const {
+    return [of = footprint](const SliceBuffer& slice, const SplatRun& run, PixelRun* written) {
+      return draw_by_rows(slice, of, run, written);
+    };
   }
-
-  /// The pixels that the anchors' windows cover inside the region.
-  std::span<const PixelRun> written(const SliceBuffer& slice) override {
-    written_.assign(std::size_t(slice.height), PixelRun{});
-    const int reach_x = stencil_.reach_x, reach_y = stencil_.reach_y;
-    for (int i = 0; i < int(anchors_.size()); ++i) {
-      const PixelRun& anchors = anchors_[std::size_t(i)];
-      if (anchors.empty()) continue;
-      const int row = i - reach_y - 1;
-      const int first = std::max(anchors.first - reach_x, 0),
-                end = std::min(anchors.end + reach_x + 1, slice.width);
-      for (int y = std::max(row - reach_y, 0); y <= std::min(row + reach_y + 1, slice.height - 1); ++y)
-        written_[std::size_t(y)].include(first, end);
-    }
-    return written_;
+  SplatSum::Draw operator()(const FixedPointWeights& weights) const {
+    return [of = footprint, bits = weights.bits](const SliceBuffer& slice, const SplatRun& run,
+                                                 PixelRun* written) {
+      return draw_fixed_point(slice, of, bits, run, written);
+    };
   }
-
-  void forget() override { std::fill(anchors_.begin(), anchors_.end(), PixelRun{}); }
-
- private:
-  Footprint footprint_;
-  KernelReach reach_;
-  Stencil stencil_;
-  std::vector<PixelRun> anchors_;  ///< columns of anchors, by their row from −reach_y − 1 on
-  std::vector<PixelRun> written_;
+  SplatSum::Draw operator()(const TabledWeights& weights) const {
+    return [table = weights.table](const SliceBuffer& slice, const SplatRun& run, PixelRun* written) {
+      return draw_with_texture(slice, *table, run, written);
+    };
+  }
 };
-
-/// For all others: each splat's rows are clipped to the region, but for the rest of the last vector.
-class RowAdder final : public SplatAdder {
- public:
-  using Draw = std::function<DrawCounts(const SliceBuffer& slice, const SplatRun& run, PixelRun* written)>;
-  explicit RowAdder(Draw draw) : draw_(std::move(draw)) {}
-  Margins margins() const override { return {0, 16, 0, 0}; }
-  void prepare(const SliceBuffer& largest) override {
-    written_.assign(std::size_t(largest.height), PixelRun{});
-  }
-  DrawCounts add(const SliceBuffer& slice, const SplatRun& run) override {
-    return draw_(slice, run, written_.data());
-  }
-  std::span<const PixelRun> written(const SliceBuffer& slice) override {
-    return std::span(written_).first(std::size_t(slice.height));
-  }
-  void forget() override { std::fill(written_.begin(), written_.end(), PixelRun{}); }
-
- private:
-  Draw draw_;
-  std::vector<PixelRun> written_;
-};
-
-RowAdder::Draw draw_with(const Footprint& of, const RowWeights&) {
-  return [of](const auto& slice, const auto& run, PixelRun* written) {
-    return draw_by_rows(slice, of, run, written);
-  };
-}
-RowAdder::Draw draw_with(const Footprint& of, const FixedPointWeights& weights) {
-  return [of, bits = weights.bits](const auto& slice, const auto& run, PixelRun* written) {
-    return draw_fixed_point(slice, of, bits, run, written);
-  };
-}
-RowAdder::Draw draw_with(const Footprint&, const TabledWeights& weights) {
-  return [table = weights.table](const auto& slice, const auto& run, PixelRun* written) {
-    return draw_with_texture(slice, *table, run, written);
-  };
-}
-
-std::unique_ptr<SplatAdder> make_splat_adder(const FrameKernel& kernel) {
-  const auto make = [&kernel](const auto& weights) -> std::unique_ptr<SplatAdder> {
-    if constexpr (std::is_same_v<decltype(weights), const StencilWeights&>)
-      return std::make_unique<StencilAdder>(kernel.footprint);
-    else
-      return std::make_unique<RowAdder>(draw_with(kernel.footprint, weights));
-  };
-  return std::visit(make, kernel.weights);
-}
 
 }  // namespace
 
 SplatSum::SplatSum(const FrameKernel& kernel, RegionSize largest, SliceBufferMemory& memory)
     : reach_(kernel_reach(kernel.footprint)),
+      by_anchors_(std::holds_alternative<StencilWeights>(kernel.weights)),
       lattice_sum_(kernel.lattice_sum),
-      adder_(make_splat_adder(kernel)),
       memory_(memory) {
-  buffer_ = make_slice_buffer(adder_->margins(), largest, memory_);
-  adder_->prepare(buffer_);
+  // With a stencil splats are added without clipping, and zeros go to the margins. All others' rows are
+  // clipped to the region, but for the rest of the last vector.
+  buffer_ = make_slice_buffer(by_anchors_ ? window_margins(reach_) : Margins{0, 16, 0, 0}, largest, memory_);
+  draw_ = std::visit(DrawWith{kernel.footprint, buffer_.row_floats}, kernel.weights);
+  runs_.resize(std::size_t(largest.height + (by_anchors_ ? 2 * reach_.y + 1 : 0)));
 }
 
 SplatSum::~SplatSum() {
@@ -151,7 +69,8 @@ DrawCounts SplatSum::draw(std::int32_t base_x, std::int32_t base_y, std::span<co
   const std::int64_t left = std::int64_t{base_x} - image_->rect().x0,
                      top = std::int64_t{base_y} - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
-  DrawCounts counts = adder_->add(buffer_, {visible.data(), visible.size() / sizeof(Splat), left, top});
+  DrawCounts counts =
+      draw_(buffer_, {visible.data(), visible.size() / sizeof(Splat), left, top}, runs_.data());
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) empty_ = false;
   return counts;
@@ -174,13 +93,30 @@ std::span<const std::byte> SplatSum::without_hidden(std::int64_t left, std::int6
   return std::span<const std::byte>(seen_).first(kept);
 }
 
+std::span<const PixelRun> SplatSum::written() {
+  if (!by_anchors_) return std::span(runs_).first(std::size_t(buffer_.height));
+  // The pixels that the anchors' windows cover inside the region.
+  written_.assign(std::size_t(buffer_.height), PixelRun{});
+  const int reach_x = int(reach_.x), reach_y = int(reach_.y);
+  for (int i = 0; i < int(runs_.size()); ++i) {
+    const PixelRun& anchors = runs_[std::size_t(i)];
+    if (anchors.empty()) continue;
+    const int row = i - reach_y - 1;
+    const int first = std::max(anchors.first - reach_x, 0),
+              end = std::min(anchors.end + reach_x + 1, buffer_.width);
+    for (int y = std::max(row - reach_y, 0); y <= std::min(row + reach_y + 1, buffer_.height - 1); ++y)
+      written_[std::size_t(y)].include(first, end);
+  }
+  return written_;
+}
+
 std::uint64_t SplatSum::composite(glm::dvec2 voxel) {
   std::uint64_t composited = 0;
   if (!empty_) {
     float* image = image_->pixels();
-    const auto written = adder_->written(buffer_);
+    const auto rows = written();
     for (int y = 0; y < buffer_.height; ++y) {
-      const PixelRun& run = written[std::size_t(y)];
+      const PixelRun& run = rows[std::size_t(y)];
       if (run.empty()) continue;
       const int first = run.first / block_pixels * block_pixels;
       const auto pixels = std::size_t(in_whole_blocks(run.end) - first);
@@ -194,7 +130,7 @@ std::uint64_t SplatSum::composite(glm::dvec2 voxel) {
     image_->slices_composited();
     empty_ = true;
   }
-  adder_->forget();
+  std::fill(runs_.begin(), runs_.end(), PixelRun{});
   return composited;
 }
 

@@ -22,20 +22,6 @@ HWY_INLINE Splat load_splat(const std::byte* bytes) {
   return splat;
 }
 
-#if RINGSPLAT_ONE_BY_ONE
-
-/// Whether a, b, c and the opacity are all numbers that a footprint can give.
-HWY_INLINE bool is_plausible(const Splat& splat) {
-  for (const float value : {splat.a, splat.b, splat.c, splat.opacity}) {
-    if (!(std::abs(value) < largest_coefficient)) return false;
-  }
-  return true;
-}
-
-HWY_INLINE Colour load_colour(const Splat& splat) { return premultiply(&splat.red, splat.opacity); }
-
-#else
-
 /// Whether a, b, c and the opacity are all numbers that a footprint can give.
 HWY_INLINE bool is_plausible(const Splat& splat) {
   const FourFloats d;
@@ -49,8 +35,6 @@ HWY_INLINE Colour load_colour(const Splat& splat) {
   hn::Store(premultiply(&splat.red, splat.opacity), FourFloats(), colour);
   return hn::LoadDup128(Floats(), colour);
 }
-
-#endif
 
 }  // namespace ringsplat::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,4 +1,4 @@
-#include "splat/sweep_voxels.hpp"
+#include "splat/voxel_kernels.hpp"
 
 #include "base/vector_config.hpp"
 
@@ -10,6 +10,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #include "base/bit_runs.hpp"
@@ -30,7 +31,7 @@ struct AnchorRows {
   int count() const { return (end - first + step - 1) / step; }
 };
 
-AnchorRows rows_reaching(const PlacedVoxelRows& voxels, const AlignedSlice& slice, int y) {
+AnchorRows rows_reaching(const VoxelRows& voxels, const AlignedSlice& slice, int y) {
   const int least = y + slice.reach_y - slice.end_row + 1, step = slice.step_y;
   const int steps = std::max(least - voxels.top + step - 1, 0) / step;
   return {voxels.top + steps * step, std::min(y + slice.reach_y - slice.first_row + 1, voxels.bottom), step};
@@ -42,7 +43,7 @@ std::uint64_t whole_blocks(std::uint64_t bits) {
   return ((bits | bits >> 2) & 0x1111111111111111) * 15;
 }
 
-std::uint64_t* filled_row(const PlacedVoxelRows& voxels, int y) {
+std::uint64_t* filled_row(const VoxelRows& voxels, int y) {
   return voxels.filled + y * std::ptrdiff_t(voxels.row_words);
 }
 
@@ -56,11 +57,11 @@ struct BlockSums {
   int blocks;
 };
 
-BlockSums block_sums(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows, int x,
-                     int y, int blocks) {
+BlockSums block_sums(const VoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows, int x, int y,
+                     int blocks) {
   const int leftmost = x + slice.first_tap_x;
   // Steps are powers of two, so this is the remainder of negative numbers too.
-  const int phase = (x + slice.reach_x - voxels.phase_x) & (slice.step_x - 1);
+  const int phase = (x + slice.reach_x - int(voxels.x & (slice.step_x - 1))) & (slice.step_x - 1);
   const std::ptrdiff_t row_weights = std::ptrdiff_t{slice.taps} * tap_floats;
   const int row = y - rows.first + slice.reach_y;
   return {voxels.buffer.origin + rows.first * voxels.buffer.row_floats + std::ptrdiff_t{4} * leftmost,
@@ -84,7 +85,7 @@ using Words = hn::CappedTag<std::uint64_t, words_a_vector>;
 
 /// Finds the pixel blocks that the kernels of these rows can cover and that are not opaque yet. Each voxel
 /// has set the bits of the pixels from its anchor up to the next.
-void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows,
+void find_covered(const VoxelRows& voxels, const AlignedSlice& slice, const AnchorRows& rows,
                   const std::uint64_t* opaque, std::uint64_t* covered) {
   const Words d;
   const int pixels_before = slice.reach_x - slice.first_column,
@@ -110,39 +111,6 @@ void find_covered(const PlacedVoxelRows& voxels, const AlignedSlice& slice, cons
   }
 }
 
-#if RINGSPLAT_ONE_BY_ONE
-
-using BlockOfSums = float[block_floats];
-
-template <class Take>
-void convolve(const BlockSums& in, const Take& take) {
-  for (int block = 0; block < in.blocks; ++block) {
-    BlockOfSums sums;
-    for (int i = 0; i < block_floats; ++i) {
-      sums[i] = 0;
-      for (int row = 0; row < in.rows; ++row) {
-        const float* voxel = in.voxels + block * block_floats + row * in.row_floats + i;
-        const float* weight = in.weights - row * in.weights_floats + i;
-        for (int tap = 0; tap < in.taps; ++tap)
-          sums[i] = std::fma(weight[tap * tap_floats], voxel[tap * in.voxel_floats], sums[i]);
-      }
-    }
-    take(block, sums);
-  }
-}
-
-bool composite_block(const BlockOfSums& sums, float opaque, float* image) {
-  bool all = true;
-  for (int i = 0; i < block_floats; i += 4) all &= composite_pixel(sums + i, opaque, image + i);
-  return all;
-}
-
-void multiply(BlockOfSums& sums, const float* factors) {
-  for (int i = 0; i < block_floats; ++i) sums[i] *= factors[i];
-}
-
-#else
-
 constexpr int parts = block_floats / int(lanes);
 using BlockOfSums = FloatVector[parts];
 
@@ -158,8 +126,8 @@ HWY_INLINE void convolve_any(const BlockSums& in, const Take& take) {
       sums[i] = hn::Zero(d);
       for (int row = 0; row < in.rows; ++row, voxels += in.row_floats, weights -= in.weights_floats) {
         for (int tap = 0; tap < in.taps; ++tap)
-          sums[i] = hn::MulAdd(hn::LoadU(d, weights + tap * tap_floats),
-                               hn::LoadU(d, voxels + tap * in.voxel_floats), sums[i]);
+          sums[i] = fused(hn::LoadU(d, weights + tap * tap_floats),
+                          hn::LoadU(d, voxels + tap * in.voxel_floats), sums[i]);
       }
     }
     take(block, sums);
@@ -182,8 +150,8 @@ HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) 
       for (int block = 0; block < blocks; ++block)
         for (int i = 0; i < parts; ++i)
           sums[block][i] =
-              hn::MulAdd(alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + i * int(lanes)),
-                         hn::LoadU(d, voxels + block * block_floats + i * int(lanes)), sums[block][i]);
+              fused(alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + i * int(lanes)),
+                    hn::LoadU(d, voxels + block * block_floats + i * int(lanes)), sums[block][i]);
     }
   }
   for (int block = 0; block < blocks; ++block) take(first + block, sums[block]);
@@ -196,43 +164,31 @@ void convolve_rows(const BlockSums& in, const Take& take) {
   if (block < in.blocks) convolve_some<alike, taps, rows, 1>(in, block, take);
 }
 
+/// Returns use(number) where `value` is a number from `first` to `last`, as a constant; else false.
+template <int first, int last, class Use>
+HWY_INLINE bool with_known(int value, const Use& use) {
+  if constexpr (first > last) {
+    return false;
+  } else {
+    if (value != first) return with_known<first + 1, last>(value, use);
+    return use(std::integral_constant<int, first>());
+  }
+}
+
 /// Most kernels have few taps (two at radius 1, two or three at 1.1, three or four at 1.6) and reach a pixel
 /// from few rows. There is code of its own for each number of these.
-constexpr int fewest_taps = 2, most_taps = 4, most_rows = 4;
-
-template <class Take>
-using Convolve = void (*)(const BlockSums&, const Take&);
-template <class Take>
-struct ConvolveTable {
-  Convolve<Take> of[2][most_taps - fewest_taps + 1][most_rows];  ///< [alike][taps − fewest_taps][rows − 1]
-};
-
-template <class Take, bool alike, int taps, std::size_t... row>
-constexpr void fill_rows(Convolve<Take> (&by_rows)[most_rows], std::index_sequence<row...>) {
-  ((by_rows[row] = &convolve_rows<alike, taps, int(row) + 1, Take>), ...);
-}
-template <class Take, bool alike, std::size_t... tap>
-constexpr void fill_taps(ConvolveTable<Take>& table, std::index_sequence<tap...>) {
-  constexpr std::make_index_sequence<most_rows> rows;
-  (fill_rows<Take, alike, fewest_taps + int(tap)>(table.of[alike][tap], rows), ...);
-}
-template <class Take>
-constexpr ConvolveTable<Take> convolve_table() {
-  ConvolveTable<Take> table{};
-  fill_taps<Take, false>(table, std::make_index_sequence<most_taps - fewest_taps + 1>());
-  fill_taps<Take, true>(table, std::make_index_sequence<most_taps - fewest_taps + 1>());
-  return table;
-}
-
 template <class Take>
 HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
-  static constexpr ConvolveTable<Take> table = convolve_table<Take>();
-  if (in.taps < fewest_taps || in.taps > most_taps || in.rows < 1 || in.rows > most_rows) {
-    convolve_any(in, take);
-    return;
-  }
-  const bool alike = in.voxel_floats == 4;
-  table.of[alike][in.taps - fewest_taps][in.rows - 1](in, take);
+  const bool known = with_known<2, 4>(in.taps, [&](auto taps) {
+    return with_known<1, 4>(in.rows, [&](auto rows) {
+      if (in.voxel_floats == 4)
+        convolve_rows<true, taps(), rows()>(in, take);
+      else
+        convolve_rows<false, taps(), rows()>(in, take);
+      return true;
+    });
+  });
+  if (!known) convolve_any(in, take);
 }
 
 HWY_INLINE void multiply(BlockOfSums& sums, const float* factors) {
@@ -249,12 +205,10 @@ HWY_INLINE bool composite_block(const BlockOfSums& sums, float opaque, float* im
   return hn::AllTrue(d, all);
 }
 
-#endif
-
 /// Calls use(rows of anchors, x, y, blocks) for each run of covered pixel blocks, row by row. Takes the
 /// voxels of a row of anchors out as soon as it reaches no further rows, while they are still in the cache.
 template <class Use>
-HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* opaque,
+HWY_INLINE void sweep(const VoxelRows& voxels, const AlignedSlice& slice, std::uint64_t* opaque,
                       std::uint64_t* covered, const Use& use) {
   const int begin = std::max(voxels.top - slice.reach_y, 0),
             end = std::min(voxels.bottom + slice.reach_y + 1, voxels.buffer.height);
@@ -283,8 +237,8 @@ HWY_INLINE void sweep(const PlacedVoxelRows& voxels, const AlignedSlice& slice, 
   take_out(voxels, taken_out, voxels.bottom);
 }
 
-std::uint64_t CompositeVoxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice,
-                              const ImageRows& image, std::uint64_t* covered) {
+std::uint64_t CompositeVoxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                              std::uint64_t* covered) {
   std::uint64_t composited = 0;
   sweep(voxels, slice, image.opaque, covered, [&](const AnchorRows& rows, int x, int y, int blocks) {
     float* to = image.first + y * image.row_floats + std::ptrdiff_t{4} * x;
@@ -309,12 +263,12 @@ namespace ringsplat {
 
 HWY_EXPORT(CompositeVoxels);
 
-std::uint64_t composite_voxels(const PlacedVoxelRows& voxels, const AlignedSlice& slice,
-                               const ImageRows& image, std::uint64_t* covered) {
+std::uint64_t composite_voxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                               std::uint64_t* covered) {
   return HWY_DYNAMIC_DISPATCH(CompositeVoxels)(voxels, slice, image, covered);
 }
 
-void take_out(const PlacedVoxelRows& voxels, int first, int end) {
+void take_out(const VoxelRows& voxels, int first, int end) {
   for (int y = first; y < end; ++y) {
     std::uint64_t* filled = filled_row(voxels, y);
     for (std::size_t word = 0; word < voxels.row_words; ++word) {

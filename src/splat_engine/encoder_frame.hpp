@@ -49,10 +49,20 @@ class FrameShading {
 /// State that the bands of a frame's slices share; constant while they work.
 struct EncoderFrame {
   /// `splat_frame` must outlive it.
-  explicit EncoderFrame(const SplatFrame& splat_frame);
+  explicit EncoderFrame(const SplatFrame& splat_frame)
+      : frame(splat_frame),
+        geometry(frame.geometry),
+        shading(frame.shown, geometry),
+        reach(kernel_reach(frame.footprint)),
+        stride(pass_stride(frame.splats.kernel_radius)) {
+    for (int region = 0; region < geometry.regions.count(); ++region) {
+      rects.push_back(geometry.regions.rect(region));
+      opaque.emplace_back(rects.back().width(), rects.back().height());
+    }
+  }
 
   /// News from a Renderer's Painter::opaque_news. Throws RunError when the bytes are no such news.
-  void take_opaque_news(std::span<const std::byte> news);
+  void take_opaque_news(std::span<const std::byte> news) { read_opaque_news(news, opaque); }
 
   const SplatFrame& frame;
   const FrameGeometry& geometry;
@@ -61,7 +71,6 @@ struct EncoderFrame {
   int stride;                       ///< between voxels of one pass
   std::vector<PixelRect> rects;     ///< by region
   std::vector<OpaqueTiles> opaque;  ///< by region
-  std::vector<OpaqueCover> covers;  ///< made of `opaque`, by region
 };
 
 }  // namespace ringsplat

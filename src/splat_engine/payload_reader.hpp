@@ -4,10 +4,10 @@
 #include <span>
 #include <vector>
 
+#include "raster/region_image.hpp"
 #include "raster/slice_buffer.hpp"
 #include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
-#include "splat/slice_sum.hpp"
 #include "splat_engine/splat_frame.hpp"
 
 namespace ringsplat {
@@ -18,7 +18,7 @@ struct PayloadPart {
   std::span<const std::byte> bytes;
 };
 
-/// Splits a payload into its regions' parts, and draws a part splat by splat into the reader's own sum.
+/// Splits a payload into its regions' parts, and sums a part's splats before it composites them.
 class PayloadReader {
  public:
   virtual ~PayloadReader() = default;
@@ -27,15 +27,15 @@ class PayloadReader {
   /// true.
   virtual std::vector<PayloadPart> parts(std::span<const std::byte> body,
                                          const std::function<bool(int region)>& owned) const = 0;
-  /// Goes to the first splat of a part that parts() returned. The payload must stay valid until more() is
-  /// false.
-  virtual void begin(int slice, const PayloadPart& part) = 0;
+  /// Goes to the first splat of a part that parts() returned, for its region's image. The payload must stay
+  /// valid until more() is false.
+  virtual void begin(int slice, const PayloadPart& part, RegionImage& image) = 0;
   /// True while the part has splats to draw.
   virtual bool more() = 0;
   /// Draws at least one and about `most` of the part's next splats.
   virtual DrawCounts draw(std::uint32_t most) = 0;
-  /// The sum that splats are drawn into. Call its begin() with the part's region before draw().
-  virtual SliceSum& sum() = 0;
+  /// Puts what was drawn behind the image (SplatSum::composite).
+  virtual std::uint64_t composite(glm::dvec2 voxel) = 0;
 };
 
 /// Memory for a reader's sum, and the largest region that it must hold.

@@ -154,13 +154,13 @@ class RowBand {
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
   /// How much of the window (inclusive, image-plane pixels) is opaque inside the region, as far as this GP
   /// knows.
-  OpaqueCover::Cover hidden(int region, const PixelWindow& window) const {
-    if (!cover(region).worth_asking()) return OpaqueCover::Cover::none;
+  OpaqueTiles::Cover hidden(int region, const PixelWindow& window) const {
+    if (!opaque(region).worth_asking()) return OpaqueTiles::Cover::none;
     const PixelRect& pixels = rect(region);
-    return cover(region).of(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
-                            double(window.x1 - pixels.x0), double(window.y1 - pixels.y0));
+    return opaque(region).cover(double(window.x0 - pixels.x0), double(window.y0 - pixels.y0),
+                                double(window.x1 - pixels.x0), double(window.y1 - pixels.y0));
   }
-  const OpaqueCover& cover(int region) const { return frame_.covers[std::size_t(region)]; }
+  const OpaqueTiles& opaque(int region) const { return frame_.opaque[std::size_t(region)]; }
   const PixelRect& rect(int region) const { return frame_.rects[std::size_t(region)]; }
   /// Window of the row's voxel in `column`.
   PixelWindow window_of(std::uint32_t column) const {

@@ -52,16 +52,16 @@ class RunBand final : public RowBand {
   struct Rows {
     int slice = -1, first = 0, end = 0;
     int region = none;                                     ///< the one that takes all their voxels, if any
-    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;  ///< how much of their window is opaque there
+    OpaqueTiles::Cover hidden = OpaqueTiles::Cover::none;  ///< how much of their window is opaque there
     static constexpr int none = -1;
     bool has(int of_slice, int row) const { return of_slice == slice && row >= first && row < end; }
   };
 
   void encode_row(int row) override {
     if (!together_.has(rows_.slice().index, row)) together_ = rows_from(row);
-    if (together_.hidden == OpaqueCover::Cover::all) return;
+    if (together_.hidden == OpaqueTiles::Cover::all) return;
     const bool to_one = together_.region != Rows::none;
-    if (to_one && together_.hidden == OpaqueCover::Cover::none) return append_row(together_.region, row);
+    if (to_one && together_.hidden == OpaqueTiles::Cover::none) return append_row(together_.region, row);
     begin_row();
     pieces_.clear();
     if (to_one)
@@ -108,12 +108,7 @@ class RunBand final : public RowBand {
     const auto samples = rows_.samples();
     packed_.resize(samples.size());
     pack(&samples.front().r, samples.size(), packed_.data());
-    kept_begin_ = kept_end_ = 0;
-    for (std::size_t k = 0; k < pieces_.size(); ++k) {
-      const Piece& piece = pieces_[k];
-      append(piece, row);
-      if (k + 1 == pieces_.size() || pieces_[k + 1].region != piece.region) copy_kept(piece.region);
-    }
+    for (const Piece& piece : pieces_) append(piece, row);
   }
 
   /// Columns from the row's first to its last visible voxel.
@@ -141,13 +136,13 @@ class RunBand final : public RowBand {
     const PixelRect& pixels = rect(region);
     columns = reaching_x(pixels.x0, pixels.x1, columns);
     if (columns.empty()) return;
-    OpaqueCover::Cover hidden = OpaqueCover::Cover::none;
-    if (cover(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
-    if (hidden == OpaqueCover::Cover::all) return;
+    OpaqueTiles::Cover hidden = OpaqueTiles::Cover::none;
+    if (opaque(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
+    if (hidden == OpaqueTiles::Cover::all) return;
     for (std::size_t k = 0; k < rows_.blocks().size(); ++k) {
       const VisibleBlock& block = rows_.blocks()[k];
       std::uint64_t mask = in_columns(block, columns);
-      if (hidden == OpaqueCover::Cover::some) mask = seen_of(region, block.first, mask);
+      if (hidden == OpaqueTiles::Cover::some) mask = seen_of(region, block.first, mask);
       if (mask != 0) pieces_.push_back({region, k, mask});
     }
   }
@@ -171,15 +166,15 @@ class RunBand final : public RowBand {
     return hull(RowBand::window_of(first), RowBand::window_of(last));
   }
   /// How much of the window of the voxels in columns first … last is opaque; wider by a rounding error.
-  OpaqueCover::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
+  OpaqueTiles::Cover cover_of(int region, std::uint32_t first, std::uint32_t last) const {
     constexpr double rounding = 1e-6;
     const PixelRect& pixels = rect(region);
     const double x = dda_.row_start().x - pixels.x0 - 0.5, y = dda_.row_start().y - pixels.y0 - 0.5;
     const double xa = x + dda_.steps_x()[first], xb = x + dda_.steps_x()[last];
     const double ya = y + dda_.steps_y()[first], yb = y + dda_.steps_y()[last];
     const double before_x = double(reach_.x) + rounding, before_y = double(reach_.y) + rounding;
-    return cover(region).of(std::min(xa, xb) - before_x, std::min(ya, yb) - before_y,
-                            std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
+    return opaque(region).cover(std::min(xa, xb) - before_x, std::min(ya, yb) - before_y,
+                                std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
   }
 
   /// Those voxels of `mask` (bit k: column first + k) that are not hidden.
@@ -191,58 +186,30 @@ class RunBand final : public RowBand {
   }
   /// The same for the run of bits begin … end − 1. Halves a run that is partly hidden.
   std::uint64_t seen_of_run(int region, std::uint32_t first, int begin, int end) const {
-    const OpaqueCover::Cover hidden =
+    const OpaqueTiles::Cover hidden =
         cover_of(region, first + std::uint32_t(begin), first + std::uint32_t(end - 1));
-    if (hidden == OpaqueCover::Cover::all) return 0;
-    if (hidden == OpaqueCover::Cover::none || end - begin == 1)
+    if (hidden == OpaqueTiles::Cover::all) return 0;
+    if (hidden == OpaqueTiles::Cover::none || end - begin == 1)
       return ~std::uint64_t{0} >> (64 - (end - begin)) << begin;
     const int middle = begin + (end - begin) / 2;
     return seen_of_run(region, first, begin, middle) | seen_of_run(region, first, middle, end);
   }
 
-  std::uint32_t voxels_of(std::size_t block) const {
-    const auto& blocks = rows_.blocks();
-    return (block + 1 == blocks.size() ? std::uint32_t(rows_.samples().size()) : blocks[block + 1].sample) -
-           blocks[block].sample;
-  }
-
+  /// Gives a piece's packed voxels to its region's part.
   void append(const Piece& piece, int row) {
-    const auto [region, index, whole] = piece;
-    const VisibleBlock& block = rows_.blocks()[index];
-    std::uint64_t mask = whole;
-    parts_[std::size_t(region)].blocks.push_back({std::uint32_t(row), block.first, mask});
-    count(region, int(block.first), mask);
-    if (mask == block.mask) {
-      keep(region, block.sample, voxels_of(index));
-      return;
-    }
-    while (mask != 0) {
+    const VisibleBlock& block = rows_.blocks()[piece.block];
+    Part& part = parts_[std::size_t(piece.region)];
+    part.blocks.push_back({std::uint32_t(row), block.first, piece.mask});
+    count(piece.region, int(block.first), piece.mask);
+    for (std::uint64_t mask = piece.mask; mask != 0;) {
       const int begin = std::countr_zero(mask);
       // Transparent voxels between two visible ones do not split a copy: samples are packed.
       const std::uint64_t gone = block.mask & ~mask & ~std::uint64_t{0} << begin;
-      const int end = gone == 0 ? 64 : std::countr_zero(gone);
-      const std::uint64_t here = end == 64 ? mask : mask & ((std::uint64_t{1} << end) - 1);
-      keep(region, block.sample + voxels_before(block, begin), std::uint32_t(std::popcount(here)));
+      const std::uint64_t here = gone == 0 ? mask : mask & ((std::uint64_t{1} << std::countr_zero(gone)) - 1);
+      const Voxel* const first = packed_.data() + block.sample + voxels_before(block, begin);
+      part.voxels.insert(part.voxels.end(), first, first + std::popcount(here));
       mask &= ~here;
     }
-  }
-
-  /// Gives the row's packed voxels first … first + count − 1 to the region's part.
-  void keep(int region, std::uint32_t first, std::uint32_t count) {
-    if (first != kept_end_) {
-      copy_kept(region);
-      kept_begin_ = first;
-    }
-    kept_end_ = first + count;
-  }
-
-  void copy_kept(int region) {
-    if (kept_begin_ == kept_end_) return;
-    auto& voxels = parts_[std::size_t(region)].voxels;
-    const std::size_t at = voxels.size();
-    voxels.resize(at + (kept_end_ - kept_begin_));
-    std::copy(packed_.data() + kept_begin_, packed_.data() + kept_end_, voxels.data() + at);
-    kept_begin_ = kept_end_;
   }
 
   std::size_t part_bytes(int region) const override {
@@ -278,8 +245,6 @@ class RunBand final : public RowBand {
   std::vector<std::uint64_t> sent_;  ///< by block: voxels that some region gets
   std::vector<std::size_t> left_;    ///< by block: how many blocks before it have such voxels
   Buffer<Voxel> packed_;             ///< the row's voxels
-  std::uint32_t kept_begin_ = 0,
-                kept_end_ = 0;  ///< range of packed_ still to be copied to a part
 };
 
 }  // namespace

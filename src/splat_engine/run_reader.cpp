@@ -131,7 +131,8 @@ class AlignedReader final : public PayloadReader {
     return cursor_.parts(body, owned);
   }
 
-  void begin(int slice, const PayloadPart& part) override {
+  void begin(int slice, const PayloadPart& part, RegionImage& image) override {
+    sum_.begin(image);
     sum_.begin_slice(slice);
     cursor_.begin(part);
   }
@@ -144,7 +145,7 @@ class AlignedReader final : public PayloadReader {
     return drawn.counts;
   }
 
-  SliceSum& sum() override { return sum_; }
+  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
 
  private:
   RunCursor<Voxel> cursor_;
@@ -168,7 +169,8 @@ class RunReader final : public PayloadReader {
     return cursor_.parts(body, owned);
   }
 
-  void begin(int slice, const PayloadPart& part) override {
+  void begin(int slice, const PayloadPart& part, RegionImage& image) override {
+    sum_.begin(image);
     if (std::exchange(slice_, slice) != slice) row_ = nothing;
     placed_ = nothing;
     const PixelRect rect = geometry_.regions.rect(part.region);
@@ -195,7 +197,7 @@ class RunReader final : public PayloadReader {
     return counts;
   }
 
-  SliceSum& sum() override { return sum_; }
+  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
 
  private:
   /// Computes positions for the 64 columns around the run's next voxel, unless known: a row has several short

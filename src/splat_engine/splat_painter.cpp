@@ -114,7 +114,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
       if (!lane.drawing && !take_part(lane)) return;
       if (!lane.reader->more()) {
         const ScopedSeconds composited(&lane.compositing);
-        lane.counts.samples += lane.reader->sum().composite(voxel_);
+        lane.counts.samples += lane.reader->composite(voxel_);
         lane.drawing = false;
         continue;
       }
@@ -129,8 +129,7 @@ class SplatPainter final : public FramePainter<SplatFrame> {
   bool take_part(Lane& lane) {
     const std::size_t k = next_part_++;
     if (k >= parts_.size()) return false;
-    lane.reader->sum().begin(images_.image(images_.slot_of(parts_[k].region)));
-    lane.reader->begin(slice_, parts_[k]);
+    lane.reader->begin(slice_, parts_[k], images_.image(images_.slot_of(parts_[k].region)));
     lane.drawing = true;
     return true;
   }

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <utility>
 
+#include "base/byte_stream.hpp"
 #include "splat_engine/row_band.hpp"
 
 namespace ringsplat {
@@ -10,15 +11,9 @@ namespace {
 /// One region's splats of a slice in wire format: groups of a head and its splats.
 struct WordPart {
   Bytes bytes;
-  std::size_t size = 0;   ///< bytes in use; `bytes` only grows
   std::size_t group = 0;  ///< offset of the open group's head
   SplatGroup head{};
 
-  std::byte* grow(std::size_t count) {
-    if (bytes.size() < size + count)
-      bytes.resize(std::max(2 * bytes.size(), size + std::max<std::size_t>(count, 4096)));
-    return bytes.data() + std::exchange(size, size + count);
-  }
   void close_group() { std::memcpy(bytes.data() + group, &head, sizeof head); }
 };
 
@@ -61,7 +56,7 @@ class WordBand final : public RowBand {
 
   void put(int region, const Anchored& at, const PixelWindow& window, int column,
            const ClassifiedSample& sample) {
-    if (hidden(region, window) == OpaqueCover::Cover::all) return;
+    if (hidden(region, window) == OpaqueTiles::Cover::all) return;
     WordPart& part = parts_[std::size_t(region)];
     const auto fits = [&] {
       const std::int64_t dx = at.anchor_x - part.head.base_x, dy = at.anchor_y - part.head.base_y;
@@ -71,7 +66,7 @@ class WordBand final : public RowBand {
     const Splat splat = make_splat(footprint_, at.dx, at.dy, sample.r, sample.g, sample.b, sample.opacity,
                                    static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
-    std::memcpy(part.grow(sizeof splat), &splat, sizeof splat);
+    append(part.bytes, splat);
     ++part.head.count;
     count(region, column, 1);
   }
@@ -87,11 +82,11 @@ class WordBand final : public RowBand {
     };
     part.head = {region, base(at.anchor_x, rect.x0 - reach_.x - 1), base(at.anchor_y, rect.y0 - reach_.y - 1),
                  0};
-    part.group = part.size;
-    part.grow(sizeof(SplatGroup));
+    part.group = part.bytes.size();
+    append(part.bytes, part.head);
   }
 
-  std::size_t part_bytes(int region) const override { return parts_[std::size_t(region)].size; }
+  std::size_t part_bytes(int region) const override { return parts_[std::size_t(region)].bytes.size(); }
 
   void append_parts(int region, std::span<const std::unique_ptr<RowBand>> bands, Bytes& payload) override {
     std::size_t open = 0;  // offset of the region's last group; 0, where the header is: none
@@ -110,10 +105,9 @@ class WordBand final : public RowBand {
     std::memcpy(&first, part.bytes.data(), sizeof first);
     const std::size_t joined = open != 0 && continues(payload, open, first) ? sizeof first : 0;
     const std::size_t at = payload.size() - joined;
-    payload.insert(payload.end(), part.bytes.begin() + std::ptrdiff_t(joined),
-                   part.bytes.begin() + std::ptrdiff_t(part.size));
+    payload.insert(payload.end(), part.bytes.begin() + std::ptrdiff_t(joined), part.bytes.end());
     if (joined == 0 || part.group > 0) open = at + part.group;
-    part.size = 0;
+    part.bytes.clear();
   }
 
   /// When `next` has the base of the group at `open`, adds its splats to that group's count.

@@ -35,7 +35,8 @@ class WordReader final : public PayloadReader {
     return parts;
   }
 
-  void begin(int, const PayloadPart& part) override {
+  void begin(int, const PayloadPart& part, RegionImage& image) override {
+    sum_.begin(image);
     body_ = part.bytes;
     at_ = left_ = 0;
   }
@@ -56,7 +57,7 @@ class WordReader final : public PayloadReader {
     return sum_.draw(group_.base_x, group_.base_y, splats);
   }
 
-  SliceSum& sum() override { return sum_; }
+  std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
 
  private:
   SplatSum sum_;

@@ -75,11 +75,3 @@ TEST_CASE("a pixel that lets through just the threshold is not opaque") {
     CHECK((image.opaque_tiles().opaque() > 0) == (alpha > 0.75F));
   }
 }
-
-TEST_CASE("regions without pixels and tiles of another size are refused") {
-  CHECK_THROWS_AS(RegionImage({0, 0, 0, 5}), InputError);
-  CHECK_THROWS_AS(RegionImage({0, 0, 5, -1}), InputError);
-  RegionImage image({0, 0, 5, 4});
-  std::vector<float> tile(79);
-  CHECK_THROWS_AS(image.read_tile(tile), InputError);
-}

@@ -1,4 +1,4 @@
-#include "splat/place_voxels.hpp"
+#include "splat/voxel_kernels.hpp"
 
 #include <array>
 #include <bit>
@@ -46,8 +46,8 @@ AlignedSlice slice_of(int step) {
 struct OneRow {
   std::vector<float> pixels = std::vector<float>(4 * 300, -1.0F);
   std::vector<std::uint64_t> filled = std::vector<std::uint64_t>(6, 0);
-  VoxelPlaces places() {
-    VoxelPlaces to;
+  VoxelRows places() {
+    VoxelRows to;
     to.buffer.origin = pixels.data();
     to.buffer.width = 300;
     to.buffer.height = 1;
@@ -60,9 +60,10 @@ struct OneRow {
 };
 
 template <class Voxel>
-PlacedVoxels place_block(std::uint64_t mask, const std::vector<Voxel>& voxels, int step, OneRow& row) {
+DrawnBlocks place_block(std::uint64_t mask, const std::vector<Voxel>& voxels, int step, OneRow& row) {
   const VoxelBlock block{0, 0, mask};
-  return place_voxels(slice_of(step), row.places(),
+  VoxelRows to = row.places();
+  return place_voxels(slice_of(step), to,
                       VoxelBlocks<Voxel>{reinterpret_cast<const std::byte*>(&block), 1, voxels.data()}, 1000);
 }
 
@@ -96,8 +97,8 @@ TEMPLATE_TEST_CASE("voxels go to their places premultiplied, with the same bits 
         // No more than the mask's voxels may be read: a sanitizer would tell.
         const std::vector<TestType> given(voxels.begin(), voxels.begin() + std::popcount(mask));
         OneRow row;
-        const PlacedVoxels placed = place_block(mask, given, step, row);
-        CHECK(placed.drawn == given.size());
+        const DrawnBlocks placed = place_block(mask, given, step, row);
+        CHECK(placed.counts.drawn == given.size());
         CHECK(std::memcmp(row.pixels.data(), expected.data(), expected.size() * sizeof(float)) == 0);
         for (int pixel = 0; pixel < 300; ++pixel) REQUIRE(is_set(row, pixel) == filled[std::size_t(pixel)]);
       }
@@ -127,11 +128,12 @@ TEST_CASE("placing stops behind the block that has the last voxel asked for") {
   const std::array<VoxelBlock, 3> blocks{{{0, 0, 0xF}, {0, 64, 0xF}, {0, 128, 0xF}}};
   for (const auto& [most, expected] : {std::pair{1, 1}, std::pair{4, 1}, std::pair{5, 2}, std::pair{99, 3}}) {
     OneRow row;
-    const PlacedVoxels placed = place_voxels(
-        slice_of(1), row.places(), {reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
-        std::uint64_t(most));
+    VoxelRows to = row.places();
+    const DrawnBlocks placed =
+        place_voxels(slice_of(1), to, {reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
+                     std::uint64_t(most));
     CHECK(placed.blocks == std::uint32_t(expected));
-    CHECK(placed.voxels == 4 * std::uint64_t(expected));
+    CHECK(placed.counts.drawn + placed.counts.clipped == 4 * std::uint64_t(expected));
     CHECK(is_set(row, 9 + 128) == (expected == 3));
   }
 }

@@ -1,0 +1,79 @@
+#pragma once
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include "raster/slice_buffer.hpp"
+#include "splat/aligned_slice.hpp"
+#include "splat/voxel_run.hpp"
+
+namespace ringsplat {
+
+/// A bit for each of the 64 places x, x + step, … that lies within [low, high]. A step is 1, 2 or 4.
+inline std::uint64_t places_within(std::int64_t x, int step, std::int64_t low, std::int64_t high) {
+  constexpr std::uint64_t all = ~std::uint64_t{0};
+  if (x >= low && x + 63 * step <= high) return all;
+  const int shift = std::countr_zero(unsigned(step));
+  const std::int64_t first = std::max<std::int64_t>((low - x + step - 1) >> shift, 0),
+                     last = std::min<std::int64_t>((high - x) >> shift, 63);
+  return first <= last ? all << first & all >> (63 - last) : 0;
+}
+
+/// Rows of bits, a bit for each pixel, are padded to a multiple of so many 64-bit words.
+inline constexpr std::size_t words_a_vector = 8;
+
+/// A region's voxels of one aligned slice. Each voxel's premultiplied colour is in the slice buffer at its
+/// anchor and in the pixels from there up to the next voxel's anchor. Rows of bits begin `left` pixels before
+/// the region.
+struct VoxelRows {
+  SliceBuffer buffer;
+  /// Bits of the pixels that hold voxels, from the row of anchors in the region's first row on.
+  std::uint64_t* filled = nullptr;
+  const std::uint64_t* inside = nullptr;  ///< bits of the region's pixels, whole pixel blocks
+  std::size_t row_words = 0;              ///< the last word of a row is 0, as is the one before the first row
+  int left = 0;
+  std::int64_t x = 0, y = 0;  ///< the anchor of voxel (0, 0), from the region's corner
+  /// Voxels lie in rows of anchors top … bottom − 1, and surely in the first.
+  int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();
+};
+
+struct DrawnBlocks {
+  std::uint32_t blocks = 0;  ///< gone through
+  DrawCounts counts;         ///< of their voxels: drawn are those with a weight above zero in the region
+};
+
+/// Writes the voxels whose windows meet the region, as premultiplied RGBA in float32, and sets their pixels'
+/// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
+/// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.
+/// The bits are the same at every vector width.
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<FloatVoxel>& blocks,
+                         std::uint64_t most);
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<HalfVoxel>& blocks,
+                         std::uint64_t most);
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<ByteVoxel>& blocks,
+                         std::uint64_t most);
+
+/// A region's composited pixels.
+struct ImageRows {
+  float* first = nullptr;           ///< RGBA of pixel (0, 0), 64-byte aligned as all rows' are
+  std::ptrdiff_t row_floats = 0;    ///< from a row to the next
+  float opaque_threshold = 0;       ///< transmittances below it count as 0
+  std::uint64_t* opaque = nullptr;  ///< rows of bits: set where a whole pixel block is opaque
+  /// Factors of a pixel block's sums in row y: factors[y % largest_step]. Null means 1.
+  const float (*factors)[16] = nullptr;
+};
+
+/// Sums in each pixel the kernels of the voxels round it, so that a pixel is written once instead of once for
+/// each voxel; composites the sums behind the image, except behind opaque pixel blocks; and takes the voxels
+/// out. `covered` is scratch for a row of bits. Returns how many pixels it went through.
+///
+/// The image has the bits that draw_with_stencil, given the voxels row by row, and composite_row would make.
+std::uint64_t composite_voxels(const VoxelRows& voxels, const AlignedSlice& slice, const ImageRows& image,
+                               std::uint64_t* covered);
+
+/// Clears the pixels and bits of the voxels in rows of anchors first … end − 1.
+void take_out(const VoxelRows& voxels, int first, int end);
+
+}  // namespace ringsplat
