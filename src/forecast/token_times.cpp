@@ -29,12 +29,7 @@ void make_room(Drawer& d, int slices) {
   d.kept = 0;
 }
 
-int hops(const Layout& mesh, NodeId from, NodeId to) {
-  Route route(mesh, from, to);
-  int count = 0;
-  while (route.next()) ++count;
-  return count;
-}
+int hops(const Layout& mesh, NodeId from, NodeId to) { return int(route(mesh, from, to).size()); }
 
 }  // namespace
 

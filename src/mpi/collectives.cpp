@@ -28,32 +28,44 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     std::vector<std::uint64_t> out_sizes(peers), in_sizes(peers);
     for (std::size_t p = 0; p < peers; ++p) out_sizes[p] = out[p].size();
-    call("MPI_Ialltoall", [&](MPI_Request* request) {
-      return MPI_Ialltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get(),
-                           request);
-    });
+    if (!watched("MPI_Ialltoall", [&](MPI_Request* request) {
+          return MPI_Ialltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T,
+                               comm_.get(), request);
+        }))
+      checked(MPI_Alltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get()),
+              "MPI_Alltoall");
 
     // Point to point rather than MPI_Alltoallv: its counts and displacements are `int`.
     std::vector<Block> in(peers);
     std::vector<MPI_Request> requests;
-    const auto own = static_cast<std::size_t>(process());
-    in[own] = std::move(out[own]);
-    {
-      const auto lock = alone();
-      for (std::size_t p = 0; p < peers; ++p) {
-        if (p == own) continue;
-        in[p].resize(in_sizes[p]);
+    std::unique_lock<std::mutex> calls;
+    if (watch_) calls = std::unique_lock(watch_->mpi());
+    for (std::size_t p = 0; p < peers; ++p) {
+      in[p].resize(in_sizes[p]);
+      if (p == static_cast<std::size_t>(process()))
+        in[p] = std::move(out[p]);
+      else
         in_parts(in[p], [&](std::byte* part, int count) {
-          checked(MPI_Irecv(part, count, MPI_BYTE, int(p), block_tag, comm_.get(), &requests.emplace_back()),
+          checked(MPI_Irecv(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
+                            &requests.emplace_back()),
                   "MPI_Irecv");
         });
-        in_parts(out[p], [&](std::byte* part, int count) {
-          checked(MPI_Isend(part, count, MPI_BYTE, int(p), block_tag, comm_.get(), &requests.emplace_back()),
-                  "MPI_Isend");
-        });
-      }
     }
-    finish(requests, "MPI_Waitall (volume exchange)");
+    for (std::size_t p = 0; p < peers; ++p) {
+      if (p == static_cast<std::size_t>(process())) continue;
+      in_parts(out[p], [&](std::byte* part, int count) {
+        checked(MPI_Isend(part, count, MPI_BYTE, static_cast<int>(p), block_tag, comm_.get(),
+                          &requests.emplace_back()),
+                "MPI_Isend");
+      });
+    }
+    if (!watch_) {
+      checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+              "MPI_Waitall (volume exchange)");
+      return in;
+    }
+    calls.unlock();
+    watch_->finish(requests, "MPI_Testall (volume exchange)");
     return in;
   }
 
@@ -61,9 +73,12 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     const std::uint64_t my_size = mine.size();
     std::vector<std::uint64_t> sizes(peers);
-    call("MPI_Iallgather", [&](MPI_Request* request) {
-      return MPI_Iallgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get(), request);
-    });
+    if (!watched("MPI_Iallgather", [&](MPI_Request* request) {
+          return MPI_Iallgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get(),
+                                request);
+        }))
+      checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()),
+              "MPI_Allgather");
     std::uint64_t sum = 0;
     for (const std::uint64_t size : sizes) sum += size;
     if (sum > 0 && sum <= largest_part_) return all_gather_at_once(mine, sizes, sum);
@@ -77,8 +92,10 @@ class MpiCollectives final : public Collectives {
   Block broadcast(Block block, int root) override {
     std::uint64_t size = block.size();
     const auto share = [&](void* part, int count, MPI_Datatype type) {
-      call("MPI_Ibcast",
-           [&](MPI_Request* request) { return MPI_Ibcast(part, count, type, root, comm_.get(), request); });
+      if (!watched("MPI_Ibcast", [&](MPI_Request* request) {
+            return MPI_Ibcast(part, count, type, root, comm_.get(), request);
+          }))
+        checked(MPI_Bcast(part, count, type, root, comm_.get()), "MPI_Bcast");
     };
     share(&size, 1, MPI_UINT64_T);
     block.resize(size);
@@ -110,25 +127,17 @@ class MpiCollectives final : public Collectives {
   void end_watch() override { watch_.reset(); }
 
  private:
-  /// Only with this may MPI be called.
-  std::unique_lock<std::mutex> alone() {
-    return watch_ ? std::unique_lock(watch_->mpi()) : std::unique_lock<std::mutex>();
-  }
-  /// Starts a call, which does not block, and waits for its end.
+  /// False without a watch. With one starts a call, which does not block, and waits for its end.
   template <class Start>
-  void call(const char* name, Start&& start) {
+  bool watched(const char* call, Start&& start) {
+    if (!watch_) return false;
     MPI_Request request = MPI_REQUEST_NULL;
     {
-      const auto lock = alone();
-      checked(start(&request), name);
+      const std::lock_guard lock(watch_->mpi());
+      checked(start(&request), call);
     }
-    finish(std::span(&request, 1), name);
-  }
-  void finish(std::span<MPI_Request> requests, const char* call) {
-    if (watch_)
-      watch_->finish(requests, call);
-    else
-      checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE), call);
+    watch_->finish(std::span(&request, 1), call);
+    return true;
   }
 
   /// Takes the presence message of process `from`, if it has come. One receive for each process: a fast one
@@ -151,10 +160,13 @@ class MpiCollectives final : public Collectives {
     std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
     Block joined(sum);
     const int size = static_cast<int>(mine.size());
-    call("MPI_Iallgatherv", [&](MPI_Request* request) {
-      return MPI_Iallgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
-                             MPI_BYTE, comm_.get(), request);
-    });
+    if (!watched("MPI_Iallgatherv", [&](MPI_Request* request) {
+          return MPI_Iallgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
+                                 MPI_BYTE, comm_.get(), request);
+        }))
+      checked(MPI_Allgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
+                             MPI_BYTE, comm_.get()),
+              "MPI_Allgatherv");
     std::vector<Block> all;
     for (std::size_t p = 0; p < sizes.size(); ++p) {
       const auto first = joined.begin() + offsets[p];

@@ -3,78 +3,50 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdint>
-#include <map>
+#include <sstream>
 #include <utility>
 
-#include "base/byte_stream.hpp"
 #include "base/fingerprint.hpp"
 #include "net/blocks.hpp"
 #include "net/collectives.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
 namespace {
 
-void put_text(Bytes& out, const std::string& text) {
-  append(out, std::uint64_t(text.size()));
-  for (const char c : text) append(out, c);
-}
-
-std::string take_text(std::span<const std::byte> in, std::size_t& at) {
-  std::uint64_t size = 0;
-  if (!take(in, at, size) || size > in.size() - at)
-    throw RunError("what a rank says of itself cannot be read", "all ranks must run the same build");
-  const auto part = in.subspan(at, size);
-  at += size;
-  return {reinterpret_cast<const char*>(part.data()), part.size()};
-}
-
+/// Fields and values, each with a zero behind it.
 Block encode(const Facts& facts) {
-  Bytes bytes;
-  for (const Fact& fact : facts) {
-    put_text(bytes, fact.field);
-    put_text(bytes, fact.value);
-  }
-  return {bytes.begin(), bytes.end()};
+  std::string text;
+  for (const Fact& fact : facts) text += fact.field + '\0' + fact.value + '\0';
+  return block_of_text(text);
 }
 
-Facts decode(std::span<const std::byte> bytes) {
+Facts decode(const Block& block) {
+  std::istringstream text(text_of(block));
   Facts facts;
-  for (std::size_t at = 0; at < bytes.size();) {
-    std::string field = take_text(bytes, at);
-    facts.push_back({std::move(field), take_text(bytes, at)});
-  }
+  for (Fact fact; std::getline(text, fact.field, '\0') && std::getline(text, fact.value, '\0');)
+    facts.push_back(fact);
   return facts;
 }
 
 Block hash_of(const Block& facts) {
   Fingerprint hash;
   hash.add(facts);
-  Bytes bytes;
-  append(bytes, hash.value());
-  return {bytes.begin(), bytes.end()};
+  return block_of_value(hash.value());
 }
 
 /// Fills in the first field that differs: first among process 0's fields, then among the other's.
 void find_field(const Facts& on_0, const Facts& there, Disagreement& found) {
-  const auto by_field = [](const Facts& facts) {
-    std::map<std::string, std::string> values;
-    for (const Fact& fact : facts) values.emplace(fact.field, fact.value);
-    return values;
-  };
-  const auto values_on_0 = by_field(on_0), values_there = by_field(there);
-  const auto value_in = [](const auto& values, const std::string& field) {
-    const auto at = values.find(field);
-    return at == values.end() ? "(none)" : at->second;
+  const auto value_in = [](const Facts& facts, const std::string& field) {
+    const auto at = std::find_if(facts.begin(), facts.end(), [&](const Fact& f) { return f.field == field; });
+    return at == facts.end() ? "(none)" : at->value;
   };
   for (const Facts* facts : {&on_0, &there})
     for (const Fact& fact : *facts) {
       found.field = fact.field;
-      found.value = value_in(values_there, fact.field);
-      found.value_on_0 = value_in(values_on_0, fact.field);
+      found.value = value_in(there, fact.field);
+      found.value_on_0 = value_in(on_0, fact.field);
       if (found.value != found.value_on_0) return;
     }
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <deque>
 #include <functional>
@@ -6,6 +7,7 @@
 #include <memory>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "net/mesh.hpp"
 #include "net/transport.hpp"
 
@@ -28,8 +30,27 @@ class LockStep {
       : step_seconds_(step_seconds), nap_(std::move(nap)) {}
 
   /// True when a message may leave its node now.
-  bool may_leave(const Header& header);
-  void record(const Link& link, const Header& header) const;
+  bool may_leave(const Header& h) {
+    if (h.kind != Kind::payload && h.kind != Kind::token) return true;
+    const TokenPlace place = *token_place(h);
+    const bool timed = step_seconds_ > 0;
+    if (timed) now_ = std::llround(std::floor(now_seconds() / step_seconds_));
+    if (h.frame != frame_) {
+      frame_ = h.frame;
+      frame_start_ = timed ? now_ + 1 : now_;
+      start_.clear();
+    }
+    const auto [start, is_new] = start_.try_emplace(place.renderer);
+    if (is_new) {
+      // The front slice's owner forms the train; the others get each token in its step.
+      const int held = h.kind == Kind::token ? place.step - 1 : place.step;
+      start->second = held == 0 ? frame_start_ + std::int64_t(start_.size()) - 1 : now_ - held;
+    }
+    return now_ >= start->second + place.step;
+  }
+  void record(const Link& link, const Header& header) const {
+    if (observer_) observer_(now_, link, header);
+  }
   /// Advances the clock by one step; call it when everything that may leave has arrived.
   void advance() { ++now_; }
   /// Number of messages kept at their nodes until their step.

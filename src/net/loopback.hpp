@@ -1,7 +1,10 @@
 #pragma once
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
+#include <random>
+#include <vector>
 
 #include "net/transport.hpp"
 
@@ -28,20 +31,30 @@ struct LoopbackOptions {
 class LoopbackNetwork {
  public:
   explicit LoopbackNetwork(int ranks, const LoopbackOptions& options = {});
-  ~LoopbackNetwork();
   LoopbackNetwork(const LoopbackNetwork&) = delete;
   LoopbackNetwork& operator=(const LoopbackNetwork&) = delete;
 
-  Transport& transport(int rank);
+  Transport& transport(int rank) { return *ends_.at(std::size_t(rank)); }
   /// Advances the clock that counts delays by one turn.
-  void turn();
+  void turn() { ++clock_; }
   bool in_flight() const;  ///< messages sent and not yet received
   /// A repeatable random number below `bound`, for schedulers that shuffle.
-  std::uint64_t random_below(std::uint64_t bound);
+  std::uint64_t random_below(std::uint64_t bound) {
+    // Not std::uniform_int_distribution: its results differ between standard libraries.
+    return bound == 0 ? 0 : random_() % bound;
+  }
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  class End;
+  struct InFlight {
+    std::uint64_t due;
+    Message message;
+  };
+  LoopbackOptions options_;
+  std::mt19937_64 random_;
+  std::uint64_t clock_ = 0;
+  std::vector<std::deque<InFlight>> queues_;  ///< by receiver
+  std::vector<std::unique_ptr<Transport>> ends_;
 };
 
 }  // namespace ringsplat

@@ -76,25 +76,19 @@ std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId des
   return there.x < here.x || (on_renderer && here.x == mesh.mesh_columns) ? Direction::west : Direction::east;
 }
 
-Route::Route(const Layout& mesh, NodeId source, NodeId destination)
-    : mesh_(mesh), destination_(destination), at_(mesh.rank_of(source)), first_row_(place_of(mesh, at_).y) {}
-
-std::optional<Hop> Route::next() {
-  const auto direction = next_direction(mesh_, at_, destination_);
-  if (!direction) return std::nullopt;
-  Hop hop{{at_, *direction}, neighbour(mesh_, at_, *direction).value(), 0};
-  const int row = place_of(mesh_, hop.to).y;
-  // A message going down is above its first row only after it has passed the seam.
-  if (*direction == Direction::south) hop.buffer_class = row < first_row_ ? 1 : 0;
-  if (*direction == Direction::north) hop.buffer_class = row > first_row_ ? 1 : 0;
-  at_ = hop.to;
-  return hop;
-}
-
 std::vector<Hop> route(const Layout& mesh, NodeId source, NodeId destination) {
   std::vector<Hop> hops;
-  Route way(mesh, source, destination);
-  while (const auto hop = way.next()) hops.push_back(*hop);
+  int at = mesh.rank_of(source);
+  const int first_row = place_of(mesh, at).y;
+  while (const auto direction = next_direction(mesh, at, destination)) {
+    Hop hop{{at, *direction}, neighbour(mesh, at, *direction).value(), 0};
+    const int row = place_of(mesh, hop.to).y;
+    // A message going down is above its first row only after it has passed the seam.
+    if (*direction == Direction::south) hop.buffer_class = row < first_row ? 1 : 0;
+    if (*direction == Direction::north) hop.buffer_class = row > first_row ? 1 : 0;
+    at = hop.to;
+    hops.push_back(hop);
+  }
   return hops;
 }
 

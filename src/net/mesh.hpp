@@ -78,17 +78,6 @@ struct Hop {
 };
 
 /// The way of a message from node to node; empty when they share a rank.
-class Route {
- public:
-  Route(const Layout& mesh, NodeId source, NodeId destination);
-  /// The next hop, or nothing at the end.
-  std::optional<Hop> next();
-
- private:
-  const Layout& mesh_;
-  NodeId destination_;
-  int at_, first_row_;
-};
 std::vector<Hop> route(const Layout& mesh, NodeId source, NodeId destination);
 
 }  // namespace ringsplat

@@ -35,16 +35,9 @@ bool travels_by_mesh(Kind kind) {
     case Kind::tile:
     case Kind::report:
       return true;
-    case Kind::announcement:
-    case Kind::shutdown:
-    case Kind::stall:
-    case Kind::credit:
-    case Kind::link_query:
-    case Kind::drop:
-    case Kind::link_report:
-      break;
+    default:
+      return false;
   }
-  return false;
 }
 
 MeshRouter::MeshRouter(const Layout& mesh, int slots, Transport& transport, Observer observer)
@@ -80,16 +73,14 @@ std::optional<Message> MeshRouter::take(Message message) {
 }
 
 Hop MeshRouter::hop_into_here(const Header& h) const {
-  Route way(mesh_, h.from(), h.to());
-  while (const auto hop = way.next())
-    if (hop->to == transport_.rank()) return *hop;
+  for (const Hop& hop : route(mesh_, h.from(), h.to()))
+    if (hop.to == transport_.rank()) return hop;
   throw RunError(fmt::format("rank {} got {}, which does not pass here", transport_.rank(), describe(h)));
 }
 
 Hop MeshRouter::hop_from_here(const Header& h) const {
-  Route way(mesh_, h.from(), h.to());
-  while (const auto hop = way.next())
-    if (hop->link.from == transport_.rank()) return *hop;
+  for (const Hop& hop : route(mesh_, h.from(), h.to()))
+    if (hop.link.from == transport_.rank()) return hop;
   throw RunError(
       fmt::format("rank {} cannot hand on {}, which does not pass here", transport_.rank(), describe(h)));
 }
@@ -99,11 +90,15 @@ MeshRouter::OutLink& MeshRouter::out_link(Direction direction) {
                        [&](const OutLink& out) { return out.link.direction == direction; });
 }
 
-LinkCounts& MeshRouter::counts_of(const OutLink& out, std::int64_t frame) {
+std::vector<LinkCounts>& MeshRouter::counts_of(std::int64_t frame) {
   auto& counts = counts_[frame];
   if (counts.empty())
     for (const auto& each : out_) counts.push_back({.link = each.link});
-  return counts[static_cast<std::size_t>(&out - out_.data())];
+  return counts;
+}
+
+LinkCounts& MeshRouter::counts_of(const OutLink& out, std::int64_t frame) {
+  return counts_of(frame)[static_cast<std::size_t>(&out - out_.data())];
 }
 
 void MeshRouter::forward(Message message, std::optional<Hop> came_by) {
@@ -188,15 +183,9 @@ std::string MeshRouter::waiting_for() const {
 }
 
 std::vector<LinkCounts> MeshRouter::take_counts(std::int64_t frame) {
-  const auto found = counts_.find(frame);
-  if (found != counts_.end()) {
-    auto counts = std::move(found->second);
-    counts_.erase(found);
-    return counts;
-  }
-  std::vector<LinkCounts> none;
-  for (const auto& out : out_) none.push_back({.link = out.link});
-  return none;
+  std::vector<LinkCounts> counts = std::move(counts_of(frame));
+  counts_.erase(frame);
+  return counts;
 }
 
 namespace {
@@ -235,9 +224,7 @@ std::optional<Message> MeshTransport::receive() {
 }
 
 void MeshTransport::collect_counts(std::int64_t frame, TakeCounts take) {
-  const auto ranks = std::size_t(mesh_.ranks());
-  collected_.push_back({frame, std::move(take), std::vector<std::vector<LinkCounts>>(ranks),
-                        std::vector<bool>(ranks), mesh_.ranks()});
+  collected_.push_back({frame, std::move(take), {}});
   pass_on_query(Message(make_header(Kind::link_query, {Role::host, rank()}, {Role::host, rank()}, frame)));
 }
 
@@ -266,15 +253,13 @@ void MeshTransport::take_report(const Message& message) {
 void MeshTransport::report(std::int64_t frame, int rank, std::vector<LinkCounts> counts) {
   const auto asked = std::find_if(collected_.begin(), collected_.end(),
                                   [&](const Collected& c) { return c.frame == frame; });
-  if (asked == collected_.end() || asked->reported[std::size_t(rank)]) refuse({Role::host, rank}, frame);
-  asked->counts[std::size_t(rank)] = std::move(counts);
-  asked->reported[std::size_t(rank)] = true;
-  --asked->reports_missing;
-  while (!collected_.empty() && collected_.front().reports_missing == 0) {
+  if (asked == collected_.end() || !asked->counts.emplace(rank, std::move(counts)).second)
+    refuse({Role::host, rank}, frame);
+  while (!collected_.empty() && int(collected_.front().counts.size()) == mesh_.ranks()) {
     const Collected known = std::move(collected_.front());
     collected_.pop_front();
     std::vector<LinkCounts> all;
-    for (const auto& of_rank : known.counts) all.insert(all.end(), of_rank.begin(), of_rank.end());
+    for (const auto& [of, its] : known.counts) all.insert(all.end(), its.begin(), its.end());
     known.take(std::move(all));
   }
 }
@@ -283,7 +268,7 @@ std::string MeshTransport::waiting_for() const {
   std::string all = router_.waiting_for();
   if (!collected_.empty())
     all += fmt::format("{}{} rank(s) have not yet reported their links for frame {}", all.empty() ? "" : "; ",
-                       collected_.front().reports_missing, collected_.front().frame);
+                       mesh_.ranks() - int(collected_.front().counts.size()), collected_.front().frame);
   return all;
 }
 

@@ -80,6 +80,7 @@ class MeshRouter {
   Hop hop_into_here(const Header& header) const;
   Hop hop_from_here(const Header& header) const;
   OutLink& out_link(Direction direction);
+  std::vector<LinkCounts>& counts_of(std::int64_t frame);
   LinkCounts& counts_of(const OutLink& out, std::int64_t frame);
   void forward(Message message, std::optional<Hop> came_by);
   void send(OutLink& out, int buffer_class, Waiting waiting);
@@ -121,9 +122,7 @@ class MeshTransport final : public TransportDecorator {
   struct Collected {
     std::int64_t frame;
     TakeCounts take;
-    std::vector<std::vector<LinkCounts>> counts;  ///< by rank
-    std::vector<bool> reported;
-    int reports_missing;
+    std::map<int, std::vector<LinkCounts>> counts;  ///< by rank that has reported
   };
 
   void pass_on_query(const Message& query);

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <vector>
 
@@ -34,10 +35,17 @@ struct FramePlan {
   int first_slice = 0;               ///< number of the first step's slice, or of its bundle's first
   std::vector<int> slices_of_steps;  ///< where steps are bundles: how many slices each has; empty: one
 
-  int slices() const;  ///< of all steps
-
+  int slices() const {  ///< of all steps
+    return slices_of_steps.empty() ? int(owners.size())
+                                   : std::accumulate(slices_of_steps.begin(), slices_of_steps.end(), 0);
+  }
   /// By Renderer: whether it has a tile. Renderers without one get no token.
-  std::vector<bool> drawing(int renderers) const;
+  std::vector<bool> drawing(int renderers) const {
+    std::vector<bool> has_tile(std::size_t(renderers), false);
+    for (const Tile& tile : tiles)
+      if (tile.renderer != nobody) has_tile[std::size_t(tile.renderer)] = true;
+    return has_tile;
+  }
 };
 
 /// One step's part for one Renderer.

@@ -68,9 +68,8 @@ FrameBuffer::Frame FrameBuffer::make_frame(const Announcement& announcement) {
   frame.canvas = engine_.canvas(announcement);
   frame.tile_here.resize(plan.tiles.size());
   frame.tiles = std::move(plan.tiles);
-  frame.gp_reported.resize(std::size_t(layout_.gps));
-  frame.renderer_reported.resize(std::size_t(layout_.renderers));
   frame.reports_missing = layout_.gps + layout_.renderers;
+  frame.reported.resize(std::size_t(frame.reports_missing));
   frame.announced = now_seconds();
   frame.stats.frame = announcement.frame;
   frame.stats.ascending = plan.ascending;
@@ -129,10 +128,9 @@ void FrameBuffer::take_report(Frame& frame, const Message& message) {
     throw RunError(
         fmt::format("{} reported frame {}, in which it has no part", to_string(h.from()), h.frame));
   const auto index = std::size_t(h.source);
-  std::vector<bool>& reported = from_gp ? frame.gp_reported : frame.renderer_reported;
-  if (reported[index])
-    throw RunError(fmt::format("{} reported frame {} twice", to_string(h.from()), h.frame));
-  reported[index] = true;
+  auto reported = frame.reported.begin() + (from_gp ? h.source : layout_.gps + h.source);
+  if (*reported) throw RunError(fmt::format("{} reported frame {} twice", to_string(h.from()), h.frame));
+  *reported = true;
   (from_gp ? frame.stats.gps : frame.stats.renderers)[index] = stats;
   frame.tiles_reported += stats.tiles;
   --frame.reports_missing;
@@ -154,10 +152,12 @@ std::string FrameBuffer::waiting_for() const {
   if (frames_.empty()) return {};
   const Frame& f = frames_.front();
   std::string who;
-  for (int g = 0; g < layout_.gps; ++g)
-    if (!f.gp_reported[std::size_t(g)]) who += fmt::format("{}GP {}", who.empty() ? "" : ", ", g);
-  for (int r = 0; r < layout_.renderers; ++r)
-    if (!f.renderer_reported[std::size_t(r)]) who += fmt::format("{}Renderer {}", who.empty() ? "" : ", ", r);
+  for (int n = 0; n < int(f.reported.size()); ++n) {
+    if (f.reported[std::size_t(n)]) continue;
+    const bool gp = n < layout_.gps;
+    const NodeId node{gp ? Role::gp : Role::renderer, gp ? n : n - layout_.gps};
+    who += (who.empty() ? "" : ", ") + to_string(node);
+  }
   if (who.empty())
     return fmt::format("the frame buffer waits for {} tile(s) of frame {}", f.tiles_reported - f.tiles_here,
                        f.stats.frame);

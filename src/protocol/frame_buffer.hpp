@@ -32,7 +32,7 @@ class FrameBuffer final : public Node {
     std::vector<FramePlan::Tile> tiles;
     std::unique_ptr<Canvas> canvas;
     std::vector<bool> tile_here;
-    std::vector<bool> gp_reported, renderer_reported;
+    std::vector<bool> reported;  ///< by GP, then by Renderer
     int reports_missing = 0;
     std::uint64_t tiles_here = 0, tiles_reported = 0;
     double announced = 0;
