@@ -5,14 +5,19 @@
 #include <memory>
 #include <utility>
 
-#include "engine_parts/picture_canvas.hpp"
 #include "frame/engine_setup.hpp"
+#include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/frame/frame_spec.hpp"
 #include "volume/slice_store.hpp"
 
 namespace ringsplat {
+
+/// Puts the tiles of frame `number` into the picture, by a warp where the image plane is not the screen.
+/// Tiles are rows of premultiplied RGBA floats.
+std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& shown,
+                                            std::shared_ptr<const FrameGeometry> geometry, TakePicture take);
 
 /// Throws RunError unless the store has the slices that frame `number` traverses.
 void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number);

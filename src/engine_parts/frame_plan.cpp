@@ -53,8 +53,7 @@ void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
   std::vector<double> busy;
   if (setup_.colocated) busy = busy_gps(work, setup_.dealing(), setup_.renderers, dealt_to);
-  deal_by_work(g, work, costs, spec.division, sheets ? RegionForm::flat : RegionForm::square,
-               setup_.renderers, busy);
+  deal_by_work(g, work, costs, spec, setup_.renderers, busy);
 }
 
 }  // namespace ringsplat

@@ -9,16 +9,14 @@
 namespace ringsplat {
 
 bool OwnedImages::begin_frame(const FrameGeometry& g, double opaque_threshold) {
-  const bool changed =
-      !(regions_ == g.regions && reached_ == g.reached && dealt_to_ == g.dealt_to && dealt_ == g.dealt);
+  RegionOwners owners = g.owners(renderers_);
+  const bool changed = !(regions_ == g.regions && owners_ == owners);
   if (changed) {
     regions_ = g.regions;
-    reached_ = g.reached;
-    dealt_to_ = g.dealt_to;
-    dealt_ = g.dealt;
+    owners_ = std::move(owners);
     std::vector<RegionImage> before = std::exchange(images_, {});
     slot_of_region_.assign(std::size_t(regions_.count()), not_owned);
-    owned_ = regions_.owned(renderer_, g.owners(renderers_));
+    owned_ = regions_.owned(renderer_, owners_);
     for (const int region : owned_) {
       slot_of_region_[std::size_t(region)] = images_.size();
       const PixelRect rect = regions_.rect(region);

@@ -37,9 +37,7 @@ class OwnedImages {
 
   int renderer_, renderers_;
   Regions regions_;
-  PixelRect reached_;
-  int dealt_to_ = 0;
-  std::vector<int> dealt_;
+  RegionOwners owners_;
   std::vector<int> owned_;                   ///< owned regions, ascending
   std::vector<RegionImage> images_;          ///< one for each owned region
   std::vector<std::size_t> slot_of_region_;  ///< into images_

@@ -1,4 +1,4 @@
-#include "engine_parts/picture_canvas.hpp"
+#include "engine_parts/frame_engine.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -29,9 +29,7 @@ class PictureCanvas final : public Canvas {
     const std::size_t row_bytes = std::size_t(rect.width()) * 4 * sizeof(float);
     for (int y = 0; y < rect.height(); ++y)
       std::memcpy(image_.pixel(rect.x0, rect.y0 + y), bytes.data() + std::size_t(y) * row_bytes, row_bytes);
-    filled_ = {std::min<std::int64_t>(filled_.x0, rect.x0), std::min<std::int64_t>(filled_.y0, rect.y0),
-               std::max<std::int64_t>(filled_.x1, rect.x1 - 1),
-               std::max<std::int64_t>(filled_.y1, rect.y1 - 1)};
+    filled_ = hull(filled_, {rect.x0, rect.y0, rect.x1 - 1, rect.y1 - 1});
     here_[std::size_t(tile)] = true;
   }
 

@@ -134,7 +134,7 @@ FrameGeometry Forecast::dealt(const View& view, const Layout& layout) {
   FrameSpec spec = view.spec;
   spec.division.dealt_to = layout.renderers;
   FrameGeometry g = view.geometry;
-  lay_regions(g, spec.division, sheets_ ? RegionForm::flat : RegionForm::square);
+  lay_regions(g, spec);
   setup_.gps = layout.gps;
   setup_.renderers = layout.renderers;
   setup_.bundle = layout.bundle;

@@ -136,8 +136,7 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {
   check_projection(spec.shown.camera, spec.how);
   FrameGeometry g = screen_geometry(spec.shown, grid, slice_rule(spec.how));
   std::visit([&](const auto& how) { fit(g, spec.shown, how); }, spec.how);
-  lay_regions(g, spec.division,
-              std::holds_alternative<Sheets>(spec.how) ? RegionForm::flat : RegionForm::square);
+  lay_regions(g, spec);
   return g;
 }
 

@@ -44,12 +44,13 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
 /// The footprint that all voxels of a frame share.
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);
 
-/// Squares suit splats, which regions cut; low strips share out evenly what costs by the pixel.
-enum class RegionForm { square, flat };
+/// Whether regions are low strips, which share out evenly what costs by the pixel: sheets. Squares suit
+/// splats, which regions cut.
+bool has_flat_regions(const FrameSpec& spec);
 
 /// Sets the regions of a geometry that is otherwise complete, and which of them voxels can reach. The
 /// picture's bits do not depend on it.
-void lay_regions(FrameGeometry& geometry, const Division& division, RegionForm form);
+void lay_regions(FrameGeometry& geometry, const FrameSpec& spec);
 
 /// The regions that the volume's voxels can reach, in columns and rows of regions.
 PixelRect reached_regions(const FrameGeometry& geometry, const Regions& regions);

@@ -71,13 +71,12 @@ void deal_out(Deal& deal, const std::vector<Costly>& costly, const WorkEstimate&
 }
 
 /// The ways to cut the plane that are worth trying, from the coarsest; the first is what it is cut into now.
-std::vector<Regions> ways_to_cut(const FrameGeometry& g, const Division& division, RegionForm form,
-                                 std::size_t dealt_to) {
+std::vector<Regions> ways_to_cut(const FrameGeometry& g, const FrameSpec& spec, std::size_t dealt_to) {
   std::vector<Regions> ways{g.regions};
-  if (division.region_size > 0 || g.warp) return ways;
+  if (spec.division.region_size > 0 || g.warp) return ways;
   constexpr int enough_each = 24;
   const auto worth_trying = [&] { return std::size_t(ways.back().count()) < enough_each * dealt_to; };
-  if (form == RegionForm::square) {
+  if (!has_flat_regions(spec)) {
     ways.clear();
     for (const int side : {128, 64, 48, 32, 24, 16})
       if (ways.empty() || worth_trying()) ways.emplace_back(g.width, g.height, side);
@@ -100,9 +99,8 @@ WorkCosts costs_in(const FrameGeometry& g, WorkCosts costs) {
   return costs;
 }
 
-double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,
-                    const Division& division, RegionForm form, int renderers,
-                    const std::vector<double>& busy) {
+double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs, const FrameSpec& spec,
+                    int renderers, const std::vector<double>& busy) {
   const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, renderers) : renderers;
   if (dealt_to < 2 || !work.telling()) return 0;
   const std::vector<double> idle(std::size_t(dealt_to), 0.0);
@@ -110,7 +108,7 @@ double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts&
   const double payload = costs.payload * work.slices_of_layer();
   constexpr double worth_smaller = 0.95;
   std::optional<Deal> best;
-  for (const Regions& regions : ways_to_cut(g, division, form, std::size_t(dealt_to))) {
+  for (const Regions& regions : ways_to_cut(g, spec, std::size_t(dealt_to))) {
     Deal deal{regions, reached_regions(g, regions), {}};
     const auto costly = by_cost(deal, work, payload);
     if (costly.empty()) return 0;

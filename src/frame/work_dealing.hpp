@@ -20,8 +20,7 @@ inline bool even_enough(const FrameGeometry& g, int dealt_to) {
 /// otherwise; empty: not at all. Every rank finds the same; no bit of the picture depends on it. Returns the
 /// seconds of the busiest Renderer's rank, or 0 when nothing was dealt.
 double deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const WorkCosts& costs,
-                    const Division& division, RegionForm form, int renderers,
-                    const std::vector<double>& busy);
+                    const FrameSpec& spec, int renderers, const std::vector<double>& busy);
 
 /// Seconds that the GPs of Renderers' ranks are busy, for `busy` above, when `dealt_to` of the Renderers get
 /// regions.

@@ -31,6 +31,8 @@ class RegionOwners {
   /// `columns`: of all regions. `block`: the regions to deal, in columns and rows of regions. `dealt_to`: how
   /// many of the Renderers get any, spread evenly among them.
   RegionOwners(int columns, const PixelRect& block, int renderers, int dealt_to);
+  RegionOwners() = default;
+  bool operator==(const RegionOwners&) const = default;
   /// Dealt otherwise: by region, its Renderer or nobody.
   explicit RegionOwners(std::vector<int> dealt) : dealt_(std::move(dealt)) {}
   int of(int region) const {

@@ -1,4 +1,4 @@
-#include "simulate/charged_engine.hpp"
+#include "simulate/simulated_engines.hpp"
 
 #include <algorithm>
 #include <map>

@@ -17,15 +17,17 @@
 namespace ringsplat {
 namespace {
 
-constexpr std::array kinds{PlatformKind::backbone, PlatformKind::mesh, PlatformKind::torus,
-                           PlatformKind::fat_tree};
+constexpr std::array names{"backbone", "mesh", "torus", "fat_tree"};  // in PlatformKind's order
 
 /// One number of the file: where it goes and what it may be.
 struct Field {
   const char* key;
   double least, most;
-  bool required;
   std::function<void(double)> set;
+  bool required = false, whole = false;
+  /// A cost of sheets in costs of a splat, where the file does not say it: about their ratio where both were
+  /// measured (mpi_configs/machines/two-core.toml).
+  double in_splats = 0;
 };
 
 constexpr double no_limit = 1e300;
@@ -38,7 +40,13 @@ std::function<void(double)> into(T& target) {
 std::vector<Field> fields_of(Machine& m) {
   constexpr double longest = 3600, most_count = 1 << 20;
   const auto seconds = [](const char* key, double& target, bool required = false) {
-    return Field{key, 0, longest, required, into(target)};
+    return Field{key, 0, longest, into(target), required};
+  };
+  const auto of_sheets = [](const char* key, double& target, double in_splats) {
+    return Field{key, 0, longest, into(target), false, false, in_splats};
+  };
+  const auto count = [](const char* key, auto& target, double least, double most) {
+    return Field{key, least, most, into(target), false, true};
   };
   return {seconds("gp.visible_voxel", m.gp.visible_voxel, true),
           seconds("gp.transparent_voxel", m.gp.transparent_voxel, true),
@@ -51,31 +59,26 @@ std::vector<Field> fields_of(Machine& m) {
           seconds("renderer.composite", m.renderer.composite),
           seconds("renderer.pixel", m.renderer.pixel),
           seconds("renderer.frame", m.renderer.frame),
-          seconds("sheets.look", m.sheets.look),
-          seconds("sheets.copy", m.sheets.copy),
-          seconds("sheets.place", m.sheets.place),
-          seconds("sheets.slice", m.sheets.slice),
-          seconds("sheets.sample", m.sheets.sample),
-          seconds("sheets.table", m.sheets.table),
+          of_sheets("sheets.look", m.sheets.look, 0.05),
+          of_sheets("sheets.copy", m.sheets.copy, 1.0),
+          of_sheets("sheets.place", m.sheets.place, 2),
+          of_sheets("sheets.slice", m.sheets.slice, 100),
+          of_sheets("sheets.sample", m.sheets.sample, 0.1),
+          of_sheets("sheets.table", m.sheets.table, 2e4),
           seconds("message.send", m.message.send),
           seconds("message.receive", m.message.receive),
           seconds("message.wake", m.message.wake),
           seconds("message.packet", m.message.packet),
-          {"message.packet_bytes", 0, 1 << 30, false, into(m.message.packet_bytes)},
-          {"poll_interval", 1e-9, longest, true, into(m.poll_interval)},
-          {"platform.bandwidth", 1, no_limit, true, into(m.platform.bandwidth)},
-          {"platform.latency", 0, longest, true, into(m.platform.latency)},
-          {"platform.backbone_bandwidth", 0, no_limit, false, into(m.platform.backbone_bandwidth)},
-          {"platform.local_bandwidth", 0, no_limit, false, into(m.platform.local_bandwidth)},
+          count("message.packet_bytes", m.message.packet_bytes, 0, 1 << 30),
+          {"poll_interval", 1e-9, longest, into(m.poll_interval), true},
+          {"platform.bandwidth", 1, no_limit, into(m.platform.bandwidth), true},
+          seconds("platform.latency", m.platform.latency, true),
+          {"platform.backbone_bandwidth", 0, no_limit, into(m.platform.backbone_bandwidth)},
+          {"platform.local_bandwidth", 0, no_limit, into(m.platform.local_bandwidth)},
           seconds("platform.local_latency", m.platform.local_latency),
-          {"platform.cores", 1, most_count, false, into(m.platform.cores)},
-          {"platform.hosts", 0, most_count, false, into(m.platform.hosts)},
-          {"platform.leaf", 1, most_count, false, into(m.platform.leaf)}};
-}
-
-bool is_count(const std::string& key) {
-  return key == "message.packet_bytes" || key == "platform.cores" || key == "platform.hosts" ||
-         key == "platform.leaf";
+          count("platform.cores", m.platform.cores, 1, most_count),
+          count("platform.hosts", m.platform.hosts, 0, most_count),
+          count("platform.leaf", m.platform.leaf, 1, most_count)};
 }
 
 class Reader {
@@ -92,12 +95,12 @@ class Reader {
   }
 
   Machine read() {
-    for (const Field& field : fields_)
-      if (field.required && seen_.count(field.key) == 0)
-        throw InputError(fmt::format("{}: {} is missing", where_, field.key), hint);
-    for (const char* key : {"name", "platform.kind"})
-      if (seen_.count(key) == 0) throw InputError(fmt::format("{}: {} is missing", where_, key), hint);
-    stand_in_for_sheets();
+    for (const Field& field : fields_) {
+      if (field.required) require(field.key);
+      if (field.in_splats > 0 && seen_.count(field.key) == 0)
+        field.set(field.in_splats * machine_.renderer.splat);
+    }
+    for (const char* key : {"name", "platform.kind"}) require(key);
     return machine_;
   }
 
@@ -105,21 +108,9 @@ class Reader {
   static constexpr const char* hint =
       "mpi_configs/machines has machines that work, docs/simulation.md the fields";
 
-  /// Costs of sheets that the file does not say, from those of splats: about their ratios where both were
-  /// measured (mpi_configs/machines/two-core.toml).
-  void stand_in_for_sheets() {
-    const double splat = machine_.renderer.splat;
-    const auto unless_said = [&](const char* key, double& cost, double stand_in) {
-      if (seen_.count(key) == 0) cost = stand_in;
-    };
-    unless_said("sheets.look", machine_.sheets.look, 0.05 * splat);
-    unless_said("sheets.copy", machine_.sheets.copy, 1.0 * splat);
-    unless_said("sheets.place", machine_.sheets.place, 2 * splat);
-    unless_said("sheets.slice", machine_.sheets.slice, 100 * splat);
-    unless_said("sheets.sample", machine_.sheets.sample, 0.1 * splat);
-    unless_said("sheets.table", machine_.sheets.table, 2e4 * splat);
+  void require(const char* key) const {
+    if (seen_.count(key) == 0) wrong(key, "is missing");
   }
-
   [[noreturn]] void wrong(const std::string& key, const std::string& problem) const {
     throw InputError(fmt::format("{}: {} {}", where_, key, problem), hint);
   }
@@ -139,12 +130,10 @@ class Reader {
   }
 
   PlatformKind kind_of(const std::string& text) const {
-    std::string known;
-    for (const PlatformKind kind : kinds) {
-      if (text == ringsplat::name(kind)) return kind;
-      known += fmt::format("{}{}", known.empty() ? "" : ", ", ringsplat::name(kind));
-    }
-    wrong("platform.kind", fmt::format("is '{}', none of {}", text, known));
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found == names.end())
+      wrong("platform.kind", fmt::format("is '{}', none of {}", text, fmt::join(names, ", ")));
+    return PlatformKind(found - names.begin());
   }
 
   void take_number(const std::string& key, const std::string& text) const {
@@ -154,7 +143,7 @@ class Reader {
     double value = 0;
     if (!CLI::detail::lexical_cast(text, value) || !std::isfinite(value))
       wrong(key, fmt::format("is '{}', not a number", text));
-    if (is_count(key) && value != std::floor(value))
+    if (field->whole && value != std::floor(value))
       wrong(key, fmt::format("is {}, not a whole number", text));
     if (!(value >= field->least && value <= field->most))
       wrong(key, field->most < no_limit
@@ -171,19 +160,7 @@ class Reader {
 
 }  // namespace
 
-const char* name(PlatformKind kind) {
-  switch (kind) {
-    case PlatformKind::mesh:
-      return "mesh";
-    case PlatformKind::torus:
-      return "torus";
-    case PlatformKind::fat_tree:
-      return "fat_tree";
-    case PlatformKind::backbone:
-      break;
-  }
-  return "backbone";
-}
+const char* name(PlatformKind kind) { return names[std::size_t(kind)]; }
 
 Machine parse_machine(const std::string& toml, const std::string& where) {
   return Reader(toml, where).read();

@@ -16,7 +16,6 @@
 #include "splat_engine/splat_engine.hpp"
 
 namespace ringsplat {
-
 namespace {
 
 class MeasuringEncoder final : public EncoderDecorator {
@@ -41,21 +40,6 @@ class MeasuringEncoder final : public EncoderDecorator {
   std::unique_ptr<Meter> meter_;
   int step_ = 0;
 };
-
-}  // namespace
-
-Bytes measured_payload(const MeasuredPayload& payload) {
-  Bytes body = Message::body_buffer();
-  append(body, payload);
-  return body;
-}
-
-std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner,
-                                                std::unique_ptr<Meter> meter) {
-  return std::make_unique<MeasuringEncoder>(std::move(inner), std::move(meter));
-}
-
-namespace {
 
 /// Of one method: how its frames and a GP's encoders are made.
 template <class FrameType, class KeptType>
@@ -103,6 +87,17 @@ MethodEngine measured_engine(const char* method, double voxel_weight) {
 
 }  // namespace
 
+Bytes measured_payload(const MeasuredPayload& payload) {
+  Bytes body = Message::body_buffer();
+  append(body, payload);
+  return body;
+}
+
+std::unique_ptr<Encoder> make_measuring_encoder(std::unique_ptr<Encoder> inner,
+                                                std::unique_ptr<Meter> meter) {
+  return std::make_unique<MeasuringEncoder>(std::move(inner), std::move(meter));
+}
+
 std::unique_ptr<Engine> make_measured_engines(const EngineSetup& setup, double voxel_weight) {
   return make_engines(setup, {measured_engine<SplatFrame, EmptySpace>(Splats::name, voxel_weight),
                               measured_engine<SheetFrame, SliceBlocks>(Sheets::name, voxel_weight)});
@@ -114,7 +109,7 @@ std::shared_ptr<const SplatFrame> make_weighed_frame(const FrameSpec& spec, cons
   if (!(voxel_weight > 1)) return make_splat_frame(spec, grid, dealing, renderers, dealer);
   FrameGeometry geometry = make_geometry(spec, grid);
   geometry.reach = narrowed(geometry.reach, voxel_weight);
-  lay_regions(geometry, spec.division, RegionForm::square);
+  lay_regions(geometry, spec);
   auto frame = make_splat_frame(spec, std::move(geometry), dealing, renderers, dealer);
   frame->footprint.half = narrowed(frame->footprint.half, voxel_weight);
   return frame;

@@ -9,9 +9,9 @@
 #include "protocol/bundle_engine.hpp"
 #include "session/engines.hpp"
 #include "simulate/charge.hpp"
-#include "simulate/charged_engine.hpp"
 #include "simulate/counted_payload.hpp"
 #include "simulate/machine.hpp"
+#include "simulate/simulated_engines.hpp"
 #include "simulate/work_costs.hpp"
 
 namespace ringsplat {

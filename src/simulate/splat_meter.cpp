@@ -26,15 +26,8 @@ KernelReach beyond_voxel_of(const FrameGeometry& g, double weight) {
 }
 
 std::size_t bytes_of_voxel(Precision precision) {
-  switch (precision) {
-    case Precision::half:
-      return sizeof(HalfVoxel);
-    case Precision::u8:
-      return sizeof(ByteVoxel);
-    case Precision::float32:
-      break;
-  }
-  return sizeof(FloatVoxel);
+  constexpr std::size_t bytes[]{sizeof(FloatVoxel), sizeof(HalfVoxel), sizeof(ByteVoxel)};
+  return bytes[std::size_t(precision)];
 }
 
 /// The pixels of a slice that a Renderer composites in a region: in each row the run from the first to the
@@ -117,10 +110,8 @@ class SplatMeter final : public Meter {
       for (std::uint32_t k = 0; k < group.count; ++k) {
         Splat splat;
         if (!take(body, at, splat)) return;
-        Anchored anchored{};
-        anchored.anchor_x = std::int64_t{group.base_x} + splat.anchor_x;
-        anchored.anchor_y = std::int64_t{group.base_y} + splat.anchor_y;
-        include(group.region, anchored);
+        include(group.region, {std::int64_t{group.base_x} + splat.anchor_x,
+                               std::int64_t{group.base_y} + splat.anchor_y, 0, 0});
       }
   }
 

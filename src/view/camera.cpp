@@ -6,7 +6,6 @@
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
-#include "view/angles.hpp"
 #include "view/matrices.hpp"
 
 namespace ringsplat {

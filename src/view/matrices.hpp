@@ -4,6 +4,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vec3.hpp>
+#include <numbers>
 
 namespace ringsplat {
 
@@ -38,5 +39,27 @@ inline double spanned_volume(const glm::dmat3& m) {
 
 /// Three vectors whose directions span less than this do not count as independent.
 inline constexpr double least_volume = 1e-12;
+
+struct SinCos {
+  double sine, cosine;
+};
+
+/// Sine and cosine of a finite angle in degrees; multiples of 90 give exactly 0, 1 and -1, so that a view
+/// along an axis has exact zeros in its matrix.
+inline SinCos sin_cos_degrees(double degrees) {
+  int quadrant = 0;
+  const double rest = std::remquo(degrees, 90.0, &quadrant) * (std::numbers::pi / 180.0);
+  const double s = std::sin(rest), c = std::cos(rest);
+  switch (quadrant & 3) {
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
+  }
+}
 
 }  // namespace ringsplat

@@ -91,7 +91,6 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
   for (const Method& how : {Method(Splats{}), Method(Sheets{})}) {
     const FrameSpec spec = seen(how);
     const bool sheets = std::holds_alternative<Sheets>(how);
-    const RegionForm form = sheets ? RegionForm::flat : RegionForm::square;
     const WorkCosts costs = sheets ? WorkCosts{0, 1e-9, 0, 0, 0} : only_voxels;
     for (const int renderers : {3, 8, 40}) {
       FrameSpec of_many = spec;
@@ -99,8 +98,8 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
       FrameGeometry in_turn = make_geometry(of_many, grid), g = in_turn, again = in_turn;
       const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
       REQUIRE(work.telling());
-      CHECK(deal_by_work(g, work, costs, of_many.division, form, renderers, {}) > 0);
-      deal_by_work(again, work, costs, of_many.division, form, renderers, {});
+      CHECK(deal_by_work(g, work, costs, of_many, renderers, {}) > 0);
+      deal_by_work(again, work, costs, of_many, renderers, {});
       CHECK(g.dealt == again.dealt);
       CHECK(g.regions == again.regions);
       CAPTURE(renderers, sheets);
@@ -128,7 +127,7 @@ TEST_CASE("a size of regions that is asked for is kept, and a Renderer whose ran
   ShownPoints points;
   const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
   const double all = work.of({0, 0, g.width, g.height}).seconds;
-  deal_by_work(g, work, only_voxels, spec.division, RegionForm::square, 4, {all / 4, 0, 0, 0});
+  deal_by_work(g, work, only_voxels, spec, 4, {all / 4, 0, 0, 0});
   CHECK(g.regions == Regions(512, 512, 32));
   std::vector<double> seconds(4, 0.0);
   for (int region = 0; region < g.regions.count(); ++region)
@@ -144,7 +143,7 @@ TEST_CASE("with hardly a visible voxel, regions are dealt in turn") {
   FrameGeometry g = make_geometry(spec, grid);
   ShownPoints points;
   const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), only_voxels, 1);
-  CHECK(deal_by_work(g, work, only_voxels, spec.division, RegionForm::square, 4, {}) == 0);
+  CHECK(deal_by_work(g, work, only_voxels, spec, 4, {}) == 0);
   CHECK(g.dealt.empty());
 }
 

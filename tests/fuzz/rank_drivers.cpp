@@ -14,7 +14,7 @@
 #include "scene/scene.hpp"
 #include "session/directed_frames.hpp"
 #include "session/engines.hpp"
-#include "simulate/charged_engine.hpp"
+#include "simulate/simulated_engines.hpp"
 #include "support/scenes.hpp"
 
 namespace ringsplat::fuzz {

@@ -1,4 +1,4 @@
-#include "engine_parts/picture_canvas.hpp"
+#include "engine_parts/frame_engine.hpp"
 #include "net/message.hpp"
 #include "splat_engine/splat_engine.hpp"
 #include "support/catch.hpp"

@@ -8,7 +8,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
 #include "support/catch.hpp"
-#include "view/angles.hpp"
+#include "view/matrices.hpp"
 
 using namespace ringsplat;
 
