@@ -18,6 +18,7 @@
 #include <functional>
 #include <stdexcept>
 #include <typeinfo>
+#include <utility>
 
 #include "fuzz/mutate.hpp"
 #include "ringsplat/base/error.hpp"
