@@ -119,18 +119,22 @@ const void* ScalarPlanes::plane(int step) const {
                       : static_cast<const void*>(origin<std::int16_t>(memory));
 }
 
-/// Frees what is needed no more, and empties a shelf that is used anew.
+/// Frees what is needed no more.
 void ScalarPlanes::use_shelf(const ShelfNumber& number) {
   if (shelf_ == number) return;
   if (shelf_) throw RunError("GPs disagree on what a Renderer keeps", "all ranks must run the same build");
   shelf_ = number;
   for (std::size_t k = 0; k < shelves_.size(); ++k)
     if ((number.live >> k & 1) == 0) shelves_[k] = {};
-  Shelf& shelf = shelves_[number.shelf];
-  if (shelf.generation == number.generation && shelf.width == width_ && shelf.height == height_ &&
+}
+
+/// Empties a shelf that is used anew.
+void ScalarPlanes::renew_shelf() {
+  Shelf& shelf = shelves_[shelf_->shelf];
+  if (shelf.generation == shelf_->generation && shelf.width == width_ && shelf.height == height_ &&
       shelf.code == code_)
     return;
-  shelf = {number.generation, width_, height_, code_, {}, {}};
+  shelf = {shelf_->generation, width_, height_, code_, {}, {}};
 }
 
 ScalarPlanes::Place ScalarPlanes::kept_plane(std::size_t plane) {
@@ -297,22 +301,19 @@ void ScalarPlanes::put(const Place& place, std::uint8_t voxels_are, const SheetP
 }
 
 void ScalarPlanes::place(int step, const SheetPayload& payload, ScalarType type) {
-  use_shelf(payload.header.shelf);
-  const std::uint16_t plane = payload.header.plane;
   plane_of_step_.resize(std::max(plane_of_step_.size(), std::size_t(step + 2)), no_plane);
-  plane_of_step_[std::size_t(step + 1)] = plane;
-  if (plane != no_plane)
-    keep(payload, type);
-  else
-    put(place_of_step(step), unknown, payload, type);
+  plane_of_step_[std::size_t(step + 1)] = payload.header.plane;
+  if (!keep(payload, type)) put(place_of_step(step), unknown, payload, type);
 }
 
-void ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
+bool ScalarPlanes::keep(const SheetPayload& payload, ScalarType type) {
   use_shelf(payload.header.shelf);
-  if (payload.header.plane == no_plane) return;
+  if (payload.header.plane == no_plane) return false;
+  renew_shelf();
   const Place place = kept_plane(payload.header.plane);
   renew_fillers(place.slot);
   put(place, voxels, payload, type);
+  return true;
 }
 
 template <class Number>

@@ -34,8 +34,8 @@ class ScalarPlanes {
   /// Puts a slice into its own plane, or into the place of the step `slots` before. Throws RunError when the
   /// payload has blocks kept that are not here, or a frame's payloads are of different shelves.
   void place(int step, const SheetPayload& payload, ScalarType type);
-  /// Puts into a slice's own plane, if it has one, what a payload has that is not to be drawn.
-  void keep(const SheetPayload& payload, ScalarType type);
+  /// Puts a slice into its own plane, also where it is not to be drawn. False when it has none.
+  bool keep(const SheetPayload& payload, ScalarType type);
   /// Puts 2a - b into the place of a step that may be -1.
   void extrapolate(int step, int a, int b);
   /// Voxel (0, 0).
@@ -79,6 +79,7 @@ class ScalarPlanes {
   Place place_of_step(int step);
   void put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
   void use_shelf(const ShelfNumber& number);
+  void renew_shelf();
   Place kept_plane(std::size_t plane);
   std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
   void renew_fillers(Slot& slot) const;

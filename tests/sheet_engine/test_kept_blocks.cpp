@@ -110,6 +110,21 @@ TEST_CASE("frames that nobody wants any more leave what later ones rely on") {
   CHECK(dropped > 20);
 }
 
+TEST_CASE("a frame of which nothing can be kept leaves what is kept of others") {
+  // One plane of the whole volume is more than a MiB, one of its part is not.
+  const Grid grid = make_grid({800, 800, 4});
+  std::vector<FrameSpec> specs(3, seen_from(0));
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    specs[k].shown.camera = {.azimuth = 0, .elevation = 80};
+    if (k != 1) specs[k].shown.clip = VoxelBox{{300, 300, 0}, {500, 500, 4}};
+  }
+  const auto browsed = browse(grid, specs, {1, 1}, 1);
+  REQUIRE(browsed.pictures.size() == 3);
+  CHECK(10 * browsed.bytes[2] < browsed.bytes[0]);
+  for (std::size_t k = 0; k < specs.size(); ++k)
+    CHECK(browsed.pictures.at(std::int64_t(k)) == browse(grid, {specs[k]}, {1, 1}, 0).pictures.at(0));
+}
+
 TEST_CASE("an orbit's later frames send few bytes, unless nothing may be kept") {
   const Grid grid = make_grid({64, 64, 64});
   std::vector<FrameSpec> orbit;
