@@ -14,7 +14,7 @@ KeptShelf::KeptShelf(int slices, int blocks, int renderers, int planes, int gp, 
       next_(gp),
       gps_(gps),
       plane_of_(std::size_t(slices), no_plane),
-      held_(std::size_t(slices) * std::size_t(renderers) * words_) {}
+      held_(std::size_t(slices)) {}
 
 std::uint16_t KeptShelf::plane_of(int slice) {
   std::uint16_t& plane = plane_of_[std::size_t(slice)];
@@ -26,8 +26,9 @@ std::uint16_t KeptShelf::plane_of(int slice) {
 }
 
 std::span<std::uint64_t> KeptShelf::held(int slice, int renderer) {
-  const std::size_t at = std::size_t(slice) * std::size_t(renderers_) + std::size_t(renderer);
-  return {held_.data() + at * words_, words_};
+  auto& of_slice = held_[std::size_t(slice)];
+  if (of_slice.empty()) of_slice.resize(std::size_t(renderers_) * words_);
+  return std::span(of_slice).subspan(std::size_t(renderer) * words_, words_);
 }
 
 KeptBlocks::OfFrame KeptBlocks::begin_frame(const SheetFrame& frame, const ValueScale& scale) {

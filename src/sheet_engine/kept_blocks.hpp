@@ -25,7 +25,8 @@ class KeptShelf {
   std::size_t words_;  ///< of a slice's blocks
   int renderers_, planes_, next_, gps_;
   std::vector<std::uint16_t> plane_of_;  ///< by slice
-  std::vector<std::uint64_t> held_;      ///< [slice][renderer][word]
+  /// By slice: [renderer][word]; empty until it is asked for, as those of other GPs' slices stay.
+  std::vector<std::vector<std::uint64_t>> held_;
 };
 
 /// What a GP lets the Renderers keep. Scalars do not depend on the view: a Renderer that has been sent a
