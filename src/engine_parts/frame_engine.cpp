@@ -7,6 +7,11 @@
 
 namespace ringsplat {
 
+EncodeCounts left_out_of(const FrameGeometry& geometry, std::size_t steps) {
+  const auto voxels = steps * std::uint64_t(geometry.grid.slice_voxels(geometry.traversal.axis));
+  return {.voxels = voxels, .outside = voxels};
+}
+
 void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number) {
   if (!store.keeps(traversed))
     throw RunError(

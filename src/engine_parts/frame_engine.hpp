@@ -19,6 +19,9 @@ namespace ringsplat {
 std::unique_ptr<Canvas> make_picture_canvas(std::int64_t number, const Shown& shown,
                                             std::shared_ptr<const FrameGeometry> geometry, TakePicture take);
 
+/// What a GP counts for `steps` of its steps when no Renderer has a tile (Encoder::left_out()).
+EncodeCounts left_out_of(const FrameGeometry& geometry, std::size_t steps);
+
 /// Throws RunError unless the store has the slices that frame `number` traverses.
 void check_loaded(const SliceStore& store, Axis traversed, std::int64_t number);
 

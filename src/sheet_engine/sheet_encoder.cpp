@@ -60,10 +60,7 @@ class SheetEncoder final : public Encoder {
     return steps;
   }
 
-  EncodeCounts left_out(std::size_t steps) const override {
-    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(axis()));
-    return {.voxels = voxels, .outside = voxels};
-  }
+  EncodeCounts left_out(std::size_t steps) const override { return left_out_of(geometry(), steps); }
 
   void begin(int step) override {
     slice_ = store_.slice(axis(), frame_->slice_at(step), geometry().box);

@@ -56,10 +56,7 @@ class SliceEncoder final : public Encoder {
     return steps;
   }
 
-  EncodeCounts left_out(std::size_t steps) const override {
-    const auto voxels = steps * std::uint64_t(geometry().grid.slice_voxels(geometry().traversal.axis));
-    return {.voxels = voxels, .outside = voxels};
-  }
+  EncodeCounts left_out(std::size_t steps) const override { return left_out_of(geometry(), steps); }
 
   void begin(int step) override {
     if (!frame_) frame_.emplace(*announced_);
