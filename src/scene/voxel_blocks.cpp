@@ -10,6 +10,7 @@
 #include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 #include "scene/scene.hpp"
+#include "volume/copy_row.hpp"
 
 namespace ringsplat {
 namespace {
@@ -55,23 +56,6 @@ std::vector<PlacedBlock> gather_extents(const std::vector<VoxelBlock>& mine, Col
     ++process;
   }
   return placed;
-}
-
-/// Copies a row of scalars that lie `stride` bytes apart.
-template <std::size_t bytes>
-void copy_row(const std::byte* from, std::int64_t stride, int count, std::byte* to) {
-  if (stride == std::int64_t(bytes)) {
-    std::memcpy(to, from, bytes * std::size_t(count));
-    return;
-  }
-  for (int k = 0; k < count; ++k, from += stride, to += bytes) std::memcpy(to, from, bytes);
-}
-
-void copy_row(std::size_t bytes, const std::byte* from, std::int64_t stride, int count, std::byte* to) {
-  if (bytes == 1) return copy_row<1>(from, stride, count, to);
-  if (bytes == 2) return copy_row<2>(from, stride, count, to);
-  if (bytes == 4) return copy_row<4>(from, stride, count, to);
-  copy_row<8>(from, stride, count, to);
 }
 
 class BlockDealer {

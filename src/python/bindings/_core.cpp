@@ -21,6 +21,7 @@
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
 #include "session/session_parts.hpp"
+#include "volume/copy_row.hpp"
 
 namespace nb = nanobind;
 using namespace ringsplat;
@@ -54,19 +55,11 @@ class ArraySource final : public VolumeSource {
     std::byte* to = out.data();
     for (int z = first; z < first + count; ++z)
       for (int y = 0; y < dims.y; ++y, to += row_bytes_)
-        read_row(volume_.first_voxel + z * volume_.strides.z + y * volume_.strides.y, to);
+        copy_row(scalar_, volume_.first_voxel + z * volume_.strides.z + y * volume_.strides.y,
+                 volume_.strides.x, dims.x, to);
   }
 
  private:
-  void read_row(const std::byte* from, std::byte* to) const {
-    if (volume_.strides.x == std::int64_t(scalar_)) {
-      std::memcpy(to, from, row_bytes_);
-      return;
-    }
-    for (int x = 0; x < volume_.grid.dims.x; ++x, from += volume_.strides.x, to += scalar_)
-      std::memcpy(to, from, scalar_);
-  }
-
   ArrayVolume volume_;
   std::size_t scalar_ = size_of(volume_.grid.type), row_bytes_ = scalar_ * std::size_t(volume_.grid.dims.x);
 };
