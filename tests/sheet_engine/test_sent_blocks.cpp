@@ -6,22 +6,13 @@
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
 #include "support/message_of.hpp"
+#include "support/seen_from_above.hpp"
 #include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
 
 namespace {
-
-constexpr int renderers = 6;
-
-std::shared_ptr<const SheetFrame> seen_from_above(const Grid& grid, const TransferFunction& function) {
-  FrameSpec spec = oblique_view(96, 96, 0);
-  spec.shown.camera = {.azimuth = 0, .elevation = 90};
-  spec.shown.transfer_function = function;
-  spec.how = Sheets{};
-  return make_sheet_frame(spec, grid, 1, renderers);
-}
 
 EncodedStep encoded(Encoder& encoder, int step) {
   encoder.begin(step);

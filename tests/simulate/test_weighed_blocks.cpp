@@ -5,22 +5,13 @@
 #include "simulate/meter.hpp"
 #include "support/catch.hpp"
 #include "support/dealt.hpp"
+#include "support/seen_from_above.hpp"
 #include "support/views.hpp"
 
 using namespace ringsplat;
 using namespace ringsplat::test;
 
 namespace {
-
-constexpr int renderers = 6;
-
-std::shared_ptr<const SheetFrame> seen_from_above(const Grid& grid, const TransferFunction& function) {
-  FrameSpec spec = oblique_view(96, 96, 0);
-  spec.shown.camera = {.azimuth = 0, .elevation = 90};
-  spec.shown.transfer_function = function;
-  spec.how = Sheets{};
-  return make_sheet_frame(spec, grid, 1, renderers);
-}
 
 struct Sum {
   double payloads = 0, items = 0, bytes = 0, told = 0, samples = 0;
