@@ -4,7 +4,5 @@
 int main(int argc, char** argv) {
   ringsplat::app::prepare_for_signals();
   ringsplat::app::prepare_for_lack_of_memory();
-  const int code = ringsplat::app::run_program(argc, argv);
-  ringsplat::app::leave_if_libraries_lack_memory(code);
-  return code;
+  return ringsplat::app::run_program(argc, argv);
 }

@@ -3,9 +3,11 @@
 #include <dlfcn.h>
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <new>
 #include <string>
 
+#include "base/lack_of_memory.hpp"
 #include "base/own_place.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
@@ -14,6 +16,25 @@
 namespace ringsplat {
 namespace {
 
+/// Address space that OpenImageIO and what it links take while they are loaded, 480 MB, and some more.
+/// log4cplus and OpenBLAS start threads then, and wait for ever where one cannot be started.
+constexpr std::size_t loading_takes = std::size_t{512} << 20;
+
+/// Keeps OpenBLAS, of which nothing here is used, from starting a thread for each core while it is loaded.
+class OneBlasThread {
+ public:
+  OneBlasThread() { setenv(name, "1", 0); }
+  OneBlasThread(const OneBlasThread&) = delete;
+  OneBlasThread& operator=(const OneBlasThread&) = delete;
+  ~OneBlasThread() {
+    if (!was_set_) unsetenv(name);
+  }
+
+ private:
+  static constexpr const char* name = "OPENBLAS_NUM_THREADS";
+  bool was_set_ = std::getenv(name) != nullptr;
+};
+
 struct OpenedLibrary {
   void* handle;
   std::string problem;  ///< why there is none
@@ -21,6 +42,8 @@ struct OpenedLibrary {
 
 /// Finds the library as if it had been linked.
 OpenedLibrary open_shared_library(const char* name) {
+  if (!has_address_space(loading_takes)) throw std::bad_alloc();
+  const OneBlasThread one_blas_thread;
   OpenedLibrary opened{dlopen(name, RTLD_LAZY | RTLD_LOCAL), {}};
   if (opened.handle != nullptr) return opened;
   opened.problem = dlerror();

@@ -4,7 +4,6 @@
 #include <unistd.h>
 
 #include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <exception>
 
@@ -25,7 +24,7 @@ extern "C" void remove_files_and_end(int number) {
   raise(number);
 }
 
-/// Whether a library's thread, of which OpenBLAS's want the most, might find no memory.
+/// Whether a library's thread might find no memory.
 bool lacks_address_space() { return !has_address_space(std::size_t{256} << 20); }
 
 [[noreturn]] void end_for_lack_of_memory() {
@@ -52,12 +51,6 @@ std::terminate_handler end_otherwise = nullptr;
 }  // namespace
 
 void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
-
-void leave_if_libraries_lack_memory(int code) {
-  if (!lacks_address_space()) return;
-  std::fflush(nullptr);
-  _exit(code);
-}
 
 void prepare_for_signals() {
   signal(SIGXFSZ, SIG_IGN);

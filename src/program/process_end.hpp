@@ -11,8 +11,4 @@ void prepare_for_signals();
 /// run_failed and a line when memory is what was lacking.
 void prepare_for_lack_of_memory();
 
-/// Ends the process with `code`, without a usual exit's tidying, where memory is lacking: libraries wait
-/// there for threads that try for ever to get some, as OpenBLAS's do.
-void leave_if_libraries_lack_memory(int code);
-
 }  // namespace ringsplat::app
