@@ -310,8 +310,10 @@ class SheetPainter final : public FramePainter<SheetFrame> {
       find_groups();
     }
     const auto lanes = std::min(std::size_t(threads_.size()), groups_.size() - next_group_);
-    threads_.run(int(lanes), [this, groups](int) { paint_groups(groups); });
-    if (next_group_ < groups_.size()) return;
+    const std::size_t end = std::min(next_group_ + lanes * std::size_t(groups), groups_.size());
+    threads_.run(int(lanes), [this, end](int) { paint_groups(end); });
+    next_group_ = end;
+    if (end < groups_.size()) return;
     for (std::size_t slot = 0; slot < images_.count(); ++slot)
       if (images_.image(slot).touched()) images_.image(slot).slices_composited(int(painting_));
     slabs_.erase(slabs_.begin(), slabs_.begin() + std::ptrdiff_t(painting_));
@@ -336,10 +338,8 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     }
   }
 
-  void paint_groups(int at_once) {
-    for (int painted = 0; painted < at_once; ++painted) {
-      const std::size_t next = next_group_++;
-      if (next >= groups_.size()) return;
+  void paint_groups(std::size_t end) {
+    for (std::size_t next = next_group_++; next < end; next = next_group_++) {
       const std::size_t g = groups_[next];
       const auto& group = tiles_.groups()[g];
       RegionImage& image = images_.image(group.slot);
