@@ -109,10 +109,7 @@ class MpiTransport final : public Transport {
 
   void wait(std::chrono::nanoseconds longest, const Sleep& sleep) {
     sends_done();
-    if (idle_) {
-      sleep_for(std::chrono::milliseconds(10));
-      return;
-    }
+    if (idle_) return sleep_for(idle_sleep(++waits_));
     const Pause pause = pause_after(++waits_, yields_, longest);
     if (pause.yields)
       sched_yield();
@@ -120,6 +117,14 @@ class MpiTransport final : public Transport {
       sleep(pause.sleeps);
     else if (pause.sleeps.count() > 0)
       sleep_for(pause.sleeps);
+  }
+
+  /// A rank without work only waits for the run's end. It sleeps longer the longer it has waited, so that it
+  /// neither takes its core from others nor makes a short run longer.
+  static std::chrono::nanoseconds idle_sleep(long waits) {
+    constexpr std::chrono::nanoseconds shortest{10'000'000}, longest{40'000'000};
+    constexpr long waits_of_a_length = 100;
+    return std::min(longest, shortest * (1 + waits / waits_of_a_length));
   }
 
   static void sleep_for(std::chrono::nanoseconds time) {
