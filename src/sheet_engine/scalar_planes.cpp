@@ -125,7 +125,31 @@ void ScalarPlanes::use_shelf(const ShelfNumber& number) {
   if (shelf_) throw RunError("GPs disagree on what a Renderer keeps", "all ranks must run the same build");
   shelf_ = number;
   for (std::size_t k = 0; k < shelves_.size(); ++k)
-    if ((number.live >> k & 1) == 0) shelves_[k] = {};
+    if ((number.live >> k & 1) == 0) empty(shelves_[k]);
+}
+
+/// Its memory serves the next shelf: giving it back and getting it anew costs more than filling it.
+void ScalarPlanes::empty(Shelf& shelf) {
+  std::move(shelf.memory.begin(), shelf.memory.end(), std::back_inserter(spare_));
+  shelf = {};
+}
+
+/// Memory for planes_together() planes.
+std::vector<std::byte> ScalarPlanes::memory_of_planes() {
+  const std::size_t bytes = planes_together() * plane_bytes_;
+  std::vector<std::byte> memory;
+  if (!spare_.empty() && spare_.back().size() == bytes) {
+    memory = std::move(spare_.back());
+    spare_.pop_back();
+    // Floats beyond the border that are read, although without weight, must be numbers.
+    if (code_.floats) std::fill(memory.begin(), memory.end(), std::byte{0});
+    return memory;
+  }
+  spare_.clear();
+  memory.reserve(bytes);
+  prefer_huge_pages(memory.data(), bytes);
+  memory.resize(bytes);
+  return memory;
 }
 
 /// Empties a shelf that is used anew.
@@ -134,6 +158,7 @@ void ScalarPlanes::renew_shelf() {
   if (shelf.generation == shelf_->generation && shelf.width == width_ && shelf.height == height_ &&
       shelf.code == code_)
     return;
+  empty(shelf);
   shelf = {shelf_->generation, width_, height_, code_, {}, {}};
 }
 
@@ -145,11 +170,7 @@ ScalarPlanes::Place ScalarPlanes::kept_plane(std::size_t plane) {
   const std::size_t together = planes_together(), part = plane / together;
   if (part >= shelf.memory.size()) shelf.memory.resize(part + 1);
   auto& memory = shelf.memory[part];
-  if (memory.empty()) {
-    memory.reserve(together * plane_bytes_);
-    prefer_huge_pages(memory.data(), together * plane_bytes_);
-    memory.resize(together * plane_bytes_);
-  }
+  if (memory.empty()) memory = memory_of_planes();
   return {memory.data() + plane % together * plane_bytes_, slot};
 }
 

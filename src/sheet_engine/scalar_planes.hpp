@@ -80,6 +80,8 @@ class ScalarPlanes {
   void put(const Place& place, std::uint8_t voxels_are, const SheetPayload& payload, ScalarType type);
   void use_shelf(const ShelfNumber& number);
   void renew_shelf();
+  void empty(Shelf& shelf);
+  std::vector<std::byte> memory_of_planes();
   Place kept_plane(std::size_t plane);
   std::size_t planes_together() const { return std::max<std::size_t>(1, least_memory / plane_bytes_); }
   void renew_fillers(Slot& slot) const;
@@ -119,6 +121,7 @@ class ScalarPlanes {
   std::vector<std::byte> memory_;
   std::vector<Slot> slots_hold_;
   std::array<Shelf, ShelfNumber::shelves> shelves_;
+  std::vector<std::vector<std::byte>> spare_;  ///< memory of emptied shelves
   std::optional<ShelfNumber> shelf_;          ///< of the frame's payloads
   std::vector<std::uint16_t> plane_of_step_;  ///< by step + 1; no_plane: the slice is in a slot
   std::vector<std::uint32_t> others_;         ///< of the slot that is being filled
