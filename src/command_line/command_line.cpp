@@ -17,61 +17,11 @@
 namespace ringsplat::app {
 namespace {
 
-constexpr ProgramTexts texts{
-    .summary = "ringsplat renders volumes on one process or on many MPI ranks",
-    .description =
-        "GPs hold slices and make splats,\n"
-        "Renderers own parts of the screen, tokens keep the slices in order.",
-    .examples = R"(  ringsplat render head.nrrd -o head.png
-  mpirun -n 6 ringsplat render head.nrrd -o head.png --gps 4 --renderers 2 --tf mr-surface --azimuth 30
-  ringsplat info head_256x256x128_uint8.raw
-  ringsplat render --help)",
-    .config =
-        "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
-        "What the command line says comes first. --verbose says more, on every rank.",
-    .exit_codes =
-        "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
-        "3 a failure while running."};
-
-struct FormerName {
-  const char *former, *today;
-};
-constexpr FormerName former_names[] = {{"slab", "bundle"}};
-
-/// Options' former names, which still work and are in no help.
-class FormerNames {
- public:
-  /// The words of a command line with the names of today.
-  std::vector<std::string> renamed(int argc, const char* const* argv);
-  /// The same for an option's name without dashes, as --config files have it.
-  std::string renamed(const std::string& name);
-  /// What to tell the user: a line for each former name that was met.
-  const std::vector<std::string>& notes() const { return notes_; }
-
- private:
-  std::vector<std::string> notes_;
-};
-
-std::string FormerNames::renamed(const std::string& name) {
-  for (const auto& [former, today] : former_names)
-    if (name == former) {
-      const auto note =
-          fmt::format("--{} is now called --{}; the old name goes with a later version", former, today);
-      if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) notes_.push_back(note);
-      return today;
-    }
-  return name;
-}
-
-std::vector<std::string> FormerNames::renamed(int argc, const char* const* argv) {
-  std::vector<std::string> words(argv, argv + argc);
-  for (std::string& word : words) {
-    if (word == "--") break;
-    if (!word.starts_with("--")) continue;
-    const auto end = std::min(word.find('='), word.size());
-    word = "--" + renamed(word.substr(2, end - 2)) + word.substr(end);
-  }
-  return words;
+/// An option's former name, which still works and is in no help. Notes it for the user once.
+std::string name_of_today(const std::string& name, std::vector<std::string>& notes) {
+  if (name != "slab") return name;
+  notes = {"--slab is now called --bundle; the old name goes with a later version"};
+  return "bundle";
 }
 
 /// What --version prints: the version, and which libraries this build has and which were left out. `mpi`
@@ -90,13 +40,14 @@ std::string version_text(const std::string& mpi) {
 /// TOML whose keys outside of any [section] are options of the subcommand on the command line.
 class SubcommandToml : public CLI::ConfigTOML {
  public:
-  SubcommandToml(const CLI::App& program, FormerNames& former) : program_(program), former_(former) {}
+  SubcommandToml(const CLI::App& program, std::vector<std::string>& notes)
+      : program_(program), notes_(notes) {}
 
   std::vector<CLI::ConfigItem> from_config(std::istream& in) const override {
     auto read = CLI::ConfigTOML::from_config(in);
     const auto chosen = program_.get_subcommands();
     for (auto& item : read) {
-      item.name = former_.renamed(item.name);
+      item.name = name_of_today(item.name, notes_);
       if (item.parents.empty() && !chosen.empty() &&
           program_.get_option_no_throw("--" + item.name) == nullptr)
         item.parents = {chosen.front()->get_name()};
@@ -106,7 +57,7 @@ class SubcommandToml : public CLI::ConfigTOML {
 
  private:
   const CLI::App& program_;
-  FormerNames& former_;
+  std::vector<std::string>& notes_;
 };
 
 std::string with_hint(const std::string& problem, const std::string& hint) {
@@ -164,7 +115,7 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
 /// The command line as CLI11 takes it apart, and the options that its words are for.
 class Parser {
  public:
-  Parser(bool& verbose, const std::string& mpi);
+  explicit Parser(const std::string& mpi);
   Parser(const Parser&) = delete;
   Parser& operator=(const Parser&) = delete;
 
@@ -176,16 +127,16 @@ class Parser {
     std::string text;
   };
 
-  void add_program_options(bool& verbose);
+  void add_program_options();
   void add_subcommands();
   /// The program's own options, with what was given.
   OptionList program_options() const;
   /// Reads what was given. Throws InputError.
-  void settle(CommandLine& line);
+  void settle();
   std::string help(CLI::AppFormatMode mode) const;
 
-  CLI::App program_{fmt::format("{}: {}", texts.summary, texts.description), "ringsplat"};
-  FormerNames former_;
+  CommandLine line_;
+  CLI::App program_{fmt::format("{}: {}", summary, description), "ringsplat"};
   AllOptions targets_;
   std::vector<BoundSubcommand> subcommands_;
 };
@@ -214,20 +165,20 @@ void bind(CLI::App& app, const Option& option) {
   if (!option.is_positional()) bound->group(option.heading);  // CLI11 has a heading for arguments
 }
 
-Parser::Parser(bool& verbose, const std::string& mpi) {
+Parser::Parser(const std::string& mpi) {
   program_.set_version_flag("--version", version_text(mpi));
   program_.formatter(help_formatter());
-  program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", texts.examples, texts.exit_codes));
+  program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", program_examples, exit_codes));
   program_.fallthrough();
   program_.require_subcommand(1);
-  add_program_options(verbose);
+  add_program_options();
   add_subcommands();
 }
 
-void Parser::add_program_options(bool& verbose) {
+void Parser::add_program_options() {
   program_.set_help_flag("-h,--help", "Print this help");
   program_.set_help_all_flag("--help-all", "Print the help of all options");
-  const auto print_man_page = [this] { throw CallFor{man_page(program_options(), subcommands_, texts)}; };
+  const auto print_man_page = [this] { throw CallFor{man_page(program_options(), subcommands_)}; };
   program_.add_flag_callback("--man", print_man_page, "Print the manual page, which man -l - shows")
       ->configurable(false);
   const auto print_script = [](const std::string& shell) { throw CallFor{completion_script(shell)}; };
@@ -236,17 +187,16 @@ void Parser::add_program_options(bool& verbose) {
                                         "Print the script with which this shell completes command lines")
       ->type_name(completion_shells)
       ->configurable(false);
-  program_.add_flag("--verbose", verbose, "Say more, on every rank");
+  program_.add_flag("--verbose", line_.verbose, "Say more, on every rank");
   program_.set_config("--config", "", "A TOML file with options")->type_name("FILE");
-  program_.config_formatter(std::make_shared<SubcommandToml>(program_, former_));
+  program_.config_formatter(std::make_shared<SubcommandToml>(program_, line_.notes));
   program_.allow_config_extras(CLI::config_extras_mode::error);
 }
 
 void Parser::add_subcommands() {
   for (const Subcommand& subcommand : subcommands()) {
     auto* const app = program_.add_subcommand(subcommand.name, subcommand.description);
-    app->footer(fmt::format(fmt::runtime(texts.config), subcommand.config) + "\n\nExamples:\n" +
-                subcommand.examples);
+    app->footer(fmt::format(config_help, subcommand.config) + "\n\nExamples:\n" + subcommand.examples);
     OptionList list;
     subcommand.add_options(list, targets_);
     for (const Option& option : list) bind(*app, option);
@@ -263,7 +213,7 @@ OptionList Parser::program_options() const {
   return list;
 }
 
-void Parser::settle(CommandLine& line) {
+void Parser::settle() {
   const CLI::App& app = *program_.get_subcommands().front();
   const auto chosen = std::find_if(subcommands_.begin(), subcommands_.end(),
                                    [&](const auto& one) { return app.get_name() == one.what->name; });
@@ -271,10 +221,10 @@ void Parser::settle(CommandLine& line) {
   for (Option& option : options) option.given = app.get_option(option.name())->results();
   options.read();
   const OptionList program = program_options();
-  line.options = settled_options(chosen->what->name, options, program);
+  line_.options = settled_options(chosen->what->name, options, program);
   refuse_contradictions(program);
   refuse_contradictions(options);
-  line.command = chosen->what->settle(options, targets_);
+  line_.command = chosen->what->settle(options, targets_);
 }
 
 std::string Parser::help(CLI::AppFormatMode mode) const {
@@ -283,42 +233,44 @@ std::string Parser::help(CLI::AppFormatMode mode) const {
 }
 
 CommandLine Parser::parse(int argc, const char* const* argv) {
-  CommandLine line;
   try {
     if (argc > 1 && argv[1] == std::string_view("--complete"))
       throw CallFor{completions(program_options(), subcommands_, {argv + 2, argv + argc})};
-    const Words words = former_.renamed(argc, argv);
+    Words words(argv, argv + argc);
     std::vector<const char*> with_names_of_today;
-    for (const auto& word : words) with_names_of_today.push_back(word.c_str());
+    bool options = true;
+    for (std::string& word : words) {
+      options = options && word != "--";
+      const auto end = std::min(word.find('='), word.size());
+      if (options && word.starts_with("--"))
+        word = "--" + name_of_today(word.substr(2, end - 2), line_.notes) + word.substr(end);
+      with_names_of_today.push_back(word.c_str());
+    }
     program_.parse(argc, with_names_of_today.data());
-    settle(line);
+    settle();
   } catch (const CallFor& call) {
-    line.command = Say{call.text};
+    line_.command = Say{call.text};
   } catch (const CLI::CallForHelp&) {
-    line.command = Say{help(CLI::AppFormatMode::Normal)};
+    line_.command = Say{help(CLI::AppFormatMode::Normal)};
   } catch (const CLI::CallForAllHelp&) {
-    line.command = Say{help(CLI::AppFormatMode::All)};
+    line_.command = Say{help(CLI::AppFormatMode::All)};
   } catch (const CLI::CallForVersion& e) {
-    line.command = Say{std::string(e.what()) + "\n"};
+    line_.command = Say{std::string(e.what()) + "\n"};
   } catch (const CLI::ParseError& e) {
-    line.error = with_hint(problem_of(program_, e), hint_for(program_, e));
+    line_.error = with_hint(problem_of(program_, e), hint_for(program_, e));
   } catch (const InputError& e) {
-    line.error = detail::one_line(e.what());
+    line_.error = detail::one_line(e.what());
   } catch (const std::exception& e) {
-    line.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
-                           "--help shows the options");
+    line_.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
+                            "--help shows the options");
   }
-  line.notes = former_.notes();
-  return line;
+  return line_;
 }
 
 }  // namespace
 
 CommandLine parse_command_line(int argc, const char* const* argv, const std::string& mpi) {
-  bool verbose = false;
-  CommandLine line = Parser(verbose, mpi).parse(argc, argv);
-  line.verbose = verbose;
-  return line;
+  return Parser(mpi).parse(argc, argv);
 }
 
 }  // namespace ringsplat::app

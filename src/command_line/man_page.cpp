@@ -131,14 +131,13 @@ std::string name_line(const std::string& summary) {
 
 }  // namespace
 
-std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands,
-                     const ProgramTexts& texts) {
+std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands) {
   std::string text = ".TH RINGSPLAT 1 \"\" \"ringsplat " RINGSPLAT_VERSION "\" \"User Commands\"\n";
   text += ".nh\n.ad l\n";  // options are not hyphenated
-  text += section("Name") + name_line(texts.summary);
+  text += section("Name") + name_line(summary);
   text += section("Synopsis");
   for (const auto& subcommand : subcommands) text += synopsis_of(subcommand);
-  text += section("Description") + roff(texts.summary) + ": " + roff(texts.description) + "\n";
+  text += section("Description") + roff(summary) + ": " + roff(description) + "\n";
   text += section("Options") + options_of(program);
   for (const auto& [what, options] : subcommands) {
     text += section(fmt::format("ringsplat {}", what->name));
@@ -147,9 +146,9 @@ std::string man_page(const OptionList& program, std::span<const BoundSubcommand>
     text += ".SS Examples\n" + example(what->examples);
   }
   text += section("Configuration files");
-  text += roff(fmt::format(fmt::runtime(texts.config), subcommands.front().what->config)) + "\n";
-  text += section("Exit status") + roff(texts.exit_codes) + "\n";
-  return text + section("Examples") + example(texts.examples);
+  text += roff(fmt::format(config_help, subcommands.front().what->config)) + "\n";
+  text += section("Exit status") + roff(exit_codes) + "\n";
+  return text + section("Examples") + example(program_examples);
 }
 
 }  // namespace ringsplat::app

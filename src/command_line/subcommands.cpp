@@ -35,7 +35,6 @@ void add_picture(OptionList& list, RenderOptions& o, bool writes_function) {
   add_camera_options(list, o);
   add_view_options(list, o);
   add_size_options(list, o);
-  add_colour_options(list, o);
   if (writes_function) add_tf_output_options(list, o);
   add_method_options(list, o);
   add_shading_options(list, o);
@@ -56,8 +55,7 @@ void add_render(OptionList& list, AllOptions& all) {
   add_shortcut_options(list, o);
   add_ranks(list, o.run);
   add_machine_options(list, o.run);
-  add_error_options(list, o.error);
-  add_error_budget_options(list, o.budget);
+  add_error_options(list, o);
 }
 
 Command settle_render(const OptionList& list, AllOptions& all) {
@@ -80,7 +78,6 @@ void add_serve(OptionList& list, AllOptions& all) {
   add_server_options(list, all.serve);
   add_camera_options(list, o);
   add_size_options(list, o);
-  add_colour_options(list, o);
   add_shading_options(list, o);
   add_ranks(list, o.run);
 }
@@ -96,8 +93,7 @@ Command settle_serve(const OptionList& list, AllOptions& all) {
 
 void add_info(OptionList& list, AllOptions& all) {
   add_volume(list, all.info.picture, false);
-  add_info_output_options(list, all.info);
-  add_prediction_options(list, all.info);
+  add_info_options(list, all.info);
   add_picture(list, all.info.picture, false);
   add_shortcut_options(list, all.info.picture);
 }
@@ -112,8 +108,7 @@ Command settle_info(const OptionList& list, AllOptions& all) {
 
 void add_reference(OptionList& list, AllOptions& all) {
   add_volume(list, all.reference.picture, false);
-  add_truth_options(list, all.reference);
-  add_reference_output_options(list, all.reference);
+  add_reference_options(list, all.reference);
   add_picture(list, all.reference.picture, true);
 }
 

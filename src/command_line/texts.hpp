@@ -12,14 +12,21 @@ class FormatterBase;
 /// What the program says of itself.
 namespace ringsplat::app {
 
-/// Texts about the program as a whole, for --help and the manual page.
-struct ProgramTexts {
-  const char* summary;      ///< begins with the program's name
-  const char* description;  ///< continues the summary
-  const char* examples;     ///< command lines, indented
-  const char* config;       ///< help of --config, with {} for a line of such a file
-  const char* exit_codes;
-};
+// About the program as a whole, for --help and the manual page.
+inline constexpr char summary[] = "ringsplat renders volumes on one process or on many MPI ranks";
+inline constexpr char description[] =  // continues the summary
+    "GPs hold slices and make splats,\n"
+    "Renderers own parts of the screen, tokens keep the slices in order.";
+inline constexpr char program_examples[] = R"(  ringsplat render head.nrrd -o head.png
+  mpirun -n 6 ringsplat render head.nrrd -o head.png --gps 4 --renderers 2 --tf mr-surface --azimuth 30
+  ringsplat info head_256x256x128_uint8.raw
+  ringsplat render --help)";
+inline constexpr char config_help[] =  // {}: a line of such a file
+    "Any option can be put into a TOML file and read with --config FILE: a line such as {}.\n"
+    "What the command line says comes first. --verbose says more, on every rank.";
+inline constexpr char exit_codes[] =
+    "0 done, 1 a comparison failed or --max-error is broken, 2 wrong usage or bad input, "
+    "3 a failure while running.";
 
 /// Writes --help and --help-all. Of a subcommand that names everyday options --help shows these alone, in few
 /// words, so that they fit one screen.
@@ -27,8 +34,7 @@ std::shared_ptr<CLI::FormatterBase> help_formatter();
 
 /// The manual page, section 1, as roff for man(7): all options of the program and its subcommands, and the
 /// rules between them (contradictions.hpp).
-std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands,
-                     const ProgramTexts& texts);
+std::string man_page(const OptionList& program, std::span<const BoundSubcommand> subcommands);
 
 /// The shells that completion_script() knows, as --help shows them.
 inline constexpr const char* completion_shells = "bash|zsh|fish";

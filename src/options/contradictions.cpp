@@ -14,24 +14,8 @@ namespace {
 
 using enum Relation;
 
-/// The options that choose an engine.
-Some choices_of(Engine engine) {
-  Some all{{.option = "--engine", .value = name(engine)}};
-  for (const Quality quality : {Quality::paper, Quality::draft, Quality::normal, Quality::best})
-    if (engine_of(quality) == engine) all.push_back({.option = "--quality", .value = name(quality)});
-  return all;
-}
-
 const Some only_splats{{.option = {}, .mark = Mark::of_splats}};
 const Some only_sheets{{.option = {}, .mark = Mark::of_sheets}, {.option = "--samples", .value = "1.5"}};
-
-/// The rule for options of one engine: it must be the usual one, or be chosen.
-Rule rule_for(const Some& options, Engine engine, const char* way_out, const char* problem) {
-  if (engine_of(usual_quality) == engine)
-    return {options, excludes, choices_of(engine == Engine::splats ? Engine::sheets : Engine::splats),
-            way_out, problem};
-  return {options, needs, choices_of(engine), way_out, problem};
-}
 
 const Rule all_rules[] = {
     {"--orbit", excludes, "--path", "each says what all frames are: keep one"},
@@ -71,10 +55,11 @@ const Rule all_rules[] = {
     {"--engine=splats", excludes, "--quality=draft --quality=normal --quality=best",
      "only --quality paper draws splats: leave one out"},
     {"--engine=sheets", excludes, "--quality=paper", "--quality paper draws splats: leave one out"},
-    rule_for(only_splats, Engine::splats, "leave out {0} or use --quality paper",
-             "{0} has no effect on sheets"),
-    rule_for(only_sheets, Engine::sheets, "leave out {0} or use --quality best",
-             "{0} has no effect on splats"),
+    // Unless told otherwise, sheets are drawn.
+    {only_splats, needs, "--engine=splats --quality=paper", "leave out {0} or use --quality paper",
+     "{0} has no effect on sheets"},
+    {only_sheets, excludes, "--engine=splats --quality=paper", "leave out {0} or use --quality best",
+     "{0} has no effect on splats"},
     {"--presets", excludes, "volume --gps --ranks",
      "the presets need no volume: ask for one thing at a time"},
     {"--list", excludes, "name", "ask for the list, or make one volume of it"},

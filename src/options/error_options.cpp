@@ -46,31 +46,25 @@ void note_fixed_shortcuts(const OptionList& list, ErrorBudgetOptions& o) {
 
 }  // namespace
 
-void add_error_options(OptionList& list, ErrorOptions& o) {
+void add_error_options(OptionList& list, RenderOptions& o) {
   const OptionRow rows[] = {
       {"--error", "method|field", nullptr,
        "Measure the picture against a double-precision truth: the method's own, or the field's integral",
-       parsed(o.truth, truth_from)},
+       parsed(o.error.truth, truth_from)},
       {"--error-pixels", "N", initial,
        "Pixels at which the truth is evaluated, drawn at random where the volume may show",
-       value(o.pixels, {1, std::size_t(1) << 30})},
-      {"--error-seed", nullptr, initial, "Seed of that draw", value(o.seed)},
-  };
-  list.add("Error", rows);
-}
-
-void add_error_budget_options(OptionList& list, ErrorBudgetOptions& o) {
-  const OptionRow rows[] = {
+       value(o.error.pixels, {1, std::size_t(1) << 30})},
+      {"--error-seed", nullptr, initial, "Seed of that draw", value(o.error.seed)},
       {"--max-error", "RMSE", nullptr,
        "Choose the cheapest --opaque-threshold, --precision, --radius, --slabs, --light-points, "
        "--image-plane and --undersample whose RMSE against the method's truth stays within this, in 1/255; "
        "with --error field against the field's, and --engine, too; those given are kept",
-       error_above_zero(o.max_error)},
+       error_above_zero(o.budget.max_error)},
   };
   list.add("Error", rows);
 }
 
-void add_truth_options(OptionList& list, ReferenceOptions& o) {
+void add_reference_options(OptionList& list, ReferenceOptions& o) {
   const OptionRow rows[] = {
       {"--truth", "method|field|analytic", "field",
        "The method's own picture (--quality), the integral of the interpolated volume, or that of the "
@@ -82,14 +76,11 @@ void add_truth_options(OptionList& list, ReferenceOptions& o) {
        value(o.formula)},
   };
   list.add("Truth", rows);
-}
-
-void add_reference_output_options(OptionList& list, ReferenceOptions& o) {
-  const OptionRow rows[] = {
+  const OptionRow output_rows[] = {
       {"-o,--output", "FILE", nullptr, "The picture: .exr (linear float32), or an 8-bit format",
        value(o.picture.output), Mark::required},
   };
-  list.add("Output", rows);
+  list.add("Output", output_rows);
 }
 
 void add_study_options(OptionList& list, StudyOptions& o) {

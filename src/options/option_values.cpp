@@ -6,7 +6,9 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <glm/geometric.hpp>
 #include <numeric>
+#include <string_view>
 #include <utility>
 
 #include "base/printable.hpp"
@@ -208,6 +210,148 @@ std::string closest(const std::string& word, const std::vector<std::string>& kno
       best = candidate;
     }
   return best;
+}
+
+// Options that are like an unknown one.
+
+namespace {
+
+/// Options of ParaView, VTK, matplotlib, Fiji, Slicer and the like.
+struct Alike {
+  const char *ours, *theirs;
+  const char* more = "";
+};
+
+constexpr const char* no_maximum =
+    " There is no maximum intensity projection: --tf grey --shading none comes near.";
+constexpr const char* no_surface = " Opacity that rises steeply at a value shows a surface there.";
+constexpr const char* or_whole = " --tf changes opacities, too.";
+constexpr Alike table[] = {
+    {"range", "window window-level level clim vmin vmax"},
+    {"colours", "cmap colormap colourmap color-map colors lut palette", or_whole},
+    {"tf", "transfer-function preset"},
+    {"tf", "mip projection-mode", no_maximum},
+    {"tf", "iso isosurface isovalue contour", no_surface},
+    {"opacity", "alpha density"},
+    {"size", "resolution width height"},
+    {"eye", "camera camera-position position"},
+    {"target", "focal-point look-at"},
+    {"up", "view-up"},
+    {"azimuth", "rotate angle"},
+    {"orbit", "turntable"},
+    {"clip", "crop roi"},
+    {"frame", "timestep"},
+    {"threads-per-rank", "threads jobs"},
+    {"background", "bgcolor"},
+    {"type", "dtype"},
+    {"dims", "shape"},
+    {"spacing", "voxel-size"},
+    {"quality", "sampling-rate"},
+};
+
+std::string plain(const std::string& name) {
+  std::string text = name.substr(std::min(name.find_first_not_of('-'), name.size()));
+  std::replace(text.begin(), text.end(), '_', '-');
+  return text;
+}
+
+}  // namespace
+
+std::string likely_option(const std::string& unknown, const std::vector<std::string>& known) {
+  for (const auto& [ours, theirs, more] : table)
+    for (const std::string& word : detail::words_of(theirs))
+      for (const auto& name : known)
+        if (word == plain(unknown) && plain(name) == ours)
+          return fmt::format("did you mean {}?{}", name, more);
+  const std::string alike = closest(unknown, known);
+  return alike.empty() ? "" : fmt::format("did you mean {}?", alike);
+}
+
+// Clip boxes.
+
+namespace {
+
+using Part = ClipText::Part;
+
+constexpr std::string_view unit = "mm";
+
+[[noreturn]] void refuse(const std::string& option, Axis axis, const Part& part, const std::string& why,
+                         const std::string& hint) {
+  throw InputError(fmt::format("{}: the {} part, '{}', {}", option, name(axis), part.text, why), hint);
+}
+
+/// One number, or nothing where the text is empty. False when it is no number.
+bool take_number(const std::string& text, std::optional<double>& number) {
+  if (detail::trimmed(text).empty()) return true;
+  const auto numbers = parse_numbers(text);
+  if (!numbers || numbers->size() != 1 || !std::isfinite(numbers->front())) return false;
+  number = numbers->front();
+  return true;
+}
+
+Part parse_part(std::string_view given, const std::string& option, Axis axis) {
+  Part part;
+  part.text = printable(given);
+  std::string text = detail::trimmed(std::string(given));
+  if (text.ends_with(unit)) {
+    part.distances = true;
+    text.resize(text.size() - unit.size());
+  }
+  if (detail::trimmed(text).empty() && !part.distances) return part;
+  const auto colon = text.find(':');
+  if (colon == std::string_view::npos || !take_number(text.substr(0, colon), part.first) ||
+      !take_number(text.substr(colon + 1), part.end))
+    refuse(option, axis, part, "is no range", "give FIRST:END, FIRST:, :END, or nothing for all of the axis");
+  return part;
+}
+
+/// The number of voxel faces up to a place, rounded to the nearest face.
+int faces_to(double number, const Part& part, Axis axis, const ClipText& clip, const Grid& grid) {
+  const int k = static_cast<int>(axis), last = grid.dims[k];
+  if (!part.distances && number != std::floor(number))
+    refuse(clip.option, axis, part, "has a voxel that is no whole number", "for distances add mm");
+  const double voxel = grid.spacing[k] * glm::length(grid.direction[k]),
+               faces = part.distances ? std::ceil(number / voxel - 0.5) : number;
+  if (!(faces >= 0 && faces <= last))
+    refuse(clip.option, axis, part, "does not lie within the volume",
+           part.distances ? fmt::format("it is {:g} mm long there, from 0", last * voxel)
+                          : fmt::format("it has voxels 0:{} there", last));
+  return static_cast<int>(faces);
+}
+
+}  // namespace
+
+ClipText parse_clip(const std::string& text, const std::string& option) {
+  ClipText clip;
+  clip.option = option;
+  const auto parts = split(text, ",");
+  if (parts.size() != clip.parts.size())
+    throw InputError(fmt::format("{} '{}' has {} part{} instead of three", option, printable(text),
+                                 parts.size(), parts.size() == 1 ? "" : "s"),
+                     fmt::format("give x0:x1,y0:y1,z0:z1; for instance {} 10:200,:,0:64", option));
+  for (const Axis axis : all_axes)
+    clip.parts[std::size_t(axis)] = parse_part(parts[std::size_t(axis)], option, axis);
+  if (clip.parts.back().distances)
+    for (Part& part : clip.parts) part.distances = true;
+  return clip;
+}
+
+VoxelBox clip_box(const ClipText& clip, const Grid& grid) {
+  VoxelBox box = whole_box(grid);
+  for (const Axis axis : all_axes) {
+    const auto k = static_cast<int>(axis);
+    const Part& part = clip.parts[std::size_t(axis)];
+    if (part.first) box.first[k] = faces_to(*part.first, part, axis, clip, grid);
+    if (part.end) box.end[k] = faces_to(*part.end, part, axis, clip, grid);
+    if (box.first[k] >= box.end[k])
+      refuse(clip.option, axis, part, "has no voxel",
+             part.distances ? "a voxel counts when its centre lies between" : "FIRST must be less than END");
+  }
+  return box;
+}
+
+std::optional<VoxelBox> clip_box(const std::optional<ClipText>& clip, const Grid& grid) {
+  return clip ? std::optional(clip_box(*clip, grid)) : std::nullopt;
 }
 
 }  // namespace ringsplat::app

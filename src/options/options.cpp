@@ -171,7 +171,7 @@ void add_server_options(OptionList& list, ServeOptions& o) {
   list.add("Viewer", rows);
 }
 
-void add_info_output_options(OptionList& list, InfoOptions& o) {
+void add_info_options(OptionList& list, InfoOptions& o) {
   const OptionRow rows[] = {
       {"--gps", "G", nullptr, "Predict the memory of a GP for G of them", value(o.gps, {1, 1 << 24})},
       {"--bundle", "K", initial, "Predict for bundles of so many slices",
@@ -180,10 +180,7 @@ void add_info_output_options(OptionList& list, InfoOptions& o) {
       {"--presets", nullptr, nullptr, "List the transfer functions that --tf knows by name", flag(o.presets)},
   };
   list.add("Output", rows);
-}
-
-void add_prediction_options(OptionList& list, InfoOptions& o) {
-  const OptionRow rows[] = {
+  const OptionRow prediction_rows[] = {
       {"--ranks", "N", nullptr, "Predict a frame's time for all ways to give N ranks roles",
        value(o.ranks, {1, 4096})},
       {"--cores", "C", nullptr, "Cores that the ranks share; without it this machine's",
@@ -191,7 +188,7 @@ void add_prediction_options(OptionList& list, InfoOptions& o) {
       {"--machine", "FILE", nullptr,
        "Predict for a described machine (docs/simulation.md) instead of this one", value(o.machine)},
   };
-  list.add("Prediction", rows);
+  list.add("Prediction", prediction_rows);
 }
 
 void add_compare_options(OptionList& list, CompareOptions& o) {

@@ -11,25 +11,15 @@
 namespace ringsplat::app {
 namespace {
 
-using Numbers = std::vector<double>;
-
-Reader matrix(Camera& camera) {
-  return numbers(12, [&camera](const Numbers& m) {
-    camera.matrix.emplace();
-    std::copy_n(m.begin(), camera.matrix->size(), camera.matrix->begin());
+/// As many numbers as the target has.
+template <class T>
+Reader all_of(T& target) {
+  constexpr std::size_t count = sizeof(ValueOf<T>) / sizeof(double);
+  return numbers(int(count), [&target](const std::vector<double>& given) {
+    ValueOf<T> value{};
+    std::copy_n(given.begin(), count, &value[0]);
+    target = value;
   });
-}
-
-Reader direction(glm::dvec3& target) {
-  return numbers(3, [&target](const Numbers& v) { target = {v[0], v[1], v[2]}; });
-}
-
-Reader place(std::optional<glm::dvec3>& target) {
-  return numbers(3, [&target](const Numbers& v) { target.emplace(v[0], v[1], v[2]); });
-}
-
-Reader two_numbers(std::array<double, 2>& target) {
-  return numbers(2, [&target](const Numbers& v) { target = {v[0], v[1]}; });
 }
 
 Reader image_size(FrameSpec& frame) {
@@ -132,9 +122,9 @@ void add_view_options(OptionList& list, RenderOptions& o) {
        choice(o.fit, {{"box", Fit::box}, {"sphere", Fit::sphere}})},
       {"--matrix", "M11 ... M34", nullptr,
        "World to screen instead, 3 rows of 4: pixels right, pixels down, pixels of depth",
-       matrix(o.frame.shown.camera)},
+       all_of(o.frame.shown.camera.matrix)},
       {"--pan", "RIGHT DOWN", "0 0", "Moves the picture, in lengths of its shorter side",
-       two_numbers(o.frame.shown.camera.pan)},
+       all_of(o.frame.shown.camera.pan)},
       {"--projection", nullptr, initial, "How the volume is seen; perspective needs sheets",
        choice(o.frame.shown.camera.fov, {{"orthographic", 0.0}, {"perspective", 40.0}})},
       {"--fov", "DEGREES", "40", "Field of view of the picture's shorter side, 0.01 to 179, in perspective",
@@ -144,12 +134,12 @@ void add_view_options(OptionList& list, RenderOptions& o) {
        "the volume fits the field of view",
        value(o.frame.shown.camera.distance)},
       {"--eye", "X Y Z", nullptr, "World position of the eye, instead of the angles and the distance",
-       place(o.frame.shown.camera.eye)},
+       all_of(o.frame.shown.camera.eye)},
       {"--target", "X Y Z", nullptr,
        "World position that the picture shows in its middle, instead of the volume's centre",
-       place(o.frame.shown.camera.target)},
+       all_of(o.frame.shown.camera.target)},
       {"--up", "X Y Z", "0 0 1", "World direction that points up in the picture, with --eye",
-       direction(o.frame.shown.camera.up)},
+       all_of(o.frame.shown.camera.up)},
       {"--orbit", "N", nullptr, "N frames once around, from --azimuth on, into OUT-0000.png ...",
        value(o.orbit, {1, 1'000'000}), Mark::of_program},
       {"--path", "FILE", nullptr,
@@ -167,15 +157,12 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "Take opacities per slice, whatever the distance between slices along the ray",
        flag(o.frame.shown.opacity_correction, false)},
       {"--light", "X Y Z", "-0.4 0.6 0.7", "Direction to the light in the picture: right, up, to the viewer",
-       direction(o.frame.shown.light)},
+       all_of(o.frame.shown.light)},
       {"--tf", "NAME|FILE", initial, "Transfer function: a preset (info --presets) or a ParaView JSON file",
        value(o.transfer_function)},
   };
   list.add("Picture", rows);
-}
-
-void add_colour_options(OptionList& list, RenderOptions& o) {
-  const OptionRow rows[] = {
+  const OptionRow colour_rows[] = {
       {"--range", "LO:HI", nullptr,
        "Window of values that the transfer function spans; a preset or a file is stretched onto it",
        parsed(o.colour.range, parse_window)},
@@ -197,7 +184,7 @@ void add_colour_options(OptionList& list, RenderOptions& o) {
        choice(o.colour.interpolation,
               {{"linear", Interpolation::linear}, {"nearest", Interpolation::nearest}})},
   };
-  list.add("Colours", rows);
+  list.add("Colours", colour_rows);
 }
 
 void add_tf_output_options(OptionList& list, RenderOptions& o) {

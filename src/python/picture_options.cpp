@@ -23,13 +23,12 @@ OptionList options_for(RenderOptions& o, From from) {
     app::add_volume_options(list, o.volume);
     app::add_raw_options(list, o.volume);
   }
-  for (const auto add : {app::add_clip_options, app::add_render_output_options, app::add_camera_options, app::add_view_options,
-        app::add_size_options, app::add_colour_options, app::add_method_options, app::add_shading_options,
-        app::add_picture_options, app::add_shortcut_options})
- add(list, o);
+  for (const auto add : {app::add_clip_options, app::add_render_output_options, app::add_camera_options,
+                         app::add_view_options, app::add_size_options, app::add_method_options,
+                         app::add_shading_options, app::add_picture_options, app::add_shortcut_options})
+    add(list, o);
   if (from == From::volume) {
-    app::add_error_options(list, o.error);
-    app::add_error_budget_options(list, o.budget);
+    app::add_error_options(list, o);
     app::add_rank_options(list, o.run);
   }
   list.leave_out(app::Mark::of_program);
