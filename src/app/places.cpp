@@ -174,7 +174,7 @@ Layout choose_roles(const RenderOptions& o, const std::vector<Camera>& cameras, 
     chosen = predictions.front().layout;
     say_choice(predictions);
   });
-  return value_of<Layout>(launch.collectives().broadcast(block_of_value(chosen), 0), "a layout");
+  return launch.of_rank_0(chosen);
 }
 
 int drawing_renderers(const Layout& layout, const std::vector<Place>& places, const Launch& launch) {

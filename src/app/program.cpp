@@ -35,33 +35,29 @@ Ending dispatch(const CommandLine& line, Launch& launch) {
   // --config file on some machines.
   const Outcome agreed = guarded([&] {
     launch.require_same_build();
-    launch.settle(line.error);
+    agree(launch.collectives(), line.error);
     launch.require_same_options(line.options);
     return ExitCode::done;
   });
   if (agreed.code != ExitCode::done) return {agreed, agreed.code == ExitCode::bad_input};
-  // On all ranks.
-  std::function<ExitCode()> run;
-  if (const auto* render = std::get_if<RenderOptions>(&line.command))
-    run = [&launch, render] { return run_render(*render, launch); };
-  if (const auto* serve = std::get_if<ServeOptions>(&line.command))
-    run = [&launch, serve] { return run_serve(*serve, launch); };
-  if (run) {
-    Outcome outcome = guarded(run);
-    const bool everywhere = outcome.code != ExitCode::run_failed;
-    return {std::move(outcome), everywhere};
-  }
   const auto work = [&] {
     return std::visit(
-        Overloaded{[](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
+        Overloaded{[&](const RenderOptions& o) { return run_render(o, launch); },
+                   [&](const ServeOptions& o) { return run_serve(o, launch); },
+                   [](const Say& o) { return say(o.text); }, [](const InfoOptions& o) { return run_info(o); },
                    [](const CompareOptions& o) { return run_compare(o); },
                    [](const SynthOptions& o) { return run_synth(o); },
                    [](const ReferenceOptions& o) { return run_reference(o); },
                    [](const StudyOptions& o) { return run_study(o); },
-                   [](const auto&) { return ExitCode::bad_input; }},
+                   [](const std::monostate&) { return ExitCode::bad_input; }},
         line.command);
   };
-  return {launch.run_on_rank_0(work), true};
+  if (!std::holds_alternative<RenderOptions>(line.command) &&
+      !std::holds_alternative<ServeOptions>(line.command))
+    return {launch.run_on_rank_0(work), true};
+  Outcome outcome = guarded(work);
+  const bool everywhere = outcome.code != ExitCode::run_failed;
+  return {std::move(outcome), everywhere};
 }
 
 /// With rank 0's number if wanted, which its lines do not have.

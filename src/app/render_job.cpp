@@ -17,7 +17,6 @@
 #include "frame/frame_needs.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
-#include "net/blocks.hpp"
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "program/text_output.hpp"
@@ -114,8 +113,7 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
   if (o.keep_all_axes || o.path == "-") return {true, true, true};
   std::array<bool, 3> axes{};
   if (launch.rank() == 0) axes = needed_axes(o.frame, cameras, grid, o.budget.other_engine);
-  const Block block = launch.collectives().broadcast(block_of_value(axes), 0);
-  return value_of<std::array<bool, 3>>(block, "the axes to keep");
+  return launch.of_rank_0(axes);
 }
 
 }  // namespace

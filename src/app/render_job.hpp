@@ -44,9 +44,6 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
 /// Loads the scene again, from the same volume.
 Scene reload(Job& job, const Wiring& wiring, Progress& progress, Launch& launch);
 
-/// Draws the volumes of --frames.
-ExitCode render_series(Job& job, Progress& progress, Launch& launch);
-
 /// Changes `frame` (on rank 0, which announces frames) to the cheapest setting that keeps the job's budget,
 /// by the stored calibration or a new one. All processes call it. Returns true when it rendered with `scene`,
 /// which is then used up and must be loaded again. All throw the same InputError when no setting keeps the

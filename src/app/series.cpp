@@ -1,4 +1,4 @@
-#include "app/series.hpp"
+#include "app/render_job.hpp"
 
 #include <fmt/format.h>
 #include <glob.h>
@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <regex>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -24,8 +25,6 @@ using Numbered = std::vector<std::pair<int, std::string>>;
 
 constexpr std::size_t most_volumes = 1'000'000;
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// A %d or %04d in a file's name.
 struct NumberForm {
   std::string before, after;
@@ -33,17 +32,10 @@ struct NumberForm {
 };
 
 std::optional<NumberForm> number_form(const std::string& name) {
-  const auto percent = name.find('%');
-  if (percent == std::string::npos) return std::nullopt;
-  std::size_t at = percent + 1;
-  while (at < name.size() && is_digit(name[at])) ++at;
-  const std::string width = name.substr(percent + 1, at - percent - 1);
-  const bool zeros = width.empty() || (width.front() == '0' && width.size() <= 3);
-  if (at == name.size() || name[at] != 'd' || !zeros || name.find('%', at) != std::string::npos)
-    return std::nullopt;
-  NumberForm form{name.substr(0, percent), name.substr(at + 1)};
-  if (!width.empty()) form.digits = std::max<std::size_t>(1, std::stoul(width));
-  return form;
+  static const std::regex form("([^%]*)%(0[0-9]{0,2})?d([^%]*)");
+  std::smatch parts;
+  if (!std::regex_match(name, parts, form)) return std::nullopt;
+  return NumberForm{parts[1], parts[3], std::max<std::size_t>(1, std::stoul("0" + parts[2].str()))};
 }
 
 std::string written(const NumberForm& form, int number) {
@@ -210,41 +202,43 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
   return entries;
 }
 
-SeriesLoader::SeriesLoader(const std::vector<SeriesEntry>& entries, OpenedVolume first, Plan plan,
-                           Progress& progress, Launch& launch)
-    : entries_(entries),
-      plan_(std::move(plan)),
+SeriesLoader::SeriesLoader(Job& job, const Wiring& wiring, std::size_t pictures, Progress& progress,
+                           Launch& launch)
+    : job_(job),
+      wiring_(wiring),
+      ahead_bytes_(room_to_read_ahead(job.options.frame.shown.width, job.options.frame.shown.height, pictures,
+                                      job.memory, job.layout, launch)),
       progress_(progress),
       launch_(launch),
-      grid_(first.grid),
-      ahead_(std::move(first)) {}
+      grid_(job.volume.grid),
+      ahead_(std::move(job.volume)) {}
 
 Scene SeriesLoader::load(std::size_t k) {
   OpenedVolume volume = opened(k);
-  const SeriesEntry& entry = entries_[k];
-  if (volume.source && entries_.size() > 1)
+  const SeriesEntry& entry = job_.series[k];
+  if (volume.source && job_.series.size() > 1)
     volume.source = std::make_unique<NotingSource>(std::move(volume.source), runs_);
   try {
     Progress& progress = std::exchange(loaded_one_, true) ? silent_ : progress_;
-    return app::load(volume, plan_.load, plan_.layout, plan_.wiring, progress);
+    return app::load(volume, job_.load, job_.layout, wiring_, progress);
   } catch (const InputError& e) {
     const std::string what = e.what();
-    if (entries_.size() == 1 || what.find(entry.volume.path) != std::string::npos) throw;
+    if (job_.series.size() == 1 || what.find(entry.volume.path) != std::string::npos) throw;
     throw InputError(fmt::format("{}: {}", entry.name, what));
   }
 }
 
 void SeriesLoader::read_ahead(std::size_t k) {
   ahead_.reset();
-  if (k >= entries_.size()) return;
+  if (k >= job_.series.size()) return;
   try {
     ahead_ = open_like_the_first(k);
   } catch (const InputError&) {
     return;
   }
   ahead_at_ = k;
-  if (ahead_->source && plan_.ahead_bytes > 0 && !runs_.empty())
-    ahead_->source = std::make_unique<ReadAheadSource>(std::move(ahead_->source), runs_, plan_.ahead_bytes);
+  if (ahead_->source && ahead_bytes_ > 0 && !runs_.empty())
+    ahead_->source = std::make_unique<ReadAheadSource>(std::move(ahead_->source), runs_, ahead_bytes_);
 }
 
 OpenedVolume SeriesLoader::opened(std::size_t k) {
@@ -255,13 +249,13 @@ OpenedVolume SeriesLoader::opened(std::size_t k) {
 }
 
 OpenedVolume SeriesLoader::open_like_the_first(std::size_t k) {
-  OpenedVolume volume = open(entries_[k].volume, launch_);
+  OpenedVolume volume = open(job_.series[k].volume, launch_);
   const Facts here = facts_of(volume.grid), first = facts_of(grid_);
   for (std::size_t fact = 0; fact < here.size(); ++fact)
     if (here[fact] != first[fact])
       throw InputError(
-          fmt::format("{} has {} {}, but {}, the first, has {}", entries_[k].volume.path, here[fact].field,
-                      here[fact].value, entries_.front().name, first[fact].value),
+          fmt::format("{} has {} {}, but {}, the first, has {}", job_.series[k].volume.path, here[fact].field,
+                      here[fact].value, job_.series.front().name, first[fact].value),
           "the volumes of a series must lie on one grid: render the others by themselves");
   return volume;
 }

@@ -11,6 +11,8 @@
 
 namespace ringsplat::app {
 
+struct Job;
+
 /// A volume of a series.
 struct SeriesEntry {
   int number = 0;  ///< of its picture: the one that --frames counts by
@@ -40,24 +42,13 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
 /// functions in the same order.
 class SeriesLoader {
  public:
-  struct Plan {
-    LoadOptions load;
-    Layout layout;
-    Wiring wiring;
-    std::size_t ahead_bytes = 0;  ///< this process may hold of a volume that is read ahead
-  };
-  /// `first` is the first of the entries, opened. What is passed by reference must outlive the loader.
-  /// `progress` shows how far the first volume is.
-  SeriesLoader(const std::vector<SeriesEntry>& entries, OpenedVolume first, Plan plan, Progress& progress,
-               Launch& launch);
+  /// Takes the job's opened volume. So many `pictures` are held at once beside the slices. What is passed by
+  /// reference must outlive the loader. `progress` shows how far the first volume is.
+  SeriesLoader(Job& job, const Wiring& wiring, std::size_t pictures, Progress& progress, Launch& launch);
 
-  std::size_t size() const { return entries_.size(); }
-  const SeriesEntry& entry(std::size_t k) const { return entries_[k]; }
   /// Throws the same InputError on all processes, with the volume's name, when it cannot be read, has another
   /// grid than the first or no finite value. No scene of an earlier volume should be alive, for its memory.
   Scene load(std::size_t k);
-  /// From now on reduced levels have voxels that are picked, not filtered.
-  void leave_out_prefilter() { plan_.load.prefilter = false; }
   /// Begins to read a volume that will probably be loaded next. None of that number, or one that cannot be
   /// opened: nothing happens, as load() will tell.
   void read_ahead(std::size_t k);
@@ -66,8 +57,9 @@ class SeriesLoader {
   OpenedVolume opened(std::size_t k);
   OpenedVolume open_like_the_first(std::size_t k);
 
-  const std::vector<SeriesEntry>& entries_;
-  Plan plan_;
+  const Job& job_;
+  const Wiring wiring_;
+  const std::size_t ahead_bytes_;  ///< this process may hold of a volume that is read ahead
   Progress& progress_;
   Progress silent_{true};
   Launch& launch_;

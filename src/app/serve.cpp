@@ -10,15 +10,13 @@
 
 #include "app/commands.hpp"
 #include "app/loading.hpp"
-#include "app/places.hpp"
-#include "app/series.hpp"
+#include "app/render_job.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "classify/srgb.hpp"
 #include "formats/label_names.hpp"
 #include "frame/frame_needs.hpp"
-#include "net/blocks.hpp"
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"
@@ -30,16 +28,7 @@
 namespace ringsplat::app {
 namespace {
 
-/// A run, all decided and checked before a voxel is read.
-struct Job {
-  RenderOptions picture;
-  Layout layout;
-  std::optional<TransferFunctionChoice> transfer_function;  ///< on rank 0
-  std::vector<SeriesEntry> series;                          ///< one volume, without --frames
-  OpenedVolume volume;                                      ///< the first of them
-  LoadOptions load;
-  std::size_t ahead_bytes = 0;
-};
+constexpr std::size_t pictures_held = 3;  // in flight, being encoded, a snapshot
 
 serve::Qualities qualities() {
   return {sheets_of(Quality::draft), sheets_of(Quality::normal), sheets_of(Quality::best)};
@@ -74,7 +63,7 @@ void refuse_long_series(const std::vector<SeriesEntry>& series) {
 
 Job prepare(const ServeOptions& options, Launch& launch) {
   Job job;
-  RenderOptions& o = job.picture = options.picture;
+  RenderOptions& o = job.options = options.picture;
   if (o.run.simulation.machine || simulated())
     throw InputError("nobody can look at simulated ranks", "use ringsplat render");
   const auto [places, layout] = settle_ranks(o.run, launch);
@@ -93,13 +82,10 @@ Job prepare(const ServeOptions& options, Launch& launch) {
     check_first_view(o.frame, grid);
   });
   job.load = load_for_levels(o.frame, grid);
-  constexpr std::size_t pictures = 3;  // in flight, being encoded, a snapshot
-  const SliceMemory memory =
-      settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures, places, launch);
-  job.ahead_bytes =
-      room_to_read_ahead(o.frame.shown.width, o.frame.shown.height, pictures, memory, job.layout, launch);
+  job.memory =
+      settle_layout(o, job.layout, {o.frame.shown.camera}, grid, job.load, pictures_held, places, launch);
   if (!view_note.empty()) log_info("{}", view_note);
-  log_roles(job.layout, memory, launch);
+  log_roles(job.layout, job.memory, launch);
   return job;
 }
 
@@ -124,7 +110,7 @@ std::vector<serve::Label> labels_of(const std::vector<double>& values, const std
 
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
                                     const Scene& scene, MadeFunction made, const Launch& launch) {
-  const RenderOptions& o = job.picture;
+  const RenderOptions& o = job.options;
   serve::ViewerOptions v;
   v.version = RINGSPLAT_VERSION;
   v.layout =
@@ -176,7 +162,12 @@ class Warnings {
   Warnings() {
     set_log_sink([this](LogLevel level, const std::string& text) {
       log_to_stderr(level, text);
-      if (level >= LogLevel::warning) take(text);
+      if (level < LogLevel::warning) return;
+      const std::lock_guard lock(mutex_);
+      if (viewer_ != nullptr)
+        viewer_->warn(text);
+      else
+        early_.push_back(text);
     });
   }
   ~Warnings() { set_log_sink({}); }
@@ -190,14 +181,6 @@ class Warnings {
   }
 
  private:
-  void take(const std::string& text) {
-    const std::lock_guard lock(mutex_);
-    if (viewer_ != nullptr)
-      viewer_->warn(text);
-    else
-      early_.push_back(text);
-  }
-
   std::mutex mutex_;
   std::vector<std::string> early_;
   serve::Viewer* viewer_ = nullptr;
@@ -234,9 +217,7 @@ void leave_the_end_to_rank_0() {
 
 /// The frame that pages ask for next, on all ranks; nothing when the viewer has ended.
 std::optional<std::size_t> agree_on_next(serve::Viewer* viewer, Launch& launch) {
-  const int mine = viewer != nullptr ? viewer->next_volume().value_or(-1) : -1;
-  const Block block = launch.collectives().broadcast(block_of_value(mine), 0);
-  const int next = value_of<int>(block, "the number of the next volume");
+  const int next = launch.of_rank_0(viewer != nullptr ? viewer->next_volume().value_or(-1) : -1);
   return next < 0 ? std::nullopt : std::optional(std::size_t(next));
 }
 
@@ -260,7 +241,7 @@ std::size_t load_next(std::size_t next, std::size_t shown, SeriesLoader& loader,
 /// read meanwhile.
 void show_series(SeriesLoader& loader, Scene scene, const Job& job, serve::Viewer* viewer,
                  const Wiring& wiring, Launch& launch) {
-  const RunOptions& run = job.picture.run;
+  const RunOptions& run = job.options.run;
   std::size_t shown = 0;
   bool backwards = false;
   while (true) {
@@ -280,19 +261,17 @@ ExitCode run_serve(const ServeOptions& options, Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   Warnings warnings;
   Job job = prepare(options, launch);
-  const RunOptions& run = job.picture.run;
+  const RunOptions& run = job.options.run;
   Progress progress(launch.rank() != 0, stderr);
   const Wiring wiring = launch.wiring(run.loopback);
   const VolumeNotes notes = job.volume.notes;
-  SeriesLoader loader(job.series, std::move(job.volume), {job.load, job.layout, wiring, job.ahead_bytes},
-                      progress, launch);
+  SeriesLoader loader(job, wiring, pictures_held, progress, launch);
   Scene scene = loader.load(0);
   MadeFunction made;
   launch.check_on_rank_0([&] { made = job.transfer_function->make(scene.values); });
   if (launch.of_rank_0(made.interpolation == Interpolation::nearest) && job.load.factors.size() > 1) {
     // A mean of labels is another label.
-    job.picture.frame.shown.reduction.prefilter = false;
-    loader.leave_out_prefilter();
+    job.options.frame.shown.reduction.prefilter = job.load.prefilter = false;
     scene = {};
     scene = loader.load(0);
   }

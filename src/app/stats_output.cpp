@@ -1,11 +1,15 @@
 #include "app/stats_output.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "frame/frame_spec_bytes.hpp"
+#include "net/message.hpp"
 #include "options/method_options.hpp"
 #include "options/option_values.hpp"
 #include "program/text_output.hpp"
@@ -24,6 +28,9 @@ json to_json(const MeasuredError& m) {
 
 namespace {
 
+double busy_seconds(const NodeStats& s) { return s.computing + s.drawing + s.compositing + s.delivering; }
+double megabytes(std::uint64_t bytes) { return double(bytes) / 1e6; }
+
 json to_json(const SliceMemory& memory) {
   std::string axes;
   for (const Axis axis : all_axes)
@@ -38,17 +45,21 @@ StatsOutput::StatsOutput(const RenderOptions& options, const Layout& layout, Sli
       lines_(std::filesystem::path(file_).extension() == ".jsonl"),
       layout_(layout),
       memory_(std::move(memory)),
-      items_(items_of(options.frame.how)) {
-  if (options.stats_as_table) table_.emplace(layout);
-}
+      as_table_(options.stats_as_table),
+      items_(items_of(options.frame.how)),
+      gps_(std::size_t(layout.gps)),
+      renderers_(std::size_t(layout.renderers)) {}
 
 void StatsOutput::add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
                       const std::string& volume) {
-  if (table_) {
-    table_->add(frame.stats);
+  if (as_table_) {
+    ++frames_;
+    for (std::size_t g = 0; g < frame.stats.gps.size(); ++g) gps_.at(g) += frame.stats.gps[g];
+    for (std::size_t r = 0; r < frame.stats.renderers.size(); ++r)
+      renderers_.at(r) += frame.stats.renderers[r];
     items_ = items_of(frame.spec.how);
   }
-  if (table_ || file_.empty()) return;
+  if (as_table_ || file_.empty()) return;
   json j = json::parse(to_json_text(frame.stats, layout_, to_json_text(frame.spec), name(frame.axis)));
   if (!picture.empty()) j["file"] = picture;
   j["volume"] = volume;
@@ -77,13 +88,41 @@ void StatsOutput::write(const RefinementSteps& steps) {
 
 void StatsOutput::finish() {
   if (file_.empty()) return;
-  if (table_) return write_text_output(file_, table_->text(items_));
+  if (as_table_) return write_text_output(file_, table());
   write({});
   put(lines_ ? "\n" : begun_ ? "\n]\n" : "[\n\n]\n");
   if (output_)
     output_->commit();
   else
     flush_stdout();
+}
+
+/// What each rank did in all frames, for people.
+std::string StatsOutput::table() const {
+  std::string text = fmt::format(
+      "{} frame{}, sums\n{:>6}  {:<24}{:>10}{:>11}{:>7}{:>11}{:>13}{:>11}{:>15}{:>15}\n", frames_,
+      frames_ == 1 ? "" : "s", "rank", "nodes", "busy s", "waiting s", "busy", "sent MB", "received MB",
+      "memory MB", fmt::format("{} sent", items_), fmt::format("{} drawn", items_));
+  for (int rank = 0; rank < layout_.working_ranks(); ++rank) {
+    NodeStats sum;
+    std::string nodes;
+    double there = 0;  // a rank's nodes take turns: while one works the other waits
+    for (const NodeId node : layout_.nodes_on(rank)) {
+      if (node == frame_buffer_id) continue;
+      const NodeStats& one = (node.role == Role::gp ? gps_ : renderers_).at(std::size_t(node.index));
+      sum += one;
+      there = std::max(there, busy_seconds(one) + one.waiting_for_token + one.sending + one.idle);
+      nodes += (nodes.empty() ? "" : ", ") + to_string(node);
+    }
+    const double busy = busy_seconds(sum), waiting = std::max(0.0, there - busy);
+    text +=
+        fmt::format("{:>6}  {:<24}{:>10.3f}{:>11.3f}{:>5.0f} %{:>11.2f}{:>13.2f}{:>11.0f}{:>15}{:>15}\n",
+                    rank, nodes, busy, waiting, busy > 0 ? 100 * busy / (busy + waiting) : 0.0,
+                    megabytes(sum.payload_bytes_sent + sum.tile_bytes), megabytes(sum.payload_bytes_received),
+                    megabytes(sum.peak_memory), sum.splats_sent, sum.splats_drawn);
+  }
+  if (layout_.idle > 0) text += fmt::format("{:>6}  idle\n", fmt::format("+{}", layout_.idle));
+  return text;
 }
 
 void StatsOutput::put(const std::string& text) {

@@ -12,7 +12,6 @@
 #include "base/output_file.hpp"
 #include "options/options.hpp"
 #include "record/stats.hpp"
-#include "record/stats_table.hpp"
 #include "session/director.hpp"
 #include "study/measured_error.hpp"
 
@@ -50,13 +49,16 @@ class StatsOutput {
 
  private:
   void put(const std::string& text);
+  std::string table() const;
 
   const std::string& file_;
   const bool lines_;  ///< not an array
   const Layout& layout_;
   const SliceMemory memory_;
-  const char* items_;                                             ///< what payloads hold
-  std::optional<StatsTable> table_;                               ///< in place of JSON
+  const bool as_table_;  ///< of sums, in place of JSON
+  const char* items_;    ///< what payloads hold
+  int frames_ = 0;
+  std::vector<NodeStats> gps_, renderers_;                        ///< sums
   std::vector<std::pair<std::int64_t, nlohmann::json>> waiting_;  ///< entries, with their frames
   std::unique_ptr<OutputFile> output_;  ///< null before the first frame, or for stdout
   bool begun_ = false;

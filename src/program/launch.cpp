@@ -7,7 +7,6 @@
 #include "base/lack_of_memory.hpp"
 #include "base/text.hpp"
 #include "net/agree.hpp"
-#include "net/blocks.hpp"
 #include "net/launcher.hpp"
 #include "options/option_values.hpp"
 #include "program/layouts.hpp"
@@ -54,8 +53,6 @@ void Launch::require_same_options(const Facts& options) {
                "start all ranks with the same command line and --config file; only --verbose may differ");
 }
 
-void Launch::settle(const std::string& error) { agree(*collectives_, error); }
-
 void Launch::check_on_all_ranks(const std::function<void()>& check) { agree_after(*collectives_, check); }
 
 void Launch::check_on_rank_0(const std::function<void()>& check) {
@@ -64,15 +61,10 @@ void Launch::check_on_rank_0(const std::function<void()>& check) {
   if (!agreed.empty()) throw InputError(agreed);
 }
 
-bool Launch::of_rank_0(bool decision) {
-  return collectives_->broadcast(Block{std::byte(decision ? 1 : 0)}, 0).at(0) != std::byte(0);
-}
-
 Outcome Launch::run_on_rank_0(const std::function<ExitCode()>& work) {
   Outcome outcome;
   if (rank() == 0) outcome = guarded(work);
-  const Block code = collectives_->broadcast(Block{std::byte(outcome.code)}, 0);
-  outcome.code = static_cast<ExitCode>(code.at(0));
+  outcome.code = of_rank_0(outcome.code);
   return outcome;
 }
 

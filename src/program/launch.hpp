@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "mpi/session.hpp"
+#include "net/blocks.hpp"
 #include "options/options.hpp"
 #include "ringsplat/base/error.hpp"
 #include "session/render.hpp"
@@ -50,15 +51,15 @@ class Launch {
   void require_same_build() const;
   /// Throws InputError on all ranks when one was told other options than rank 0.
   void require_same_options(const Facts& options);
-  /// All ranks pass an error's text or an empty one; all throw the same InputError when any rank has an
-  /// error.
-  void settle(const std::string& error);
   /// Runs `check` on every rank; when one throws InputError, all throw it.
   void check_on_all_ranks(const std::function<void()>& check);
   /// Runs `check` on rank 0 only; when it throws InputError, all ranks throw it.
   void check_on_rank_0(const std::function<void()>& check);
   /// What rank 0 passes, on all ranks.
-  bool of_rank_0(bool decision);
+  template <class T>
+  T of_rank_0(const T& value) {
+    return value_of<T>(collectives_->broadcast(block_of_value(value), 0), "what rank 0 decided");
+  }
   /// Runs `work` on rank 0 while the others wait; all get its outcome, the text on rank 0 only.
   Outcome run_on_rank_0(const std::function<ExitCode()>& work);
   /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it

@@ -11,30 +11,18 @@
 #include "base/process.hpp"
 #include "images/image_io.hpp"
 #include "study/measured_error.hpp"
-#include "volume/forwarding_source.hpp"
 
 namespace ringsplat::python {
 namespace {
 
-/// Calls a hook before each piece that is read.
-class PolledSource final : public ForwardingSource {
- public:
-  PolledSource(std::unique_ptr<VolumeSource> source, std::function<void()> poll)
-      : ForwardingSource(std::move(source)), poll_(std::move(poll)) {}
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    poll_();
-    ForwardingSource::read_slices(first, count, out);
-  }
-
- private:
-  std::function<void()> poll_;
-};
-
+/// The volume, of which a hook is called at each piece that is read.
 app::VolumeOptions polled(const app::VolumeOptions& volume, const Hooks& hooks) {
   if (!hooks.poll) return volume;
   app::VolumeOptions result = volume;
-  result.opener = [volume, poll = hooks.poll] {
-    return std::make_unique<PolledSource>(open_volume(volume), poll);
+  const auto progress = std::make_shared<app::Progress>(
+      app::Progress::Listener{[poll = hooks.poll](auto&&...) { poll(); }, {}});
+  result.opener = [volume, progress] {
+    return std::make_unique<app::WatchedSource>(open_volume(volume), *progress);
   };
   return result;
 }

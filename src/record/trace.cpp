@@ -5,13 +5,23 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/byte_stream.hpp"
+#include "base/archive.hpp"
 #include "base/clock.hpp"
 #include "base/process.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
+
+template <class Archive>
+void fields(ClockOffset& clock, Archive& archive) {
+  archive(clock.at, clock.offset, clock.uncertainty, clock.common);
+}
+
+template <class Archive>
+void fields(NodeRecord& record, Archive& archive) {
+  archive(record.node, record.full, record.spans, record.marks);
+}
+
 namespace {
 
 bool is_waiting(Activity a) { return a == Activity::wait_for_token || a == Activity::send; }
@@ -19,25 +29,6 @@ bool is_waiting(Activity a) { return a == Activity::wait_for_token || a == Activ
 bool continues(const Span& last, Activity activity, std::int64_t frame, std::int32_t step, double begin) {
   return last.activity == activity && last.frame == frame && last.step == step &&
          begin - last.end <= NodeTrace::longest_gap;
-}
-
-void append_offset(Bytes& out, const ClockOffset& clock) {
-  append(out, clock.at);
-  append(out, clock.offset);
-  append(out, clock.uncertainty);
-  append(out, clock.common);
-}
-
-bool take_bool(std::span<const std::byte> in, std::size_t& at, bool& value) {
-  std::uint8_t byte = 0;
-  if (!take(in, at, byte) || byte > 1) return false;
-  value = byte == 1;
-  return true;
-}
-
-bool take_offset(std::span<const std::byte> in, std::size_t& at, ClockOffset& clock) {
-  return take(in, at, clock.at) && take(in, at, clock.offset) && take(in, at, clock.uncertainty) &&
-         take_bool(in, at, clock.common);
 }
 
 Block to_block(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
@@ -58,15 +49,13 @@ bool is_sound(const NodeRecord& record) {
 }
 
 bool take_records(const Block& block, Trace::Gathered& all) {
-  std::size_t at = 0;
-  if (!take_offset(block, at, all.offsets.emplace_back())) return false;
-  while (at < block.size()) {
-    NodeRecord& record = all.nodes.emplace_back();
-    if (!take(block, at, record.node) || !take_bool(block, at, record.full) ||
-        !take_all(block, at, record.spans) || !take_all(block, at, record.marks) || !is_sound(record))
-      return false;
+  FromBytes archive(block);
+  archive(all.offsets.emplace_back());
+  while (archive.ok() && !archive.at_end()) {
+    archive(all.nodes.emplace_back());
+    if (archive.ok() && !is_sound(all.nodes.back())) return false;
   }
-  return true;
+  return archive.ok();
 }
 
 }  // namespace
@@ -120,15 +109,12 @@ void Trace::compare_clocks(Collectives& collectives) {
     round.left = now_seconds();
   }
   const std::string clock = clock_identity();
-  Bytes block;
-  append_all(block, mine);
-  append_all(block, clock);
-  const Block sent = to_block(block);
-  const Block of_0 = collectives.broadcast(sent, 0);
+  const Block of_0 = collectives.broadcast(to_block(to_bytes(mine, clock)), 0);
   std::vector<GatherTimes> times_of_0;
   std::string clock_of_0;
-  std::size_t at = 0;
-  if (!take_all(of_0, at, times_of_0) || times_of_0.size() != mine.size() || !take_all(of_0, at, clock_of_0))
+  FromBytes archive(of_0);
+  archive(times_of_0, clock_of_0);
+  if (!archive.ok() || times_of_0.size() != mine.size())
     throw RunError("process 0 sent something else than its clock's times",
                    "all ranks must run the same build");
   const bool common = collectives.process() == 0 || (!clock.empty() && clock == clock_of_0);
@@ -144,8 +130,8 @@ double Trace::in_clock_of_0(double time) const {
 }
 
 Trace::Gathered Trace::gather(Collectives& collectives) const {
-  Bytes mine;
-  append_offset(mine, compared_.empty() ? ClockOffset{} : compared_.back());
+  ToBytes mine;
+  mine(compared_.empty() ? ClockOffset{} : compared_.back());
   for (const auto& [key, node] : nodes_) {
     NodeRecord record = node.record();
     for (Span& span : record.spans) {
@@ -153,13 +139,10 @@ Trace::Gathered Trace::gather(Collectives& collectives) const {
       span.end = in_clock_of_0(span.end);
     }
     for (Mark& mark : record.marks) mark.time = in_clock_of_0(mark.time);
-    append(mine, record.node);
-    append(mine, record.full);
-    append_all(mine, record.spans);
-    append_all(mine, record.marks);
+    mine(record);
   }
   std::vector<Block> out(std::size_t(collectives.processes()));
-  out.front() = to_block(mine);
+  out.front() = to_block(mine.bytes);
   const std::vector<Block> in = collectives.all_to_all(std::move(out));
   Gathered all;
   if (collectives.process() != 0) return all;

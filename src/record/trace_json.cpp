@@ -1,11 +1,11 @@
-#include "record/trace_json.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <tuple>
+
+#include "record/trace.hpp"
 
 namespace ringsplat {
 namespace {

@@ -1,4 +1,4 @@
-#include "app/frame_writer.hpp"
+#include "app/frame_output.hpp"
 
 #include <atomic>
 #include <chrono>

@@ -10,7 +10,6 @@
 #include "net/link_counts.hpp"
 #include "net/message.hpp"
 #include "record/trace.hpp"
-#include "record/trace_json.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/scenes.hpp"
 

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "record/trace_json.hpp"
+#include "record/trace.hpp"
 #include "support/catch.hpp"
 #include "support/scenes.hpp"
 #include "support/trace_checks.hpp"
