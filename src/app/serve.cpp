@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 #include <signal.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -22,7 +25,7 @@
 #include "options/transfer_function_option.hpp"
 #include "program/layouts.hpp"
 #include "ringsplat/base/error.hpp"
-#include "serve/opened_page.hpp"
+#include "serve/private_folder.hpp"
 #include "serve/viewer.hpp"
 
 namespace ringsplat::app {
@@ -127,15 +130,12 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frames.clear();
   for (const SeriesEntry& entry : job.series) v.frames.push_back(entry.name);
   v.frame = o.frame;
-  v.initial.camera = o.frame.shown.camera;
+  v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  v.frame.shown.interpolation = made.interpolation;
-  v.initial.transfer_function = std::move(made.function);
-  check(v.initial.transfer_function, o.transfer_function);
+  v.initial.shown.interpolation = made.interpolation;
+  v.initial.shown.transfer_function = std::move(made.function);
+  check(v.initial.shown.transfer_function, o.transfer_function);
   if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
-  v.initial.shading = o.frame.shown.shading;
-  v.initial.light = o.frame.shown.light;
-  v.initial.clip = o.frame.shown.clip;
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));
   v.qualities = qualities();
   v.target_seconds = options.target_ms / 1e3;
@@ -146,10 +146,33 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   return v;
 }
 
-/// Lasts as long as the job.
-std::unique_ptr<serve::OpenedPage> open_in_browser(const std::string& url) {
+/// The user's own folder of what lasts no longer than a login, in memory; empty when there is none.
+std::filesystem::path fleeting_folder() {
+  const char* const own = std::getenv("XDG_RUNTIME_DIR");
+  return own != nullptr && access(own, W_OK | X_OK) == 0 ? own : "";
+}
+
+/// Every user of the machine can read what a program was started with, so xdg-open gets the name of a file
+/// that only its owner can reach, and that leads on to the address with its token. Its folder lasts as long
+/// as the job.
+std::unique_ptr<serve::PrivateFolder> open_in_browser(const std::string& url) {
   try {
-    return std::make_unique<serve::OpenedPage>(url);
+    auto folder = std::make_unique<serve::PrivateFolder>("page", fleeting_folder());
+    const std::filesystem::path file = folder->path() / "page.html";
+    std::ofstream out(file);
+    std::error_code ignored;
+    namespace fs = std::filesystem;
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write, ignored);
+    out << fmt::format(
+        "<!doctype html><meta charset=\"utf-8\"><title>Ringsplat</title>"
+        "<meta http-equiv=\"refresh\" content=\"0; url={0}\"><a href=\"{0}\">Ringsplat</a>\n",
+        url);
+    out.close();
+    if (!out) throw RunError(fmt::format("{} cannot be written", file.string()));
+    const auto program = find_program("xdg-open");
+    if (!program) throw RunError("there is no xdg-open");
+    start_program(*program, {file.string()}, "/");
+    return folder;
   } catch (const RunError& e) {
     log_warning("--open: {}; open the line above in a browser", e.what());
     return nullptr;

@@ -132,17 +132,18 @@ json parsed(std::string_view text) {
   return j;
 }
 
-Shot shot_from(const json& j, const MessageRules& rules) {
-  const auto side = [&](const char* name) {
-    return static_cast<int>(whole(j, name, 1, static_cast<std::uint32_t>(rules.largest_side)));
-  };
-  const auto state = j.find("state");
-  return {side("width"), side("height"), state == j.end() ? rules.initial : scene_from(*state, rules)};
+SceneState scene_of(const json& message, const MessageRules& rules) {
+  const auto state = message.find("state");
+  SceneState scene = state == message.end() ? rules.initial : scene_from(*state, rules);
+  const auto most = static_cast<std::uint32_t>(rules.largest_side);
+  scene.shown.width = static_cast<int>(whole(message, "width", 1, most));
+  scene.shown.height = static_cast<int>(whole(message, "height", 1, most));
+  return scene;
 }
 
 ViewMessage view_from(const json& j, const MessageRules& rules) {
   return {whole(j, "seq"), j.contains("moving") && j["moving"] == true,
-          j.contains("time") ? number(j, "time", -1e18, 1e18) : 0, shot_from(j, rules)};
+          j.contains("time") ? number(j, "time", -1e18, 1e18) : 0, scene_of(j, rules)};
 }
 
 /// In few digits, as the page sends it back with each view.
@@ -158,15 +159,16 @@ MapMessage map_from(const json& j) {
 FileMessage snapshot_from(const json& j, const MessageRules& rules) {
   const json& format = member(j, "format");
   if (format != "png" && format != "exr") throw InputError("format must be png or exr");
-  return {whole(j, "id"), shot_from(j, rules), format == "exr", {}};
+  return {whole(j, "id"), scene_of(j, rules), format == "exr", {}};
 }
 
 FileMessage movie_frame_from(const json& j, const MessageRules& rules) {
   constexpr std::uint32_t most_frames = 10000;
-  FileMessage file{whole(j, "id"), shot_from(j, rules), false, {}};
+  FileMessage file{whole(j, "id"), scene_of(j, rules), false, {}};
   const std::uint32_t count = whole(j, "count", 1, most_frames);
-  file.movie = {static_cast<int>(whole(j, "index", 0, count - 1)),
-                {static_cast<int>(count), number(j, "fps", 1, 120), file.shot.width, file.shot.height}};
+  file.movie = {
+      static_cast<int>(whole(j, "index", 0, count - 1)),
+      {static_cast<int>(count), number(j, "fps", 1, 120), file.scene.shown.width, file.scene.shown.height}};
   return file;
 }
 
@@ -180,10 +182,10 @@ json to_json(const TransferFunction& tf) {
 }
 
 json to_json(const SceneState& s) {
-  const Camera& c = s.camera;
+  const Camera& c = s.shown.camera;
   json clip;
-  if (s.clip)
-    for (int k = 0; k < 3; ++k) clip.push_back({s.clip->first[k], s.clip->end[k]});
+  if (s.shown.clip)
+    for (int k = 0; k < 3; ++k) clip.push_back({s.shown.clip->first[k], s.shown.clip->end[k]});
   return {{"frame", s.frame},
           {"camera",
            {{"azimuth", c.azimuth},
@@ -193,9 +195,9 @@ json to_json(const SceneState& s) {
             {"pan", c.pan},
             {"fov", c.fov},
             {"distance", c.distance}}},
-          {"transfer_function", to_json(s.transfer_function)},
-          {"shading", s.shading == Shading::phong ? "phong" : "none"},
-          {"light", {s.light.x, s.light.y, s.light.z}},
+          {"transfer_function", to_json(s.shown.transfer_function)},
+          {"shading", s.shown.shading == Shading::phong ? "phong" : "none"},
+          {"light", {s.shown.light.x, s.shown.light.y, s.shown.light.z}},
           {"clip", clip},
           {"background", {s.background.x, s.background.y, s.background.z}}};
 }
@@ -207,34 +209,23 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
   SceneState scene = rules.initial;
   if (j.contains("frame"))
     scene.frame = static_cast<int>(whole(j, "frame", 0, static_cast<std::uint32_t>(rules.frames - 1)));
-  if (const auto found = j.find("camera"); found != j.end()) scene.camera = camera_from(*found, scene.camera);
+  if (const auto found = j.find("camera"); found != j.end())
+    scene.shown.camera = camera_from(*found, scene.shown.camera);
   if (const auto found = j.find("transfer_function"); found != j.end())
-    scene.transfer_function = transfer_function_from(*found, scene.transfer_function);
+    scene.shown.transfer_function = transfer_function_from(*found, scene.shown.transfer_function);
   if (const auto found = j.find("shading"); found != j.end()) {
     if (*found != "phong" && *found != "none") throw InputError("shading must be phong or none");
-    scene.shading = *found == "phong" ? Shading::phong : Shading::none;
+    scene.shown.shading = *found == "phong" ? Shading::phong : Shading::none;
   }
   if (const auto found = j.find("light"); found != j.end())
-    scene.light = vector_from(*found, "light", -1e6, 1e6);
+    scene.shown.light = vector_from(*found, "light", -1e6, 1e6);
   if (const auto found = j.find("clip"); found != j.end()) {
-    scene.clip.reset();
-    if (!found->is_null()) scene.clip = box_from(*found, rules.dims);
+    scene.shown.clip.reset();
+    if (!found->is_null()) scene.shown.clip = box_from(*found, rules.dims);
   }
   if (const auto found = j.find("background"); found != j.end())
     scene.background = vector_from(*found, "background", 0, 1);
   return scene;
-}
-
-FrameSpec with_shot(FrameSpec frame, const Shot& shot) {
-  const SceneState& scene = shot.scene;
-  frame.shown.width = shot.width;
-  frame.shown.height = shot.height;
-  frame.shown.camera = scene.camera;
-  frame.shown.transfer_function = scene.transfer_function;
-  frame.shown.shading = scene.shading;
-  frame.shown.light = scene.light;
-  frame.shown.clip = scene.clip;
-  return frame;
 }
 
 ClientMessage parse_client_message(std::string_view text, const MessageRules& rules) {

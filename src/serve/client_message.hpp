@@ -13,36 +13,25 @@
 /// What pages send (docs/viewer.md has the formats).
 namespace ringsplat::serve {
 
-/// What a page can change of a picture.
+/// A picture that is wanted.
 struct SceneState {
   int frame = 0;  ///< which volume of a series, from 0
-  Camera camera;
-  TransferFunction transfer_function;
-  Shading shading = Shading::phong;
-  glm::dvec3 light{-0.4, 0.6, 0.7};
-  std::optional<VoxelBox> clip;
+  Shown shown;    ///< its camera, transfer function, shading, light, clip box and size are the page's
   glm::dvec3 background{0.0};  ///< sRGB, 0..1
   bool operator==(const SceneState&) const = default;
 };
 
 nlohmann::json to_json(const TransferFunction& tf);
-nlohmann::json to_json(const SceneState& scene);
+nlohmann::json to_json(const SceneState& scene);  ///< all that is the page's but the size
 
 /// JSON for a client, whatever texts are in it.
 std::string text_of(const nlohmann::json& j);
-
-/// A picture that is wanted.
-struct Shot {
-  int width = 0, height = 0;
-  SceneState scene;
-  bool operator==(const Shot&) const = default;
-};
 
 struct ViewMessage {
   std::uint32_t seq = 0;
   bool moving = false;
   double time = 0;  ///< the page's clock in milliseconds, sent back with the pictures
-  Shot shot;
+  SceneState scene;
 };
 struct AckMessage {
   std::uint32_t picture = 0;
@@ -64,7 +53,7 @@ struct MovieFrame {
 /// A snapshot or a frame of a movie.
 struct FileMessage {
   std::uint32_t id = 0;  ///< of a movie's frame the whole movie's
-  Shot shot;
+  SceneState scene;
   bool exr = false;
   std::optional<MovieFrame> movie;
 };
@@ -72,8 +61,6 @@ struct FileMessage {
 struct CancelMessage {
   std::uint32_t id = 0;
 };
-/// `frame` with that size and scene. The background is not the frame's.
-FrameSpec with_shot(FrameSpec frame, const Shot& shot);
 
 using ClientMessage =
     std::variant<ViewMessage, AckMessage, DriveMessage, ProbeMessage, MapMessage, FileMessage, CancelMessage>;

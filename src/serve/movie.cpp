@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <fstream>
 #include <optional>
 #include <system_error>
@@ -22,13 +21,6 @@ constexpr std::uintmax_t most_frame_bytes = std::uintmax_t{8} << 30;  // of one 
 constexpr std::uintmax_t most_movie_bytes = std::uintmax_t{256} << 20;
 constexpr const char* movie_name = "movie.mp4";
 constexpr const char* frame_names = "%05d.png";
-
-/// Best first.
-const std::array<Arguments, 2>& codecs() {
-  static const std::array<Arguments, 2> all{Arguments{"-c:v", "libx264", "-crf", "18", "-preset", "medium"},
-                                            Arguments{"-c:v", "mpeg4", "-q:v", "2"}};
-  return all;
-}
 
 Arguments arguments_for(const MoviePlan& plan, const Arguments& codec) {
   Arguments all{"-nostdin", "-loglevel", "quiet", "-y", "-framerate", fmt::format("{}", plan.frames_a_second),
@@ -85,7 +77,8 @@ std::chrono::milliseconds Movie::patience() const {
 
 std::string Movie::encode(Clock::time_point deadline) {
   std::optional<int> code;
-  for (const Arguments& codec : codecs()) {
+  for (const Arguments& codec : {Arguments{"-c:v", "libx264", "-crf", "18", "-preset", "medium"},
+                                 Arguments{"-c:v", "mpeg4", "-q:v", "2"}}) {  // best first
     code = run_program(ffmpeg_, arguments_for(plan_, codec), folder(), deadline, cancelled_);
     if (!code || code == 0) break;
   }

@@ -4,9 +4,8 @@
 #include <turbojpeg.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <concepts>
+#include <cstring>
 #include <utility>
 
 #include "images/image_io.hpp"
@@ -14,12 +13,6 @@
 
 namespace ringsplat::serve {
 namespace {
-
-template <std::unsigned_integral T>
-void put(std::string& bytes, std::size_t at, T value) {
-  for (std::size_t k = 0; k < sizeof(T); ++k)
-    bytes[at + k] = static_cast<char>(static_cast<unsigned char>(value >> (8 * k)));
-}
 
 /// Where the pixels of a row or column lie in a smaller one.
 struct Place {
@@ -41,27 +34,13 @@ std::vector<Place> places(int small, int large) {
 }  // namespace
 
 std::string picture_message(const PictureHead& head, std::string_view file) {
-  std::string message(picture_head_bytes, '\0');
+  std::string message(sizeof head, '\0');
   message += file;
   return with_head(std::move(message), head);
 }
 
-std::string with_head(std::string message, const PictureHead& h) {
-  message.replace(0, 4, "RSP1");
-  put(message, 4, static_cast<std::uint32_t>(h.kind));
-  put(message, 8, h.number);
-  put(message, 12, h.seq);
-  put(message, 16, static_cast<std::uint16_t>(h.width));
-  put(message, 18, static_cast<std::uint16_t>(h.height));
-  put(message, 20, static_cast<std::uint8_t>(h.level));
-  put(message, 21, static_cast<std::uint8_t>(h.levels));
-  put(message, 22, static_cast<std::uint8_t>(h.at_rest ? 1 : 0));
-  put(message, 23, static_cast<std::uint8_t>(h.format));
-  put(message, 24, std::bit_cast<std::uint32_t>(h.seconds));
-  put(message, 28, std::bit_cast<std::uint32_t>(h.pictures_a_second));
-  put(message, 32, std::bit_cast<std::uint64_t>(h.time));
-  put(message, 40, std::bit_cast<std::uint32_t>(h.rmse));
-  put(message, 44, std::uint32_t{0});
+std::string with_head(std::string message, const PictureHead& head) {
+  std::memcpy(message.data(), &head, sizeof head);
   return message;
 }
 
@@ -100,8 +79,8 @@ PictureMaker::PictureMaker(int levels)
 
 std::string PictureMaker::make(RenderedPicture& picture) {
   PictureHead& head = picture.head;
-  head.width = picture.image.width;
-  head.height = picture.image.height;
+  head.width = static_cast<std::uint16_t>(picture.image.width);
+  head.height = static_cast<std::uint16_t>(picture.image.height);
   rgb_ = display_rgb(picture.image, picture.background);
   const bool best = head.level + 1 == head.levels;
   head.rmse = best ? 0 : rmse_[std::size_t(head.level)];

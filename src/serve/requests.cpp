@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 #include <iterator>
 #include <utility>
 #include <vector>
@@ -45,8 +46,10 @@ void Requests::end() {
 
 void Requests::stop() {
   end();
-  file_worker_.stop();
-  movie_worker_.stop();
+  for (auto* const worker : {&file_worker_, &movie_worker_}) {
+    worker->stop();  // what has not begun is left undone
+    worker->join();
+  }
 }
 
 // What pages ask.
@@ -68,8 +71,8 @@ void Requests::add(ClientId client, const FileMessage& asked, const FrameSpec& b
   File file{.client = client,
             .request = {asked.movie ? "movie_frame" : "snapshot", asked.id},
             .spec = best,
-            .volume = asked.shot.scene.frame,
-            .background = srgb_to_linear(asked.shot.scene.background),
+            .volume = asked.scene.frame,
+            .background = srgb_to_linear(asked.scene.background),
             .exr = asked.exr,
             .movie = asked.movie ? movie_for(client, asked) : nullptr,
             .index = asked.movie ? asked.movie->index : 0};
@@ -116,7 +119,7 @@ void Requests::give_movie_up() {
   movie->cancel();
   std::erase_if(files_, [&](const File& file) { return file.movie == movie; });
   if (rendering_ && rendering_->movie == movie) rendering_->forgotten = true;
-  movie_worker_.give([kept = std::move(movie)] {});
+  post(movie_worker_, [kept = std::move(movie)] {});
 }
 
 void Requests::cancel_movie(ClientId client, std::uint32_t id) {
@@ -220,7 +223,7 @@ void Requests::take(FrameResult&& result) {
     const File file = *std::exchange(rendering_, std::nullopt);
     if (file.forgotten || ended_) return;
     encoding_ = true;
-    file_worker_.give([this, file, kept = std::make_shared<const FrameResult>(std::move(result))] {
+    post(file_worker_, [this, file, kept = std::make_shared<const FrameResult>(std::move(result))] {
       make_file(*kept, file);
     });
   }
@@ -264,10 +267,10 @@ void Requests::fail(const File& file, const std::string& what) {
 PictureHead Requests::head_of(const File& file, PictureKind kind, PictureFormat format) const {
   return {.kind = kind,
           .number = file.request.id,
-          .width = file.spec.shown.width,
-          .height = file.spec.shown.height,
-          .level = levels_ - 1,
-          .levels = levels_,
+          .width = std::uint16_t(file.spec.shown.width),
+          .height = std::uint16_t(file.spec.shown.height),
+          .level = std::uint8_t(levels_ - 1),
+          .levels = std::uint8_t(levels_),
           .at_rest = true,
           .format = format,
           .rmse = 0};
@@ -285,7 +288,7 @@ void Requests::add_to_movie(const FrameResult& result, const File& file) {
   if (file.movie->cancelled()) return;
   file.movie->add(file.index, image_bytes(result.image, ".png", file.background, to_json_text(result.spec)));
   if (file.index + 1 == file.movie->plan().count) {
-    movie_worker_.give([this, file] { finish_movie(file); });
+    post(movie_worker_, [this, file] { finish_movie(file); });
     return;
   }
   {
@@ -301,8 +304,8 @@ void Requests::finish_movie(const File& file) {
   try {
     const std::string bytes = file.movie->encode(Clock::now() + file.movie->patience());
     PictureHead head = head_of(file, PictureKind::movie, PictureFormat::mp4);
-    head.width += head.width % 2;
-    head.height += head.height % 2;
+    for (std::uint16_t* const side : {&head.width, &head.height})
+      *side = static_cast<std::uint16_t>(*side + *side % 2);
     if (file.movie->cancelled()) return;
     cancel_movie(file.client, file.request.id);  // before the answer, after which another may be asked for
     server_.send_binary(file.client, std::make_shared<const std::string>(picture_message(head, bytes)));

@@ -1,4 +1,5 @@
 #pragma once
+#include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstdint>
 #include <deque>
@@ -16,7 +17,6 @@
 #include "serve/picture_maker.hpp"
 #include "serve/probe.hpp"
 #include "serve/web_server.hpp"
-#include "serve/worker.hpp"
 #include "session/director.hpp"
 
 namespace ringsplat::serve {
@@ -127,7 +127,7 @@ class Requests {
   bool encoding_ = false;
   std::optional<MovieTurn> movie_;  ///< there is one at a time
 
-  Worker file_worker_, movie_worker_;
+  boost::asio::thread_pool file_worker_{1}, movie_worker_{1};  ///< never call MPI
 };
 
 }  // namespace ringsplat::serve

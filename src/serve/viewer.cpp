@@ -1,6 +1,7 @@
 #include "serve/viewer.hpp"
 
 #include <algorithm>
+#include <boost/asio/post.hpp>
 #include <utility>
 
 #include "base/log.hpp"
@@ -96,8 +97,8 @@ void Viewer::loaded(int volume, const ValueRange& range) {
 void Viewer::not_loaded(int volume, const std::string& why) {
   requests_.refuse_volume(volume, why);
   const std::lock_guard lock(mutex_);
-  if (newest_ && newest_->message.shot.scene.frame == volume) newest_.reset();
-  if (current_ && current_->message.shot.scene.frame == volume) current_.reset();
+  if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
+  if (current_ && current_->message.scene.frame == volume) current_.reset();
   say_to_all(frame_text(volume, "failed"));
   say_to_all(error_text(why, {}));
 }
@@ -164,23 +165,25 @@ void Viewer::received(ClientId client, const std::string& text) {
   wake();
 }
 
-FrameSpec Viewer::at(const Shot& shot, const Level& level) const {
-  return at_level(with_shot(options_.frame, shot), level);
+FrameSpec Viewer::at(const SceneState& scene, const Level& level) const {
+  FrameSpec frame = options_.frame;
+  frame.shown = scene.shown;
+  return at_level(std::move(frame), level);
 }
 
 /// Of a file that a page asks for. An error in a frame that is announced would end the job.
-FrameSpec Viewer::best_frame(const Shot& shot) const {
-  FrameSpec best = at(shot, levels_.back());
+FrameSpec Viewer::best_frame(const SceneState& scene) const {
+  FrameSpec best = at(scene, levels_.back());
   check_frame(best, options_.volume.grid);
   return best;
 }
 
 void Viewer::handle(ClientId client, ViewMessage&& view) {
-  for (const Level& level : levels_) check_frame(at(view.shot, level), options_.volume.grid);
+  for (const Level& level : levels_) check_frame(at(view.scene, level), options_.volume.grid);
   const std::lock_guard lock(mutex_);
   if (!audience_.drives(client)) return;
-  if (!last_put_ || *last_put_ != view.shot) ++scenes_;
-  last_put_ = view.shot;
+  if (!last_put_ || *last_put_ != view.scene) ++scenes_;
+  last_put_ = view.scene;
   newest_ = View{std::move(view), scenes_, ++views_, Clock::now(), {}};
 }
 
@@ -200,15 +203,15 @@ void Viewer::handle(ClientId client, const DriveMessage&) {
 
 void Viewer::handle(ClientId client, const ProbeMessage& asked) {
   const std::lock_guard lock(mutex_);
-  if (!last_put_ || asked.x >= last_put_->width || asked.y >= last_put_->height)
+  if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
     throw InputError("there is no such pixel in the last view");
-  requests_.add(client, asked, best_frame(*last_put_), last_put_->scene.frame);
+  requests_.add(client, asked, best_frame(*last_put_), last_put_->frame);
 }
 
 void Viewer::handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
 
 void Viewer::handle(ClientId client, const FileMessage& asked) {
-  requests_.add(client, asked, best_frame(asked.shot));
+  requests_.add(client, asked, best_frame(asked.scene));
 }
 
 void Viewer::handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
@@ -233,14 +236,14 @@ std::optional<FrameSpec> Viewer::next() {
 void Viewer::take_newest() {
   if (!newest_) return;
   const bool loaded_for_current =
-      not_yet_seen_ && current_ && !current_->shown && current_->message.shot.scene.frame == shown_volume_;
-  if (loaded_for_current && newest_->message.shot.scene.frame != shown_volume_) return;
+      not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == shown_volume_;
+  if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
   View view = *std::exchange(newest_, std::nullopt);
   if (current_ && current_->scene == view.scene) view.shown = current_->shown;
   current_ = std::move(view);
   std::vector<double> costs;
   for (const Level& level : levels_)
-    costs.push_back(rough_seconds(at(current_->message.shot, level), options_.volume.grid.dims));
+    costs.push_back(rough_seconds(at(current_->message.scene, level), options_.volume.grid.dims));
   controller_.expect(std::move(costs));
 }
 
@@ -261,13 +264,13 @@ std::optional<FrameSpec> Viewer::next_picture() {
     if (rests) show_again();
     return std::nullopt;
   }
-  if (view.message.shot.scene.frame != shown_volume_) {
-    ask_for(view.message.shot.scene.frame);
+  if (view.message.scene.frame != shown_volume_) {
+    ask_for(view.message.scene.frame);
     return std::nullopt;
   }
   not_yet_seen_ = false;
   rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
-  return at(view.message.shot, levels_[std::size_t(*level)]);
+  return at(view.message.scene, levels_[std::size_t(*level)]);
 }
 
 /// For a view that shows what the last picture shows: the page waits for one with the view's number.
@@ -311,16 +314,16 @@ void Viewer::take(FrameResult&& result) {
     current_->shown = at_rest ? rendering.level : std::min(rendering.level, levels - 2);
   auto picture = std::make_shared<RenderedPicture>();
   picture->image = std::move(result.image);
-  picture->background = srgb_to_linear(view.shot.scene.background);
+  picture->background = srgb_to_linear(view.scene.background);
   picture->moving = !rendering.at_rest;
   picture->scene = rendering.view.scene;
   picture->head = {.seq = view.seq,
-                   .level = rendering.level,
-                   .levels = levels,
+                   .level = std::uint8_t(rendering.level),
+                   .levels = std::uint8_t(levels),
                    .at_rest = at_rest,
                    .seconds = static_cast<float>(seconds),
                    .time = view.time};
-  picture_worker_.give([this, picture, shown = rendering.view] { send_picture(*picture, shown); });
+  post(picture_worker_, [this, picture, shown = rendering.view] { send_picture(*picture, shown); });
 }
 
 // What is sent: on the workers' threads.
@@ -356,7 +359,7 @@ void Viewer::send_to_all(LastPicture&& picture) {
 
 void Viewer::send_last(ClientId client) {
   if (audience_.must_learn(client, last_.view.scene))
-    server_.send_text(client, state_text(last_.view.message.shot.scene));
+    server_.send_text(client, state_text(last_.view.message.scene));
   audience_.sent(client, last_.head.number);
   server_.send_binary(client, last_.message);
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <condition_variable>
 #include <deque>
@@ -16,7 +17,6 @@
 #include "serve/picture_maker.hpp"
 #include "serve/requests.hpp"
 #include "serve/web_server.hpp"
-#include "serve/worker.hpp"
 #include "session/director.hpp"
 
 namespace ringsplat::serve {
@@ -46,7 +46,7 @@ struct ViewerOptions {
   ShownVolume volume;                   ///< the first of the series
   std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series
   SceneState initial;
-  FrameSpec frame;  ///< what all frames have in common
+  FrameSpec frame;  ///< what all frames have in common, but for what is shown
   Qualities qualities;
   double target_seconds = 0.04;                 ///< for a picture of a view that moves
   int largest_side = 4096;                      ///< of a picture
@@ -121,8 +121,8 @@ class Viewer {
   bool unwanted(const FrameSpec& spec);
   void pause(std::chrono::nanoseconds most);
 
-  FrameSpec at(const Shot& shot, const Level& level) const;
-  FrameSpec best_frame(const Shot& shot) const;
+  FrameSpec at(const SceneState& scene, const Level& level) const;
+  FrameSpec best_frame(const SceneState& scene) const;
   void send_picture(RenderedPicture& picture, const View& view);
   void send_to_all(LastPicture&& picture);
   void send_last(ClientId client);
@@ -146,7 +146,7 @@ class Viewer {
   int shown_volume_ = 0;
   std::optional<int> next_volume_;  ///< that the run ends for
   bool not_yet_seen_ = false;       ///< no frame was drawn of the volume since it was loaded
-  std::optional<Shot> last_put_;
+  std::optional<SceneState> last_put_;
   LevelController controller_;
   std::optional<Rendering> rendering_;
   std::int64_t next_frame_ = 0;
@@ -158,7 +158,7 @@ class Viewer {
   Requests requests_;  ///< has a lock of its own, taken after that
   WebServer server_;
   PictureMaker maker_;
-  Worker picture_worker_;  ///< last, as it uses all else
+  boost::asio::thread_pool picture_worker_{1};  ///< never calls MPI; last, as it uses all else
 };
 
 }  // namespace ringsplat::serve

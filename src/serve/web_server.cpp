@@ -24,11 +24,6 @@ std::string host_and_port(const asio::ip::address& address, int port) {
   return fmt::format("{}:{}", address.is_v6() ? "[" + text + "]" : text, port);
 }
 
-std::string machine_name() {
-  const std::string name = host_name();
-  return name.empty() ? "localhost" : name;
-}
-
 }  // namespace
 
 struct WebServer::Impl {
@@ -79,7 +74,8 @@ struct WebServer::Impl {
                                    host_and_port(address_, options.port), error.message()),
                        "choose another --port; 0 takes any that is free");
     port_ = acceptor_.local_endpoint().port();
-    name_ = address_.is_unspecified() ? fmt::format("{}:{}", machine_name(), port_)
+    const std::string machine = host_name();
+    name_ = address_.is_unspecified() ? fmt::format("{}:{}", machine.empty() ? "localhost" : machine, port_)
                                       : host_and_port(address_, port_);
   }
 

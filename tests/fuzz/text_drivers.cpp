@@ -166,31 +166,32 @@ Grid small_volume() {
 
 serve::MessageRules message_rules() {
   serve::MessageRules rules;
-  rules.initial.transfer_function = {
+  rules.initial.shown.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
   rules.dims = small_volume().dims;
   return rules;
 }
 
 /// A view that is let through must be one that ranks draw: what they refuse ends the job.
-void use(const serve::Shot& shot) {
+void use(const serve::SceneState& scene) {
   static const auto levels = serve::make_levels({}, small_volume().dims);
-  const FrameSpec full = serve::with_shot({}, shot);
+  FrameSpec full;
+  full.shown = scene.shown;
   for (const auto& level : levels) {
     const FrameSpec spec = serve::at_level(full, level);
     check_frame(spec, small_volume());
     if (decode_frame_spec(encode(spec)) != spec)
       throw std::logic_error("a view changes on its way to the ranks");
   }
-  const auto again = nlohmann::json::parse(serve::text_of(serve::to_json(shot.scene)));
+  const auto again = nlohmann::json::parse(serve::text_of(serve::to_json(scene)));
   static_cast<void>(serve::scene_from(again, message_rules()));
 }
 
 void run_client_message(std::span<const std::byte> input) {
   static_cast<void>(serve::request_of(text_of(input)));
   const auto message = serve::parse_client_message(text_of(input), message_rules());
-  if (const auto* view = std::get_if<serve::ViewMessage>(&message)) use(view->shot);
-  if (const auto* file = std::get_if<serve::FileMessage>(&message)) use(file->shot);
+  if (const auto* view = std::get_if<serve::ViewMessage>(&message)) use(view->scene);
+  if (const auto* file = std::get_if<serve::FileMessage>(&message)) use(file->scene);
 }
 
 std::vector<Input> client_message_seeds() {

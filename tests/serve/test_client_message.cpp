@@ -12,7 +12,7 @@ namespace {
 
 MessageRules rules() {
   MessageRules r;
-  r.initial.transfer_function = {
+  r.initial.shown.transfer_function = {
       .name = "ramp", .colours = {{0, glm::dvec3(0.0)}, {1, glm::dvec3(1.0)}}, .opacities = {{0, 0}, {1, 1}}};
   r.dims = {10, 20, 30};
   r.frames = 4;
@@ -31,24 +31,26 @@ TEST_CASE("A view's missing members are those of the initial scene") {
       R"({"type":"view","seq":7,"moving":true,"width":640,"height":480,"time":12.5,"state":{"camera":{"azimuth":30}}})");
   CHECK(view.seq == 7);
   CHECK(view.moving);
-  CHECK(view.shot.width == 640);
-  CHECK(view.shot.height == 480);
+  CHECK(view.scene.shown.width == 640);
+  CHECK(view.scene.shown.height == 480);
   CHECK(view.time == 12.5);
   SceneState expected = rules().initial;
-  expected.camera.azimuth = 30;
-  CHECK(view.shot.scene == expected);
+  expected.shown.camera.azimuth = 30;
+  expected.shown.width = 640;
+  expected.shown.height = 480;
+  CHECK(view.scene == expected);
 }
 
 TEST_CASE("A scene that was written is read back to the last bit") {
   SceneState scene = rules().initial;
-  scene.camera = {
+  scene.shown.camera = {
       .azimuth = 0.1, .elevation = -20, .roll = 3, .zoom = 1.7, .fov = 30, .distance = 4, .pan = {0.1, 0.2}};
-  scene.transfer_function.name = "mine";
-  scene.transfer_function.opacities = {{-3, 0.25}, {0.1, 0}, {0.1, 1}};
-  scene.shading = Shading::none;
-  scene.light = {1, 2, 3};
+  scene.shown.transfer_function.name = "mine";
+  scene.shown.transfer_function.opacities = {{-3, 0.25}, {0.1, 0}, {0.1, 1}};
+  scene.shown.shading = Shading::none;
+  scene.shown.light = {1, 2, 3};
   scene.frame = 3;
-  scene.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
+  scene.shown.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
   scene.background = {0.1, 0.2, 0.3};
   CHECK(scene_from(nlohmann::json::parse(text_of(to_json(scene))), rules()) == scene);
 }
@@ -94,9 +96,9 @@ TEST_CASE("A movie's frame says which it is, and what all have in common") {
   REQUIRE(frame.movie);
   CHECK(frame.movie->index == 4);
   CHECK(frame.movie->plan == MoviePlan{5, 29.97, 64, 48});
-  CHECK(frame.shot.width == 64);
-  CHECK(frame.shot.height == 48);
-  CHECK(frame.shot.scene.camera.azimuth == 30);
+  CHECK(frame.scene.shown.width == 64);
+  CHECK(frame.scene.shown.height == 48);
+  CHECK(frame.scene.shown.camera.azimuth == 30);
   for (const char* text :
        {R"({"type":"movie_frame","id":3,"index":5,"count":5,"fps":25,"width":64,"height":48})",
         R"({"type":"movie_frame","id":3,"index":-1,"count":5,"fps":25,"width":64,"height":48})",
@@ -138,6 +140,6 @@ TEST_CASE("A wrong message still tells which request it was") {
 
 TEST_CASE("Texts from outside are written as JSON whatever bytes they have") {
   SceneState scene = rules().initial;
-  scene.transfer_function.name = std::string("\xff\"");
+  scene.shown.transfer_function.name = std::string("\xff\"");
   CHECK(nlohmann::json::accept(text_of(to_json(scene))));
 }

@@ -22,7 +22,7 @@ RenderedPicture grey(int side, float value, int level, std::uint64_t scene) {
   picture.image = Image(side, side);
   for (std::size_t k = 0; k < picture.image.rgba.size(); ++k)
     picture.image.rgba[k] = k % 4 == 3 ? 1.0F : value;
-  picture.head.level = level;
+  picture.head.level = std::uint8_t(level);
   picture.head.levels = 3;
   picture.scene = scene;
   return picture;
