@@ -35,7 +35,8 @@ std::optional<NumberForm> number_form(const std::string& name) {
   static const std::regex form("([^%]*)%(0[0-9]{0,2})?d([^%]*)");
   std::smatch parts;
   if (!std::regex_match(name, parts, form)) return std::nullopt;
-  return NumberForm{parts[1], parts[3], std::max<std::size_t>(1, std::stoul("0" + parts[2].str()))};
+  return NumberForm{parts[1], parts[3],
+                    std::max<std::size_t>(1, parts[2].matched ? std::stoul(parts[2]) : 1)};
 }
 
 std::string written(const NumberForm& form, int number) {

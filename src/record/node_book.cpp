@@ -6,14 +6,6 @@
 #include "base/clock.hpp"
 
 namespace ringsplat {
-namespace {
-
-/// By activity.
-constexpr double NodeStats::*seconds[] = {
-    &NodeStats::computing,   &NodeStats::waiting_for_token, &NodeStats::sending, &NodeStats::drawing,
-    &NodeStats::compositing, &NodeStats::delivering,        &NodeStats::idle};
-
-}  // namespace
 
 NodeBook::NodeBook(NodeId node, Trace* trace)
     : trace_(trace != nullptr ? trace->of(node) : nullptr), last_time_(now_seconds()) {}
@@ -23,7 +15,7 @@ void NodeBook::turn(const Turn& turn, NodeStats* stats) {
   const double begin = std::exchange(last_time_, now);
   if (stats == nullptr) return;
   const double compositing = std::min(turn.compositing, now - begin);
-  stats->*(turn.activity ? seconds[std::size_t(*turn.activity)] : &NodeStats::idle) +=
+  stats->*(turn.activity ? node_seconds[std::size_t(*turn.activity)] : &NodeStats::idle) +=
       now - begin - compositing;
   stats->compositing += compositing;
   if (trace_ != nullptr && turn.activity) add_spans(turn, begin, now);

@@ -12,9 +12,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double NodeStats::*second_parts[] = {
-    &NodeStats::computing,   &NodeStats::waiting_for_token, &NodeStats::sending, &NodeStats::drawing,
-    &NodeStats::compositing, &NodeStats::delivering,        &NodeStats::idle};
 constexpr const char* second_names[] = {"computing",   "waiting_for_token", "sending", "drawing",
                                         "compositing", "delivering",        "idle"};
 
@@ -45,8 +42,8 @@ constexpr Count counts[] = {{"splats_sent", &NodeStats::splats_sent},
 
 json to_json(const NodeStats& stats) {
   json j;
-  for (std::size_t k = 0; k < std::size(second_parts); ++k)
-    j["seconds"][second_names[k]] = stats.*second_parts[k];
+  for (std::size_t k = 0; k < std::size(node_seconds); ++k)
+    j["seconds"][second_names[k]] = stats.*node_seconds[k];
   for (const auto& count : counts) j[count.name] = stats.*count.part;
   j["peak_memory"] = stats.peak_memory;
   return j;
@@ -80,7 +77,7 @@ json links_json(const FrameStats& stats, const Layout& layout) {
 }  // namespace
 
 NodeStats& NodeStats::operator+=(const NodeStats& other) {
-  for (const auto part : second_parts) this->*part += other.*part;
+  for (const auto part : node_seconds) this->*part += other.*part;
   for (const auto& count : counts) this->*count.part += other.*count.part;
   peak_memory = std::max(peak_memory, other.peak_memory);
   return *this;

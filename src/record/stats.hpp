@@ -29,6 +29,11 @@ struct NodeStats {
   NodeStats& operator+=(const NodeStats& other);         ///< keeps the larger peak
 };
 
+/// A node's seconds by its activity (record/trace.hpp), without one at the end.
+inline constexpr double NodeStats::*node_seconds[] = {
+    &NodeStats::computing,   &NodeStats::waiting_for_token, &NodeStats::sending, &NodeStats::drawing,
+    &NodeStats::compositing, &NodeStats::delivering,        &NodeStats::idle};
+
 struct FrameStats {
   std::int64_t frame = 0;
   double seconds = 0;     ///< announcement to last tile

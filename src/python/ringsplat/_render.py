@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from . import _core, _progress
 from ._image import Image
 from ._table import command_line, document
-from ._volume import Volume, volume_of
+from ._volume import volume_of
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -52,15 +52,12 @@ def render(
     with command_line(options) as (words, views), _progress.told(progress) as told:
         words = source.words + words
         pictures = _core.render(words, views or [], source.core(), source.name, told)
-    images = [Image(picture, _measure_with(words, source)) for picture in pictures]
-    return images if views is not None else images[0]
 
-
-def _measure_with(words: list[str], source: Volume) -> Any:
     def measure(picture: Any, truth: str, pixels: int, seed: int) -> Any:
         return _core.measure(picture, words, source.core(), source.name, truth, pixels, seed)
 
-    return measure
+    images = [Image(picture, measure) for picture in pictures]
+    return images if views is not None else images[0]
 
 
 def presets() -> dict[str, str]:
