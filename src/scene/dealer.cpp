@@ -4,11 +4,9 @@
 #include <array>
 #include <cstring>
 
-#include "base/byte_stream.hpp"
 #include "classify/normals.hpp"
 #include "net/agree.hpp"
 #include "net/blocks.hpp"
-#include "ringsplat/base/error.hpp"
 #include "volume/clipped.hpp"
 
 namespace ringsplat {
@@ -130,13 +128,8 @@ class Dealer {
       const Axis axis = next_value<Axis>(block, at);
       const int gp = next_value<int>(block, at);
       const auto size = next_value<std::uint64_t>(block, at);
-      const auto store = stores_.find(gp);
-      const bool crosses = axis == Axis::x || axis == Axis::y;
-      if (store == stores_.end() || !crosses || !store->second.keeps(axis) ||
-          !unpack_columns(store->second, axis, gp, dealing_, z, deal_.options.with_normals,
-                          next_bytes(block, at, size)))
-        throw RunError("a volume exchange message does not fit this rank's slices",
-                       "all ranks must run the same build");
+      unpack_columns(stores_.at(gp), axis, gp, dealing_, z, deal_.options.with_normals,
+                     next_bytes(block, at, size));
     }
   }
 

@@ -3,9 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "base/byte_stream.hpp"
 #include "net/blocks.hpp"
-#include "ringsplat/base/error.hpp"
 #include "scene/scene.hpp"
 #include "volume/cell_ranges.hpp"
 #include "volume/slice_ranges.hpp"
@@ -13,21 +11,14 @@
 namespace ringsplat {
 namespace {
 
-bool is_of(const Grid& grid, const SliceRange& range) {
-  const auto is_axis = std::find(all_axes.begin(), all_axes.end(), range.axis) != all_axes.end();
-  return is_axis && range.slice >= 0 && range.slice < grid.slices(range.axis);
-}
-
 void take_points(std::span<const std::byte> in, Axis axis, VolumeSketch& sketch) {
   const auto [u, v] = in_plane(axis);
   for (std::size_t at = 0; at < in.size();) {
     glm::ivec3 point(0);
-    int& layer = point[static_cast<int>(axis)];
-    bool whole = take(in, at, layer) && layer >= 0 && layer < sketch.points[static_cast<int>(axis)];
-    for (point[v] = 0; whole && point[v] < sketch.points[v]; ++point[v])
-      for (point[u] = 0; whole && point[u] < sketch.points[u]; ++point[u])
-        whole = take(in, at, sketch.values[sketch.index(point)]);
-    if (!whole) throw RunError("a rank sent voxels that fit no slice", "all ranks must run the same build");
+    point[static_cast<int>(axis)] = next_value<int>(in, at);
+    for (point[v] = 0; point[v] < sketch.points[v]; ++point[v])
+      for (point[u] = 0; point[u] < sketch.points[u]; ++point[u])
+        sketch.values[sketch.index(point)] = next_value<float>(in, at);
   }
 }
 
@@ -65,8 +56,6 @@ std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>
   out.front() = std::move(mine);
   for (const Block& block : collectives.all_to_all(std::move(out))) take_points(block, axis, *sketch);
   const Block all = collectives.broadcast(block_of(std::as_bytes(std::span(sketch->values))), 0);
-  if (all.size() != sketch->values.size() * sizeof(float))
-    throw RunError("rank 0 told of other voxels than it was sent", "all ranks must run the same build");
   std::memcpy(sketch->values.data(), all.data(), all.size());
   return sketch;
 }
@@ -76,7 +65,6 @@ namespace {
 constexpr int reach = 2;  ///< slices to either side
 
 struct Head {
-  Axis axis;
   int slice, gp;
   std::uint64_t bytes;
 };
@@ -99,25 +87,20 @@ void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis,
       continue;
     }
     Block& block = out[std::size_t(process)];
-    append(block, Head{axis, slice, gp, ranges->bytes().size()});
+    append(block, Head{slice, gp, ranges->bytes().size()});
     block.insert(block.end(), ranges->bytes().begin(), ranges->bytes().end());
   }
 }
 
 void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceStore>& stores) {
   for (std::size_t at = 0; at < in.size();) {
-    Head head{};
-    const bool whole = take(in, at, head) && head.bytes <= in.size() - at;
-    const auto store = stores.find(head.gp);
-    if (!whole || head.axis != axis || store == stores.end() || head.slice < 0 ||
-        head.slice >= store->second.grid().slices(axis))
-      throw RunError("a rank sent ranges of cells that fit no slice", "all ranks must run the same build");
-    const Grid& grid = store->second.grid();
-    store->second.know_cell_ranges(
+    const auto head = next_value<Head>(in, at);
+    SliceStore& store = stores.at(head.gp);
+    const Grid& grid = store.grid();
+    store.know_cell_ranges(
         axis, head.slice,
         std::make_shared<const CellRanges>(grid.type, grid.slice_width(axis), grid.slice_height(axis),
-                                           in.subspan(at, head.bytes)));
-    at += head.bytes;
+                                           next_bytes(in, at, head.bytes)));
   }
 }
 
@@ -145,11 +128,6 @@ void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collecti
   std::vector<SliceRange> all;
   for (const auto& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine)))))
     for (std::size_t at = 0; at < one.size();) all.push_back(next_value<SliceRange>(one, at));
-  for (const auto& [gp, store] : stores)
-    if (!std::all_of(all.begin(), all.end(),
-                     [&s = store](const SliceRange& r) { return is_of(s.grid(), r); }))
-      throw RunError("a rank sent the range of a slice that the volume does not have",
-                     "all ranks must run the same build");
   const auto ranges = std::make_shared<const SliceRanges>(all);
   for (auto& [gp, store] : stores) store.know_ranges(ranges);
 }

@@ -1,12 +1,8 @@
 #include "volume/cell_ranges.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 #include <limits>
-
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -59,14 +55,6 @@ RangesOfBlocks::RangesOfBlocks(const SliceView& slice, const Shape& shape)
     const auto bytes = std::as_bytes(std::span(all));
     ends_.assign(bytes.begin(), bytes.end());
   });
-}
-
-RangesOfBlocks::RangesOfBlocks(ScalarType type, int columns, int rows, std::span<const std::byte> bytes)
-    : type_(type), columns_(columns), rows_(rows), ends_(bytes.begin(), bytes.end()) {
-  if (bytes.size() != std::size_t(columns) * std::size_t(rows) * 2 * size_of(type))
-    throw RunError(
-        fmt::format("a rank sent {} bytes as the ranges of {} x {} blocks", bytes.size(), columns, rows),
-        "all ranks must run the same build");
 }
 
 RangesOfBlocks::Range RangesOfBlocks::range(int column, int row) const {

@@ -21,8 +21,9 @@ class RangesOfBlocks {
     int width, height, beyond;
   };
   RangesOfBlocks(const SliceView& slice, const Shape& shape);
-  /// From bytes() of such a slice. Throws RunError when their number is another.
-  RangesOfBlocks(ScalarType type, int columns, int rows, std::span<const std::byte> bytes);
+  /// From bytes() of such a slice.
+  RangesOfBlocks(ScalarType type, int columns, int rows, std::span<const std::byte> bytes)
+      : type_(type), columns_(columns), rows_(rows), ends_(bytes.begin(), bytes.end()) {}
 
   int columns() const { return columns_; }
   int rows() const { return rows_; }
@@ -52,7 +53,7 @@ class CellRanges : public RangesOfBlocks {
   static constexpr int side = 8;
 
   explicit CellRanges(const SliceView& slice) : RangesOfBlocks(slice, {side, side, 1}) {}
-  /// From bytes() of a slice of the same size and type. Throws RunError when their number is another.
+  /// From bytes() of a slice of the same size and type.
   CellRanges(ScalarType type, int width, int height, std::span<const std::byte> bytes)
       : RangesOfBlocks(type, blocks_along(width), blocks_along(height), bytes) {}
 

@@ -8,38 +8,26 @@
 
 #include "base/huge_pages.hpp"
 #include "ringsplat/base/error.hpp"
+#include "volume/copy_row.hpp"
 
 namespace ringsplat {
 namespace {
 
-/// Copies column s of `values` (rows x width) for each slice s that the GP owns. Each copied column starts
-/// `stride` bytes after the one before.
-template <class T>
-void gather_columns(const T* values, int width, int rows, int gp, SliceDealing dealing, std::byte* out,
-                    std::size_t stride) {
-  const int columns = dealing.owned_count(width, gp);
-  // Copies by blocks of rows that fit the first-level cache, since one cache line serves many columns.
-  constexpr int block = 64;
-  for (int first = 0; first < rows; first += block) {
-    const int last = std::min(rows, first + block);
-    std::byte* column = out;
-    for (int k = 0; k < columns; ++k, column += stride) {
-      const T* from = values + dealing.slice_at(gp, k);
-      for (int row = first; row < last; ++row)
-        std::memcpy(column + std::size_t(row) * sizeof(T), from + std::size_t(row) * std::size_t(width),
-                    sizeof(T));
-    }
-  }
-}
-
-template <class T>
-void gather(const T* values, const Grid& grid, Axis axis, int gp, SliceDealing dealing, std::byte* out,
-            std::size_t stride) {
-  if (axis == Axis::x) return gather_columns(values, grid.dims.x, grid.dims.y, gp, dealing, out, stride);
-  const auto width = std::size_t(grid.dims.x);
-  const int rows = dealing.owned_count(grid.dims.y, gp);
-  for (int k = 0; k < rows; ++k, out += stride)
-    std::memcpy(out, values + std::size_t(dealing.slice_at(gp, k)) * width, width * sizeof(T));
+/// Copies, for each slice of the axis (x or y) that the GP owns, the line of a z slice that lies in it. Each
+/// copied line starts `stride` bytes after the one before.
+void gather(const std::byte* values, std::size_t bytes, const Grid& grid, Axis axis, int gp,
+            SliceDealing dealing, std::byte* out, std::size_t stride) {
+  const bool columns = axis == Axis::x;
+  const std::size_t row = std::size_t(grid.dims.x) * bytes, along = columns ? row : bytes,
+                    across = columns ? bytes : row;
+  const int length = grid.slice_width(axis), lines = dealing.owned_count(grid.slices(axis), gp);
+  // Copies columns by blocks that fit the first-level cache, since one cache line serves many columns.
+  const int block = columns ? 64 : length;
+  for (int first = 0; first < length; first += block)
+    for (int k = 0; k < lines; ++k)
+      copy_row(bytes, values + std::size_t(dealing.slice_at(gp, k)) * across + std::size_t(first) * along,
+               std::int64_t(along), std::min(block, length - first),
+               out + std::size_t(k) * stride + std::size_t(first) * bytes);
 }
 
 /// Large pages must be asked for before the memory is used.
@@ -50,10 +38,6 @@ std::shared_ptr<std::vector<T>> allocated(std::size_t count) {
   prefer_huge_pages(values->data(), count * sizeof(T));
   values->resize(count);
   return values;
-}
-
-void require_crossing(Axis axis) {
-  if (axis == Axis::z) throw std::invalid_argument("z slices are read whole, they have no columns");
 }
 
 }  // namespace
@@ -150,39 +134,31 @@ const SliceStore& SliceStore::level(int factor) const {
 void pack_columns(const Grid& grid, Axis axis, int gp, SliceDealing dealing,
                   std::span<const std::byte> values, std::span<const std::uint16_t> normals,
                   std::vector<std::byte>& out) {
-  require_crossing(axis);
   const auto line = std::size_t(grid.slice_width(axis));
   const auto value_bytes = line * size_of(grid.type);
   const auto stride = value_bytes + (normals.empty() ? 0 : line * sizeof(std::uint16_t));
   const auto at = out.size();
   out.resize(at + std::size_t(dealing.owned_count(grid.slices(axis), gp)) * stride);
-  visit_type(grid.type, [&](auto type) {
-    gather(reinterpret_cast<const decltype(type)*>(values.data()), grid, axis, gp, dealing, out.data() + at,
-           stride);
-  });
+  gather(values.data(), size_of(grid.type), grid, axis, gp, dealing, out.data() + at, stride);
   if (!normals.empty())
-    gather(normals.data(), grid, axis, gp, dealing, out.data() + at + value_bytes, stride);
+    gather(std::as_bytes(normals).data(), sizeof(std::uint16_t), grid, axis, gp, dealing,
+           out.data() + at + value_bytes, stride);
 }
 
-bool unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z, bool with_normals,
+void unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z, bool with_normals,
                     std::span<const std::byte> in) {
-  require_crossing(axis);
   const Grid& grid = store.grid();
   const auto line = std::size_t(grid.slice_width(axis));
   const auto value_bytes = line * size_of(grid.type);
   const auto normal_bytes = with_normals ? line * sizeof(std::uint16_t) : 0;
-  const int slices = dealing.owned_count(grid.slices(axis), gp);
-  if (z < 0 || z >= grid.dims.z || in.size() != std::size_t(slices) * (value_bytes + normal_bytes))
-    return false;
   const std::byte* from = in.data();
-  for (int k = 0; k < slices; ++k) {
+  for (int k = 0; k < dealing.owned_count(grid.slices(axis), gp); ++k) {
     const int s = dealing.slice_at(gp, k);
     std::memcpy(store.values(axis, s).data() + std::size_t(z) * value_bytes, from, value_bytes);
     from += value_bytes;
     if (with_normals) std::memcpy(store.normals(axis, s).data() + std::size_t(z) * line, from, normal_bytes);
     from += normal_bytes;
   }
-  return true;
 }
 
 }  // namespace ringsplat

@@ -110,14 +110,14 @@ class SliceStore {
 /// The exchange by which GPs that read z slices get their x and y slices: takes the lines of one GP's slices
 /// out of a z slice, and puts them into that GP's store.
 ///
-/// `pack_columns` appends, for each slice of `axis` (x or y, else std::invalid_argument) that GP `gp` owns,
-/// the one line of the z slice that lies in it: its values, then its normals when `normals` is not empty.
-/// `values` and `normals` are the whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns` puts
-/// such bytes into that GP's store as row z of its slices; returns false when they are not of the right size.
+/// `pack_columns` appends, for each slice of `axis` (x or y) that GP `gp` owns, the one line of the z slice
+/// that lies in it: its values, then its normals when `normals` is not empty. `values` and `normals` are the
+/// whole z slice, grid.slice_voxels(Axis::z) of each. `unpack_columns` puts such bytes into that GP's store
+/// as row z of its slices.
 void pack_columns(const Grid& grid, Axis axis, int gp, SliceDealing dealing,
                   std::span<const std::byte> values, std::span<const std::uint16_t> normals,
                   std::vector<std::byte>& out);
-[[nodiscard]] bool unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z,
-                                  bool with_normals, std::span<const std::byte> in);
+void unpack_columns(SliceStore& store, Axis axis, int gp, SliceDealing dealing, int z, bool with_normals,
+                    std::span<const std::byte> in);
 
 }  // namespace ringsplat

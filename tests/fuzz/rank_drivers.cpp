@@ -1,13 +1,8 @@
-// Tests a whole rank. An input is what the others send it, in a frame or while a volume is dealt.
+// Tests a whole rank. An input is what the others send it in a frame.
 #include <algorithm>
-#include <condition_variable>
-#include <mutex>
 #include <stdexcept>
-#include <thread>
 
-#include "classify/empty_space.hpp"
 #include "fuzz/driver.hpp"
-#include "fuzz/other_process.hpp"
 #include "net/loopback.hpp"
 #include "protocol/rank.hpp"
 #include "ringsplat/base/error.hpp"
@@ -19,8 +14,6 @@
 
 namespace ringsplat::fuzz {
 namespace {
-
-// A frame.
 
 struct Job {
   Layout layout;
@@ -196,128 +189,8 @@ std::vector<Input> rank_seeds() {
   return seeds;
 }
 
-// A volume being dealt.
-
-constexpr int dealt_gps = 3;
-
-/// A source that only process 0 can read.
-class InOrder final : public VolumeSource {
- public:
-  explicit InOrder(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
-  const Grid& grid() const override { return source_->grid(); }
-  bool concurrent() const override { return false; }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    source_->read_slices(first, count, out);
-  }
-
- private:
-  std::unique_ptr<VolumeSource> source_;
-};
-
-void deal_a_volume(Collectives& collectives, bool concurrent) {
-  OpenedVolume volume = open_everywhere(collectives, [&]() -> std::unique_ptr<VolumeSource> {
-    auto source = synth_source("ball", test::make_grid({7, 6, 5}));
-    return concurrent ? std::move(source) : std::make_unique<InOrder>(std::move(source));
-  });
-  // Small, because a rank that announces a volume's size also holds its share.
-  constexpr std::uint64_t most_bytes = 1 << 20;
-  if (volume.grid.bytes() > most_bytes) return;
-  auto stores = deal_slices(volume, {}, dealt_gps, {{0, 2}, {1}}, collectives);
-  share_slice_ranges(stores, collectives);
-  static_cast<void>(share_values(stores, volume.grid, volume.notes, collectives));
-  TransferFunction tf = test::ramp(20, 255, 0.9);
-  for (auto& [gp, store] : stores) {
-    EmptySpace empty_space;
-    for (const Axis axis : all_axes) static_cast<void>(empty_space.shown_slices(store, axis, tf));
-  }
-}
-
-/// Exchanges blocks between two processes, which are threads here.
-class Meeting {
- public:
-  /// All processes call it with their blocks; each gets the blocks of all.
-  std::vector<std::vector<Block>> exchange(int process, std::vector<Block> mine) {
-    std::unique_lock lock(mutex_);
-    given_[std::size_t(process)] = std::move(mine);
-    const int round = round_;
-    if (++here_ == 2) {
-      taken_ = given_;
-      here_ = 0;
-      ++round_;
-      all_here_.notify_all();
-    } else {
-      all_here_.wait(lock, [&] { return round_ != round; });
-    }
-    return taken_;
-  }
-
- private:
-  std::mutex mutex_;
-  std::condition_variable all_here_;
-  std::vector<std::vector<Block>> given_{2}, taken_;
-  int here_ = 0, round_ = 0;
-};
-
-/// Records what the other process sends.
-class MeetingProcess final : public Collectives {
- public:
-  MeetingProcess(Meeting& meeting, int process, Input& record)
-      : meeting_(meeting), process_(process), record_(record) {}
-  int process() const override { return process_; }
-  int processes() const override { return 2; }
-  std::vector<Block> all_to_all(std::vector<Block> out) override {
-    const auto all = meeting_.exchange(process_, std::move(out));
-    append_part(record_, all[other()][std::size_t(process_)]);
-    return {all[0][std::size_t(process_)], all[1][std::size_t(process_)]};
-  }
-  std::vector<Block> all_gather(const Block& mine) override {
-    const auto all = meeting_.exchange(process_, {mine});
-    append_part(record_, all[other()][0]);
-    return {all[0][0], all[1][0]};
-  }
-  Block broadcast(Block block, int root) override {
-    const auto all = meeting_.exchange(process_, {std::move(block)});
-    if (root != process_) append_part(record_, all[std::size_t(root)][0]);
-    return all[std::size_t(root)][0];
-  }
-  std::vector<int> absent(double) override { return {}; }
-
- private:
-  std::size_t other() const { return std::size_t(1 - process_); }
-  Meeting& meeting_;
-  int process_;
-  Input& record_;
-};
-
-/// Input: a choice of process and of whether all can read, then what the other process sends.
-void run_exchange(std::span<const std::byte> input) {
-  const unsigned choice = take_choice(input);
-  OtherProcess collectives(int(choice % 2), input);
-  deal_a_volume(collectives, choice / 2 % 2 == 0);
-}
-
-std::vector<Input> exchange_seeds() {
-  std::vector<Input> seeds;
-  for (const bool concurrent : {true, false}) {
-    Meeting meeting;
-    Input records[2] = {Input(1, char(concurrent ? 0 : 2)), Input(1, char(concurrent ? 1 : 3))};
-    const auto take_part_in = [&](int process) {
-      MeetingProcess collectives(meeting, process, records[process]);
-      deal_a_volume(collectives, concurrent);
-    };
-    std::thread other(take_part_in, 1);
-    take_part_in(0);
-    other.join();
-    seeds.insert(seeds.end(), std::begin(records), std::end(records));
-  }
-  return seeds;
-}
-
 }  // namespace
 
-std::vector<Driver> rank_drivers() {
-  return {{"rank", run_rank, rank_seeds, {"RSP1"}, 3000},
-          {"exchange", run_exchange, exchange_seeds, {}, 5000}};
-}
+std::vector<Driver> rank_drivers() { return {{"rank", run_rank, rank_seeds, {"RSP1"}, 3000}}; }
 
 }  // namespace ringsplat::fuzz
