@@ -5,9 +5,7 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <type_traits>
 #include <utility>
-#include <vector>
 
 #include "base/byte_stream.hpp"
 
@@ -26,27 +24,21 @@ class ToBytes {
  private:
   template <class T>
   void put(const T& value) {
-    if constexpr (requires(T & described, ToBytes & archive) { fields(described, archive); })
+    if constexpr (requires(T & described, ToBytes & archive) { fields(described, archive); }) {
       fields(const_cast<T&>(value), *this);  // which only reads it
-    else
+    } else if constexpr (requires(T & list) { list.resize(0); }) {
+      put(std::uint64_t(value.size()));
+      for (const auto& each : value) put(each);
+    } else {
       append(bytes, value);
+    }
   }
   void put(const char*) {}  // a field's name
-  void put(const std::string& text) { put_all(text); }
   void put(const std::filesystem::path& path) { put(path.string()); }
-  template <class T>
-  void put(const std::vector<T>& list) {
-    put_all(list);
-  }
   template <class T>
   void put(const std::optional<T>& value) {
     put(value.has_value());
     if (value) put(*value);
-  }
-  template <class List>
-  void put_all(const List& list) {
-    put(std::uint64_t(list.size()));
-    for (const auto& value : list) put(value);
   }
 };
 
@@ -66,6 +58,12 @@ class FromBytes {
   void get(T& value) {
     if constexpr (requires { fields(value, *this); }) {
       fields(value, *this);
+    } else if constexpr (requires { value.resize(0); }) {
+      std::uint64_t count = 0;
+      get(count);
+      ok_ = ok_ && count <= bytes_.size() - at_;  // each takes a byte at least
+      if (ok_) value.resize(std::size_t(count));
+      for (std::size_t i = 0; ok_ && i < value.size(); ++i) get(value[i]);
     } else {
       ok_ = ok_ && take(bytes_, at_, value);
       // An enumeration of which last_of() is known has no other values.
@@ -79,29 +77,16 @@ class FromBytes {
     ok_ = ok_ && byte <= 1;
     value = byte == 1;
   }
-  void get(std::string& text) { get_all(text); }
   void get(std::filesystem::path& path) {
     std::string text;
     get(text);
     path = text;
   }
   template <class T>
-  void get(std::vector<T>& list) {
-    get_all(list);
-  }
-  template <class T>
   void get(std::optional<T>& value) {
     bool there = false;
     get(there);
     if (ok_ && there) get(value.emplace());
-  }
-  template <class List>
-  void get_all(List& list) {
-    std::uint64_t count = 0;
-    get(count);
-    ok_ = ok_ && count <= bytes_.size() - at_;  // each takes a byte at least
-    if (ok_) list.resize(std::size_t(count));
-    for (std::size_t i = 0; ok_ && i < list.size(); ++i) get(list[i]);
   }
 
   std::span<const std::byte> bytes_;

@@ -2,14 +2,12 @@
 
 #include <fmt/format.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "ringsplat/base/error.hpp"
 
@@ -39,23 +37,6 @@ void MemoryFile::append(std::span<const std::byte> bytes) {
     if (done < 0 && errno == EINTR) continue;
     if (done <= 0) fail("write");
     bytes = bytes.subspan(std::size_t(done));
-  }
-}
-
-std::uint64_t MemoryFile::size() const {
-  struct stat status {};
-  if (::fstat(descriptor_, &status) != 0) fail("ask the size of");
-  return std::uint64_t(status.st_size);
-}
-
-void MemoryFile::read(const std::function<void(std::span<const std::byte> part)>& take) const {
-  std::vector<std::byte> part(std::size_t{1} << 20);
-  for (std::uint64_t at = 0;;) {
-    const ssize_t got = ::pread(descriptor_, part.data(), part.size(), static_cast<off_t>(at));
-    if (got < 0) fail("read");
-    if (got == 0) return;
-    take(std::span(part).first(std::size_t(got)));
-    at += std::uint64_t(got);
   }
 }
 

@@ -1,8 +1,6 @@
 #pragma once
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <span>
 
 namespace ringsplat::detail {
@@ -19,9 +17,6 @@ class MemoryFile {
   /// Valid in this process while the object lives.
   std::filesystem::path path() const;
   void append(std::span<const std::byte> bytes);
-  std::uint64_t size() const;
-  /// Passes the bytes on in parts.
-  void read(const std::function<void(std::span<const std::byte> part)>& take) const;
 
  private:
   int descriptor_ = -1;

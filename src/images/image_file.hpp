@@ -12,8 +12,8 @@
 /// loaded when the first file is opened or written. Functions here throw RunError when it cannot be loaded.
 namespace ringsplat {
 
-/// `other`: samples that cannot be read as one of these.
-enum class SampleType { int8, uint8, int16, uint16, int32, uint32, float16, float32, float64, other };
+/// `other`: samples that cannot be read as one of these. The first ones are a volume's ScalarType.
+enum class SampleType { int8, uint8, int16, uint16, int32, uint32, float32, float64, float16, other };
 
 /// One of a file's images.
 struct ImageShape {

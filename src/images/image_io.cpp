@@ -199,15 +199,9 @@ std::vector<std::uint8_t> display_bytes(const Image& image, const std::optional<
   return FilePixels(image, *format_of("picture.png"), background, {}, overlay).display;
 }
 
-std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background) {
-  return display_pixels(linear_pixels(image, background), 3);
-}
-
 StoredImage read_image(const fs::path& file) {
   const auto bad = [&](const std::string& why) {
-    std::string line = why;
-    std::replace(line.begin(), line.end(), '\n', ' ');
-    return InputError(fmt::format("{} is not a readable picture: {}", file.string(), line),
+    return InputError(fmt::format("{} is not a readable picture: {}", file.string(), detail::one_line(why)),
                       "compare works on .png, .exr, .tif and the like");
   };
   std::error_code ignored;

@@ -32,10 +32,7 @@ Bytes image_bytes(const Image& image, const std::string& ending, const std::opti
 /// The display values that write_image() would write into a .png: four bytes a pixel, or over a background
 /// three.
 std::vector<std::uint8_t> display_bytes(const Image& image, const std::optional<glm::dvec3>& background,
-                                        const Overlay& overlay);
-
-/// The picture over a background (linear light), as write_image() makes it: sRGB, three bytes a pixel.
-std::vector<std::uint8_t> display_rgb(const Image& image, const glm::dvec3& background);
+                                        const Overlay& overlay = {});
 
 /// A picture's values for comparing: premultiplied RGBA, rows from the top. Those of float files are linear
 /// light; those of integer files are display (sRGB) values from 0 to 1.

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <algorithm>
-#include <span>
 #include <string>
 
+#include "base/input_file.hpp"
 #include "base/memory_file.hpp"
 #include "base/output_file.hpp"
+#include "base/text.hpp"
 #include "images/image_file.hpp"
 #include "images/image_library.hpp"
 #include "ringsplat/base/error.hpp"
@@ -14,9 +14,8 @@
 namespace ringsplat {
 namespace {
 
-RunError failed(const std::string& path, std::string why, const std::string& hint) {
-  std::replace(why.begin(), why.end(), '\n', ' ');
-  return {fmt::format("{} cannot be written: {}", path, why), hint};
+RunError failed(const std::string& path, const std::string& why, const std::string& hint) {
+  return {fmt::format("{} cannot be written: {}", path, detail::one_line(why)), hint};
 }
 
 /// Memory does not run out like a disk, but the file size limit applies to it, too, and writers by name do
@@ -38,10 +37,12 @@ Bytes file_bytes(const std::string& path, const ImageData& image) {
   const std::string problem = image_library().write(path, image, spare.path().string(), bytes);
   if (!problem.empty()) throw failed(path, problem, problem == no_memory ? "ask for a smaller picture" : "");
   if (!bytes.empty()) return bytes;
-  if (may_be_cut(spare.size(), image))
+  const detail::InputFile written(spare.path());
+  if (may_be_cut(written.size(), image))
     throw failed(path, "it is too near to the limit of files' sizes",
                  "raise ulimit -f, or write a .png or .exr");
-  spare.read([&](std::span<const std::byte> part) { bytes.insert(bytes.end(), part.begin(), part.end()); });
+  bytes.resize(written.size());
+  written.read(0, bytes);
   return bytes;
 }
 

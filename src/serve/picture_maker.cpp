@@ -81,7 +81,7 @@ std::string PictureMaker::make(RenderedPicture& picture) {
   PictureHead& head = picture.head;
   head.width = static_cast<std::uint16_t>(picture.image.width);
   head.height = static_cast<std::uint16_t>(picture.image.height);
-  rgb_ = display_rgb(picture.image, picture.background);
+  rgb_ = display_bytes(picture.image, picture.background);
   const bool best = head.level + 1 == head.levels;
   head.rmse = best ? 0 : rmse_[std::size_t(head.level)];
   const auto chroma = picture.moving ? TJSAMP_420 : TJSAMP_444;

@@ -18,12 +18,12 @@ namespace ringsplat {
 namespace {
 
 /// By type its own name, then others.
-constexpr std::array<std::array<std::string_view, 6>, 8> type_names{{
+constexpr std::array<std::array<std::string_view, 7>, 8> type_names{{
     {{"int8", "i8", "schar", "signed char", "int8_t"}},
     {{"uint8", "u8", "uchar", "byte", "unsigned char", "uint8_t"}},
-    {{"int16", "i16", "short", "int16_t"}},
-    {{"uint16", "u16", "ushort", "uint16_t", "unsigned short"}},
-    {{"int32", "i32", "int", "int32_t"}},
+    {{"int16", "i16", "short", "int16_t", "short int", "signed short", "signed short int"}},
+    {{"uint16", "u16", "ushort", "uint16_t", "unsigned short", "unsigned short int"}},
+    {{"int32", "i32", "int", "int32_t", "signed int"}},
     {{"uint32", "u32", "uint", "uint32_t", "unsigned int"}},
     {{"float32", "f32", "float"}},
     {{"float64", "f64", "double"}},

@@ -47,29 +47,27 @@ void ReadAheadSource::run() {
   const PlainFloats as_without_a_thread;
   std::unique_lock lock(mutex_);
   while (next_ < runs_.size() && !stop_ && !failure_) {
-    const SliceRun& wanted = runs_[next_];
-    no_room_ = !make_room(wanted);
-    if (busy_ || no_room_) {
-      changed_.notify_all();
-      changed_.wait(lock);
+    no_room_ = !make_room(runs_[next_]);
+    if (!no_room_) {
+      read_next(lock);
       continue;
     }
-    read(wanted, lock);
-    if (!failure_) ++next_;
+    changed_.notify_all();
+    changed_.wait(lock);
   }
   ended_ = true;
   changed_.notify_all();
 }
 
-/// Reads of the source while the mutex is not held.
-void ReadAheadSource::read(const SliceRun& run, std::unique_lock<std::mutex>& lock) {
-  busy_ = true;
+/// The mutex is not held while the source is read.
+void ReadAheadSource::read_next(std::unique_lock<std::mutex>& lock) {
+  const SliceRun& run = runs_[next_];
   lock.unlock();
   std::exception_ptr failure;
   std::map<int, Slice> slices;
   try {
     std::vector<std::byte> voxels(std::size_t(run.count) * slice_bytes_);
-    ForwardingSource::read_slices(run.first, run.count, voxels);
+    read_source(run.first, run.count, voxels);
     for (int k = 0; k < run.count; ++k) {
       const auto begin = voxels.begin() + std::ptrdiff_t(std::size_t(k) * slice_bytes_);
       slices[run.first + k].voxels.assign(begin, begin + std::ptrdiff_t(slice_bytes_));
@@ -78,11 +76,16 @@ void ReadAheadSource::read(const SliceRun& run, std::unique_lock<std::mutex>& lo
     failure = std::current_exception();
   }
   lock.lock();
-  busy_ = false;
   failure_ = failure;
-  if (!failure) slices_.merge(slices);
+  if (!failure) ++next_;
+  slices_.merge(slices);
   most_held_ = std::max(most_held_, slices_.size() * slice_bytes_);
   changed_.notify_all();
+}
+
+void ReadAheadSource::read_source(int first, int count, std::span<std::byte> out) {
+  const std::lock_guard lock(source_mutex_);
+  ForwardingSource::read_slices(first, count, out);
 }
 
 /// Forgets slices that were asked for, where others need their room. The mutex is held.
@@ -128,20 +131,11 @@ void ReadAheadSource::read_slices(int first, int count, std::span<std::byte> out
   changed_.wait(lock, [&] { return has(first, count) || !will_have(first, count); });
   if (has(first, count)) return give(first, count, out);
   if (failure_) std::rethrow_exception(failure_);
-  changed_.wait(lock, [&] { return !busy_; });
-  busy_ = true;
+  // The thread waits for room, or has ended.
   if (next_ < runs_.size() && runs_[next_] == SliceRun{first, count}) ++next_;
-  lock.unlock();
-  std::exception_ptr failure;
-  try {
-    ForwardingSource::read_slices(first, count, out);
-  } catch (...) {
-    failure = std::current_exception();
-  }
-  lock.lock();
-  busy_ = false;
   changed_.notify_all();
-  if (failure) std::rethrow_exception(failure);
+  lock.unlock();
+  read_source(first, count, out);
 }
 
 }  // namespace ringsplat

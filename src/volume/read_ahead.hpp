@@ -53,7 +53,8 @@ class ReadAheadSource final : public ForwardingSource {
     bool asked_for = false;
   };
   void run();
-  void read(const SliceRun& run, std::unique_lock<std::mutex>& lock);
+  void read_next(std::unique_lock<std::mutex>& lock);
+  void read_source(int first, int count, std::span<std::byte> out);
   bool make_room(const SliceRun& run);
   bool has(int first, int count) const;
   bool will_have(int first, int count) const;
@@ -61,12 +62,12 @@ class ReadAheadSource final : public ForwardingSource {
 
   const std::vector<SliceRun> runs_;
   const std::size_t most_bytes_, slice_bytes_;
+  std::mutex source_mutex_;
   mutable std::mutex mutex_;  ///< guards what follows
   std::condition_variable changed_;
   std::map<int, Slice> slices_;
   std::size_t next_ = 0;  ///< into runs_
   std::size_t most_held_ = 0;
-  bool busy_ = false;     ///< somebody reads of the source
   bool no_room_ = false;  ///< the thread waits for some
   bool stop_ = false, ended_ = false;
   std::exception_ptr failure_;

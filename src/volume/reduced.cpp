@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "volume/copy_row.hpp"
 
 namespace ringsplat {
 namespace {
@@ -28,15 +29,6 @@ void put(T value, std::size_t index, std::span<std::byte> out) {
   std::memcpy(out.data() + index * sizeof(T), &value, sizeof(T));
 }
 
-/// Calls `make(T(), z, part)` for each of `count` slices of `grid`, from `first` on.
-template <class Make>
-void for_each_slice(const Grid& grid, int first, int count, std::span<std::byte> out, const Make& make) {
-  const std::size_t bytes = grid.slice_bytes(Axis::z);
-  for (int k = 0; k < count; ++k)
-    visit_type(grid.type,
-               [&](auto zero) { make(zero, first + k, out.subspan(std::size_t(k) * bytes, bytes)); });
-}
-
 /// Every factor-th voxel.
 class SkippingSource final : public VolumeSource {
  public:
@@ -51,22 +43,17 @@ class SkippingSource final : public VolumeSource {
   int layer_depth() const override { return reduced_layer_depth(full_.layer_depth(), {factor_, false}); }
   Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    for_each_slice(grid_, first, count, out,
-                   [this](auto zero, int z, auto part) { pick<decltype(zero)>(z, part); });
-  }
-
- private:
-  template <class T>
-  void pick(int z, std::span<std::byte> out) {
-    full_.read_slices(z * factor_, 1, slice_);
-    std::size_t to = 0;
-    for (int y = 0; y < grid_.dims.y; ++y) {
-      const std::size_t row = std::size_t(y * factor_) * std::size_t(full_.grid().dims.x);
-      for (int x = 0; x < grid_.dims.x; ++x)
-        put(value_at<T>(slice_.data(), row + std::size_t(x * factor_)), to++, out);
+    const std::size_t scalar = size_of(grid_.type), row = std::size_t(full_.grid().dims.x) * scalar;
+    std::byte* to = out.data();
+    for (int z = first; z < first + count; ++z) {
+      full_.read_slices(z * factor_, 1, slice_);
+      for (int y = 0; y < grid_.dims.y; ++y, to += std::size_t(grid_.dims.x) * scalar)
+        copy_row(scalar, slice_.data() + std::size_t(y * factor_) * row,
+                 std::int64_t(factor_) * std::int64_t(scalar), grid_.dims.x, to);
     }
   }
 
+ private:
   VolumeSource& full_;
   int factor_;
   Grid grid_;
@@ -91,8 +78,11 @@ class HalvedSource final : public VolumeSource {
   int layer_depth() const override { return reduced_layer_depth(full_.layer_depth(), {2, true}); }
   Facts facts() const override { return full_.facts(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    for_each_slice(grid_, first, count, out,
-                   [this](auto zero, int z, auto part) { filter<decltype(zero)>(z, part); });
+    const std::size_t bytes = grid_.slice_bytes(Axis::z);
+    for (int k = 0; k < count; ++k)
+      visit_type(grid_.type, [&](auto zero) {
+        filter<decltype(zero)>(first + k, out.subspan(std::size_t(k) * bytes, bytes));
+      });
   }
 
  private:

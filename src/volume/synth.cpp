@@ -80,13 +80,7 @@ double jack(double x, double y, double z) {
   return stem || top || middle ? 1 : 0;
 }
 
-struct Entry {
-  const char* name;
-  const char* description;
-  Field field;
-};
-
-constexpr std::array<Entry, 10> entries{{
+constexpr SynthName entries[] = {
     {"constant", "1 everywhere", constant},
     {"slab", "1 in the middle half along z, 0 elsewhere", slab},
     {"ball", "1 at the centre, falling linearly to 0 at radius 1/2", ball},
@@ -97,7 +91,7 @@ constexpr std::array<Entry, 10> entries{{
     {"ramp", "0 to 1 along x", ramp},
     {"jack", "unequal arms along +x, +y, +z and a letter F: shows handedness", jack},
     {"point", "1 at the one voxel dims / 2, 0 elsewhere", nullptr},
-}};
+};
 
 template <class T>
 T scaled(double value) {
@@ -138,9 +132,9 @@ class SynthSource final : public VolumeSource {
 };
 
 /// Of those that are wanted the one of that name; else throws InputError: `what` lists them.
-const Entry& entry_of(const std::string& name, const char* what, bool with_point) {
+const SynthName& entry_of(const std::string& name, const char* what, bool with_point) {
   std::vector<std::string> names;
-  for (const Entry& e : entries) {
+  for (const SynthName& e : entries) {
     if (e.field == nullptr && !with_point) continue;
     if (name == e.name) return e;
     names.emplace_back(e.name);
@@ -150,14 +144,7 @@ const Entry& entry_of(const std::string& name, const char* what, bool with_point
 
 }  // namespace
 
-const std::vector<SynthName>& synth_names() {
-  static const std::vector<SynthName> names = [] {
-    std::vector<SynthName> list;
-    for (const auto& e : entries) list.push_back({e.name, e.description});
-    return list;
-  }();
-  return names;
-}
+std::span<const SynthName> synth_names() { return entries; }
 
 Field synth_field(const std::string& name) { return entry_of(name, "field", false).field; }
 

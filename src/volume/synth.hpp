@@ -1,22 +1,25 @@
 #pragma once
 #include <memory>
+#include <span>
 #include <string>
-#include <vector>
 
 #include "ringsplat/volume/source.hpp"
 
 namespace ringsplat {
 
-/// Names of the analytic test volumes, with a line of description each.
-struct SynthName {
-  std::string name, description;
-};
-const std::vector<SynthName>& synth_names();
-
-/// The field's value at a point of the unit cube [0, 1]^3 (voxel centres of an n-voxel axis lie at (i + 0.5)
-/// / n). Names are those of synth_names(), except "point", which is one voxel of a lattice and not a field.
-/// Values lie in [0, 1]. Throws InputError listing the names.
+/// A value for a point of the unit cube [0, 1]^3 (voxel centres of an n-voxel axis lie at (i + 0.5) / n).
+/// Values lie in [0, 1].
 using Field = double (*)(double x, double y, double z);
+
+/// An analytic test volume.
+struct SynthName {
+  const char* name;
+  const char* description;  ///< a line
+  Field field;              ///< null: "point", which is one voxel of a lattice and not a field
+};
+std::span<const SynthName> synth_names();
+
+/// The field of that name. Throws InputError listing the names.
 Field synth_field(const std::string& name);
 
 /// The field sampled on `grid`: integer types are scaled to the type's positive range (uint8: 0..255,

@@ -167,7 +167,7 @@ TEST_CASE("Display pixels are those of a written picture") {
   const TemporaryFolder folder;
   write_image(ramp(9), folder / "a.png", glm::dvec3(0.2), "");
   const Image stored = read_image(folder / "a.png").image;
-  const auto rgb = display_rgb(ramp(9), glm::dvec3(0.2));
+  const auto rgb = display_bytes(ramp(9), glm::dvec3(0.2));
   REQUIRE(rgb.size() == 3 * 81);
   for (std::size_t p = 0; p < 81; ++p)
     for (std::size_t c = 0; c < 3; ++c)

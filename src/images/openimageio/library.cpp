@@ -5,11 +5,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <cstdint>
 #include <cstring>
 #include <exception>
+#include <iterator>
 #include <new>
 #include <string>
 #include <string_view>
@@ -24,27 +23,15 @@ namespace {
 
 using OIIO::TypeDesc;
 
-constexpr std::array<std::pair<SampleType, TypeDesc::BASETYPE>, 9> types{
-    {{SampleType::int8, TypeDesc::INT8},
-     {SampleType::uint8, TypeDesc::UINT8},
-     {SampleType::int16, TypeDesc::INT16},
-     {SampleType::uint16, TypeDesc::UINT16},
-     {SampleType::int32, TypeDesc::INT32},
-     {SampleType::uint32, TypeDesc::UINT32},
-     {SampleType::float16, TypeDesc::HALF},
-     {SampleType::float32, TypeDesc::FLOAT},
-     {SampleType::float64, TypeDesc::DOUBLE}}};
+/// By SampleType.
+constexpr TypeDesc::BASETYPE types[] = {TypeDesc::INT8,  TypeDesc::UINT8,  TypeDesc::INT16, TypeDesc::UINT16,
+                                        TypeDesc::INT32, TypeDesc::UINT32, TypeDesc::FLOAT, TypeDesc::DOUBLE,
+                                        TypeDesc::HALF,  TypeDesc::UNKNOWN};
 
-TypeDesc type_desc(SampleType type) {
-  const auto found =
-      std::find_if(types.begin(), types.end(), [type](const auto& pair) { return pair.first == type; });
-  return found == types.end() ? TypeDesc::UNKNOWN : found->second;
-}
+TypeDesc type_desc(SampleType type) { return types[std::size_t(type)]; }
 
 SampleType sample_type(TypeDesc type) {
-  const auto found = std::find_if(types.begin(), types.end(),
-                                  [type](const auto& pair) { return pair.second == type.basetype; });
-  return found == types.end() ? SampleType::other : found->first;
+  return SampleType(std::find(std::begin(types), std::end(types) - 1, type.basetype) - std::begin(types));
 }
 
 class OpenedFile final : public ImageFile {
