@@ -47,21 +47,19 @@ class ChannelSource final : public ForwardingSource {
  public:
   ChannelSource(std::unique_ptr<VolumeSource> interleaved, const Grid& grid, int components,
                 ChannelChoice choice)
-      : ForwardingSource(std::move(interleaved)), grid_(grid), components_(components), choice_(choice) {}
-
-  const Grid& grid() const override { return grid_; }
+      : ForwardingSource(std::move(interleaved), grid), components_(components), choice_(choice) {}
 
   /// Only a layer's interleaved voxels are held at a time.
   void read_slices(int first, int count, std::span<std::byte> out) override {
     const int depth = layer_depth();
-    const auto bytes = grid_.slice_bytes(Axis::z);
+    const auto bytes = grid().slice_bytes(Axis::z);
     std::vector<std::byte> layer;
     for (int z = first; z < first + count;) {
       const int end = std::min(first + count, (z / depth + 1) * depth);
       const auto wanted = out.subspan(std::size_t(z - first) * bytes, std::size_t(end - z) * bytes);
       layer.resize(wanted.size() * std::size_t(components_));
       ForwardingSource::read_slices(z, end - z, layer);
-      take_channel(grid_.type, components_, choice_, layer, wanted);
+      take_channel(grid().type, components_, choice_, layer, wanted);
       z = end;
     }
   }
@@ -74,7 +72,6 @@ class ChannelSource final : public ForwardingSource {
   }
 
  private:
-  Grid grid_;
   int components_;
   ChannelChoice choice_;
 };
@@ -97,8 +94,8 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
                              const std::string& where) {
   if (channel.empty()) {
     if (!colours)
-      throw InputError(fmt::format("{}: a voxel is a vector of {} numbers", where, components),
-                       fmt::format("choose one with --channel: {}", names_of(components, colours)));
+      refuse(where, fmt::format("choose one with --channel: {}", names_of(components, colours)),
+             "a voxel is a vector of {} numbers", components);
     log_warning_once(
         "{}: voxels are colours, their luminance is shown; --channel r, g or b shows one of them", where);
     return {};
@@ -124,8 +121,8 @@ void take_channel(ScalarType type, int components, ChannelChoice choice, std::sp
 
 Grid interleaved_grid(const Grid& grid, int components, const std::string& where) {
   if (components < 1 || grid.dims.x > std::numeric_limits<int>::max() / components)
-    throw InputError(fmt::format("{}: rows of {} voxels of {} numbers", where, grid.dims.x, components),
-                     "correct the sizes in the header");
+    refuse(where, "correct the sizes in the header", "rows of {} voxels of {} numbers", grid.dims.x,
+           components);
   Grid interleaved = grid;
   interleaved.dims.x *= components;
   check_lattice(interleaved, where);

@@ -1,6 +1,5 @@
 #include "formats/encoded_bytes.hpp"
 
-#include <fmt/format.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -19,7 +18,7 @@
 #include <vector>
 
 #include "base/text.hpp"
-#include "ringsplat/base/error.hpp"
+#include "formats/limits.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -32,9 +31,8 @@ class PlainBytes final : public EncodedBytes {
       : file_(file), begin_(begin), end_(end) {}
   void read(std::uint64_t offset, std::span<std::byte> out) override {
     if (offset > most() || out.size() > most() - offset)
-      throw InputError(fmt::format("{}: its data ends at byte {}, {} more are needed", file_.path().string(),
-                                   end_, out.size()),
-                       "the file was cut short or its sizes are wrong");
+      refuse(file_.path(), "the file was cut short or its sizes are wrong",
+             "its data ends at byte {}, {} more are needed", end_, out.size());
     file_.read(begin_ + offset, out);
   }
   std::uint64_t most() const override { return end_ - begin_; }
@@ -65,10 +63,6 @@ class BytesInOrder : public EncodedBytes {
   virtual void restart() = 0;
   /// Fills the beginning of `out` with the next bytes and returns how many.
   virtual std::size_t decode(std::span<std::byte> out) = 0;
-
-  [[noreturn]] void fail(const std::string& what, const char* hint) const {
-    throw InputError(fmt::format("{}: {}", file_.path().string(), what), hint);
-  }
 
   const InputFile& file_;
   std::uint64_t position_ = 0;  ///< bytes decoded so far
@@ -135,9 +129,8 @@ class InflatedBytes final : public BytesInOrder {
   }
 
   [[noreturn]] void fail_stream(const char* what) const {
-    fail(fmt::format("the compressed data is cut short or damaged after {} decoded bytes ({})", position_,
-                     what),
-         "copy or write the file again");
+    refuse(file_.path(), "copy or write the file again",
+           "the compressed data is cut short or damaged after {} decoded bytes ({})", position_, what);
   }
 
   std::uint64_t begin_, file_position_;
@@ -148,9 +141,11 @@ class InflatedBytes final : public BytesInOrder {
 
 /// Of characters.
 class BytesInText : public BytesInOrder {
- protected:
+ public:
   BytesInText(const InputFile& file, std::uint64_t begin, std::uint64_t end)
       : BytesInOrder(file), begin_(begin), end_(end), text_(std::in_place, file, begin, end) {}
+
+ protected:
   void restart() override { text_.emplace(file_, begin_, end_); }
 
   static constexpr const char* damaged = "the file was cut short or is damaged: copy or write it again";
@@ -161,8 +156,7 @@ class BytesInText : public BytesInOrder {
 
 class Base64Bytes final : public BytesInText {
  public:
-  Base64Bytes(const InputFile& file, std::uint64_t begin, std::uint64_t end)
-      : BytesInText(file, begin, end) {}
+  using BytesInText::BytesInText;
   std::uint64_t most() const override { return (end_ - begin_) / 4 * 3 + 3; }
 
  private:
@@ -210,7 +204,7 @@ class Base64Bytes final : public BytesInText {
   }
 
   [[noreturn]] void fail_data(const char* what) const {
-    fail(fmt::format("its data {} after {} bytes", what, position_), damaged);
+    refuse(file_.path(), damaged, "its data {} after {} bytes", what, position_);
   }
 
   std::array<std::byte, 3> bytes_{};
@@ -219,7 +213,7 @@ class Base64Bytes final : public BytesInText {
 
 class HexBytes final : public BytesInText {
  public:
-  HexBytes(const InputFile& file, std::uint64_t begin, std::uint64_t end) : BytesInText(file, begin, end) {}
+  using BytesInText::BytesInText;
 
  private:
   std::size_t decode(std::span<std::byte> out) override {
@@ -236,7 +230,7 @@ class HexBytes final : public BytesInText {
     unsigned value = 0;
     constexpr int base = 16;
     if (!c || std::from_chars(&*c, &*c + 1, value, base).ec != std::errc())
-      fail(fmt::format("byte {} is no hexadecimal digit", text_->position()), damaged);
+      refuse(file_.path(), damaged, "byte {} is no hexadecimal digit", text_->position());
     text_->advance();
     return value;
   }
@@ -267,11 +261,14 @@ class BytesOfNumbers final : public BytesInText {
       auto* const values = reinterpret_cast<T*>(out.data());
       for (std::size_t i = 0; i < out.size() / sizeof(T); ++i) {
         const auto word = text_->word();
+        if (word.empty())
+          refuse(file_.path(), "the file was cut short or its sizes are wrong",
+                 "the header promises more numbers than the {} that the file holds",
+                 position_ / sizeof(T) + i);
         const auto value = voxel_in<T>(word);
         if (!value)
-          fail(fmt::format("voxel {}, '{}', is not a number of type {}", position_ / sizeof(T) + i,
-                           excerpt(word), to_string(type_)),
-               "correct the file or its type");
+          refuse(file_.path(), "correct the file or its type", "voxel {}, '{}', is not a number of type {}",
+                 position_ / sizeof(T) + i, excerpt(word), to_string(type_));
         values[i] = *value;
       }
     });

@@ -10,14 +10,13 @@
 namespace ringsplat {
 
 std::map<double, std::string> label_names(const std::filesystem::path& file) {
-  constexpr std::size_t most_lines = 100000, longest_line = 4096;
+  constexpr std::size_t longest_line = 4096;
   static const std::regex field("(Segment[0-9]+)_(LabelValue|Name):=([^\r]+)\r?");
   std::map<std::string, std::pair<std::string, std::string>> segments;  // value and name
   std::ifstream header(file, std::ios::binary);
   std::string line;
   if (!std::getline(header, line) || line.rfind("NRRD", 0) != 0) return {};
-  for (std::size_t k = 0; k < most_lines && std::getline(header, line) && !line.empty() && line != "\r";
-       ++k) {
+  while (std::getline(header, line) && !line.empty() && line != "\r") {
     std::smatch found;
     if (line.size() > longest_line || !std::regex_match(line, found, field)) continue;
     auto& [value, name] = segments[found[1]];

@@ -1,8 +1,22 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <utility>
+
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
+
+/// Throws InputError: the file, what is wrong with it, and what to do.
+template <class... Args>
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& hint,
+                         fmt::format_string<Args...> what, Args&&... args) {
+  throw InputError(fmt::format("{}: {}", file.string(), fmt::format(what, std::forward<Args>(args)...)),
+                   hint);
+}
 
 /// The most bytes that one compressed byte can hold: 1032 with deflate (zlib's technical page). Other coders'
 /// limits only refuse claims that no real file makes.

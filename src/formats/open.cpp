@@ -40,33 +40,19 @@ Open find_format(const std::filesystem::path& path) {
   return nullptr;
 }
 
-/// Replaces the spacing of a source whose file has none, or a wrong one.
-class RespacedSource final : public ForwardingSource {
- public:
-  RespacedSource(std::unique_ptr<VolumeSource> source, const glm::dvec3& spacing)
-      : ForwardingSource(std::move(source)), grid_(ForwardingSource::grid()) {
-    grid_.spacing = spacing;
-  }
-  const Grid& grid() const override { return grid_; }
-
- private:
-  Grid grid_;
-};
-
-bool describes_encoding(const RawDescription& raw) {
-  return raw.dims || raw.type || raw.big_endian || raw.offset;
-}
-
 std::unique_ptr<VolumeSource> open_described(const std::filesystem::path& path, Open open,
                                              const RawDescription& raw, const VolumeChoice& choice) {
-  if (describes_encoding(raw))
+  if (raw.dims || raw.type || raw.big_endian || raw.offset)
     throw InputError(
         fmt::format("{} describes itself: dimensions, type, endianness and offset are for raw files",
                     path.string()),
         "leave them out; only --spacing may be given");
   auto source = open(path, choice);
   if (!raw.spacing) return source;
-  return std::make_unique<RespacedSource>(std::move(source), *raw.spacing);
+  // The file has no spacing, or a wrong one.
+  Grid grid = source->grid();
+  grid.spacing = *raw.spacing;
+  return std::make_unique<ForwardingSource>(std::move(source), grid);
 }
 
 /// A choice that nothing in the file answers must not be ignored. What a format has several of, its own

@@ -29,7 +29,9 @@ void require_room(const StoredVoxels& stored, std::uint64_t size, std::uint64_t 
     case Encoding::hex:
       return require_bytes(stored.file, size, stored.offset, 2 * bytes);
     case Encoding::text:
-      return require_numbers(stored.file, stored.offset, bytes / size_of(stored.type), stored.end);
+      // A digit and a blank for each number, but for the last.
+      return require_bytes(stored.file, std::min(size, stored.end), stored.offset,
+                           bytes / size_of(stored.type) * 2 - 1);
     case Encoding::raw:
     case Encoding::base64:
       return require_bytes(stored.file, size, stored.offset, bytes);
@@ -145,10 +147,6 @@ void StoredVoxels::choose(std::uint64_t bytes, std::uint64_t count, std::uint64_
   else
     require_bytes(file, size, before, total - before);
   before += index * bytes;
-}
-
-std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored) {
-  return stored_source(grid, std::vector{std::move(stored)});
 }
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {

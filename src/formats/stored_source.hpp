@@ -36,14 +36,10 @@ struct StoredVoxels {
   void choose(std::uint64_t bytes, std::uint64_t count, std::uint64_t index);
 };
 
-/// Reads uncompressed slices by position (concurrent); decodes others in order and keeps only a window and
-/// the slices asked for. Throws InputError when the file is too short for the grid, for a compressed file at
-/// deflate's best ratio.
-std::unique_ptr<VolumeSource> stored_source(const Grid& grid, StoredVoxels stored);
-
-/// The same of a volume that several files hold behind each other, equally many voxels in each: whole slices,
-/// whole rows of one slice, or a part of a row. Opens every file, so that one which is missing or too short
-/// is an error at once.
+/// A volume that one file holds, or several behind each other, equally many voxels in each: whole slices,
+/// whole rows of one slice, or a part of a row. Reads uncompressed slices by position (concurrent); decodes
+/// others in order and keeps only a window and the slices asked for. Opens every file, so that one which is
+/// missing, or too short for the grid (a compressed one at deflate's best ratio), is an InputError at once.
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces);
 
 /// A raw volume whose file has z fastest and x slowest. Holds the slices that were read last, as many as

@@ -1,12 +1,8 @@
 #include "formats/text_reader.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cctype>
 #include <span>
-
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -50,23 +46,6 @@ std::string TextReader::word() {
     if (!between) word += *c;
   }
   return word;
-}
-
-void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
-                     std::uint64_t end) {
-  const InputFile input(file);
-  TextReader text(input, offset, end);
-  bool in_word = false;
-  for (std::uint64_t found = 0; found < count; text.advance()) {
-    const auto c = text.peek();
-    if (!c)
-      throw InputError(
-          fmt::format("{}: the header promises {} numbers, the file holds {}", file.string(), count, found),
-          "the file was cut short or its sizes are wrong");
-    const bool between = separates_numbers(*c);
-    found += !between && !in_word;
-    in_word = !between;
-  }
 }
 
 }  // namespace ringsplat::detail

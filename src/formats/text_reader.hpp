@@ -1,7 +1,6 @@
 #pragma once
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,9 +40,5 @@ class TextReader {
   std::vector<std::byte> window_ = std::vector<std::byte>(64 * 1024);
   std::size_t at_ = 0, got_ = 0;
 };
-
-/// Throws InputError unless `count` words follow in the text file from `offset` on, before byte `end`.
-void require_numbers(const std::filesystem::path& file, std::uint64_t offset, std::uint64_t count,
-                     std::uint64_t end);
 
 }  // namespace ringsplat::detail

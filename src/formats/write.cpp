@@ -14,6 +14,7 @@
 #include "base/output_file.hpp"
 #include "base/text.hpp"
 #include "formats/formats.hpp"
+#include "formats/limits.hpp"
 #include "formats/meta/types.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -145,9 +146,9 @@ void write_detached(VolumeSource& source, const std::filesystem::path& path, boo
 std::filesystem::path raw_path(const Grid& grid, const std::filesystem::path& path) {
   if (const auto named = detail::parse_raw_name(path)) {
     if (named->dims == grid.dims && named->type == grid.type) return path;
-    throw InputError(fmt::format("{}: the name says something else than {} x {} x {} {}", path.string(),
-                                 grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type)),
-                     "leave sizes and type out of the name, they are added");
+    detail::refuse(path, "leave sizes and type out of the name, they are added",
+                   "the name says something else than {} x {} x {} {}", grid.dims.x, grid.dims.y, grid.dims.z,
+                   to_string(grid.type));
   }
   auto tagged = path;
   tagged.replace_filename(fmt::format("{}_{}x{}x{}_{}.raw", path.stem().string(), grid.dims.x, grid.dims.y,

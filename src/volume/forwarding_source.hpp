@@ -1,5 +1,6 @@
 #pragma once
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "ringsplat/volume/source.hpp"
@@ -9,8 +10,10 @@ namespace ringsplat {
 /// Passes everything on to the source that it owns, for derived classes that change one thing.
 class ForwardingSource : public VolumeSource {
  public:
-  explicit ForwardingSource(std::unique_ptr<VolumeSource> source) : source_(std::move(source)) {}
-  const Grid& grid() const override { return source_->grid(); }
+  /// `grid`: what it says of the lattice instead.
+  explicit ForwardingSource(std::unique_ptr<VolumeSource> source, const std::optional<Grid>& grid = {})
+      : source_(std::move(source)), grid_(grid.value_or(source_->grid())) {}
+  const Grid& grid() const final { return grid_; }
   bool concurrent() const override { return source_->concurrent(); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
     source_->read_slices(first, count, out);
@@ -21,6 +24,7 @@ class ForwardingSource : public VolumeSource {
 
  private:
   std::unique_ptr<VolumeSource> source_;
+  Grid grid_;
 };
 
 /// A source that says `notes` of its volume.

@@ -153,9 +153,10 @@ std::vector<Bad> bad_metas_and_vtks() {
                 "no zlib stream")),
       file("vtk, prose", "VTK", "a.vtk", "hello\n"),
       file(
-          "vtk, text cut short", "promises 24 numbers, the file holds 5", "a.vtk",
+          "vtk, text cut short", "promises more numbers than the 5 that the file holds", "a.vtk",
           "# vtk DataFile Version 3.0\nt\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 4 3 2\nSPACING 1 1 1\n"
-          "ORIGIN 0 0 0\nPOINT_DATA 24\nSCALARS v short 1\nLOOKUP_TABLE default\n1 2 30000 4 50"),
+          "ORIGIN 0 0 0\nPOINT_DATA 24\nSCALARS v short 1\nLOOKUP_TABLE default\n1 2 30000 4 50" +
+              std::string(50, ' ')),
       file("vtk, truncated", "promises", "a.vtk",
            "# vtk DataFile Version 3.0\nt\nBINARY\nDATASET STRUCTURED_POINTS\nDIMENSIONS 500 400 "
            "300\nSPACING 1 1 1\n"

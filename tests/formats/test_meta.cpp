@@ -179,7 +179,8 @@ TEST_CASE("MetaImage text that is no number of its type is refused", "[meta][bad
            "\nElementDataFile = LOCAL\n" + words;
   };
   check_all({
-      file("too few", "promises 4 numbers, the file holds 3", "a.mha", with("MET_SHORT", "1 2 3\n")),
+      file("too few", "promises more numbers than the 3 that the file holds", "a.mha",
+           with("MET_SHORT", "10 20 30\n")),
       file("a word", "voxel 2, 'three', is not a number of type int16", "a.mha",
            with("MET_SHORT", "1 2 three 4")),
       file("too large", "'300'", "a.mha", with("MET_UCHAR", "1 2 300 4")),

@@ -8,20 +8,14 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <string_view>
-#include <utility>
 
 #include "base/text.hpp"
 #include "formats/limits.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
 constexpr const char* convert_hint = "convert it, for example with 'gdcmconv --raw'";
-
-[[noreturn]] void fail(const DicomFile& file, const std::string& what, const std::string& hint) {
-  throw InputError(fmt::format("{}: {}", file.path.string(), what), hint);
-}
 
 std::string described(DicomTag tag) { return fmt::format("{} {}", dicom_entry(tag).name, to_string(tag)); }
 
@@ -29,8 +23,7 @@ int whole(const DicomFile& file, DicomTag tag, int otherwise, int least, int mos
   const auto numbers = checked_numbers(file, file.elements, tag);
   const double value = numbers.empty() ? otherwise : numbers[0];
   if (value != std::trunc(value) || value < least || value > most)
-    fail(file, fmt::format("{} is {:g}", described(tag), value),
-         fmt::format("it may be {} to {}", least, most));
+    refuse(file.path, fmt::format("it may be {} to {}", least, most), "{} is {:g}", described(tag), value);
   return int(value);
 }
 
@@ -59,18 +52,17 @@ constexpr TransferSyntax transfer_syntaxes[] = {
 const TransferSyntax& syntax_of(const DicomFile& file) {
   for (const auto& syntax : transfer_syntaxes)
     if (syntax.uid == file.transfer_syntax) return syntax;
-  fail(file, fmt::format("its pixels are encoded as '{}' (transfer syntax)", excerpt(file.transfer_syntax)),
-       convert_hint);
+  refuse(file.path, convert_hint, "its pixels are encoded as '{}' (transfer syntax)",
+         excerpt(file.transfer_syntax));
 }
 
 void check_amount(const DicomFile& file, const DicomShape& shape) {
   std::uint64_t stored = 0;
   for (const auto& fragment : file.pixels->fragments) stored += fragment.length;
   if (file.pixels->encapsulated != (shape.codec != DicomCodec::none))
-    fail(file,
-         fmt::format("its pixels are {}in fragments, as its transfer syntax '{}' has them not",
-                     file.pixels->encapsulated ? "" : "not ", excerpt(file.transfer_syntax)),
-         "write the file again");
+    refuse(file.path, "write the file again",
+           "its pixels are {}in fragments, as its transfer syntax '{}' has them not",
+           file.pixels->encapsulated ? "" : "not ", excerpt(file.transfer_syntax));
   if (shape.codec == DicomCodec::none) return require_bytes(file.path, stored, 0, shape.bytes());
   constexpr std::uint64_t harmless = 32 << 20;
   if (shape.bytes() > harmless) require_compressed_bytes(file.path, stored, shape.bytes(), shape.best_ratio);
@@ -78,21 +70,19 @@ void check_amount(const DicomFile& file, const DicomShape& shape) {
 
 void check_kind(const DicomFile& file) {
   if (file.elements.text(dicom::storage_class).empty() && file.storage_class.empty())
-    fail(file, fmt::format("{} is missing", described(dicom::storage_class)), "take a complete DICOM file");
+    refuse(file.path, "take a complete DICOM file", "{} is missing", described(dicom::storage_class));
   const auto colours = file.elements.text(dicom::photometric);
   if (!colours.empty() && colours != "MONOCHROME1" && colours != "MONOCHROME2")
-    fail(file, fmt::format("{} is '{}'", described(dicom::photometric), excerpt(colours)),
-         "only scalar volumes can be rendered: take a series of grey images");
+    refuse(file.path, "only scalar volumes can be rendered: take a series of grey images", "{} is '{}'",
+           described(dicom::photometric), excerpt(colours));
 }
 
 /// Makes all allocated bits count. Values stay the same, except those of MONOCHROME1, which GDCM subtracts
 /// from the highest value: refused.
 void count_all_bits(const DicomFile& file, DicomShape& shape) {
   if (file.elements.text(dicom::photometric) == "MONOCHROME1" && shape.bits_stored != shape.bits_allocated)
-    fail(file,
-         fmt::format("MONOCHROME1 of {} bits stored in {} cannot be read", shape.bits_stored,
-                     shape.bits_allocated),
-         convert_hint);
+    refuse(file.path, convert_hint, "MONOCHROME1 of {} bits stored in {} cannot be read", shape.bits_stored,
+           shape.bits_allocated);
   shape.bits_stored = shape.bits_allocated;
   shape.high_bit = shape.bits_allocated - 1;
 }
@@ -103,21 +93,19 @@ DicomShape read_shape(const DicomFile& file) {
   shape.codec = syntax_of(file).codec;
   shape.best_ratio = syntax_of(file).best_ratio;
   if (const int samples = whole(file, dicom::samples, 1, 0, most); samples != 1)
-    fail(file, fmt::format("{} values per pixel", samples),
-         "only scalar volumes can be rendered: take a series of grey images");
+    refuse(file.path, "only scalar volumes can be rendered: take a series of grey images",
+           "{} values per pixel", samples);
   shape.rows = whole(file, dicom::rows, 0, 0, most);
   shape.columns = whole(file, dicom::columns, 0, 0, most);
   if (shape.rows < 1 || shape.columns < 1)
-    fail(file, fmt::format("{} rows and {} columns", shape.rows, shape.columns),
-         "take an image that has pixels");
+    refuse(file.path, "take an image that has pixels", "{} rows and {} columns", shape.rows, shape.columns);
   shape.frames = whole(file, dicom::frames, 1, 1, std::numeric_limits<int>::max());
   shape.bits_allocated = whole(file, dicom::bits_allocated, 0, 0, most);
   if (shape.bits_allocated != 8 && shape.bits_allocated != 16 && shape.bits_allocated != 32)
-    fail(file, fmt::format("{} bits allocated per pixel", shape.bits_allocated),
-         "convert it to 8, 16 or 32 bits");
+    refuse(file.path, "convert it to 8, 16 or 32 bits", "{} bits allocated per pixel", shape.bits_allocated);
   if (shape.bits_allocated == 32 && (file.big_endian() || shape.codec != DicomCodec::none))
-    fail(file, fmt::format("32 bits per pixel as '{}' (transfer syntax)", excerpt(file.transfer_syntax)),
-         convert_hint);
+    refuse(file.path, convert_hint, "32 bits per pixel as '{}' (transfer syntax)",
+           excerpt(file.transfer_syntax));
   shape.bits_stored = whole(file, dicom::bits_stored, shape.bits_allocated, 1, shape.bits_allocated);
   shape.high_bit =
       whole(file, dicom::high_bit, shape.bits_stored - 1, shape.bits_stored - 1, shape.bits_allocated - 1);
@@ -130,7 +118,7 @@ DicomShape read_shape(const DicomFile& file) {
 void check_spacing(const DicomFile& file, const DicomItem& item, DicomTag tag) {
   for (const double value : checked_numbers(file, item, tag))
     if (!(value > 0))
-      fail(file, fmt::format("{} has the value {:g}", described(tag), value), "it must be positive");
+      refuse(file.path, "it must be positive", "{} has the value {:g}", described(tag), value);
 }
 
 /// GDCM silently replaces an orientation that it does not accept.
@@ -141,8 +129,8 @@ void check_orientation(const DicomFile& file, const DicomItem& item) {
   constexpr double tolerated = 1e-3;  // GDCM's own
   const double lengths = glm::length(row) * glm::length(column);
   if (!(std::abs(glm::dot(row, column)) < tolerated * lengths))
-    fail(file, fmt::format("{} is not of two directions at a right angle", described(dicom::orientation)),
-         "correct the orientation");
+    refuse(file.path, "correct the orientation", "{} is not of two directions at a right angle",
+           described(dicom::orientation));
 }
 
 /// Whole numbers up to this are exact, and no scanner has larger ones.
@@ -153,10 +141,8 @@ Rescale check_rescale(const DicomFile& file, const DicomItem& item, DicomTag slo
   const Rescale rescale{slope.empty() ? 1 : slope[0], intercept.empty() ? 0 : intercept[0]};
   constexpr double largest = 1e9;
   if (rescale.slope == 0 || std::abs(rescale.slope) > largest || std::abs(rescale.intercept) > largest)
-    fail(file,
-         fmt::format("pixels are to be rescaled by {:g} and {:g} (slope and intercept)", rescale.slope,
-                     rescale.intercept),
-         convert_hint);
+    refuse(file.path, convert_hint, "pixels are to be rescaled by {:g} and {:g} (slope and intercept)",
+           rescale.slope, rescale.intercept);
   return rescale;
 }
 
@@ -185,57 +171,40 @@ ScalarType narrowest_type(const DicomShape& shape, const Rescale& rescale) {
   return found == std::end(whole_types) ? ScalarType::float64 : *found;
 }
 
-/// Checks the functional groups of all frames and of each.
+/// The numbers of a data set and of what it holds: of each frame's item, of other sequences' first ones.
+void check_numbers(const DicomFile& file, const DicomItem& item) {
+  for (const auto& tag : {dicom::pixel_spacing, dicom::imager_spacing, dicom::scanned_spacing,
+                          dicom::plane_spacing, dicom::aspect, dicom::delta_x, dicom::delta_y})
+    check_spacing(file, item, tag);
+  checked_numbers(file, item, dicom::slice_distance);
+  checked_numbers(file, item, dicom::position);
+  check_orientation(file, item);
+  check_rescale(file, item, dicom::slope);
+  check_rescale(file, item, dicom::dose_scale);
+  for (const auto& [sequence, items] : item.sequences)
+    for (std::size_t i = 0; i < items.size() && (i == 0 || sequence == dicom::frame_groups); ++i)
+      check_numbers(file, items[i]);
+}
+
+/// GDCM takes one rescaling for all frames, and an orientation for granted.
 void check_frame_groups(const DicomFile& file) {
   std::optional<Rescale> rescale;
   bool measured = false, oriented = !file.elements.text(dicom::orientation).empty();
   for (const auto& groups : {dicom::shared_groups, dicom::frame_groups})
     for (const auto& item : file.elements.items(groups)) {
-      if (const auto* const plane = item.first_item(dicom::plane_position))
-        checked_numbers(file, *plane, dicom::position);
-      if (const auto* const plane = item.first_item(dicom::plane_orientation)) {
-        check_orientation(file, *plane);
+      if (const auto* const plane = item.first_item(dicom::plane_orientation))
         oriented |= !plane->text(dicom::orientation).empty();
-      }
-      if (const auto* const measures = item.first_item(dicom::pixel_measures)) {
-        check_spacing(file, *measures, dicom::pixel_spacing);
-        checked_numbers(file, *measures, dicom::slice_distance);
-        measured = true;
-      }
+      measured |= item.first_item(dicom::pixel_measures) != nullptr;
       const auto* const pixels = item.first_item(dicom::pixel_transformation);
-      if (!pixels) continue;
+      if (!pixels || pixels->text(dicom::slope).empty() || pixels->text(dicom::intercept).empty()) continue;
       const auto found = check_rescale(file, *pixels, dicom::slope);
-      if (pixels->text(dicom::slope).empty() || pixels->text(dicom::intercept).empty()) continue;
       if (rescale && (rescale->slope != found.slope || rescale->intercept != found.intercept))
-        fail(file, "its frames have different rescaling (slope and intercept)",
-             "give the frames as a series of files");
+        refuse(file.path, "give the frames as a series of files",
+               "its frames have different rescaling (slope and intercept)");
       rescale = found;
     }
   if (measured && !oriented)
-    fail(file, "its frames have a pixel spacing and no orientation", "take a complete DICOM file");
-}
-
-void check_geometry(const DicomFile& file, const DicomShape& shape) {
-  const auto& root = file.elements;
-  for (const auto& tag : {dicom::pixel_spacing, dicom::imager_spacing, dicom::scanned_spacing,
-                          dicom::plane_spacing, dicom::aspect})
-    check_spacing(file, root, tag);
-  checked_numbers(file, root, dicom::slice_distance);
-  checked_numbers(file, root, dicom::position);
-  check_orientation(file, root);
-  if (const auto* const item = root.first_item(dicom::detectors)) {
-    checked_numbers(file, *item, dicom::position);
-    check_orientation(file, *item);
-  }
-  if (const auto* const item = root.first_item(dicom::regions))
-    for (const auto& tag : {dicom::delta_x, dicom::delta_y}) check_spacing(file, *item, tag);
-  const auto offsets = checked_numbers(file, root, dicom::frame_offsets);
-  if (!offsets.empty() && offsets.size() != std::size_t(shape.frames))
-    fail(file,
-         fmt::format("{} has {} numbers for {} frames", described(dicom::frame_offsets), offsets.size(),
-                     shape.frames),
-         "take a complete DICOM file");
-  check_frame_groups(file);
+    refuse(file.path, "take a complete DICOM file", "its frames have a pixel spacing and no orientation");
 }
 
 }  // namespace
@@ -244,11 +213,11 @@ std::vector<double> checked_numbers(const DicomFile& file, const DicomItem& item
   auto numbers = item.numbers(tag);
   for (const double number : numbers)
     if (std::isnan(number))
-      fail(file, fmt::format("{} is '{}'", described(tag), excerpt(item.text(tag))), "it must be a number");
+      refuse(file.path, "it must be a number", "{} is '{}'", described(tag), excerpt(item.text(tag)));
   const auto count = dicom_entry(tag).count;
   if (count != 0 && !numbers.empty() && numbers.size() != count)
-    fail(file, fmt::format("{} has {} numbers", described(tag), numbers.size()),
-         fmt::format("it must have {}", count));
+    refuse(file.path, fmt::format("it must have {}", count), "{} has {} numbers", described(tag),
+           numbers.size());
   return numbers;
 }
 
@@ -274,11 +243,12 @@ DicomShape check_dicom(const DicomFile& file) {
   check_kind(file);
   auto shape = read_shape(file);
   check_amount(file, shape);
-  check_geometry(file, shape);
-  check_rescale(file, file.elements, dicom::slope);
-  if (const auto* const item = file.elements.first_item(dicom::xray_acquisition))
-    check_rescale(file, *item, dicom::slope);
-  check_rescale(file, file.elements, dicom::dose_scale);
+  check_numbers(file, file.elements);
+  check_frame_groups(file);
+  const auto offsets = checked_numbers(file, file.elements, dicom::frame_offsets);
+  if (!offsets.empty() && offsets.size() != std::size_t(shape.frames))
+    refuse(file.path, "take a complete DICOM file", "{} has {} numbers for {} frames",
+           described(dicom::frame_offsets), offsets.size(), shape.frames);
   return shape;
 }
 

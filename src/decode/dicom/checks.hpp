@@ -20,9 +20,9 @@ struct DicomShape {
   std::uint64_t best_ratio = 1;
 
   std::uint64_t bytes_per_voxel() const { return std::uint64_t(bits_allocated) / 8; }
-  std::uint64_t frame_voxels() const { return std::uint64_t(rows) * std::uint64_t(columns); }
-  std::uint64_t frame_bytes() const { return frame_voxels() * bytes_per_voxel(); }
-  std::uint64_t bytes() const { return frame_bytes() * std::uint64_t(frames); }
+  std::uint64_t bytes() const {
+    return std::uint64_t(rows) * std::uint64_t(columns) * std::uint64_t(frames) * bytes_per_voxel();
+  }
 };
 
 /// Checks what GDCM would take on trust, or draw otherwise than the file means: numbers, these against each

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <numeric>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -16,7 +15,6 @@
 #include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "formats/formats.hpp"
-#include "formats/limits.hpp"
 #include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"

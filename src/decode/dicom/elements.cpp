@@ -11,13 +11,14 @@
 #include <cctype>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <new>
 #include <span>
 #include <string_view>
 #include <utility>
 
 #include "base/text.hpp"
+#include "formats/binary_fields.hpp"
+#include "formats/limits.hpp"
 #include "formats/signatures.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -62,8 +63,10 @@ class Parser {
 
   void parse() {
     auto at = parse_meta();
-    encoding_ = encoding_of(file_.transfer_syntax);
-    if (file_.transfer_syntax == "1.2.840.10008.1.2.1.99") {
+    // PS3.6, table A-1; every compressed syntax has explicit element headers.
+    const auto& uid = file_.transfer_syntax;
+    encoding_ = {.explicit_vr = !uid.empty() && uid != "1.2.840.10008.1.2", .big_endian = file_.big_endian()};
+    if (uid == "1.2.840.10008.1.2.1.99") {
       file_.inflated.emplace();
       inflate_from(at);
       file_.data = std::make_unique<InputFile>(file_.inflated->path());
@@ -82,36 +85,27 @@ class Parser {
                      "copy the file again");
   }
 
-  static std::uint32_t number(std::span<const std::byte> bytes, bool big_endian) {
-    std::uint32_t value = 0;
-    for (std::size_t i = 0; i < bytes.size(); ++i)
-      value = value << 8 | std::to_integer<std::uint32_t>(bytes[big_endian ? i : bytes.size() - 1 - i]);
-    return value;
-  }
-
   /// `end`: of what contains the element.
   Element element_at(std::uint64_t at, std::uint64_t end, const Encoding& encoding) const {
     std::array<std::byte, 12> header{};
     const auto got = std::min<std::uint64_t>(file_.data->read_some(at, header), end - at);
     if (got < 8) fail(end);
-    const auto part = [&](std::size_t begin, std::size_t count) {
-      return number(std::span(header).subspan(begin, count), encoding.big_endian);
-    };
+    const BinaryFields fields(header, encoding.big_endian);
     Element e;
-    e.tag = {std::uint16_t(part(0, 2)), std::uint16_t(part(2, 2))};
+    e.tag = {fields.at<std::uint16_t>(0), fields.at<std::uint16_t>(2)};
     e.begin = at + 8;
     if (!encoding.explicit_vr || e.tag.group == delimiter_group) {
-      e.length = part(4, 4);
+      e.length = fields.at<std::uint32_t>(4);
     } else {
       e.vr = {char(header[4]), char(header[5])};
       if (!std::all_of(e.vr.begin(), e.vr.end(), [](unsigned char c) { return std::isupper(c) != 0; }))
         fail(at + 4);
-      e.length = part(6, 2);
+      e.length = fields.at<std::uint16_t>(6);
       constexpr std::string_view long_vrs = "OB OD OF OL OV OW SQ SV UC UN UR UT UV";
       if (long_vrs.find(e.vr) != std::string_view::npos) {
         if (got < header.size()) fail(end);
         e.begin = at + header.size();
-        e.length = part(8, 4);
+        e.length = fields.at<std::uint32_t>(8);
       }
     }
     if (!e.open_ended() && e.end() > end) fail(end);
@@ -124,7 +118,7 @@ class Parser {
     while (at < size()) {
       std::array<std::byte, 2> group{};
       if (file_.data->read_some(at, group) < group.size()) fail(size());
-      if (number(group, false) != meta_group) break;
+      if (BinaryFields(group, false).at<std::uint16_t>(0) != meta_group) break;
       const Element e = element_at(at, size(), {});
       if (e.open_ended()) fail(at);
       if (e.tag == transfer_syntax) file_.transfer_syntax = text_of(e);
@@ -152,14 +146,7 @@ class Parser {
     }
     inflateEnd(&stream);
     if (result != Z_STREAM_END)
-      throw InputError(fmt::format("{}: the compressed data is cut short or damaged", file_.path.string()),
-                       "copy the file again");
-  }
-
-  /// PS3.6, table A-1; every compressed syntax has explicit element headers.
-  static Encoding encoding_of(const std::string& uid) {
-    return {.explicit_vr = !uid.empty() && uid != "1.2.840.10008.1.2",
-            .big_endian = uid == "1.2.840.10008.1.2.2"};
+      refuse(file_.path, "copy the file again", "the compressed data is cut short or damaged");
   }
 
   std::string bytes_of(const Element& e) const {
@@ -241,14 +228,13 @@ class Parser {
   }
 
   [[noreturn]] void fail_twice(DicomTag tag) const {
-    throw InputError(fmt::format("{}: element {} is there twice", file_.path.string(), to_string(tag)),
-                     "copy the file again");
+    refuse(file_.path, "copy the file again", "element {} is there twice", to_string(tag));
   }
 
   std::uint64_t parse_pixels(const Element& e, std::uint64_t end) {
     if (e.tag == dicom::float_pixels || e.tag == dicom::double_pixels)
-      throw InputError(fmt::format("{}: its pixels are floating-point numbers", file_.path.string()),
-                       "convert it to integers, or to another format");
+      refuse(file_.path, "convert it to integers, or to another format",
+             "its pixels are floating-point numbers");
     if (e.tag != dicom::pixels && !e.open_ended()) return e.end();
     if (e.tag != dicom::pixels) fail(e.begin);
     if (file_.pixels) fail_twice(e.tag);
@@ -334,12 +320,6 @@ DicomEntry dicom_entry(DicomTag tag) {
   const auto& entry = gdcm::Global::GetInstance().GetDicts().GetDictEntry(gdcm::Tag(tag.group, tag.element));
   const auto count = entry.GetVM() == gdcm::VM::VM2_n ? 0 : entry.GetVM().GetLength();
   return {entry.GetName(), gdcm::VR::GetVRString(entry.GetVR()), count};
-}
-
-std::uint32_t little32(const std::string& bytes, std::size_t at) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 4; i > 0; --i) value = value << 8 | static_cast<unsigned char>(bytes[at + i - 1]);
-  return value;
 }
 
 std::optional<DicomFile> read_dicom_file(const std::filesystem::path& path) {

@@ -90,6 +90,4 @@ struct DicomEntry {
 };
 DicomEntry dicom_entry(DicomTag tag);
 
-std::uint32_t little32(const std::string& bytes, std::size_t at = 0);
-
 }  // namespace ringsplat::detail

@@ -5,7 +5,9 @@
 #include <gdcmMediaStorage.h>
 #include <gdcmTrace.h>
 
+#include <algorithm>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <sstream>
 #include <string>
 #include <string_view>
@@ -13,6 +15,7 @@
 #include <vector>
 
 #include "decode/dicom/elements.hpp"
+#include "formats/binary_fields.hpp"
 #include "formats/limits.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -27,11 +30,15 @@ using namespace std::string_view_literals;
 }
 
 [[noreturn]] void fail_frame(const DicomFile& file, const std::string& what) {
-  throw InputError(fmt::format("{}: {}", file.path.string(), what), "copy or write the file again");
+  refuse(file.path, "copy or write the file again", "{}", what);
 }
 
 std::string bytes_of(const DicomFile& file, const DicomFragment& fragment) {
   return file.bytes(fragment.begin, fragment.begin + fragment.length);
+}
+
+std::uint32_t little32(const std::string& bytes, std::size_t at) {
+  return BinaryFields(std::as_bytes(std::span(bytes)), false).at<std::uint32_t>(at);
 }
 
 /// The frames' bytes (PS3.5, annex A.4): of fragments the first is a table of where the frames begin.
@@ -60,7 +67,7 @@ std::vector<std::string> frames_of(const DicomFile& file, const DicomShape& shap
 /// GDCM fills what a frame lacks, and reads run lengths of other pixels.
 void require_whole(const DicomFile& file, const DicomShape& shape, std::string& frame) {
   if (shape.codec == DicomCodec::rle) {
-    if (frame.size() < 4 || little32(frame) != shape.bytes_per_voxel())
+    if (frame.size() < 4 || little32(frame, 0) != shape.bytes_per_voxel())
       fail_frame(file, fmt::format("a frame of run lengths is not of {} segments", shape.bytes_per_voxel()));
     return;
   }
@@ -115,21 +122,18 @@ std::optional<std::string> bytes_for_gdcm(const DicomFile& file, const DicomShap
 
 /// Of these kinds GDCM does not say how far pixels are apart.
 bool lacks_spacing(const gdcm::File& file) {
-  gdcm::MediaStorage kind;
+  using Kind = gdcm::MediaStorage;
+  constexpr Kind::MSType kinds[] = {Kind::HardcopyGrayscaleImageStorage,
+                                    Kind::GEPrivate3DModelStorage,
+                                    Kind::Philips3D,
+                                    Kind::VideoEndoscopicImageStorage,
+                                    Kind::UltrasoundMultiFrameImageStorage,
+                                    Kind::UltrasoundImageStorage,
+                                    Kind::UltrasoundImageStorageRetired,
+                                    Kind::UltrasoundMultiFrameImageStorageRetired};
+  Kind kind;
   kind.SetFromFile(file);
-  switch (gdcm::MediaStorage::MSType(kind)) {
-    case gdcm::MediaStorage::HardcopyGrayscaleImageStorage:
-    case gdcm::MediaStorage::GEPrivate3DModelStorage:
-    case gdcm::MediaStorage::Philips3D:
-    case gdcm::MediaStorage::VideoEndoscopicImageStorage:
-    case gdcm::MediaStorage::UltrasoundMultiFrameImageStorage:
-    case gdcm::MediaStorage::UltrasoundImageStorage:
-    case gdcm::MediaStorage::UltrasoundImageStorageRetired:
-    case gdcm::MediaStorage::UltrasoundMultiFrameImageStorageRetired:
-      return true;
-    default:
-      return false;
-  }
+  return std::find(std::begin(kinds), std::end(kinds), kind) != std::end(kinds);
 }
 
 glm::dvec3 spacing_of(const DicomFile& file, const gdcm::ImageReader& reader) {
@@ -165,9 +169,8 @@ void require_frame_spacing(const DicomFile& file, const Grid& grid) {
     if (!measures) continue;
     const auto spacing = checked_numbers(file, *measures, dicom::pixel_spacing);
     if (spacing.empty() || (spacing[1] == grid.spacing.x && spacing[0] == grid.spacing.y)) return;
-    throw InputError(
-        fmt::format("{}: its frames are not one stack of evenly spaced slices", file.path.string()),
-        "give the frames as a series of files, one stack a folder");
+    refuse(file.path, "give the frames as a series of files, one stack a folder",
+           "its frames are not one stack of evenly spaced slices");
   }
 }
 
@@ -178,10 +181,9 @@ void require_shape(const DicomFile& file, const DicomShape& shape, const gdcm::I
   if (grid.dims == glm::ivec3(shape.columns, shape.rows, shape.frames) && bits == shape.bits_allocated &&
       image.GetBufferLength() == shape.bytes())
     return;
-  throw InputError(fmt::format("{}: GDCM takes its {} x {} x {} pixels of {} bits for {} x {} x {} of {}",
-                               file.path.string(), shape.columns, shape.rows, shape.frames,
-                               shape.bits_allocated, grid.dims.x, grid.dims.y, grid.dims.z, bits),
-                   "convert it to another format");
+  refuse(file.path, "convert it to another format",
+         "GDCM takes its {} x {} x {} pixels of {} bits for {} x {} x {} of {}", shape.columns, shape.rows,
+         shape.frames, shape.bits_allocated, grid.dims.x, grid.dims.y, grid.dims.z, bits);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "base/text.hpp"
 #include "decode/dicom/checks.hpp"
 #include "formats/channels.hpp"
-#include "ringsplat/base/error.hpp"
+#include "formats/limits.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -34,9 +34,8 @@ const DicomItem* item_of(const DicomItem* all, const DicomItem& own, DicomTag gr
 
 /// A frame's orientation and spacing; nothing when one is missing.
 std::optional<DicomPlanes> lattice_of(const DicomFile& file, const DicomItem* all, const DicomItem& own) {
-  const auto *const turned = item_of(all, own, dicom::plane_orientation), *const measures =
-                                                                              item_of(all, own,
-                                                                                      dicom::pixel_measures);
+  const auto* const turned = item_of(all, own, dicom::plane_orientation);
+  const auto* const measures = item_of(all, own, dicom::pixel_measures);
   if (!turned || !measures) return {};
   const auto n = checked_numbers(file, *turned, dicom::orientation);
   const auto spacing = checked_numbers(file, *measures, dicom::pixel_spacing);
@@ -80,14 +79,14 @@ void require_even_counts(const std::vector<Images>& places, const DicomPlacing& 
   const auto [least, most] = std::minmax_element(
       places.begin(), places.end(), [](const Images& a, const Images& b) { return a.size() < b.size(); });
   if (places.size() == 1 && most->size() > 1)
-    throw InputError(fmt::format("{}: the {} slices have no different positions (Image Position Patient)",
-                                 placing.where, most->size()),
-                     "the folder may hold several series: give one file of the right one");
+    refuse(placing.where, "the folder may hold several series: give one file of the right one",
+           "the {} slices have no different positions (Image Position Patient)", most->size());
   if (least->size() == most->size()) return;
-  throw InputError(fmt::format("{}: {} places have {} to {} images each, so they are no whole time points",
-                               placing.where, places.size(), least->size(), most->size()),
-                   fmt::format("move images away until every place has as many; {} is where there are {}",
-                               placing.name_of(least->front()), least->size()));
+  refuse(placing.where,
+         fmt::format("move images away until every place has as many; {} is where there are {}",
+                     placing.name_of(least->front()), least->size()),
+         "{} places have {} to {} images each, so they are no whole time points", places.size(),
+         least->size(), most->size());
 }
 
 /// An even lattice through the positions: which of its places each one has, and how far the worst is off.
@@ -145,13 +144,11 @@ Lattice even_lattice(const std::vector<glm::dvec3>& positions, const DicomPlacin
                      placing.where, best->off * step, 100 * best->off);
     return *best;
   }
-  throw InputError(
-      fmt::format("{}: not one stack of evenly spaced slices: {} of them are {:g} to {:g} mm apart{}",
-                  placing.where, positions.size(), distances.front(), distances.back(),
-                  best && best->missing() == 0
-                      ? fmt::format(", and up to {:.2g} mm off even places", best->off * step)
-                      : std::string()),
-      "resample them to even distances, or choose another series with --series");
+  refuse(placing.where, "resample them to even distances, or choose another series with --series",
+         "not one stack of evenly spaced slices: {} of them are {:g} to {:g} mm apart{}", positions.size(),
+         distances.front(), distances.back(),
+         best && best->missing() == 0 ? fmt::format(", and up to {:.2g} mm off even places", best->off * step)
+                                      : std::string());
 }
 
 /// The lattice's places as slices; a missing one lies between the images before and behind it.
@@ -205,9 +202,8 @@ std::optional<DicomPlanes> dicom_planes(const DicomFile& file, int frames) {
     if (position.empty()) return {};
     if (!planes) planes = lattice;
     if (!alike(*planes, *lattice))
-      throw InputError(fmt::format("{}: frame {} is turned or scaled otherwise than those before it",
-                                   file.path.string(), planes->planes.size()),
-                       "give the frames as a series of files, one stack a folder");
+      refuse(file.path, "give the frames as a series of files, one stack a folder",
+             "frame {} is turned or scaled otherwise than those before it", planes->planes.size());
     DicomPlane plane{.position = three(position, 0), .times = {}};
     if (const auto* const content = own.first_item(dicom::frame_content))
       plane.times.front() = number_or_0(*content, dicom::time_index);

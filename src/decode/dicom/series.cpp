@@ -1,8 +1,11 @@
 #include "decode/dicom/series.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -40,48 +43,31 @@ std::optional<DicomSeries> read_header(const fs::path& path) {
   return series;
 }
 
-/// The files of a folder and of those below it.
-class Walk {
- public:
-  std::vector<fs::path> files(const fs::path& folder, bool deep) {
-    root_ = folder;
-    visit(folder, deep ? deepest : 0);
-    std::sort(files_.begin(), files_.end());
-    return std::move(files_);
-  }
-
- private:
-  static constexpr int deepest = 12;
-  static constexpr std::size_t most_files = 200'000;
-
-  void visit(const fs::path& folder, int depth) {
-    if (!visited_.insert(fs::canonical(folder)).second) return;
-    for (const auto& entry : fs::directory_iterator(folder)) {
-      if (files_.size() >= most_files)
-        throw InputError(fmt::format("{} holds more than {} files", root_.string(), most_files),
-                         "give the folder of one study or series");
-      std::error_code broken;  // a link that leads nowhere is no image
-      if (entry.is_regular_file(broken) && entry.file_size(broken) > 0)  // the kernel's own have none
-        files_.push_back(entry.path());
-      else if (depth > 0 && entry.is_directory(broken))
-        visit_below(entry.path(), depth - 1);
+/// The files of a folder and, when `deep`, of those below it, by their paths.
+std::vector<fs::path> files_in(const fs::path& folder, bool deep) {
+  constexpr int deepest = 12;
+  constexpr std::size_t most_files = 200'000;
+  std::vector<fs::path> files;
+  std::set<fs::path> visited{fs::canonical(folder)};
+  fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink);
+  for (; entry != fs::end(entry); ++entry) {
+    std::error_code broken;  // a link that leads nowhere is no image
+    if (entry->is_regular_file(broken)) {
+      if (entry->file_size(broken) > 0) files.push_back(entry->path());  // the kernel's own have none
+    } else if (deep && entry->is_directory(broken) && ::access(entry->path().c_str(), R_OK | X_OK) != 0) {
+      log_warning_once("left out: {}: {}", entry->path().string(), std::strerror(errno));
+      entry.disable_recursion_pending();
+    } else if (!deep || entry.depth() >= deepest ||
+               !visited.insert(fs::canonical(entry->path(), broken)).second) {
+      entry.disable_recursion_pending();
     }
+    if (files.size() > most_files)
+      throw InputError(fmt::format("{} holds more than {} files", folder.string(), most_files),
+                       "give the folder of one study or series");
   }
-
-  /// A folder below that may not be read is none of this volume's.
-  void visit_below(const fs::path& folder, int depth) {
-    try {
-      visit(folder, depth);
-    } catch (const fs::filesystem_error& error) {
-      if (error.code() == std::errc::no_such_file_or_directory) return;  // gone since it was listed
-      log_warning_once("left out: {}: {}", folder.string(), error.code().message());
-    }
-  }
-
-  fs::path root_;
-  std::vector<fs::path> files_;
-  std::set<fs::path> visited_;
-};
+  std::sort(files.begin(), files.end());
+  return files;
+}
 
 void tell(const std::vector<InputError>& problems, const fs::path& folder) {
   constexpr std::size_t most = 5;
@@ -90,18 +76,6 @@ void tell(const std::vector<InputError>& problems, const fs::path& folder) {
   if (problems.size() > most)
     log_warning_once("left out: {} more files of {} that cannot be read", problems.size() - most,
                      folder.string());
-}
-
-/// Adds an image unless the series has it already: exports often hold files twice.
-void add(DicomSeries&& image, std::map<std::string, DicomSeries>& series,
-         std::set<std::pair<std::string, std::string>>& instances, std::size_t& copies) {
-  const auto& instance = image.images.front().instance;
-  if (!instance.empty() && !instances.emplace(image.uid, instance).second) {
-    ++copies;
-    return;
-  }
-  const auto [found, is_new] = series.try_emplace(image.uid, image);
-  if (!is_new) found->second.images.push_back(std::move(image.images.front()));
 }
 
 /// The end of a UID, long enough to be the only one that ends so.
@@ -168,12 +142,18 @@ std::vector<DicomSeries> find_series(const fs::path& folder, bool deep) {
   std::set<std::pair<std::string, std::string>> instances;
   std::size_t copies = 0;
   std::vector<InputError> problems;
-  for (const auto& file : Walk().files(folder, deep)) {
+  for (const auto& file : files_in(folder, deep)) {
     decode::progress(fs::file_size(file));
     try {
-      if (auto image = read_header(file))
-        add(std::move(*image), series, instances, copies);
-      else if (lower_case(file.extension().string()) == ".dcm" && !is_dicom(file))
+      if (auto image = read_header(file)) {
+        const auto& instance = image->images.front().instance;
+        if (!instance.empty() && !instances.emplace(image->uid, instance).second) {
+          ++copies;  // exports often hold files twice
+          continue;
+        }
+        const auto [found, is_new] = series.try_emplace(image->uid, *image);
+        if (!is_new) found->second.images.push_back(std::move(image->images.front()));
+      } else if (lower_case(file.extension().string()) == ".dcm" && !is_dicom(file))
         throw InputError(fmt::format("{} is no DICOM file", file.string()), "copy the file again");
     } catch (const InputError& error) {
       problems.push_back(error);

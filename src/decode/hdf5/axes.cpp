@@ -6,8 +6,6 @@
 #include <map>
 #include <set>
 
-#include "base/log.hpp"
-#include "base/text.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail::hdf5 {
@@ -40,12 +38,11 @@ void settle_roles(DatasetMeaning& meaning, const std::string& where) {
       std::find_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.role == Role::space; });
   if (spare(axes) && !first->known && count(axes, Role::frame) == 0) first->role = Role::frame;
   if (spare(axes) || count(axes, Role::frame) > 1 || count(axes, Role::channel) > 1)
-    throw InputError(
-        fmt::format("{}: which of its dimensions, {}, are z, y and x cannot be told", where, sizes_of(axes)),
-        "name them by the attribute DIMENSION_LABELS, or write one volume a dataset");
+    refuse(where, "name them by the attribute DIMENSION_LABELS, or write one volume a dataset",
+           "which of its dimensions, {}, are z, y and x cannot be told", sizes_of(axes));
   if (count(axes, Role::space) == 0)
-    throw InputError(fmt::format("{}: none of its dimensions, {}, is one of space", where, sizes_of(axes)),
-                     "name a dataset of three dimensions");
+    refuse(where, "name a dataset of three dimensions", "none of its dimensions, {}, is one of space",
+           sizes_of(axes));
 }
 
 /// The lattice's directions in the world: where every axis of space has its own they are taken, else the axes

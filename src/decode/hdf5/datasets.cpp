@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <set>
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "formats/channels.hpp"
+#include "formats/limits.hpp"
 
 namespace ringsplat::detail::hdf5 {
 namespace {
@@ -37,9 +37,8 @@ std::string shape_of(const Found& found) {
 std::vector<std::string> names_in(hid_t group) {
   std::vector<std::string> names;
   const auto add = [](hid_t, const char* name, const H5L_info_t* info, void* data) -> herr_t {
-    auto& list = *static_cast<std::vector<std::string>*>(data);
-    if (info->type == H5L_TYPE_HARD) list.emplace_back(name);
-    return list.size() > std::size_t(most_objects) ? 1 : 0;
+    if (info->type == H5L_TYPE_HARD) static_cast<std::vector<std::string>*>(data)->emplace_back(name);
+    return 0;
   };
   H5Literate(group, H5_INDEX_NAME, H5_ITER_NATIVE, nullptr, add, &names);
   return names;
@@ -128,9 +127,8 @@ std::string only_one(const Walk& walk, const std::filesystem::path& path, const 
                      fmt::format("name one: {}:{}", path.string(), ringsplat::excerpt(name, 120)));
   }
   if (!walk.unreadable.empty())
-    throw InputError(
-        fmt::format("{}: cannot open {}", path.string(), ringsplat::excerpt(walk.unreadable, 300)),
-        "the file is damaged, or a newer HDF5 wrote it: copy it again, or h5repack it there");
+    refuse(path, "the file is damaged, or a newer HDF5 wrote it: copy it again, or h5repack it there",
+           "cannot open {}", ringsplat::excerpt(walk.unreadable, 300));
   throw InputError(fmt::format("{} holds no dataset of numbers with three dimensions", path.string()),
                    "h5dump -n lists what it holds");
 }

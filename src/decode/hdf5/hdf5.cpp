@@ -1,12 +1,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstring>
 #include <map>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "base/input_file.hpp"
@@ -61,10 +58,10 @@ void require_filters(hid_t creation, const std::string& where) {
         H5Pget_filter2(creation, k, &flags, &values, nullptr, sizeof(name) - 1, name, &configuration);
     if (id < 0) fail(fmt::format("{}: its filters cannot be read", where));
     if (H5Zfilter_avail(id) <= 0)
-      throw InputError(
-          fmt::format("{}: its chunks went through the filter {} ({}), which HDF5 does not have here", where,
-                      filter_name(id, name), int(id)),
-          "set HDF5_PLUGIN_PATH to a folder with its plugin, or h5repack -f GZIP=4 IN OUT where it is");
+      refuse(where,
+             "set HDF5_PLUGIN_PATH to a folder with its plugin, or h5repack -f GZIP=4 IN OUT where it is",
+             "its chunks went through the filter {} ({}), which HDF5 does not have here",
+             filter_name(id, name), int(id));
   }
 }
 
@@ -181,9 +178,8 @@ class DatasetSource final : public VolumeSource {
       const bool negative = is_signed && bits >> 63 != 0;
       const std::uint64_t magnitude = negative ? ~bits + 1 : bits;
       if (magnitude > largest)
-        throw InputError(fmt::format("{}: the 64-bit integer {}{} has no exact float64", where(),
-                                     negative ? "-" : "", magnitude),
-                         "convert the dataset to 32-bit integers or floats first");
+        refuse(where(), "convert the dataset to 32-bit integers or floats first",
+               "the 64-bit integer {}{} has no exact float64", negative ? "-" : "", magnitude);
       const double value = negative ? -double(magnitude) : double(magnitude);
       std::memcpy(out.data() + at, &value, sizeof(value));
     }
@@ -220,38 +216,29 @@ void require_readable(hid_t dataset, const std::filesystem::path& file, const st
   const Id creation = made(H5Dget_create_plist(dataset), where);
   const H5D_layout_t layout = H5Pget_layout(creation.get());
   if (layout == H5D_VIRTUAL)
-    throw InputError(fmt::format("{}: a virtual dataset, whose voxels other datasets hold", where),
-                     "h5repack IN OUT writes them into one file");
+    refuse(where, "h5repack IN OUT writes them into one file",
+           "a virtual dataset, whose voxels other datasets hold");
   if (layout < 0) fail(fmt::format("{}: its layout cannot be read", where));
   if (H5Pget_external_count(creation.get()) != 0)
-    throw InputError(fmt::format("{}: its voxels lie in other files", where),
-                     "h5repack IN OUT writes them into one file");
+    refuse(where, "h5repack IN OUT writes them into one file", "its voxels lie in other files");
   require_filters(creation.get(), where);
   const auto dims = dims_of(dataset);
   const Id type = made(H5Dget_type(dataset), where);
   std::uint64_t bytes = H5Tget_size(type.get());
   for (const int size : dims) {
     if (bytes > (std::uint64_t{1} << 62) / std::uint64_t(size))
-      throw InputError(fmt::format("{}: its dimensions are too large for any file", where), "write it again");
+      refuse(where, "write it again", "its dimensions are too large for any file");
     bytes *= std::uint64_t(size);
   }
   const InputFile on_disk(file);
   const std::uint64_t stored = H5Dget_storage_size(dataset);
-  if (stored == 0)
-    throw InputError(fmt::format("{}: its voxels were never written", where),
-                     "write them, or name another dataset");
+  if (stored == 0) refuse(where, "write them, or name another dataset", "its voxels were never written");
   if (layout == H5D_CONTIGUOUS) {
     const haddr_t at = H5Dget_offset(dataset);
     if (at == HADDR_UNDEF) fail(fmt::format("{}: its voxels' place cannot be read", where));
     require_bytes(file, on_disk.size(), at, bytes);
   }
-  if (layout != H5D_CHUNKED) return;
-  require_compressed_bytes(file, on_disk.size(), bytes, any_best_ratio);
-  std::uint64_t chunk_bytes = H5Tget_size(type.get());
-  const auto chunk = chunk_of(creation.get(), dims.size());
-  if (chunk.empty()) fail(fmt::format("{}: its chunks' sizes cannot be read", where));
-  for (const hsize_t size : chunk) chunk_bytes *= size;
-  require_compressed_bytes(file, on_disk.size(), chunk_bytes, any_best_ratio);
+  if (layout == H5D_CHUNKED) require_compressed_bytes(file, on_disk.size(), bytes, any_best_ratio);
 }
 
 /// Where the file holds the voxels of the selection, in the order in which they are read and as they are;
@@ -291,12 +278,11 @@ void require_hdf5(const std::filesystem::path& path) {
   const InputFile file(path);
   if (begins_with(file, 0, "CDF")) {
     const bool minc = lower_case(path.extension().string()) == ".mnc";
-    throw InputError(
-        fmt::format("{}: {}classic netCDF, which is not HDF5", path.string(), minc ? "MINC 1, " : ""),
-        minc ? "convert it: mincconvert -2 IN OUT" : "convert it: nccopy -k nc4 IN OUT");
+    refuse(path, minc ? "convert it: mincconvert -2 IN OUT" : "convert it: nccopy -k nc4 IN OUT",
+           "{}classic netCDF, which is not HDF5", minc ? "MINC 1, " : "");
   }
   if (begins_with(file, 0, "\x0e\x03\x13\x01"))
-    throw InputError(fmt::format("{}: HDF4, which is not HDF5", path.string()), "convert it: h4toh5 IN OUT");
+    refuse(path, "convert it: h4toh5 IN OUT", "HDF4, which is not HDF5");
   throw InputError(fmt::format("{} is no HDF5 file", path.string()),
                    "the file is damaged or has a wrong ending");
 }
@@ -324,10 +310,6 @@ Channels channels_of(const std::vector<DatasetAxis>& axes, const ValueType& valu
   return channels;
 }
 
-ScalarType rescaled_type(const ValueType& value) {
-  return value.type == ScalarType::float64 ? ScalarType::float64 : ScalarType::float32;
-}
-
 /// What is read: of frames and channels one, but all of colours whose luminance is made.
 Selection select(const std::filesystem::path& file, const std::string& dataset,
                  const std::vector<DatasetAxis>& axes, const Channels& channels, int frame) {
@@ -335,12 +317,10 @@ Selection select(const std::filesystem::path& file, const std::string& dataset,
   selection.file = file;
   selection.dataset = dataset;
   for (std::size_t k = 0; k < axes.size(); ++k) {
-    const bool whole =
-        axes[k].role == Role::space || (axes[k].role == Role::channel && !channels.choice.index);
-    const int at = axes[k].role == Role::frame     ? frame
-                   : axes[k].role == Role::channel ? channels.choice.index.value_or(0)
-                                                   : 0;
-    selection.first.push_back(hsize_t(at));
+    const bool is_channel = axes[k].role == Role::channel;
+    const bool whole = axes[k].role == Role::space || (is_channel && !channels.choice.index);
+    const int other = is_channel ? channels.choice.index.value_or(0) : 0;
+    selection.first.push_back(hsize_t(axes[k].role == Role::frame ? frame : other));
     selection.size.push_back(whole ? hsize_t(axes[k].size) : 1);
   }
   selection.slices = lattice_axes(axes)[2];
@@ -367,11 +347,9 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
   const Id type = made(H5Dget_type(id.get()), where);
   const auto value = value_type_of(type.get());
   if (!value)
-    throw InputError(fmt::format("{}: its values are no single numbers of at most 64 bits", where),
-                     "only integers and floating-point numbers can be drawn");
-  if (dims.size() < 2)
-    throw InputError(fmt::format("{}: it has no three dimensions with voxels", where),
-                     "name another dataset");
+    refuse(where, "only integers and floating-point numbers can be drawn",
+           "its values are no single numbers of at most 64 bits");
+  if (dims.size() < 2) refuse(where, "name another dataset", "it has no three dimensions with voxels");
   require_readable(id.get(), path, where);
   auto meaning = meaning_of(file.get(), id.get(), dataset, dims, where);
   const Channels channels = channels_of(meaning.axes, *value, choice, where);
@@ -386,7 +364,7 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
     const auto first = rescale.begin() + std::ptrdiff_t(frame) * grid.dims.z;
     rescale = std::vector(first, first + grid.dims.z);
   }
-  grid.type = rescale.empty() ? value->type : rescaled_type(*value);
+  grid.type = rescale.empty() || value->type == ScalarType::float64 ? value->type : ScalarType::float32;
   meaning.notes.labels = value->labels;
   if (meaning.notes.fill && rescale.size() == 1) {
     const double fill = rescale[0].slope * *meaning.notes.fill + rescale[0].intercept;

@@ -1,14 +1,11 @@
 // Simulations' own conventions: VTKHDF's ImageData (VTK's file formats, "VTKHDF") and openPMD's mesh records
 // (openPMD standard 1.1, "Mesh Based Records").
-#include <fmt/format.h>
-
 #include <algorithm>
-#include <cmath>
 
-#include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
 #include "decode/hdf5/axes.hpp"
+#include "formats/limits.hpp"
 
 namespace ringsplat::detail::hdf5 {
 namespace {
@@ -66,18 +63,16 @@ void describe_vtkhdf(hid_t file, const std::string& path, const std::string& whe
   if (!root) return;
   const auto type = text_of(root.get(), "Type").value_or("");
   if (type != "ImageData")
-    throw InputError(fmt::format("{}: a VTKHDF file of type {}", where, excerpt(type)),
-                     "only ImageData is a regular volume: resample it to an image first");
+    refuse(where, "only ImageData is a regular volume: resample it to an image first",
+           "a VTKHDF file of type {}", excerpt(type));
   const auto extent = numbers_of(root.get(), "WholeExtent");
   if (extent.size() != 6)
-    throw InputError(fmt::format("{}: VTKHDF's attribute WholeExtent has no 6 numbers", where),
-                     "write the file again");
+    refuse(where, "write the file again", "VTKHDF's attribute WholeExtent has no 6 numbers");
   const Id steps = H5Lexists(root.get(), "Steps", H5P_DEFAULT) > 0 ? opened(file, "/VTKHDF/Steps") : Id();
   if (!set_roles(meaning.axes, extent_sizes(extent, cells), bool(steps)))
-    throw InputError(
-        fmt::format("{}: its dimensions do not fit VTKHDF's WholeExtent {:g} {:g} {:g} {:g} {:g} {:g}", where,
-                    extent[0], extent[1], extent[2], extent[3], extent[4], extent[5]),
-        "write the file again");
+    refuse(where, "write the file again",
+           "its dimensions do not fit VTKHDF's WholeExtent {:g} {:g} {:g} {:g} {:g} {:g}", extent[0],
+           extent[1], extent[2], extent[3], extent[4], extent[5]);
   const glm::dvec3 spacing = vector_of(numbers_of(root.get(), "Spacing"), glm::dvec3(1)),
                    first(extent[0], extent[2], extent[4]);
   glm::dmat3 direction(1);
@@ -104,19 +99,17 @@ void describe_openpmd(hid_t file, hid_t dataset, const std::string& path, const 
   const hid_t record = scalar ? dataset : group.get();
   const auto geometry = text_of(record, "geometry").value_or("cartesian");
   if (geometry != "cartesian" && geometry.rfind("other", 0) != 0)
-    throw InputError(fmt::format("{}: an openPMD mesh in {} coordinates", where, excerpt(geometry)),
-                     "only cartesian meshes are regular volumes: resample it first");
+    refuse(where, "only cartesian meshes are regular volumes: resample it first",
+           "an openPMD mesh in {} coordinates", excerpt(geometry));
   auto spacing = numbers_of(record, "gridSpacing"), offset = numbers_of(record, "gridGlobalOffset"),
        position = numbers_of(dataset, "position");
   auto labels = texts_of(record, "axisLabels");
   const std::size_t axes = meaning.axes.size();
   if (spacing.size() != axes) return;
   // Attributes are in the order of C or of Fortran; a dataset's dimensions always in that of C.
-  if (text_of(record, "dataOrder").value_or("C") == "F")
-    for (auto* list : {&spacing, &offset}) std::reverse(list->begin(), list->end());
   if (text_of(record, "dataOrder").value_or("C") == "F") {
+    for (auto* list : {&spacing, &offset, &position}) std::reverse(list->begin(), list->end());
     std::reverse(labels.begin(), labels.end());
-    std::reverse(position.begin(), position.end());
   }
   const double si = number_of(record, "gridUnitSI").value_or(1);
   for (std::size_t k = 0; k < axes; ++k) {

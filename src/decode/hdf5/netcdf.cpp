@@ -1,6 +1,5 @@
 // netCDF's dimensions and CF's attributes (CF conventions 1.11, chapters 2 to 5 and 8), dimension labels of
 // HDF5's scales, and what ilastik and ImageJ's HDF5 plugins write.
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <iterator>
 #include <span>
 #include <utility>
 
@@ -59,6 +58,9 @@ struct Field {
   std::size_t number_bytes = 0;
 };
 
+/// Reads the directories of a TIFF or BigTIFF file (TIFF 6.0, section 2) and checks that they and their
+/// strips or tiles lie in the file. In a cut file the library takes a chain that leads beyond the end for the
+/// last page, and missing strips for zeros; here both throw InputError. A file that is not TIFF has no pages.
 class TiffChain {
  public:
   explicit TiffChain(const InputFile& file) : file_(file) {
@@ -76,9 +78,7 @@ class TiffChain {
     if (!is_tiff_) return found;
     const auto most = file_.size() / (count_bytes() + offset_bytes());
     for (auto at = first_page(); at != 0;) {
-      if (found.pages.size() > most)
-        throw InputError(fmt::format("{}: its pages form a loop", file_.path().string()),
-                         "write the file again");
+      if (found.pages.size() > most) refuse(file_.path(), "write the file again", "its pages form a loop");
       at = read_page(at, found);
     }
     return found;
@@ -175,26 +175,9 @@ class TiffChain {
   bool is_tiff_ = false, big_endian_ = false, wide_ = false;
 };
 
-/// Reads the directories of a TIFF or BigTIFF file (TIFF 6.0, section 2) and checks that they and their
-/// strips or tiles lie in the file. In a cut file the library takes a chain that leads beyond the end for the
-/// last page, and missing strips for zeros; here both throw InputError. A file that is not TIFF has no pages.
-TiffPages read_tiff_pages(const std::filesystem::path& path) {
-  const InputFile file(path);
-  return TiffChain(file).pages();
-}
-
-/// Which sample type gives which scalar type. Samples are read as the first one listed for their scalar type.
-constexpr std::pair<ScalarType, SampleType> sample_types[] = {
-    {ScalarType::int8, SampleType::int8},       {ScalarType::uint8, SampleType::uint8},
-    {ScalarType::int16, SampleType::int16},     {ScalarType::uint16, SampleType::uint16},
-    {ScalarType::int32, SampleType::int32},     {ScalarType::uint32, SampleType::uint32},
-    {ScalarType::float32, SampleType::float32}, {ScalarType::float32, SampleType::float16},
-    {ScalarType::float64, SampleType::float64}};
-
 std::optional<ScalarType> scalar_type_of(SampleType type) {
-  for (const auto& [scalar, sample] : sample_types)
-    if (sample == type) return scalar;
-  return {};
+  if (type == SampleType::float16) return ScalarType::float32;
+  return type == SampleType::other ? std::nullopt : std::optional(ScalarType(type));
 }
 
 bool same_shape(const TiffFile& a, const TiffFile& b) {
@@ -208,14 +191,11 @@ bool has_raw_indices(const TiffPage& page, const ImageShape& shape) {
 }
 
 void set_shape(const ImageShape& shape, bool indices, TiffFile& file) {
-  if (shape.depth > 1)
-    throw InputError(fmt::format("{}: {} planes in one page", file.path.string(), shape.depth),
-                     "write one slice a page");
+  if (shape.depth > 1) refuse(file.path, "write one slice a page", "{} planes in one page", shape.depth);
   const auto type = indices ? ScalarType::uint8 : scalar_type_of(shape.type);
   if (!type)
-    throw InputError(
-        fmt::format("{}: pixels of type {} cannot be rendered", file.path.string(), shape.type_name),
-        "convert them to at most 32 bits or float first");
+    refuse(file.path, "convert them to at most 32 bits or float first",
+           "pixels of type {} cannot be rendered", shape.type_name);
   file.width = shape.width;
   file.height = shape.height;
   file.type = *type;
@@ -249,10 +229,9 @@ void add_pages(const TiffPages& chain, TiffFile& file) {
     set_shape(shape, indices, found);
     if (file.planes.empty()) set_shape(shape, indices, file);
     if (!same_shape(found, file))
-      throw InputError(fmt::format("{}: page {} is {} x {} {}, the pages before it are {} x {} {}",
-                                   file.path.string(), index, found.width, found.height,
-                                   to_string(found.type), file.width, file.height, to_string(file.type)),
-                       "all slices must have one size and type");
+      refuse(file.path, "all slices must have one size and type",
+             "page {} is {} x {} {}, the pages before it are {} x {} {}", index, found.width, found.height,
+             to_string(found.type), file.width, file.height, to_string(file.type));
     file.planes.push_back({file.path, int(index)});
     if (indices) file.planes.back().raw_begin = page.raw_begin;
     bytes += bytes_of(page, shape, *image);
@@ -260,8 +239,7 @@ void add_pages(const TiffPages& chain, TiffFile& file) {
     compressed |= !compression.empty() && compression != "none";
   }
   if (index != chain.pages.size() || image->seek(int(index)))
-    throw InputError(fmt::format("{}: page {} cannot be read", file.path.string(), index),
-                     "the file was cut short or damaged");
+    refuse(file.path, "the file was cut short or damaged", "page {} cannot be read", index);
   const auto size = InputFile(file.path).size();
   if (compressed)
     require_compressed_bytes(file.path, size, bytes, any_best_ratio);
@@ -284,7 +262,7 @@ void add_planes_behind(const TiffPages& chain, std::uint64_t planes, TiffFile& f
 }
 
 void require_planes(const TiffPages& chain, TiffFile& file) {
-  const Microscopy& said = *file.microscopy;
+  const Microscopy& said = file.microscopy;
   const auto planes = said.planes(file.slices());
   if (said.by == "ImageJ" && file.planes.size() == 1 && planes && *planes > 1)
     add_planes_behind(chain, *planes, file);
@@ -296,18 +274,11 @@ void require_planes(const TiffPages& chain, TiffFile& file) {
       said.channels == 1 && said.frames == 1
           ? slices + " slices"
           : fmt::format("{} channels, {} time points and {} slices", said.channels, said.frames, slices);
-  throw InputError(fmt::format("{}: it says that it has {} (by its {}), and has {} pages", file.path.string(),
-                               counts, said.by, file.planes.size()),
-                   "write all slices as pages of one file");
+  refuse(file.path, "write all slices as pages of one file",
+         "it says that it has {} (by its {}), and has {} pages", counts, said.by, file.planes.size());
 }
 
 }  // namespace
-
-SampleType sample_type_of(ScalarType type) {
-  return std::find_if(std::begin(sample_types), std::end(sample_types),
-                      [type](const auto& pair) { return pair.first == type; })
-      ->second;
-}
 
 std::string in_words(const std::string& problem) {
   const bool too_large = problem.find("bad_alloc") != std::string::npos;
@@ -324,24 +295,22 @@ std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path) {
 }
 
 std::int64_t TiffFile::slices() const {
-  if (!microscopy) return std::int64_t(planes.size());
-  if (microscopy->slices) return *microscopy->slices;
-  const auto others = microscopy->planes(1).value_or(1);
+  if (microscopy.slices) return *microscopy.slices;
+  const auto others = microscopy.planes(1).value_or(1);
   return std::max<std::int64_t>(1, std::int64_t(planes.size() / others));
 }
 
 TiffFile read_tiff_file(const std::filesystem::path& path) {
-  const TiffPages chain = read_tiff_pages(path);
+  const InputFile input(path);
+  const TiffPages chain = TiffChain(input).pages();
   TiffFile file;
   file.path = path;
   add_pages(chain, file);
   if (file.planes.empty()) return file;
-  file.microscopy = read_microscopy(chain.description, chain.resolution);
-  if (!file.microscopy) return file;
-  if (!file.microscopy->problem.empty())
-    throw InputError(
-        fmt::format("{}: {} (by its {})", path.string(), file.microscopy->problem, file.microscopy->by),
-        "extract one image as a stack, in Fiji with Image > Duplicate, or with tiffsplit");
+  file.microscopy = read_microscopy(chain.description, chain.resolution).value_or(Microscopy());
+  if (!file.microscopy.problem.empty())
+    refuse(path, "extract one image as a stack, in Fiji with Image > Duplicate, or with tiffsplit",
+           "{} (by its {})", file.microscopy.problem, file.microscopy.by);
   require_planes(chain, file);
   return file;
 }

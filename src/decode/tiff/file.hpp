@@ -28,16 +28,14 @@ struct TiffFile {
   int samples = 1;                ///< numbers a pixel
   bool has_alpha = false;         ///< the last of them is opacity
   std::vector<TiffSlice> planes;  ///< pages but smaller copies and masks, or all planes behind one page
-  std::optional<Microscopy> microscopy;  ///< without a problem; its planes are there
-  std::int64_t slices() const;           ///< of each channel at each time
+  Microscopy microscopy;          ///< without a problem; its planes are there
+  std::int64_t slices() const;    ///< of each channel at each time
 };
 
 /// Opens an image by its library. Throws InputError when it is none.
 std::unique_ptr<ImageFile> open_tiff_image(const std::filesystem::path& path);
 /// What the library says; of tiles that are larger than any image, why they are not read.
 std::string in_words(const std::string& problem);
-/// As which type samples are read that become this scalar type.
-SampleType sample_type_of(ScalarType type);
 
 /// Throws InputError for a file that is cut short, damaged, or whose pages are no single image.
 TiffFile read_tiff_file(const std::filesystem::path& path);

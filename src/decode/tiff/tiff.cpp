@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -68,8 +67,7 @@ class TiffSource final : public SliceBySlice {
       image_ = open_tiff_image(slice.file);
       opened_ = slice.file;
     }
-    const std::string problem =
-        image_->read(slice.page, samples_.count, sample_type_of(grid().type), out.data());
+    const std::string problem = image_->read(slice.page, samples_.count, SampleType(grid().type), out.data());
     if (!problem.empty())
       throw InputError(
           fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
@@ -123,8 +121,8 @@ std::optional<std::int64_t> find_channel(const Microscopy& said, const std::stri
 
 /// Which of the planes' channels. Colours within a page are told apart by take_samples().
 std::int64_t take_channel_of_planes(const TiffFile& file, const std::string& wanted) {
-  if (!file.microscopy || file.microscopy->channels == 1) return 0;
-  const Microscopy& said = *file.microscopy;
+  const Microscopy& said = file.microscopy;
+  if (said.channels == 1) return 0;
   if (wanted.empty()) {
     log_warning_once("{}: of the channels {} the first is shown; --channel takes another", file.path.string(),
                      channel_names(said));
@@ -137,7 +135,7 @@ std::int64_t take_channel_of_planes(const TiffFile& file, const std::string& wan
 
 TiffSamples take_samples(const TiffFile& file, const std::string& wanted) {
   TiffSamples samples{.count = file.samples, .taken = {.index = 0}};
-  const bool several_planes = file.microscopy && file.microscopy->channels > 1;
+  const bool several_planes = file.microscopy.channels > 1;
   const bool grey_and_alpha = file.samples == 2 && file.has_alpha;
   constexpr int most_colours = 4;
   if (file.samples == 1 || (grey_and_alpha && wanted.empty())) return samples;
@@ -150,23 +148,19 @@ Taken take(const TiffFile& file, const VolumeChoice& choice) {
   Taken taken;
   taken.channel = take_channel_of_planes(file, choice.channel);
   taken.samples = take_samples(file, choice.channel);
-  const auto frames = file.microscopy ? file.microscopy->frames : 1;
-  taken.frame = chosen_frame(choice, int(std::min<std::int64_t>(frames, std::numeric_limits<int>::max())),
-                             "time points", file.path.string());
+  constexpr std::int64_t most = std::numeric_limits<int>::max();
+  taken.frame =
+      chosen_frame(choice, int(std::min(file.microscopy.frames, most)), "time points", file.path.string());
   return taken;
 }
 
 void add_slices(const TiffFile& file, const Taken& taken, std::vector<TiffSlice>& slices) {
-  if (!file.microscopy) {
-    slices.insert(slices.end(), file.planes.begin(), file.planes.end());
-    return;
-  }
   for (std::int64_t z = 0; z < file.slices(); ++z) {
-    const auto plane = file.microscopy->plane(taken.channel, z, taken.frame, file.slices());
+    const auto plane = file.microscopy.plane(taken.channel, z, taken.frame, file.slices());
     if (!plane || *plane >= file.planes.size())
-      throw InputError(fmt::format("{}: slice {} of channel {} at time {} is not in the file (by its {})",
-                                   file.path.string(), z, taken.channel, taken.frame, file.microscopy->by),
-                       "write all planes into one file");
+      refuse(file.path, "write all planes into one file",
+             "slice {} of channel {} at time {} is not in the file (by its {})", z, taken.channel,
+             taken.frame, file.microscopy.by);
     slices.push_back(file.planes[std::size_t(*plane)]);
   }
 }
@@ -176,8 +170,8 @@ void add_slices(const TiffFile& file, const Taken& taken, std::vector<TiffSlice>
 void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
   grid.direction = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0));
   notes.world = World::microscope;
-  if (!first.microscopy || (!first.microscopy->sized && !first.microscopy->depth)) return;
-  const Microscopy& said = *first.microscopy;
+  const Microscopy& said = first.microscopy;
+  if (!said.sized && !said.depth) return;
   constexpr double most_apart = 1000, largest = 1e12;
   const auto plausible = [&](double size) {
     return size > said.spacing.x / most_apart && size < said.spacing.x * most_apart;
@@ -202,8 +196,8 @@ void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
 /// Fills in how many channels and time points there are to choose from.
 void count(const TiffFile& first, VolumeNotes& notes) {
   const auto most = std::int64_t(std::numeric_limits<int>::max());
-  const auto planes = first.microscopy ? first.microscopy->channels : 1;
-  notes.frames = first.microscopy ? int(std::min(first.microscopy->frames, most)) : 1;
+  const auto planes = first.microscopy.channels;
+  notes.frames = int(std::min(first.microscopy.frames, most));
   notes.channels = int(planes > 1 ? std::min(planes, most) : first.samples);
 }
 
@@ -211,9 +205,9 @@ void count(const TiffFile& first, VolumeNotes& notes) {
 
 std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
   if constexpr (!RINGSPLAT_WITH_OPENIMAGEIO)
-    throw InputError(
-        fmt::format("{}: TIFF is read by OpenImageIO, which this build does without", path.string()),
-        "build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON, or convert the file to a plain .nrrd or .mha");
+    refuse(path,
+           "build it with -DRINGSPLAT_WITH_OPENIMAGEIO=ON, or convert the file to a plain .nrrd or .mha",
+           "TIFF is read by OpenImageIO, which this build does without");
   std::optional<TiffFile> first;
   Taken taken;
   std::vector<TiffSlice> slices;
@@ -223,17 +217,14 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
     if (file.planes.empty()) continue;
     if (!first) taken = take(file, choice);
     if (!first) first = file;
-    const auto counts = [](const TiffFile& f) {
-      return f.microscopy ? std::pair(f.microscopy->channels, f.microscopy->frames)
-                          : std::pair(std::int64_t(1), std::int64_t(1));
-    };
     if (file.width != first->width || file.height != first->height || file.type != first->type ||
-        file.samples != first->samples || counts(file) != counts(*first))
+        file.samples != first->samples || file.microscopy.channels != first->microscopy.channels ||
+        file.microscopy.frames != first->microscopy.frames)
       throw InputError(
           fmt::format("{} is {} x {} {} in {} channels, the files before it are {} x {} {} in {}",
                       file_path.string(), file.width, file.height, to_string(file.type),
-                      counts(file).first * file.samples, first->width, first->height, to_string(first->type),
-                      counts(*first).first * first->samples),
+                      file.microscopy.channels * file.samples, first->width, first->height,
+                      to_string(first->type), first->microscopy.channels * first->samples),
           "all slices must have one size and type");
     add_slices(file, taken, slices);
   }

@@ -18,6 +18,7 @@
 
 #include "base/child_program.hpp"
 #include "base/own_place.hpp"
+#include "formats/limits.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -61,13 +62,18 @@ DecodeProgram::DecodeProgram(const std::string& file) : owner_(::getpid()) {
 }
 
 DecodeProgram::~DecodeProgram() {
-  if (shared_ != nullptr) ::munmap(const_cast<std::byte*>(shared_), shared_bytes_);
   ::close(socket_);
   ::close(memory_);
-  if (::getpid() != owner_ || ended_) return;
+  if (::getpid() == owner_ && !ended_) end();
+}
+
+int DecodeProgram::end() {
+  int status = 0;
   ::kill(child_, SIGKILL);
-  while (::waitpid(child_, nullptr, 0) < 0 && errno == EINTR) {
+  while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
   }
+  ended_ = true;
+  return status;
 }
 
 bool DecodeProgram::ended() const {
@@ -77,7 +83,6 @@ bool DecodeProgram::ended() const {
 
 std::uint32_t DecodeProgram::new_source() {
   const std::lock_guard lock(mutex_);
-  ++open_;
   return ++sources_;
 }
 
@@ -88,51 +93,35 @@ void DecodeProgram::close(std::uint32_t source) {
   request.kind = DecodeRequest::Kind::close;
   request.source = source;
   send_message(socket_, to_bytes(request));
-  if (--open_ == 0) static_cast<void>(::ftruncate(memory_, 0));
-}
-
-void DecodeProgram::share(std::size_t bytes) {
-  struct stat status {};
-  if (::fstat(memory_, &status) != 0 ||
-      (std::uint64_t(status.st_size) < bytes && ::ftruncate(memory_, off_t(bytes)) != 0))
-    throw std::bad_alloc();
-  if (shared_bytes_ >= bytes) return;
-  if (shared_ != nullptr) ::munmap(const_cast<std::byte*>(shared_), shared_bytes_);
-  shared_bytes_ = 0;
-  void* const mapped = ::mmap(nullptr, bytes, PROT_READ, MAP_SHARED, memory_, 0);
-  shared_ = mapped == MAP_FAILED ? nullptr : static_cast<const std::byte*>(mapped);
-  if (shared_ == nullptr) throw std::bad_alloc();
-  shared_bytes_ = bytes;
-}
-
-std::optional<DecodeAnswer> DecodeProgram::answer_to(const DecodeRequest& request) {
-  if (ended_ || !send_message(socket_, to_bytes(request))) return {};
-  const auto message = receive_message(socket_);
-  return message ? from_bytes<DecodeAnswer>(*message) : std::nullopt;
+  static_cast<void>(::ftruncate(memory_, 0));  // the next request makes it as large as it needs
 }
 
 DecodeAnswer DecodeProgram::ask(const DecodeRequest& request, const std::string& library,
                                 const std::string& path, std::span<std::byte> voxels) {
   const std::lock_guard lock(mutex_);
-  if (!voxels.empty()) share(voxels.size());
-  auto answer = answer_to(request);
+  struct stat status {};
+  if (!voxels.empty() &&
+      (::fstat(memory_, &status) != 0 ||
+       (std::size_t(status.st_size) < voxels.size() && ::ftruncate(memory_, off_t(voxels.size())) != 0)))
+    throw std::bad_alloc();
+  std::optional<Bytes> message;
+  if (!ended_ && send_message(socket_, to_bytes(request))) message = receive_message(socket_);
+  auto answer = message ? from_bytes<DecodeAnswer>(*message) : std::nullopt;
   if (!answer) throw_why_it_ended(library, path);
   for (const auto& line : answer->log) log_line_once(line.level, line.text);
   if (answer->failure && answer->failure->code == ExitCode::bad_input)
     throw InputError(answer->failure->what);
   if (answer->failure) throw RunError(answer->failure->what);
-  if (!voxels.empty()) std::memcpy(voxels.data(), shared_, voxels.size());
+  for (std::size_t at = 0; at < voxels.size();) {
+    const auto got = ::pread(memory_, voxels.data() + at, voxels.size() - at, off_t(at));
+    if (got > 0) at += std::size_t(got);
+    if (got == 0 || (got < 0 && errno != EINTR)) throw_why_it_ended(library, path);
+  }
   return std::move(*answer);
 }
 
 void DecodeProgram::throw_why_it_ended(const std::string& library, const std::string& path) {
-  int status = 0;
-  if (!ended_) {
-    ::kill(child_, SIGKILL);  // should it live on and say what cannot be understood
-    while (::waitpid(child_, &status, 0) < 0 && errno == EINTR) {
-    }
-  }
-  ended_ = true;
+  const int status = ended_ ? 0 : end();  // it may live on and say what cannot be understood
   const int by = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
   if (WIFEXITED(status) && WEXITSTATUS(status) == other_version_code)
     throw InputError(fmt::format("{} is of another version than this program", program_name),
@@ -140,7 +129,7 @@ void DecodeProgram::throw_why_it_ended(const std::string& library, const std::st
   const std::string how = by == SIGXCPU ? "comes to no end with it"
                           : by == 0     ? fmt::format("ends on it (exit code {})", WEXITSTATUS(status))
                                         : fmt::format("crashes on it ({})", strsignal(by));
-  throw InputError(fmt::format("{}: {} {}", path, library, how), "the file is damaged: copy it again");
+  refuse(path, "the file is damaged: copy it again", "{} {}", library, how);
 }
 
 }  // namespace ringsplat::detail

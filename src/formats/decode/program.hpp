@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <string>
 
@@ -38,16 +37,13 @@ class DecodeProgram {
   pid_t id() const { return child_; }
 
  private:
-  std::optional<DecodeAnswer> answer_to(const DecodeRequest& request);
-  void share(std::size_t bytes);
+  int end();  ///< its status as waitpid() tells it
   [[noreturn]] void throw_why_it_ended(const std::string& library, const std::string& path);
 
   mutable std::mutex mutex_;
   pid_t owner_, child_ = 0;
   int socket_ = -1, memory_ = -1;
-  const std::byte* shared_ = nullptr;  ///< as much of the memory as was ever needed
-  std::size_t shared_bytes_ = 0;
-  std::uint32_t sources_ = 0, open_ = 0;  ///< that were ever opened, and that still are
+  std::uint32_t sources_ = 0;  ///< that were ever opened
   bool ended_ = false;
 };
 

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <utility>
 
 #include "formats/decode/program.hpp"
 #include "formats/formats.hpp"
@@ -22,14 +21,12 @@ class DecodedSource final : public VolumeSource {
     request_.folder = std::filesystem::current_path().string();
     request_.path = path.string();
     request_.choice = choice;
+    volume_ = open_anew();
   }
-  ~DecodedSource() override {
-    if (program_) program_->close(request_.source);
-  }
+  ~DecodedSource() override { program_->close(request_.source); }
   DecodedSource(const DecodedSource&) = delete;
   DecodedSource& operator=(const DecodedSource&) = delete;
 
-  void open() { volume_ = open_anew(); }
   const std::optional<StoredVoxels>& in_place() const { return volume_.in_place; }
   const Grid& grid() const override { return volume_.grid; }
   bool concurrent() const override { return volume_.concurrent; }
@@ -75,9 +72,8 @@ class DecodedSource final : public VolumeSource {
 std::unique_ptr<VolumeSource> open_decoded(DecodedFormat format, const std::filesystem::path& path,
                                            const VolumeChoice& choice) {
   auto source = std::make_unique<DecodedSource>(format, path, choice);
-  source->open();
   if (!source->in_place()) return source;
-  return with_notes(stored_source(source->grid(), *source->in_place()), source->notes());
+  return with_notes(stored_source(source->grid(), {*source->in_place()}), source->notes());
 }
 
 }  // namespace

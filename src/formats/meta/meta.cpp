@@ -32,6 +32,7 @@ namespace {
 /// The header of a MetaImage (Insight Journal, "MetaIO/Documentation"): lines of "key = value", the last of
 /// which is ElementDataFile.
 struct MetaHeader {
+  std::filesystem::path path;
   Grid grid;
   int dimensions = 3;  ///< NDims, 2 to 4
   int frames = 1;      ///< along the fourth dimension
@@ -43,6 +44,12 @@ struct MetaHeader {
   std::string data_file;         ///< value of ElementDataFile: a name, or a pattern or list of names
   std::uint64_t end = 0;         ///< the byte after the header
 
+  /// Throws InputError of the data file's name.
+  template <class... Args>
+  [[noreturn]] void fail(const std::string& hint, fmt::format_string<Args...> what, Args&&... args) const {
+    refuse(path, hint, "ElementDataFile '{}' {}", excerpt(data_file),
+           fmt::format(what, std::forward<Args>(args)...));
+  }
   bool is_local() const { return data_file == "LOCAL" || data_file == "Local" || data_file == "local"; }
 };
 
@@ -58,19 +65,20 @@ constexpr std::string_view known_keys =
 /// check.) Throws InputError naming the file and the field.
 class MetaReader {
  public:
-  explicit MetaReader(const std::filesystem::path& path) : path_(path), file_(path) {}
+  explicit MetaReader(const std::filesystem::path& path) : file_(path) {}
 
   MetaHeader read() {
     read_lines();
     MetaHeader header;
+    header.path = file_.path();
     header.end = end_;
     header.data_file = required("ElementDataFile");
     if (std::any_of(header.data_file.begin(), header.data_file.end(),
                     [](unsigned char c) { return std::iscntrl(c); }))
-      fail(fmt::format("ElementDataFile '{}' has control characters", excerpt(header.data_file)),
-           "correct the header");
+      refuse(file_.path(), "correct the header", "ElementDataFile '{}' has control characters",
+             excerpt(header.data_file));
     if (const auto type = value("ObjectType"); type && *type != "Image")
-      fail(fmt::format("ObjectType is '{}'", excerpt(*type)), "only an Image is a volume");
+      refuse(file_.path(), "only an Image is a volume", "ObjectType is '{}'", excerpt(*type));
     header.binary = flag("BinaryData", true);
     header.compressed = flag("CompressedData", false);
     header.big_endian = flag("BinaryDataByteOrderMSB", flag("ElementByteOrderMSB", header.big_endian));
@@ -78,20 +86,17 @@ class MetaReader {
     integer("CompressedDataSize", 0, 0);
     const auto channels = integer("ElementNumberOfChannels", 1, 1);
     if (channels > std::numeric_limits<int>::max())
-      fail(fmt::format("ElementNumberOfChannels is {}", channels), "correct the header");
+      refuse(file_.path(), "correct the header", "ElementNumberOfChannels is {}", channels);
     header.channels = int(channels);
     header.dimensions = read_dimensions();
     header.grid = read_grid(std::size_t(header.dimensions), header.frames);
-    check_lattice(header.grid, path_.string());
+    check_lattice(header.grid, file_.path().string());
     return header;
   }
 
  private:
-  [[noreturn]] void fail(const std::string& what, const std::string& hint) const {
-    throw InputError(fmt::format("{}: {}", path_.string(), what), hint);
-  }
   [[noreturn]] void fail_header(const std::string& what) const {
-    throw InputError(fmt::format("{} has no readable MetaImage header: {}", path_.string(), what),
+    throw InputError(fmt::format("{} has no readable MetaImage header: {}", file_.path().string(), what),
                      "it needs NDims, DimSize, ElementType and, last, ElementDataFile");
   }
 
@@ -132,7 +137,7 @@ class MetaReader {
     const auto word = lower_case(*text);
     if (word == "true" || word == "t" || word == "1" || word == "yes") return true;
     if (word == "false" || word == "f" || word == "0" || word == "no") return false;
-    fail(fmt::format("{} is '{}'", key, excerpt(*text)), "it is True or False");
+    refuse(file_.path(), "it is True or False", "{} is '{}'", key, excerpt(*text));
   }
 
   std::int64_t integer(const std::string& key, std::int64_t otherwise, std::int64_t least) const {
@@ -140,8 +145,8 @@ class MetaReader {
     if (!text) return otherwise;
     const auto number = number_in<std::int64_t>(*text);
     if (!number || *number < least)
-      fail(fmt::format("{} is '{}'", key, excerpt(*text)),
-           fmt::format("it is a whole number from {} on", least));
+      refuse(file_.path(), fmt::format("it is a whole number from {} on", least), "{} is '{}'", key,
+             excerpt(*text));
     return *number;
   }
 
@@ -151,11 +156,11 @@ class MetaReader {
     std::vector<T> list;
     for (const auto& word : words_of(text)) {
       const auto number = number_in<T>(word);
-      if (!number) fail(fmt::format("{}: '{}' is not a number", key, excerpt(word)), "correct the header");
+      if (!number) refuse(file_.path(), "correct the header", "{}: '{}' is not a number", key, excerpt(word));
       list.push_back(*number);
     }
     if (list.size() != count)
-      fail(fmt::format("{} has {} numbers, {} are needed", key, list.size(), count), "correct the header");
+      refuse(file_.path(), "correct the header", "{} has {} numbers, {} are needed", key, list.size(), count);
     return list;
   }
 
@@ -173,16 +178,16 @@ class MetaReader {
     // They have 4 bytes wherever they were written.
     if (name == "MET_LONG") return ScalarType::int32;
     if (name == "MET_ULONG") return ScalarType::uint32;
-    fail(fmt::format("voxels of type '{}' cannot be rendered", excerpt(name)),
-         "convert them to int32, uint32 or float32 first");
+    refuse(file_.path(), "convert them to int32, uint32 or float32 first",
+           "voxels of type '{}' cannot be rendered", excerpt(name));
   }
 
   int read_dimensions() const {
     if (!value("NDims")) fail_header("NDims is missing");
     const auto n = number_in<int>(*value("NDims"));
     if (!n || *n < 2 || *n > 4)
-      fail(fmt::format("NDims is '{}'", excerpt(*value("NDims"))),
-           "only volumes of 3 dimensions can be rendered");
+      refuse(file_.path(), "only volumes of 3 dimensions can be rendered", "NDims is '{}'",
+             excerpt(*value("NDims")));
     return *n;
   }
 
@@ -193,8 +198,8 @@ class MetaReader {
     const auto sizes = numbers<std::int64_t>("DimSize", required("DimSize"), count);
     for (std::size_t i = 0; i < count; ++i)
       if (sizes[i] < 1 || sizes[i] > std::numeric_limits<int>::max())
-        fail(fmt::format("DimSize is {} along axis {}", sizes[i], i),
-             "every dimension must be at least 1 and less than 2^31");
+        refuse(file_.path(), "every dimension must be at least 1 and less than 2^31",
+               "DimSize is {} along axis {}", sizes[i], i);
     if (count > 3) frames = int(sizes[3]);
     const auto spacing = reals({"ElementSpacing", "ElementSize"}, count);
     const auto origin = reals({"Offset", "Position", "Origin", "ImagePosition"}, count);
@@ -212,7 +217,6 @@ class MetaReader {
     return grid;
   }
 
-  std::filesystem::path path_;
   InputFile file_;
   std::map<std::string, std::string> values_;
   std::uint64_t end_ = 0;
@@ -220,19 +224,12 @@ class MetaReader {
 
 constexpr const char* pattern_hint = "write it as 'NAME%03d.raw FIRST LAST STEP'";
 
-[[noreturn]] void fail_data_file(const std::filesystem::path& path, const MetaHeader& header,
-                                 const std::string& what, const std::string& hint) {
-  throw InputError(fmt::format("{}: ElementDataFile '{}' {}", path.string(), excerpt(header.data_file), what),
-                   hint);
-}
-
 struct Numbering {
   std::int64_t first = 1, last = 0, step = 1;
 };
 
 /// Splits "NAME FIRST LAST STEP". The name may have blanks only when all three numbers are given.
-std::pair<NumberedName, Numbering> parse_pattern(const std::filesystem::path& path, const MetaHeader& header,
-                                                 std::int64_t files) {
+std::pair<NumberedName, Numbering> parse_pattern(const MetaHeader& header, std::int64_t files) {
   const auto words = words_of(header.data_file);
   const auto numbers = words.size() > 4 ? 3 : words.size() - 1;
   auto name_end = header.data_file.size();
@@ -240,17 +237,15 @@ std::pair<NumberedName, Numbering> parse_pattern(const std::filesystem::path& pa
   for (std::size_t i = words.size() - numbers; i < words.size(); ++i) {
     const auto number = number_in<std::int32_t>(words[i]);
     if (!number || *number < 0)
-      fail_data_file(path, header, fmt::format("has '{}' where a whole number belongs", excerpt(words[i])),
-                     pattern_hint);
+      header.fail(pattern_hint, "has '{}' where a whole number belongs", excerpt(words[i]));
     given.push_back(*number);
   }
   for (std::size_t i = 0; i < numbers; ++i)
     name_end = header.data_file.find_last_not_of(" \t", header.data_file.find_last_of(" \t", name_end) - 1);
   const NumberedName pattern(header.data_file.substr(0, numbers > 0 ? name_end + 1 : std::string::npos));
   if (!pattern.valid())
-    fail_data_file(path, header,
-                   "is no pattern of file names: it needs one %d and nothing else with a percent sign",
-                   pattern_hint);
+    header.fail(pattern_hint,
+                "is no pattern of file names: it needs one %d and nothing else with a percent sign");
   Numbering range;
   if (!given.empty()) range.first = given[0];
   range.last = given.size() > 1 ? given[1] : range.first + files - 1;
@@ -261,53 +256,44 @@ std::pair<NumberedName, Numbering> parse_pattern(const std::filesystem::path& pa
   return {pattern, range};
 }
 
-std::vector<std::string> names_of_pattern(const std::filesystem::path& path, const MetaHeader& header,
-                                          std::int64_t files) {
-  const auto [pattern, range] = parse_pattern(path, header, files);
-  if (range.step < 1)
-    fail_data_file(path, header, fmt::format("counts in steps of {}", range.step), pattern_hint);
+std::vector<std::string> names_of_pattern(const MetaHeader& header, std::int64_t files) {
+  const auto [pattern, range] = parse_pattern(header, files);
+  if (range.step < 1) header.fail(pattern_hint, "counts in steps of {}", range.step);
   const auto found = range.last < range.first ? 0 : (range.last - range.first) / range.step + 1;
   if (found != files)
-    fail_data_file(path, header, fmt::format("names {} files, DimSize asks for {}", found, files),
-                   "correct the numbers behind the name, or DimSize");
+    header.fail("correct the numbers behind the name, or DimSize", "names {} files, DimSize asks for {}",
+                found, files);
   std::vector<std::string> names;
   for (std::int64_t i = 0; i < files; ++i) names.push_back(pattern.with(range.first + i * range.step));
   return names;
 }
 
 /// The lines behind the header; empty ones are skipped.
-std::vector<std::string> names_of_list(const std::filesystem::path& path, const MetaHeader& header,
-                                       std::int64_t files) {
-  const InputFile file(path);
-  const auto bytes = file.size() - header.end;
-  constexpr std::uint64_t longest_name = 4096;
-  if (bytes / longest_name > std::uint64_t(files))
-    fail_data_file(path, header, fmt::format("is followed by {} bytes", bytes), "give one file name a line");
+std::vector<std::string> names_of_list(const MetaHeader& header, std::int64_t files) {
+  const InputFile file(header.path);
   TextReader text(file, header.end);
   std::vector<std::string> names;
   for (auto line = text.line(); line; line = text.line())
     if (const auto name = trimmed(*line); !name.empty()) names.push_back(name);
   if (std::int64_t(names.size()) != files)
-    fail_data_file(path, header, fmt::format("names {} files, DimSize asks for {}", names.size(), files),
-                   "give one file name a line");
+    header.fail("give one file name a line", "names {} files, DimSize asks for {}", names.size(), files);
   return names;
 }
 
 bool is_list(const MetaHeader& header) { return words_of(header.data_file).front() == "LIST"; }
 
 /// "LIST 2" and "LIST 3" say how many dimensions a file has; without a number it is one less than the volume.
-int dimensions_of_a_file(const std::filesystem::path& path, const MetaHeader& header) {
+int dimensions_of_a_file(const MetaHeader& header) {
   const auto words = words_of(header.data_file);
   int dimensions = header.dimensions - 1;
   if (is_list(header) && words.size() > 1) {
     const auto number = number_in<int>(
         lower_case(words[1]).ends_with('d') ? words[1].substr(0, words[1].size() - 1) : words[1]);
     if (words.size() > 2 || !number || *number < 2 || *number > 3)
-      fail_data_file(path, header, "cannot be read", "a LIST is of files of 2 or 3 dimensions");
+      header.fail("a LIST is of files of 2 or 3 dimensions", "cannot be read");
     dimensions = *number;
   }
-  if (dimensions < 2)
-    fail_data_file(path, header, "names files of single lines", "put whole slices into files");
+  if (dimensions < 2) header.fail("put whole slices into files", "names files of single lines");
   return dimensions;
 }
 
@@ -322,20 +308,16 @@ std::uint64_t voxel_offset(const MetaHeader& header, const std::filesystem::path
 }
 
 /// `grid`: of one frame.
-std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path, const MetaHeader& header,
-                                               const Grid& grid, int frame) {
+std::unique_ptr<VolumeSource> open_slice_files(const MetaHeader& header, const Grid& grid, int frame) {
   if (!header.binary || header.compressed)
-    fail_data_file(path, header,
-                   fmt::format("names several files of {}", header.binary ? "compressed voxels" : "text"),
-                   "write the volume into one file");
-  const std::int64_t files_of_frame = dimensions_of_a_file(path, header) > 2 ? 1 : grid.dims.z;
-  const auto files =
-      std::int64_t(bytes_of_volumes(path, std::uint64_t(files_of_frame), std::uint64_t(header.frames)));
-  const auto names =
-      is_list(header) ? names_of_list(path, header, files) : names_of_pattern(path, header, files);
+    header.fail("write the volume into one file", "names several files of {}",
+                header.binary ? "compressed voxels" : "text");
+  const std::int64_t files_of_frame = dimensions_of_a_file(header) > 2 ? 1 : grid.dims.z;
+  const std::int64_t files = files_of_frame * header.frames;
+  const auto names = is_list(header) ? names_of_list(header, files) : names_of_pattern(header, files);
   std::vector<StoredVoxels> pieces;
   for (std::int64_t k = 0; k < files_of_frame; ++k) {
-    StoredVoxels piece{.file = path.parent_path() / names[std::size_t(frame * files_of_frame + k)],
+    StoredVoxels piece{.file = header.path.parent_path() / names[std::size_t(frame * files_of_frame + k)],
                        .big_endian = header.big_endian,
                        .type = grid.type};
     piece.offset = voxel_offset(header, piece.file, grid.bytes() / std::uint64_t(files_of_frame));
@@ -345,24 +327,22 @@ std::unique_ptr<VolumeSource> open_slice_files(const std::filesystem::path& path
 }
 
 /// The interleaved voxels of one frame, which the header describes.
-std::unique_ptr<VolumeSource> source_of(const std::filesystem::path& path, const MetaHeader& header,
-                                        const Grid& grid, int frame) {
+std::unique_ptr<VolumeSource> source_of(const MetaHeader& header, const Grid& grid, int frame) {
   if (is_list(header) || header.data_file.find('%') != std::string::npos)
-    return open_slice_files(path, header, grid, frame);
-  const auto file = header.is_local() ? path : path.parent_path() / header.data_file;
+    return open_slice_files(header, grid, frame);
+  const auto file = header.is_local() ? header.path : header.path.parent_path() / header.data_file;
   if (!header.binary && header.frames > 1)
-    fail_data_file(path, header, fmt::format("has {} volumes in text", header.frames),
-                   "write them in binary");
+    header.fail("write them in binary", "has {} volumes in text", header.frames);
   StoredVoxels stored{.file = file,
                       .encoding = !header.binary      ? Encoding::text
                                   : header.compressed ? Encoding::deflate
                                                       : Encoding::raw,
                       .big_endian = header.big_endian,
                       .type = grid.type};
-  const auto total = bytes_of_volumes(path, grid.bytes(), std::uint64_t(header.frames));
+  const auto total = bytes_of_volumes(header.path, grid.bytes(), std::uint64_t(header.frames));
   stored.offset = voxel_offset(header, file, total);
   if (header.binary) stored.choose(grid.bytes(), std::uint64_t(header.frames), std::uint64_t(frame));
-  return stored_source(grid, stored);
+  return stored_source(grid, {stored});
 }
 
 }  // namespace
@@ -370,7 +350,7 @@ std::unique_ptr<VolumeSource> source_of(const std::filesystem::path& path, const
 std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const VolumeChoice& choice) {
   const auto header = MetaReader(path).read();
   const auto wide = interleaved_grid(header.grid, header.channels, path.string());
-  auto source = source_of(path, header, wide, std::clamp(choice.frame.value_or(0), 0, header.frames - 1));
+  auto source = source_of(header, wide, std::clamp(choice.frame.value_or(0), 0, header.frames - 1));
   source = channel_source(std::move(source), header.grid, header.channels,
                           are_colours(header.grid.type, header.channels), choice.channel, path.string());
   return with_notes(

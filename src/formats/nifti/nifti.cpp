@@ -44,8 +44,7 @@ struct NiftiHeader {
   std::array<std::array<double, 4>, 3> rows{};
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{}: {}", path.string(), what),
-                     fmt::format("correct the NIfTI-{} header", std::max(1, version)));
+    refuse(path, fmt::format("correct the NIfTI-{} header", std::max(1, version)), "{}", what);
   }
 };
 
@@ -306,8 +305,7 @@ Voxel voxel_of(const NiftiHeader& header) {
   std::string name = fmt::format("unknown datatype {}", header.datatype);
   for (const auto& [code, other] : others)
     if (code == header.datatype) name = fmt::format("voxels of type {}", other);
-  throw InputError(fmt::format("{}: {} cannot be rendered", header.path.string(), name),
-                   "convert them to int32, uint32 or float32 first");
+  refuse(header.path, "convert them to int32, uint32 or float32 first", "{} cannot be rendered", name);
 }
 
 /// NIfTI-1 standard, "scl_slope and scl_inter": a slope of 0 means that the values are as stored.
@@ -361,8 +359,7 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
   check_lattice(grid, where);
   const auto wide = interleaved_grid(grid, voxel.colours, where);
   const int frames = int(header.dims[4]), vectors = vectors_of(header);
-  if (vectors > 1 && voxel.colours > 1)
-    throw InputError(fmt::format("{}: {} colours a voxel", where, vectors), "extract one of them");
+  if (vectors > 1 && voxel.colours > 1) refuse(where, "extract one of them", "{} colours a voxel", vectors);
   const int channels = vectors * voxel.colours;
   auto stored = stored_of(header, voxel.type);
   const auto taken =
@@ -375,10 +372,10 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
   std::unique_ptr<VolumeSource> source;
   if (voxel.colours > 1) {
     stored.rescale.reset();  // the standard: not for colours
-    source = channel_source(stored_source(wide, stored), grid, voxel.colours, taken);
+    source = channel_source(stored_source(wide, {stored}), grid, voxel.colours, taken);
   } else {
     if (stored.rescale && grid.type != ScalarType::float64) grid.type = ScalarType::float32;
-    source = stored_source(grid, stored);
+    source = stored_source(grid, {stored});
   }
   return with_notes(std::move(source),
                     {.world = World::patient, .unit = "mm", .frames = frames, .channels = channels});

@@ -52,10 +52,6 @@ constexpr std::array<std::pair<std::string_view, ScalarType>, 10> types{{
     {"f8", ScalarType::float64},
 }};
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, const std::string& hint) {
-  throw InputError(fmt::format("{}: {}", path.string(), what), hint);
-}
-
 /// The text of Python's dictionary {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4, 5), } as JSON.
 std::string as_json(const std::string& dictionary) {
   std::string json;
@@ -82,10 +78,10 @@ void read_type(const std::string& descr, const std::filesystem::path& path, NpyH
     return;
   }
   const bool whole = name == "i8" || name == "u8";
-  throw InputError(
-      fmt::format("{}: voxels of type '{}' cannot be rendered", path.string(), excerpt(descr)),
-      whole ? "64-bit numbers are not held exactly: save a.astype(np.int32) or a.astype(np.float32)"
-            : "save an array of real numbers of at most 32 bits or float64");
+  refuse(path,
+         whole ? "64-bit numbers are not held exactly: save a.astype(np.int32) or a.astype(np.float32)"
+               : "save an array of real numbers of at most 32 bits or float64",
+         "voxels of type '{}' cannot be rendered", excerpt(descr));
 }
 
 void read_dictionary(const std::string& text, const std::filesystem::path& path, NpyHeader& header) {
@@ -99,7 +95,7 @@ void read_dictionary(const std::string& text, const std::filesystem::path& path,
     throw InputError(fmt::format("{} has no readable NumPy header: '{}'", path.string(), excerpt(text)),
                      "write it with numpy.save");
   if (found["descr"].is_array())
-    fail(path, "its array has several named fields", "save one of them: np.save('volume.npy', a['FIELD'])");
+    refuse(path, "save one of them: np.save('volume.npy', a['FIELD'])", "its array has several named fields");
   read_type(found["descr"], path, header);
   header.fortran_order = found["fortran_order"];
   header.shape = found["shape"].get<std::vector<std::int64_t>>();
@@ -120,9 +116,7 @@ NpyHeader read_npy_header(const std::filesystem::path& path) {
   const std::uint64_t length = start[6] > 1 ? fields.at<std::uint32_t>(8) : fields.at<std::uint16_t>(8);
   const std::uint64_t begin = start[6] > 1 ? 12 : 10;
   if (length > longest_header || begin + length > file.size())
-    throw InputError(
-        fmt::format("{}: its NumPy header of {} bytes is cut short or endless", path.string(), length),
-        "write it with numpy.save");
+    refuse(path, "write it with numpy.save", "its NumPy header of {} bytes is cut short or endless", length);
   std::string text(std::size_t(length), '\0');
   file.read(begin, std::as_writable_bytes(std::span(text)));
   NpyHeader header;
@@ -150,18 +144,18 @@ Axes axes_of(const NpyHeader& header, const std::filesystem::path& path) {
   std::vector<int> sizes;
   for (const auto size : header.shape) {
     if (size < 1 || size > std::numeric_limits<int>::max())
-      fail(path, fmt::format("its array has the shape {}", text_of(header.shape)),
-           "every axis must have a size from 1 to 2^31 - 1");
+      refuse(path, "every axis must have a size from 1 to 2^31 - 1", "its array has the shape {}",
+             text_of(header.shape));
     sizes.push_back(int(size));
   }
   if (sizes.size() < 2 || sizes.size() > 5)
-    fail(path, fmt::format("its array has the shape {}", text_of(header.shape)), order);
+    refuse(path, order, "its array has the shape {}", text_of(header.shape));
   Axes axes;
   if (sizes.size() > 3 && sizes.back() <= most_components) {
     axes.components = sizes.back();
     sizes.pop_back();
   }
-  if (sizes.size() > 4) fail(path, fmt::format("its array has the shape {}", text_of(header.shape)), order);
+  if (sizes.size() > 4) refuse(path, order, "its array has the shape {}", text_of(header.shape));
   if (sizes.size() == 4) {
     axes.frames = sizes.front();
     sizes.erase(sizes.begin());
@@ -181,23 +175,16 @@ float float_of_half(std::uint16_t half) {
   return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
 }
 
-/// Widens a source of binary16 numbers that its grid calls uint16.
+/// Widens a source of binary16 numbers to the float32 of `grid`.
 class HalfSource final : public ForwardingSource {
  public:
-  explicit HalfSource(std::unique_ptr<VolumeSource> halves)
-      : ForwardingSource(std::move(halves)), grid_(ForwardingSource::grid()) {
-    grid_.type = ScalarType::float32;
-  }
-  const Grid& grid() const override { return grid_; }
+  using ForwardingSource::ForwardingSource;
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto values = grid_.slice_voxels(Axis::z) * std::size_t(count);
+    const auto values = grid().slice_voxels(Axis::z) * std::size_t(count);
     std::vector<std::uint16_t> halves(values);
     ForwardingSource::read_slices(first, count, std::as_writable_bytes(std::span(halves)));
     std::transform(halves.begin(), halves.end(), reinterpret_cast<float*>(out.data()), float_of_half);
   }
-
- private:
-  Grid grid_;
 };
 
 }  // namespace
@@ -206,31 +193,31 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   const auto header = read_npy_header(path);
   const auto axes = axes_of(header, path);
   if (header.fortran_order && header.shape.size() > 3)
-    fail(path, fmt::format("its array of shape {} is in Fortran order", text_of(header.shape)),
-         "save np.ascontiguousarray(a), whose axes are [frame][z][y][x] or [z][y][x][component]");
+    refuse(path, "save np.ascontiguousarray(a), whose axes are [frame][z][y][x] or [z][y][x][component]",
+           "its array of shape {} is in Fortran order", text_of(header.shape));
   Grid grid;
   grid.dims = axes.dims;
   grid.type = header.type;
   check_lattice(grid, path.string());
-  const auto wide = interleaved_grid(grid, axes.components, path.string());
+  auto wide = interleaved_grid(grid, axes.components, path.string());
   StoredVoxels stored{
       .file = path, .offset = header.end, .big_endian = header.big_endian, .type = header.type};
   const int frame = std::clamp(choice.frame.value_or(0), 0, axes.frames - 1);
   stored.choose(wide.bytes(), std::uint64_t(axes.frames), std::uint64_t(frame));
   auto source = header.fortran_order ? transposed_source(wide, path, header.end, header.big_endian)
-                                     : stored_source(wide, stored);
+                                     : stored_source(wide, {stored});
   if (header.half) {
-    source = std::make_unique<HalfSource>(std::move(source));
-    grid.type = ScalarType::float32;
+    wide.type = grid.type = ScalarType::float32;
+    source = std::make_unique<HalfSource>(std::move(source), wide);
   }
-  const bool colours = !header.half && are_colours(grid.type, axes.components);
-  source = channel_source(std::move(source), grid, axes.components, colours, choice.channel, path.string());
+  source = channel_source(std::move(source), grid, axes.components, are_colours(grid.type, axes.components),
+                          choice.channel, path.string());
   return with_notes(std::move(source), {.frames = axes.frames, .channels = axes.components});
 }
 
 std::unique_ptr<VolumeSource> refuse_npz(const std::filesystem::path& path, const VolumeChoice&) {
-  fail(path, "a .npz is an archive of arrays",
-       "save one of them by itself: np.save('volume.npy', np.load('volume.npz')['NAME'])");
+  refuse(path, "save one of them by itself: np.save('volume.npy', np.load('volume.npz')['NAME'])",
+         "a .npz is an archive of arrays");
 }
 
 }  // namespace ringsplat::detail

@@ -13,6 +13,7 @@
 
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "formats/limits.hpp"
 #include "formats/text_reader.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -169,29 +170,14 @@ std::optional<T> found(const std::pair<std::string_view, T> (&list)[count], cons
   return {};
 }
 
-std::optional<ScalarType> type_named(const std::string& name) {
-  constexpr std::pair<std::string_view, ScalarType> others[] = {{"signed char", ScalarType::int8},
-                                                                {"int8_t", ScalarType::int8},
-                                                                {"uchar", ScalarType::uint8},
-                                                                {"short int", ScalarType::int16},
-                                                                {"signed short", ScalarType::int16},
-                                                                {"signed short int", ScalarType::int16},
-                                                                {"unsigned short int", ScalarType::uint16},
-                                                                {"signed int", ScalarType::int32}};
-  if (const auto type = found(others, lower_case(name))) return type;
+ScalarType type_of(const NrrdFields& fields) {
+  const auto name = fields.required("type");
   try {
     return scalar_type_from(name);
   } catch (const InputError&) {
-    return {};
+    refuse(fields.path(), "convert them to int32, uint32 or float32 first",
+           "voxels of type '{}' cannot be rendered", excerpt(name));
   }
-}
-
-ScalarType type_of(const NrrdFields& fields) {
-  const auto name = fields.required("type");
-  if (const auto type = type_named(name)) return *type;
-  throw InputError(
-      fmt::format("{}: voxels of type '{}' cannot be rendered", fields.path().string(), excerpt(name)),
-      "convert them to int32, uint32 or float32 first");
 }
 
 Encoding encoding_of(const NrrdFields& fields) {
@@ -201,8 +187,8 @@ Encoding encoding_of(const NrrdFields& fields) {
       {"hex", Encoding::hex}};
   const auto name = fields.required("encoding");
   if (const auto encoding = found(encodings, lower_case(name))) return *encoding;
-  throw InputError(fmt::format("{}: encoding '{}' cannot be read", fields.path().string(), excerpt(name)),
-                   "write it anew with encoding gzip or raw");
+  refuse(fields.path(), "write it anew with encoding gzip or raw", "encoding '{}' cannot be read",
+         excerpt(name));
 }
 
 /// Kinds and spaces are spelled with hyphens, blanks or neither, in any case.
@@ -245,8 +231,7 @@ int size_of_axis(const NrrdFields& fields, std::size_t axis, const std::string& 
   if (word.find_first_not_of("0123456789") != std::string::npos) fields.fail("sizes");
   const auto size = number_in<int>(word);
   if (!size)
-    throw InputError(fmt::format("{}: {} voxels along axis {}", fields.path().string(), excerpt(word), axis),
-                     "correct the sizes in the header");
+    refuse(fields.path(), "correct the sizes in the header", "{} voxels along axis {}", excerpt(word), axis);
   if (*size == 0) fail_nrrd(fields.path(), fmt::format("axis {} size is zero", axis));
   return *size;
 }
@@ -346,8 +331,7 @@ double NrrdAxis::length() const {
 }
 
 void NrrdHeader::fail(const std::string& what) const {
-  throw InputError(fmt::format("{}: {}", path.string(), what),
-                   "extract one volume, or write its axes as [component] x y z [time]");
+  refuse(path, "extract one volume, or write its axes as [component] x y z [time]", "{}", what);
 }
 
 NrrdHeader read_nrrd_header(const std::filesystem::path& path) {

@@ -17,7 +17,6 @@
 #include "formats/numbered_name.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
-#include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
@@ -175,9 +174,8 @@ Names names_of_pattern(const NrrdHeader& header) {
   const auto words = words_of(header.data_file);
   const NumberedName name(words[0]);
   if (!name.valid())
-    throw InputError(fmt::format("{}: the pattern of its data files is '{}'", header.path.string(),
-                                 excerpt(header.data_file)),
-                     "give a name with one number, such as slice%03d.raw 1 60 1");
+    refuse(header.path, "give a name with one number, such as slice%03d.raw 1 60 1",
+           "the pattern of its data files is '{}'", excerpt(header.data_file));
   std::vector<std::int64_t> numbers;
   for (std::size_t i = 1; i < words.size() && i < 4; ++i)
     if (const auto number = number_in<std::int32_t>(words[i])) numbers.push_back(*number);
@@ -247,9 +245,8 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, const Layout& 
                                         const VolumeChoice& choice) {
   const auto where = header.path.string();
   if (files.size() > 1 || header.encoding == Encoding::text || header.encoding == Encoding::hex)
-    throw InputError(fmt::format("{}: several volumes or components as {}", where,
-                                 files.size() > 1 ? "several files" : "text"),
-                     "write it anew in one file with encoding gzip or raw");
+    refuse(where, "write it anew in one file with encoding gzip or raw",
+           "several volumes or components as {}", files.size() > 1 ? "several files" : "text");
   const auto wide = interleaved_grid(layout.grid, layout.leading, where);
   auto stored = stored_in(header, files[0], bytes_of_volumes(header.path, wide.bytes(), layout.volumes));
   const int frame = std::clamp(choice.frame.value_or(0), 0, layout.frames - 1);
@@ -259,7 +256,7 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, const Layout& 
   const auto volume = std::uint64_t(frame) * layout.frame_stride +
                       std::uint64_t(channel.index.value_or(0)) * layout.channel_stride;
   stored.choose(wide.bytes(), layout.volumes, volume);
-  auto source = stored_source(wide, stored);
+  auto source = stored_source(wide, {stored});
   if (layout.leading == 1) return source;
   const bool of_frames = layout.leading_is == Layout::Axis::frames;
   return channel_source(std::move(source), layout.grid, layout.leading,

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <optional>
@@ -12,20 +11,19 @@
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
 #include "base/log.hpp"
+#include "base/text.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
 #include "formats/stored_source.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
 int dimension(const std::string& digits, const std::filesystem::path& path) {
-  int value = 0;
-  if (std::from_chars(digits.data(), digits.data() + digits.size(), value).ec != std::errc{})
-    throw InputError(fmt::format("{}: the dimension {} in its name is too large", path.string(), digits),
-                     "give the true size with --dims");
-  return value;
+  const auto value = number_in<int>(digits);
+  if (!value)
+    refuse(path, "give the true size with --dims", "the dimension {} in its name is too large", digits);
+  return *value;
 }
 
 /// If x.raw has a header beside it, the user probably wants that.
@@ -87,11 +85,10 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
   const bool complete = raw.dims && raw.type;
   const auto named = complete ? std::nullopt : parse_raw_name(path);
   if (!complete && !named)
-    throw InputError(fmt::format("{}: a raw file's {} must be known", path.string(),
-                                 raw.dims   ? "type"
-                                 : raw.type ? "dimensions"
-                                            : "dimensions and type"),
-                     hint_for(path));
+    refuse(path, hint_for(path), "a raw file's {} must be known",
+           raw.dims   ? "type"
+           : raw.type ? "dimensions"
+                      : "dimensions and type");
   Grid grid;
   grid.dims = raw.dims ? *raw.dims : named->dims;
   grid.type = raw.type ? *raw.type : named->type;
@@ -103,15 +100,14 @@ std::unique_ptr<VolumeSource> open_raw(const std::filesystem::path& path, const 
   const bool fits = actual >= offset && actual - offset >= grid.bytes();
   const bool exact = fits && actual - offset == grid.bytes();
   if (raw.offset ? !fits : !exact)
-    throw InputError(fmt::format("{}: {} x {} x {} {} needs {} bytes after an offset of {}, the file has {}",
-                                 path.string(), grid.dims.x, grid.dims.y, grid.dims.z, to_string(grid.type),
-                                 grid.bytes(), offset, actual > offset ? actual - offset : 0),
-                     "correct --dims, --type or --offset");
+    refuse(path, "correct --dims, --type or --offset",
+           "{} x {} x {} {} needs {} bytes after an offset of {}, the file has {}", grid.dims.x, grid.dims.y,
+           grid.dims.z, to_string(grid.type), grid.bytes(), offset, actual > offset ? actual - offset : 0);
   const StoredVoxels voxels{
       .file = path, .offset = offset, .big_endian = raw.big_endian.value_or(false), .type = grid.type};
   if (grid.type == ScalarType::float32) warn_of_byte_order<float>(InputFile(path), voxels, grid.bytes());
   if (grid.type == ScalarType::float64) warn_of_byte_order<double>(InputFile(path), voxels, grid.bytes());
-  return stored_source(grid, voxels);
+  return stored_source(grid, {voxels});
 }
 
 }  // namespace ringsplat::detail

@@ -12,17 +12,15 @@
 
 #include "base/input_file.hpp"
 #include "base/text.hpp"
+#include "formats/limits.hpp"
 #include "formats/xml_reader.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::detail {
 namespace {
 
-constexpr int deepest = 32;  ///< elements within each other; a file has seven
-
 class Parser : XmlReader {
  public:
-  explicit Parser(const std::filesystem::path& path) : path_(path), file_(path) {}
+  explicit Parser(const std::filesystem::path& path) : file_(path) {}
 
   VtiHeader read() {
     const auto problem = parse([this](std::span<std::byte> window) {
@@ -48,7 +46,7 @@ class Parser : XmlReader {
  private:
   [[noreturn]] void fail(const std::string& what,
                          const std::string& hint = "write it anew with VTK's XML writer") const {
-    throw InputError(fmt::format("{}: {}", path_.string(), what), hint);
+    refuse(file_.path(), hint, "{}", what);
   }
   void on_text(std::string_view text) override {
     if (is_inline_ && !has_text_ && open_.back() == "DataArray")
@@ -57,7 +55,6 @@ class Parser : XmlReader {
   void on_document_type() override { fail("it declares a document type"); }
 
   void on_start(const std::string& name, const Attributes& attributes) override {
-    if (int(open_.size()) == deepest) fail(fmt::format("line {} is nested too deeply", line()));
     if (is_inline_ && has_text_ && !inline_end_) inline_end_ = begin();
     const std::string within = open_.empty() ? "" : open_.back();
     open_.push_back(name);
@@ -190,7 +187,6 @@ class Parser : XmlReader {
     stop();
   }
 
-  std::filesystem::path path_;
   InputFile file_;
   std::uint64_t read_ = 0;  ///< bytes of the file
   VtiHeader header_;

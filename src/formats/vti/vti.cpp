@@ -24,7 +24,6 @@
 #include "formats/stored_source.hpp"
 #include "formats/volume_files.hpp"
 #include "formats/vti/header.hpp"
-#include "ringsplat/base/error.hpp"
 #include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
@@ -32,10 +31,6 @@ namespace {
 
 constexpr std::string_view types[] = {"Int8",  "UInt8",  "Int16",   "UInt16",
                                       "Int32", "UInt32", "Float32", "Float64"};  ///< in ScalarType's order
-
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& what, const std::string& hint) {
-  throw InputError(fmt::format("{}: {}", path.string(), what), hint);
-}
 
 struct Chosen {
   const VtiArray& array;
@@ -73,19 +68,15 @@ Chosen choose(const VtiHeader& header, const std::string& channel, const std::fi
   std::vector<std::string> names;
   for (const auto& each : header.arrays) names.push_back(excerpt(each.name));
   if (channel.empty())
-    fail(path, fmt::format("it holds {} arrays", names.size()),
-         "choose one with --channel: " + comma_list(names));
-  fail(path, fmt::format("--channel {}: it has no such array", channel),
-       "its arrays are " + comma_list(names));
+    refuse(path, "choose one with --channel: " + comma_list(names), "it holds {} arrays", names.size());
+  refuse(path, "its arrays are " + comma_list(names), "--channel {}: it has no such array", channel);
 }
 
 ScalarType type_of(const VtiArray& array, const std::filesystem::path& path) {
   const auto* const found = std::find(std::begin(types), std::end(types), array.type);
   if (found != std::end(types)) return ScalarType(found - std::begin(types));
-  fail(path,
-       fmt::format("voxels of type '{}' cannot be rendered (the array '{}')", excerpt(array.type),
-                   excerpt(array.name)),
-       "convert them to Int32, UInt32 or Float32 first");
+  refuse(path, "convert them to Int32, UInt32 or Float32 first",
+         "voxels of type '{}' cannot be rendered (the array '{}')", excerpt(array.type), excerpt(array.name));
 }
 
 /// Points lie on the lattice, cells between; the lattice's point (0, 0, 0) is at the origin, wherever the
@@ -97,9 +88,8 @@ Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesyst
     const auto cells = std::int64_t(header.last[axis]) - header.first[axis];
     const auto size = array.of_cells ? std::max<std::int64_t>(cells, cells == 0 ? 1 : 0) : cells + 1;
     if (size < 1 || size > std::numeric_limits<int>::max())
-      fail(path,
-           fmt::format("its extent is {} to {} along axis {}", header.first[axis], header.last[axis], axis),
-           "the extent must hold a point");
+      refuse(path, "the extent must hold a point", "its extent is {} to {} along axis {}", header.first[axis],
+             header.last[axis], axis);
     grid.dims[axis] = int(size);
     first[axis] = header.first[axis] + (array.of_cells && cells > 0 ? 0.5 : 0.0);
   }
@@ -184,8 +174,8 @@ class VtiSource final : public VolumeSource {
   }
 
   [[noreturn]] void fail_array(const std::string& what) const {
-    throw InputError(fmt::format("{}: the array '{}' {}", file_.path().string(), excerpt(array_.name), what),
-                     "the file is damaged or its extents are wrong: write it again");
+    refuse(file_.path(), "the file is damaged or its extents are wrong: write it again", "the array '{}' {}",
+           excerpt(array_.name), what);
   }
 
   std::uint64_t number(std::size_t i) {
@@ -267,11 +257,11 @@ std::unique_ptr<VolumeSource> source_of(const Grid& grid, const std::filesystem:
                       .end = array.end,
                       .big_endian = header.big_endian,
                       .type = grid.type};
-  if (array.format == Encoding::text) return stored_source(grid, stored);
+  if (array.format == Encoding::text) return stored_source(grid, {stored});
   auto source = std::make_unique<VtiSource>(grid, path, header, array);
   if (array.format == Encoding::base64 || header.compressor != VtiCompressor::none) return source;
   stored.offset += source->begin();
-  return stored_source(grid, stored);
+  return stored_source(grid, {stored});
 }
 
 }  // namespace
@@ -281,7 +271,7 @@ std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const 
   // What ParaView hides; not what somebody measured.
   std::erase_if(header.arrays, [](const VtiArray& array) { return array.name.starts_with("vtkGhost"); });
   if (header.arrays.empty())
-    fail(path, "it holds no array of points or cells", "save the volume's scalars, too");
+    refuse(path, "save the volume's scalars, too", "it holds no array of points or cells");
   const auto [array, component] = choose(header, choice.channel, path);
   const Grid grid = grid_of(header, array, path);
   const int components = array.components;
@@ -294,8 +284,8 @@ std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const 
 }
 
 std::unique_ptr<VolumeSource> refuse_pvti(const std::filesystem::path& path, const VolumeChoice&) {
-  fail(path, "a .pvti names the files of several pieces",
-       "write the volume into one .vti, or load it in ParaView and save it as one");
+  refuse(path, "write the volume into one .vti, or load it in ParaView and save it as one",
+         "a .pvti names the files of several pieces");
 }
 
 }  // namespace ringsplat::detail

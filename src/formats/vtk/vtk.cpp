@@ -4,8 +4,6 @@
 #include <limits>
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 #include "base/input_file.hpp"
@@ -35,7 +33,7 @@ constexpr const char* other_hint = "write it as STRUCTURED_POINTS with scalars, 
 /// Reads the words of each line, of which the first is the key.
 class Reader {
  public:
-  explicit Reader(const std::filesystem::path& path) : path_(path), file_(path), text_(file_) {}
+  explicit Reader(const std::filesystem::path& path) : file_(path), text_(file_) {}
 
   Header read() {
     constexpr int most_lines = 100;  // a header has a dozen
@@ -53,13 +51,12 @@ class Reader {
 
  private:
   [[noreturn]] void fail(const std::string& what) const {
-    throw InputError(fmt::format("{} {}", path_.string(), what), other_hint);
+    throw InputError(fmt::format("{} {}", file_.path().string(), what), other_hint);
   }
   [[noreturn]] void fail_line() const {
     std::string line;
     for (const auto& word : words_) line += (line.empty() ? "" : " ") + word;
-    throw InputError(fmt::format("{}: its header has a line '{}'", path_.string(), excerpt(line)),
-                     "correct the header");
+    refuse(file_.path(), "correct the header", "its header has a line '{}'", excerpt(line));
   }
 
   /// True for the header's last line.
@@ -88,8 +85,7 @@ class Reader {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const auto size = number<std::int64_t>(axis + 1);
       if (size > std::numeric_limits<int>::max())
-        throw InputError(fmt::format("{}: {} voxels along axis {}", path_.string(), size, axis),
-                         "correct the sizes in the header");
+        refuse(file_.path(), "correct the sizes in the header", "{} voxels along axis {}", size, axis);
       header_.grid.dims[int(axis)] = int(std::max<std::int64_t>(size, -1));
     }
   }
@@ -110,7 +106,7 @@ class Reader {
     }
     if (!has_encoding_) fail("is neither ASCII nor BINARY");
     if (header_.components < 1) fail_line();
-    check_lattice(header_.grid, path_.string());
+    check_lattice(header_.grid, file_.path().string());
     header_.end = text_.position();
     if (const auto next = text_.line(); next && lower_case(*next).starts_with("lookup_table"))
       header_.end = text_.position();
@@ -125,24 +121,17 @@ class Reader {
   }
 
   ScalarType type(std::size_t word) const {
-    constexpr std::pair<std::string_view, ScalarType> types[] = {{"char", ScalarType::int8},
-                                                                 {"signed_char", ScalarType::int8},
-                                                                 {"unsigned_char", ScalarType::uint8},
-                                                                 {"short", ScalarType::int16},
-                                                                 {"unsigned_short", ScalarType::uint16},
-                                                                 {"int", ScalarType::int32},
-                                                                 {"unsigned_int", ScalarType::uint32},
-                                                                 {"float", ScalarType::float32},
-                                                                 {"double", ScalarType::float64}};
     if (word >= words_.size()) fail_line();
-    for (const auto& [name, type] : types)
-      if (name == words_[word]) return type;
-    throw InputError(
-        fmt::format("{}: voxels of type {} cannot be rendered", path_.string(), excerpt(words_[word])),
-        "convert them to int32, uint32 or float32 first");
+    auto name = words_[word];
+    std::replace(name.begin(), name.end(), '_', ' ');
+    try {
+      return scalar_type_from(name == "char" ? "schar" : name);
+    } catch (const InputError&) {
+      refuse(file_.path(), "convert them to int32, uint32 or float32 first",
+             "voxels of type {} cannot be rendered", excerpt(words_[word]));
+    }
   }
 
-  std::filesystem::path path_;
   InputFile file_;
   TextReader text_;
   Header header_;
@@ -161,7 +150,7 @@ std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const 
                             .encoding = header.binary ? Encoding::raw : Encoding::text,
                             .big_endian = true,
                             .type = grid.type};
-  return with_notes(channel_source(stored_source(wide, stored), grid, header.components,
+  return with_notes(channel_source(stored_source(wide, {stored}), grid, header.components,
                                    are_colours(grid.type, header.components), choice.channel, path.string()),
                     {.channels = header.components});
 }
