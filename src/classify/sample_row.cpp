@@ -17,17 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-#if RINGSPLAT_ONE_BY_ONE
-
-using Colour = ClassifiedSample;
-HWY_INLINE Colour read(const ClassifiedSample& sample) { return sample; }
-HWY_INLINE void write(const Colour& colour, ClassifiedSample& sample) { sample = colour; }
-HWY_INLINE Colour light(const Colour& s, const PhongTable::Entries& lights, std::size_t place) {
-  return lights.light(s, place);
-}
-
-#else
-
 using FourFloats = hn::Full128<float>;
 using Colour = hn::Vec<FourFloats>;
 HWY_INLINE Colour read(const ClassifiedSample& sample) { return hn::LoadU(FourFloats(), &sample.r); }
@@ -41,8 +30,6 @@ HWY_INLINE Colour light(Colour colour, const PhongTable::Entries& lights, std::s
   const auto lit = hn::Min(hn::Add(hn::Mul(colour, scale), add), hn::Set(d, 1.0F));
   return hn::IfThenElse(hn::FirstN(d, 3), lit, colour);
 }
-
-#endif
 
 /// The number of columns of every block but a row's last.
 using WholeBlock = std::integral_constant<int, mask_bits>;
@@ -62,8 +49,6 @@ HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, int co
                                   Places<std::uint16_t>& places) {
   for (int i = 0; i < count; ++i) places[i] = PhongTable::place_of(normals[i]);
 }
-
-#if !RINGSPLAT_ONE_BY_ONE
 
 /// For a whole block. Differences fit the type, but the compiler cannot know that.
 template <class T>
@@ -86,8 +71,6 @@ HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, WholeB
     hn::StoreU(hn::Min(code, opposite), d, places + i);
   }
 }
-
-#endif
 
 /// Calls use(count) with the number of the row's columns in the block.
 template <class Use>

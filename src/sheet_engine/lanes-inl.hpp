@@ -8,121 +8,19 @@
 
 #include <hwy/highway.h>
 
-#include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 
-/// Numbers of a few pixels at once: sixteen with AVX-512, eight with AVX2, one elsewhere. All three do the
-/// same operations in the same order, so a pixel has the same bits. Elsewhere means also NEON: it has no sums
-/// of neighbouring products.
-#define RINGSPLAT_LANES_ONE_BY_ONE !(HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2)
+/// Numbers of a few pixels at once: sixteen with AVX-512, eight with AVX2, four elsewhere. All do the same
+/// operations in the same order, so a pixel has the same bits. Elsewhere 16-bit numbers are multiplied as
+/// 32-bit ones: NEON has no sums of neighbouring products, and emulated vectors round upper halves otherwise.
+#define RINGSPLAT_LANES_PAIRS (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX2)
 #define RINGSPLAT_LANES_PATCHES (HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3)
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
-
-#if RINGSPLAT_LANES_ONE_BY_ONE
-
-using F = float;
-using I = std::int32_t;
-using M = bool;
-inline constexpr int lanes = 1, tile_width = 1, tile_height = 1;
-
-inline F set(float x) { return x; }
-inline I set_int(std::int32_t x) { return x; }
-inline F fma(F a, F b, F c) { return std::fma(a, b, c); }
-inline F add(F a, F b) { return a + b; }
-inline F sub(F a, F b) { return a - b; }
-inline F mul(F a, F b) { return a * b; }
-inline F div(F a, F b) { return a / b; }
-/// The second when one is not a number.
-inline F min(F a, F b) { return a < b ? a : b; }
-inline F max(F a, F b) { return a > b ? a : b; }
-inline F abs(F a) { return std::fabs(a); }
-inline F root(F a) { return std::sqrt(a); }
-inline F load(const float* p) { return *p; }
-inline void store(F a, float* p) { *p = a; }
-inline I load(const std::int32_t* p) { return *p; }
-inline void store_ints(I a, std::int32_t* p) { *p = a; }
-/// To the nearest whole number, ties to even; a must be within the range.
-inline I to_int(F a) { return static_cast<I>(std::nearbyint(a)); }
-inline F to_float(I a) { return static_cast<F>(a); }
-inline I bits_of(F a) { return std::bit_cast<I>(a); }
-inline F from_bits(I a) { return std::bit_cast<F>(a); }
-inline I wrap(std::int64_t a) { return static_cast<I>(static_cast<std::uint32_t>(a)); }
-inline I add(I a, I b) { return wrap(std::int64_t{a} + b); }
-inline I sub(I a, I b) { return wrap(std::int64_t{a} - b); }
-inline I mul(I a, I b) { return wrap(std::int64_t{a} * b); }
-inline I both(I a, I b) { return a & b; }
-inline I either(I a, I b) { return a | b; }
-inline I min(I a, I b) { return std::min(a, b); }
-inline I max(I a, I b) { return std::max(a, b); }
-template <int n>
-inline I up(I a) {
-  return static_cast<I>(static_cast<std::uint32_t>(a) << n);
-}
-template <int n>
-inline I down(I a) {  // zeros come in
-  return static_cast<I>(static_cast<std::uint32_t>(a) >> n);
-}
-template <int n>
-inline I down_signed(I a) {
-  return a >> n;
-}
-// Two 16-bit numbers in 32 bits.
-inline std::int16_t low_half(I a) { return static_cast<std::int16_t>(a & 0xffff); }
-inline std::int16_t high_half(I a) { return static_cast<std::int16_t>(a >> 16); }
-inline I pair_of(int low, int high) { return (low & 0xffff) | wrap(std::int64_t{high} * 65536); }
-inline I add_halves(I a, I b) { return pair_of(low_half(a) + low_half(b), high_half(a) + high_half(b)); }
-inline I sub_halves(I a, I b) { return pair_of(low_half(a) - low_half(b), high_half(a) - high_half(b)); }
-// Products modulo 2^16.
-inline I mul_halves(I a, I b) { return pair_of(low_half(a) * low_half(b), high_half(a) * high_half(b)); }
-inline int scaled(int a, int b) { return (((a * b) >> 14) + 1) >> 1; }
-inline I mul_halves_15(I a, I b) {
-  return pair_of(scaled(low_half(a), low_half(b)), scaled(high_half(a), high_half(b)));
-}
-inline I sum_of_products(I a, I b) { return low_half(a) * low_half(b) + high_half(a) * high_half(b); }
-
-inline M greater(F a, F b) { return a > b; }
-inline M greater(I a, I b) { return a > b; }
-inline M equal(F a, F b) { return a == b; }
-inline M both(M a, M b) { return a && b; }
-inline M either(M a, M b) { return a || b; }
-inline M but_not(M a, M b) { return a && !b; }
-inline bool any(M a) { return a; }
-inline float least(F a) { return a; }
-inline float greatest(F a) { return a; }
-inline F choose(M m, F a, F b) { return m ? a : b; }
-inline I choose(M m, I a, I b) { return m ? a : b; }
-inline F only(M m, F a) { return m ? a : 0.0F; }
-/// Four bytes from each lane's place, in bytes.
-inline I gather_int(const void* base, I at) {
-  I value;
-  std::memcpy(&value, static_cast<const char*>(base) + at, sizeof value);
-  return value;
-}
-inline F gather(const float* base, I at) { return base[at]; }
-/// A tile's pixels from and to rows `pitch` floats apart; channels by lane.
-inline void load_rows(const float* pixels, std::ptrdiff_t, float (&rgba)[4][lanes]) {
-  for (int c = 0; c < 4; ++c) rgba[c][0] = pixels[c];
-}
-inline void store_rows(const float (&rgba)[4][lanes], float* pixels, std::ptrdiff_t) {
-  for (int c = 0; c < 4; ++c) pixels[c] = rgba[c][0];
-}
-/// The halves of 64-bit numbers, from places at least 0 in steps of `step` bytes.
-struct Halves {
-  I low, high;
-};
-template <int step>
-inline Halves gather_halves(const void* base, I at) {
-  return {gather_int(base, at * step), gather_int(base, at * step + 4)};
-}
-
-#else
 
 using Df = hn::CappedTag<float, 16>;
 using Di = hn::Rebind<std::int32_t, Df>;
@@ -135,19 +33,34 @@ inline constexpr int tile_width = 4, tile_height = lanes / 4;
 
 HWY_INLINE F set(float x) { return hn::Set(Df(), x); }
 HWY_INLINE I set_int(std::int32_t x) { return hn::Set(Di(), x); }
-HWY_INLINE F fma(F a, F b, F c) { return hn::MulAdd(a, b, c); }
+/// Rounded once.
+HWY_INLINE F fma(F a, F b, F c) {
+#if HWY_TARGET == HWY_EMU128
+  for (int l = 0; l < lanes; ++l) c.raw[l] = std::fma(a.raw[l], b.raw[l], c.raw[l]);
+  return c;
+#else
+  return hn::MulAdd(a, b, c);
+#endif
+}
 HWY_INLINE F add(F a, F b) { return hn::Add(a, b); }
 HWY_INLINE F sub(F a, F b) { return hn::Sub(a, b); }
 HWY_INLINE F mul(F a, F b) { return hn::Mul(a, b); }
 HWY_INLINE F div(F a, F b) { return hn::Div(a, b); }
+/// The second when one is not a number.
+#if RINGSPLAT_LANES_PAIRS
 HWY_INLINE F min(F a, F b) { return hn::Min(a, b); }
 HWY_INLINE F max(F a, F b) { return hn::Max(a, b); }
+#else
+HWY_INLINE F min(F a, F b) { return hn::IfThenElse(hn::Lt(a, b), a, b); }
+HWY_INLINE F max(F a, F b) { return hn::IfThenElse(hn::Gt(a, b), a, b); }
+#endif
 HWY_INLINE F abs(F a) { return hn::Abs(a); }
 HWY_INLINE F root(F a) { return hn::Sqrt(a); }
 HWY_INLINE F load(const float* p) { return hn::LoadU(Df(), p); }
 HWY_INLINE void store(F a, float* p) { hn::StoreU(a, Df(), p); }
 HWY_INLINE I load(const std::int32_t* p) { return hn::LoadU(Di(), p); }
 HWY_INLINE void store_ints(I a, std::int32_t* p) { hn::StoreU(a, Di(), p); }
+/// To the nearest whole number, ties to even; a must be within the range.
 HWY_INLINE I to_int(F a) { return hn::NearestInt(a); }
 HWY_INLINE F to_float(I a) { return hn::ConvertTo(Df(), a); }
 HWY_INLINE I bits_of(F a) { return hn::BitCast(Di(), a); }
@@ -164,7 +77,7 @@ HWY_INLINE I up(I a) {
   return hn::ShiftLeft<n>(a);
 }
 template <int n>
-HWY_INLINE I down(I a) {
+HWY_INLINE I down(I a) {  // zeros come in
   const hn::Rebind<std::uint32_t, Df> d;
   return hn::BitCast(Di(), hn::ShiftRight<n>(hn::BitCast(d, a)));
 }
@@ -172,6 +85,7 @@ template <int n>
 HWY_INLINE I down_signed(I a) {
   return hn::ShiftRight<n>(a);
 }
+// Two 16-bit numbers in 32 bits; sums and products modulo 2^16.
 HWY_INLINE I add_halves(I a, I b) {
   return hn::BitCast(Di(), hn::Add(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
 }
@@ -181,6 +95,7 @@ HWY_INLINE I sub_halves(I a, I b) {
 HWY_INLINE I mul_halves(I a, I b) {
   return hn::BitCast(Di(), hn::Mul(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
 }
+#if RINGSPLAT_LANES_PAIRS
 HWY_INLINE I mul_halves_15(I a, I b) {
   return hn::BitCast(Di(), hn::MulFixedPoint15(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
 }
@@ -189,6 +104,18 @@ HWY_INLINE I sum_of_products(I a, I b) {
   return hn::ReorderWidenMulAccumulate(Di(), hn::BitCast(Dw(), a), hn::BitCast(Dw(), b), hn::Zero(Di()),
                                        unused);
 }
+#else
+HWY_INLINE I low_half(I a) { return down_signed<16>(up<16>(a)); }
+HWY_INLINE I high_half(I a) { return down_signed<16>(a); }
+HWY_INLINE I scaled(I a, I b) { return down_signed<1>(add(down_signed<14>(mul(a, b)), set_int(1))); }
+HWY_INLINE I mul_halves_15(I a, I b) {
+  return either(both(scaled(low_half(a), low_half(b)), set_int(0xffff)),
+                up<16>(scaled(high_half(a), high_half(b))));
+}
+HWY_INLINE I sum_of_products(I a, I b) {
+  return add(mul(low_half(a), low_half(b)), mul(high_half(a), high_half(b)));
+}
+#endif
 HWY_INLINE M greater(F a, F b) { return hn::Gt(a, b); }
 HWY_INLINE M greater(I a, I b) { return hn::RebindMask(Df(), hn::Gt(a, b)); }
 HWY_INLINE M equal(F a, F b) { return hn::Eq(a, b); }
@@ -202,6 +129,7 @@ HWY_INLINE F choose(M m, F a, F b) { return hn::IfThenElse(m, a, b); }
 HWY_INLINE I choose(M m, I a, I b) { return hn::IfThenElse(hn::RebindMask(Di(), m), a, b); }
 HWY_INLINE F only(M m, F a) { return hn::IfThenElseZero(m, a); }
 HWY_INLINE F gather(const float* base, I at) { return hn::GatherIndex(Df(), base, at); }
+/// A tile's pixels from and to rows `pitch` floats apart; channels by lane.
 HWY_INLINE void load_rows(const float* pixels, std::ptrdiff_t pitch, float (&rgba)[4][lanes]) {
   const hn::Full128<float> row;
   for (int l = 0; l < lanes; l += tile_width, pixels += pitch) {
@@ -219,6 +147,7 @@ HWY_INLINE void store_rows(const float (&rgba)[4][lanes], float* pixels, std::pt
   for (int l = 0; l < lanes; l += tile_width, pixels += pitch)
     hn::StoreInterleaved4(of(0, l), of(1, l), of(2, l), of(3, l), row, pixels);
 }
+/// The halves of 64-bit numbers, from places at least 0 in steps of `step` bytes.
 struct Halves {
   I low, high;
 };
@@ -244,9 +173,8 @@ HWY_INLINE Halves gather_halves(const void* base, I at) {
           second = hn::BitCast(Di(), load_each<step>(d, from, places + lanes / 2));
   return {hn::ConcatEven(Di(), second, first), hn::ConcatOdd(Di(), second, first)};
 }
+/// Four bytes from each lane's place, in bytes.
 HWY_INLINE I gather_int(const void* base, I at) { return gather_halves<1>(base, at).low; }
-
-#endif
 
 /// 2^y for y in [-126, 126], to 2e-7.
 HWY_INLINE F exp2_of(F y) {
