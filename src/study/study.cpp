@@ -43,7 +43,7 @@ struct Timed {
 };
 
 std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
-  if (s.synth.empty()) return open_volume(s.volume);
+  if (s.synth.empty()) return open_volume(s.options.volume);
   Grid grid;
   grid.dims = s.dims;
   grid.type = s.type;
@@ -51,15 +51,11 @@ std::unique_ptr<VolumeSource> open_scene(const StudyList::Scene& s) {
 }
 
 FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, const MadeFunction& made) {
-  FrameSpec spec;
+  FrameSpec spec = setting.options.frame;
   spec.shown.width = list.width;
   spec.shown.height = list.height;
   spec.shown.transfer_function = made.function;
   spec.shown.interpolation = made.interpolation;
-  spec.how = setting.how;
-  spec.shown.opacity_correction = setting.opacity_correction;
-  spec.shown.shading = setting.shading;
-  spec.division.region_size = setting.region_size;
   check(spec);
   return spec;
 }
@@ -137,9 +133,10 @@ nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Settin
                               TruthKind truth, const truth::SampledError& error, const KeptPictures& kept) {
   const NodeStats sum = timed.stats.total();
   nlohmann::ordered_json row{{"scene", s.name}, {"setting", setting.name}};
-  row.update(columns_of(setting.how));
-  row.update({{"opacity_correction", setting.opacity_correction},
-              {"phong", setting.shading == Shading::phong},
+  const FrameSpec& frame = setting.options.frame;
+  row.update(columns_of(frame.how));
+  row.update({{"opacity_correction", frame.shown.opacity_correction},
+              {"phong", frame.shown.shading == Shading::phong},
               {"interpolation", name(interpolation)},
               {"azimuth", camera.azimuth},
               {"elevation", camera.elevation},
@@ -212,13 +209,13 @@ class SceneStudy {
   SceneStudy(const StudyList& list, const StudyList::Scene& s, const fs::path& folder)
       : list_(list), scene_list_(s), folder_(folder) {
     WholeVolume volume = read_whole(*open_scene(s));
-    made_ = TransferFunctionChoice(s.transfer_function, s.colour).make(volume.statistics);
+    made_ = TransferFunctionChoice(s.options.transfer_function, s.options.colour).make(volume.statistics);
     scene_ = make_scene(std::move(volume));
   }
 
   void run(const StudyList::Setting& setting, nlohmann::ordered_json& rows) {
     FrameSpec spec = frame_of(list_, setting, made_);
-    spec.shown.clip = clip_box(scene_list_.clip, scene_.grid);
+    spec.shown.clip = clip_box(scene_list_.options.clip, scene_.grid);
     const auto timed = render_views(list_, scene_list_, spec);
     for (std::size_t v = 0; v < list_.views.size(); ++v)
       for (const TruthKind kind : list_.truths) {

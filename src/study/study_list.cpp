@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "base/text.hpp"
+#include "options/option_tables.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 #include "volume/synth.hpp"
@@ -99,9 +100,9 @@ quality = "best"
 
 namespace {
 
-class Reader {
+class ListReader {
  public:
-  Reader(const std::string& toml, std::string where) : where_(std::move(where)) {
+  ListReader(const std::string& toml, std::string where) : where_(std::move(where)) {
     std::istringstream in(toml);
     try {
       items_ = CLI::ConfigTOML().from_config(in);
@@ -167,22 +168,18 @@ class Reader {
     return word == "true";
   }
 
-  double samples(const CLI::ConfigItem& item) const {
-    const double value = number(item, text(item));
-    if (value != 1 && value != 1.5 && value != 2 && value != 4)
-      wrong(item, fmt::format("is {}, not 1, 1.5, 2 or 4", text(item)));
-    return value;
-  }
-
-  /// The value whose word equals the item's text.
-  template <class T>
-  T one_of(const CLI::ConfigItem& item, std::initializer_list<T> values) const {
-    std::vector<std::string> names;
-    for (const T value : values) {
-      names.emplace_back(name(value));
-      if (names.back() == text(item)) return value;
-    }
-    wrong(item, fmt::format("is '{}', not {}", text(item), joined(names, " or ")));
+  /// Reads a key as the option of that name, if it is one of `those`.
+  bool option(const CLI::ConfigItem& item, RenderOptions& o,
+              std::initializer_list<std::string_view> those) const {
+    if (std::find(those.begin(), those.end(), item.name) == those.end()) return false;
+    OptionList list;
+    for (const auto& add :
+         {add_method_options, add_picture_options, add_shortcut_options, add_size_options, add_clip_options})
+      add(list, o);
+    std::string name = "--" + item.name;
+    std::replace(name.begin(), name.end(), '_', '-');
+    list.find(name)->reader.read({text(item)}, item.fullname());
+    return true;
   }
 
   template <class T>
@@ -241,71 +238,36 @@ class Reader {
     if (item.name == "synth")
       s.synth = text(item);
     else if (item.name == "volume")
-      s.volume.path = text(item);
+      s.options.volume.path = text(item);
     else if (item.name == "dims")
       s.dims = parse_dims(text(item), item.fullname());
     else if (item.name == "type")
       s.type = scalar_type_from(text(item));
-    else if (item.name == "tf")
-      s.transfer_function = text(item);
-    else if (item.name == "range")
-      s.colour.range = parse_window(text(item), item.fullname());
-    else if (item.name == "opacity")
-      s.colour.opacity = parse_density(text(item), item.fullname());
-    else if (item.name == "colours")
-      s.colour.colours = text(item);
-    else if (item.name == "log")
-      s.colour.log = flag(item);
-    else if (item.name == "interpolation")
-      s.colour.interpolation = one_of(item, {Interpolation::linear, Interpolation::nearest});
-    else if (item.name == "clip")
-      s.clip = parse_clip(text(item), item.fullname());
-    else
+    else if (!option(item, s.options, {"tf", "range", "opacity", "colours", "log", "interpolation", "clip"}))
       wrong(item, "is no key of a scene");
   }
 
   void setting(const CLI::ConfigItem& item, StudyList::Setting& s) const {
-    if (item.name == "radius")
-      s.method.splats.kernel_radius = number(item, text(item));
-    else if (item.name == "opacity_correction")
-      s.opacity_correction = flag(item);
+    auto& shown = s.options.frame.shown;
+    if (item.name == "opacity_correction")
+      shown.opacity_correction = flag(item);
     else if (item.name == "phong")
-      s.shading = flag(item) ? Shading::phong : Shading::none;
-    else if (item.name == "kernel")
-      s.method.splats.kernel.method = one_of(item, {KernelMethod::qee, KernelMethod::texture});
-    else if (item.name == "phases")
-      s.method.splats.kernel.phases = count(item, 1, 16);
-    else if (item.name == "qee_bits")
-      s.method.splats.kernel.qee_bits = count(item, 0, 16);
-    else if (item.name == "normalisation")
-      s.method.splats.kernel.normalisation =
-          one_of(item, {Normalisation::none, Normalisation::constant, Normalisation::exact});
-    else if (item.name == "region")
-      s.region_size = count(item, 1, 1 << 20);
-    else if (item.name == "image_plane")
-      s.method.image_plane = one_of(item, {ImagePlane::screen, ImagePlane::slices});
-    else if (item.name == "samples")
-      s.method.samples = samples(item);
-    else if (item.name == "engine")
-      s.method.engine = one_of(item, {Engine::splats, Engine::sheets});
-    else if (item.name == "quality")
-      s.method.quality = one_of(item, {Quality::paper, Quality::draft, Quality::normal, Quality::best});
-    else if (item.name == "slabs")
-      s.method.slabs = count(item, 1, Sheets::most_slabs);
-    else if (item.name == "light_points")
-      s.method.light_points = count(item, 1, 2);
-    else
+      shown.shading = flag(item) ? Shading::phong : Shading::none;
+    else if (!option(item, s.options,
+                     {"radius", "kernel", "phases", "qee_bits", "normalisation", "region", "image_plane",
+                      "samples", "engine", "quality", "slabs", "light_points"}))
       wrong(item, "is no key of a setting");
   }
 
   /// Throws InputError that names the setting when its keys contradict each other.
   void settle(StudyList::Setting& s) const {
-    if (!s.method.engine && !s.method.quality) s.method.quality = Quality::paper;
+    MethodOptions& method = s.options.method;
+    FrameSpec& frame = s.options.frame;
+    if (!method.engine && !method.quality) method.quality = Quality::paper;
     try {
-      s.how = method_for(s.method);
-      if (const auto* splats = std::get_if<Splats>(&s.how))
-        ringsplat::check(splats->kernel, splats->kernel_radius);
-      if (s.method.light_points && s.shading == Shading::none)
+      frame.how = method_for(method);
+      ringsplat::check(frame);
+      if (method.light_points && frame.shown.shading == Shading::none)
         throw InputError("light_points has no effect on what is not lit", "add phong = true");
     } catch (const InputError& e) {
       throw InputError(fmt::format("{}: setting {}: {}", where_, s.name, e.what()));
@@ -317,7 +279,7 @@ class Reader {
     if (list_.scenes.empty() || list_.settings.empty() || list_.views.empty() || list_.truths.empty())
       throw InputError(fmt::format("{} needs at least one scene, setting, view and truth", where_), hint);
     for (const auto& s : list_.scenes) {
-      if (s.synth.empty() == s.volume.path.empty())
+      if (s.synth.empty() == s.options.volume.path.empty())
         throw InputError(fmt::format("{}: scene {} needs either synth or volume", where_, s.name), hint);
       if (!s.synth.empty()) static_cast<void>(synth_field(s.synth));
     }
@@ -337,7 +299,7 @@ class Reader {
 }  // namespace
 
 StudyList parse_study_list(const std::string& toml, const std::string& where) {
-  return Reader(toml, where).read();
+  return ListReader(toml, where).read();
 }
 
 }  // namespace ringsplat::app

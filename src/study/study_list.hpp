@@ -1,5 +1,4 @@
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,21 +10,15 @@ namespace ringsplat::app {
 struct StudyList {
   struct Scene {
     std::string name;
-    std::string synth;     ///< a test volume, or empty
-    VolumeOptions volume;  ///< a file, when `synth` is empty
+    std::string synth;  ///< a test volume, or empty
     glm::ivec3 dims{64};
     ScalarType type = ScalarType::uint8;
-    std::string transfer_function = "auto";
-    ColourOptions colour;
-    std::optional<ClipText> clip;
+    RenderOptions options;  ///< the volume's file, when `synth` is empty; function, colours and clip box
   };
   struct Setting {
     std::string name;
-    MethodOptions method;
-    Method how;  ///< what `method` means
-    bool opacity_correction = true;
-    Shading shading = Shading::none;
-    int region_size = 0;  ///< as in Division
+    RenderOptions options;  ///< the method and what else a frame says of itself
+    Setting() { options.frame.shown.shading = Shading::none; }
   };
   std::vector<Scene> scenes;
   std::vector<Setting> settings;
