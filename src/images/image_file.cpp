@@ -20,21 +20,6 @@ namespace {
 /// log4cplus and OpenBLAS start threads then, and wait for ever where one cannot be started.
 constexpr std::size_t loading_takes = std::size_t{512} << 20;
 
-/// Keeps OpenBLAS, of which nothing here is used, from starting a thread for each core while it is loaded.
-class OneBlasThread {
- public:
-  OneBlasThread() { setenv(name, "1", 0); }
-  OneBlasThread(const OneBlasThread&) = delete;
-  OneBlasThread& operator=(const OneBlasThread&) = delete;
-  ~OneBlasThread() {
-    if (!was_set_) unsetenv(name);
-  }
-
- private:
-  static constexpr const char* name = "OPENBLAS_NUM_THREADS";
-  bool was_set_ = std::getenv(name) != nullptr;
-};
-
 struct OpenedLibrary {
   void* handle;
   std::string problem;  ///< why there is none
@@ -42,8 +27,6 @@ struct OpenedLibrary {
 
 /// Finds the library as if it had been linked.
 OpenedLibrary open_shared_library(const char* name) {
-  if (!has_address_space(loading_takes)) throw std::bad_alloc();
-  const OneBlasThread one_blas_thread;
   OpenedLibrary opened{dlopen(name, RTLD_LAZY | RTLD_LOCAL), {}};
   if (opened.handle != nullptr) return opened;
   opened.problem = dlerror();
@@ -69,8 +52,14 @@ const ImageLibrary& image_library_of(const char* shared_library) {
                                 "folder in LD_LIBRARY_PATH",
                                 shared_library));
   };
+  if (!has_address_space(loading_takes)) throw std::bad_alloc();
+  // OpenBLAS, of which nothing here is used, would start a thread for each core.
+  constexpr const char* blas_threads = "OPENBLAS_NUM_THREADS";
+  const bool is_set = std::getenv(blas_threads) != nullptr;
+  setenv(blas_threads, "1", 0);
   // Never closed: objects that it made may live as long as the process.
   const OpenedLibrary opened = open_shared_library(shared_library);
+  if (!is_set) unsetenv(blas_threads);
   const auto says = [&](const char* words) { return opened.problem.find(words) != std::string::npos; };
   if (opened.handle == nullptr &&
       (says("failed to map segment") || says("Cannot allocate memory") || says("cannot create")))
