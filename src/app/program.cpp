@@ -1,5 +1,4 @@
 
-#include <functional>
 
 #include "app/commands.hpp"
 #include "base/huge_pages.hpp"

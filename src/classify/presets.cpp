@@ -1,8 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "classify/auto_preset.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/transfer_function.hpp"

@@ -3,7 +3,6 @@
 #include <cstring>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
-#include <limits>
 #include <type_traits>
 
 #include "classify/normal_lattice.hpp"

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <ctime>
-#include <deque>
 #include <list>
 #include <vector>
 

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <sstream>
-#include <utility>
 
 #include "base/fingerprint.hpp"
 #include "net/blocks.hpp"

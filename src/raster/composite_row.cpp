@@ -4,9 +4,6 @@
 #define HWY_TARGET_INCLUDE "raster/composite_row.cpp"
 #include <hwy/foreach_target.h>
 
-#include <algorithm>
-#include <cmath>
-
 #include "raster/pixel_vectors-inl.hpp"
 #include "raster/slice_buffer.hpp"
 

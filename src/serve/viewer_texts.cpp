@@ -1,11 +1,7 @@
 #include "serve/viewer_texts.hpp"
 
-#include <fmt/format.h>
-
 #include <csignal>
 #include <nlohmann/json.hpp>
-
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat::serve {
 namespace {

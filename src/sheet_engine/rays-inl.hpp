@@ -7,8 +7,6 @@
 #endif
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <tuple>
 
 #include "sheet_engine/lanes-inl.hpp"

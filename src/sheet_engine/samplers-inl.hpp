@@ -6,8 +6,6 @@
 #define RINGSPLAT_SAMPLERS_INL
 #endif
 
-#include <algorithm>
-
 #include "sheet_engine/lanes-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
 

@@ -4,7 +4,6 @@
 #define HWY_TARGET_INCLUDE "splat/draw_with_stencil.cpp"
 #include <hwy/foreach_target.h>
 
-#include <cmath>
 #include <type_traits>
 
 #include "splat/painter_kernels.hpp"

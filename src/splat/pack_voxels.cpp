@@ -7,7 +7,6 @@
 #include <hwy/highway.h>
 
 #include <bit>
-#include <cmath>
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {

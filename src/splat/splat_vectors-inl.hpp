@@ -6,7 +6,6 @@
 #define RINGSPLAT_SPLAT_VECTORS_INL
 #endif
 
-#include <cmath>
 #include <cstddef>
 #include <cstring>
 

@@ -1,7 +1,6 @@
 #include "splat/stencil.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "splat/splat.hpp"
 

@@ -7,8 +7,6 @@
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <cstring>
 #include <type_traits>
 #include <utility>

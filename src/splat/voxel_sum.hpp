@@ -1,7 +1,5 @@
 #pragma once
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <vector>
 
 #include "raster/region_image.hpp"

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <glm/vec2.hpp>
 
 #include "base/bit_runs.hpp"

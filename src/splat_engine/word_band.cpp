@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cstring>
-#include <utility>
 
 #include "base/byte_stream.hpp"
 #include "splat_engine/row_band.hpp"
