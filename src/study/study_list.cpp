@@ -266,6 +266,7 @@ class ListReader {
     if (!method.engine && !method.quality) method.quality = Quality::paper;
     try {
       frame.how = method_for(method);
+      frame.shown.transfer_function = preset("grey", {});  // any: scenes have their own
       ringsplat::check(frame);
       if (method.light_points && frame.shown.shading == Shading::none)
         throw InputError("light_points has no effect on what is not lit", "add phong = true");
