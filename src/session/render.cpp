@@ -121,7 +121,7 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
 }
 
 std::uint64_t usual_kept_bytes(const Grid& grid, int gps) {
-  return std::max<std::uint64_t>(std::uint64_t{64} << 20,
+  return std::max<std::uint64_t>(std::uint64_t{256} << 20,
                                  3 * std::uint64_t(grid.bytes()) / 4 / std::uint64_t(gps));
 }
 

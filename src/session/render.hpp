@@ -38,7 +38,7 @@ struct EngineOptions {
 };
 
 /// Bytes of sheets' planes that a Renderer keeps unless somebody says how many: a quarter of what a GP's
-/// slices take in all three slice sets, at least 64 MiB.
+/// slices take in all three slice sets, at least 256 MiB.
 std::uint64_t usual_kept_bytes(const Grid& grid, int gps);
 
 /// Throws InputError that names the option when it asks for more threads than any machine has cores.

@@ -168,7 +168,7 @@ TEST_CASE("shelves that were not used for longest make room, and come back empty
   CHECK(begin(nothing, 0, 0).shelf == nullptr);
 }
 
-TEST_CASE("a Renderer keeps a quarter of a GP's slices, and no less than 64 MiB") {
-  CHECK(usual_kept_bytes(make_grid({100, 100, 100}), 1) == 64 << 20);
+TEST_CASE("a Renderer keeps a quarter of a GP's slices, and no less than 256 MiB") {
+  CHECK(usual_kept_bytes(make_grid({100, 100, 100}), 1) == 256 << 20);
   CHECK(usual_kept_bytes(make_grid({1024, 1024, 1024}), 2) == std::uint64_t{3} << 27);
 }
