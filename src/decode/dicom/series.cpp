@@ -1,11 +1,8 @@
 #include "decode/dicom/series.hpp"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <functional>
 #include <map>
 #include <numeric>
@@ -52,15 +49,18 @@ std::vector<fs::path> files_in(const fs::path& folder, bool deep) {
   fs::recursive_directory_iterator entry(folder, fs::directory_options::follow_directory_symlink);
   for (; entry != fs::end(entry); ++entry) {
     std::error_code broken;  // a link that leads nowhere is no image
-    if (entry->is_regular_file(broken)) {
-      if (entry->file_size(broken) > 0) files.push_back(entry->path());  // the kernel's own have none
-    } else if (deep && entry->is_directory(broken) && ::access(entry->path().c_str(), R_OK | X_OK) != 0) {
-      log_warning_once("left out: {}: {}", entry->path().string(), std::strerror(errno));
-      entry.disable_recursion_pending();
-    } else if (!deep || entry.depth() >= deepest ||
-               !visited.insert(fs::canonical(entry->path(), broken)).second) {
-      entry.disable_recursion_pending();
+    if (entry->is_regular_file(broken) && entry->file_size(broken) > 0)  // the kernel's own have none
+      files.push_back(entry->path());
+    bool enter = deep && entry.depth() < deepest && entry->is_directory(broken) &&
+                 visited.insert(fs::canonical(entry->path(), broken)).second;
+    if (enter) {
+      // One that cannot be opened, or is gone since it was listed, would end the walk.
+      const fs::directory_iterator opened(entry->path(), broken);
+      enter = !broken;
+      if (!enter && broken != std::errc::no_such_file_or_directory)
+        log_warning_once("left out: {}: {}", entry->path().string(), broken.message());
     }
+    if (!enter) entry.disable_recursion_pending();
     if (files.size() > most_files)
       throw InputError(fmt::format("{} holds more than {} files", folder.string(), most_files),
                        "give the folder of one study or series");
