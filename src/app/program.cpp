@@ -1,5 +1,3 @@
-
-
 #include "app/commands.hpp"
 #include "base/huge_pages.hpp"
 #include "base/lack_of_memory.hpp"

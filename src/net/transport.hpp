@@ -28,7 +28,7 @@ class Transport {
   virtual bool relayed() { return false; }
   /// What messages wait for on this rank, in words; empty when none does.
   virtual std::string waiting_for() const { return {}; }
-  /// Waits until something may have happened: a millisecond at most, or up to forty on a rank that has no work.
+  /// Waits until something may have happened: a millisecond at most, or up to forty on a rank without work.
   virtual void wait_next() = 0;
   /// Waits as wait_next() while no frame is under way on this rank, and then ever longer, up to some
   /// milliseconds. `sleep`, if any, does the sleeping; it may end sooner.

@@ -121,9 +121,9 @@ class ScalarPlanes {
   std::vector<Slot> slots_hold_;
   std::array<Shelf, ShelfNumber::shelves> shelves_;
   std::vector<std::vector<std::byte>> spare_;  ///< memory of emptied shelves
-  std::optional<ShelfNumber> shelf_;          ///< of the frame's payloads
-  std::vector<std::uint16_t> plane_of_step_;  ///< by step + 1; no_plane: the slice is in a slot
-  std::vector<std::uint32_t> others_;         ///< of the slot that is being filled
+  std::optional<ShelfNumber> shelf_;           ///< of the frame's payloads
+  std::vector<std::uint16_t> plane_of_step_;   ///< by step + 1; no_plane: the slice is in a slot
+  std::vector<std::uint32_t> others_;          ///< of the slot that is being filled
   Span changed_columns_, changed_rows_;
 };
 

@@ -1,5 +1,4 @@
 #pragma once
-
 #include "sheet_engine/sheet_frame.hpp"
 #include "sheet_engine/table_axis.hpp"
 
