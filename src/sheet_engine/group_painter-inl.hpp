@@ -9,12 +9,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sheet_engine/lanes-inl.hpp"
-#include "sheet_engine/paint_group.hpp"
-#include "sheet_engine/rays-inl.hpp"
-#include "sheet_engine/reflection-inl.hpp"
-#include "sheet_engine/samplers-inl.hpp"
-#include "sheet_engine/table_lanes-inl.hpp"
+#include "sheet_engine/tile_painter-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
@@ -31,22 +26,29 @@ struct AnySlab {
   bool face, nearest;
 };
 
-/// Paints one group's pixels. Its lanes are those of tiles that lie row by row; see paint_group.hpp.
+/// A tile's pixels, and what the last sheet leaves for the next slab.
+template <class Rays>
+struct SheetPixels : TilePixels<Rays> {
+  static constexpr int none = -1 << 20;
+  F place;                                  ///< of the last sheet's values
+  Gradient gradient;                        ///< at the last sheet
+  int sheet = none, gradient_sheet = none;  ///< the steps of these last sheets
+};
+
+/// Paints one group's pixels; see paint_group.hpp.
 template <class Sampler, class Rays>
-class GroupPainter {
+class GroupPainter : public TilePainter<Sampler, Rays, SheetPixels<Rays>> {
+  using State = SheetPixels<Rays>;
+  using Base = TilePainter<Sampler, Rays, State>;
+  using Base::composite, Base::most_u, Base::most_v, Base::plane_of, Base::tiles, Base::unlit;
+  using Base::count_, Base::list_, Base::p_, Base::rays_, Base::slab_, Base::state_;
+
  public:
-  GroupPainter(const SheetPaint& paint, const PixelGroup& group) : p_(paint), group_(group), rays_(paint) {}
+  using Base::Base;
 
   void paint(const SheetSlab& slab, TileMask mask) {
-    count_ = 0;
-    for (int t = 0; t < tiles; ++t)
-      if ((mask >> mask_bit(t) & 1) != 0 && !state_[t].dead) {
-        if (!state_[t].started) start(t);
-        list_[count_++] = t;
-      }
+    this->begin(slab, mask);
     if (count_ == 0) return;
-    slab_ = &slab;
-    rays_.begin(slab);
     switch (slab.face || p_.nearest ? 0 : slab.pieces) {
       case 1:
         return paint_as(Between<1>());
@@ -61,37 +63,7 @@ class GroupPainter {
     }
   }
 
-  void store_pixels() {
-    for (int t = 0; t < tiles; ++t) {
-      HWY_ALIGN float rgba[4][lanes];
-      const State& s = state_[t];
-      if (!s.started) continue;
-      ringsplat::HWY_NAMESPACE::store(s.red, rgba[0]);
-      ringsplat::HWY_NAMESPACE::store(s.green, rgba[1]);
-      ringsplat::HWY_NAMESPACE::store(s.blue, rgba[2]);
-      ringsplat::HWY_NAMESPACE::store(s.opacity, rgba[3]);
-      if (is_whole()) {
-        store_rows(rgba, pixel_of(t, 0), group_.row_floats);
-        continue;
-      }
-      for (int l = 0; l < lanes; ++l)
-        if (float* pixel = pixel_of(t, l))
-          for (int c = 0; c < 4; ++c) pixel[c] = rgba[c][l];
-    }
-  }
-
  private:
-  static constexpr int across = group_side / tile_width, tiles = across * (group_side / tile_height);
-  static constexpr int none = -1 << 20;
-
-  struct State {
-    F red, green, blue, opacity;
-    F place;            ///< of the last sheet's values
-    Gradient gradient;  ///< at the last sheet
-    typename Rays::Tile ray;
-    int sheet = none, gradient_sheet = none;  ///< the steps of these last sheets
-    bool started = false, dead = false;
-  };
   /// A tile in the current slab.
   struct Work {
     std::array<F, Traversal::most_slabs + 1> place;
@@ -111,56 +83,10 @@ class GroupPainter {
     for (int k = 0; k < split_count_; ++k) paint_pieces(kind, split_[k]);
   }
 
-  static int mask_bit(int t) {
-    return (t / across) * tile_height / tile_side * (group_side / tile_side) +
-           (t % across) * tile_width / tile_side;
-  }
-  bool is_whole() const { return group_.width == group_side && group_.height == group_side; }
-  float* pixel_of(int t, int lane) const {
-    const int x = (t % across) * tile_width + lane % tile_width,
-              y = (t / across) * tile_height + lane / tile_width;
-    return x < group_.width && y < group_.height ? group_.rgba + y * group_.row_floats + 4 * x : nullptr;
-  }
-
-  void start(int t) {
-    State& s = state_[t];
-    s.started = true;
-    s.ray = rays_.start(group_.x + (t % across) * tile_width, group_.y + (t / across) * tile_height);
-    HWY_ALIGN float rgba[4][lanes];
-    if (is_whole())
-      load_rows(pixel_of(t, 0), group_.row_floats, rgba);
-    else
-      for (int l = 0; l < lanes; ++l) {
-        const float* pixel = pixel_of(t, l);
-        for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
-      }
-    s.red = load(rgba[0]);
-    s.green = load(rgba[1]);
-    s.blue = load(rgba[2]);
-    s.opacity = load(rgba[3]);
-  }
-
-  std::int32_t most_u() const { return (p_.rays.voxels[0] - 1) << position_bits; }
-  std::int32_t most_v() const { return (p_.rays.voxels[1] - 1) << position_bits; }
-  Corner corner_below(const Ends& ends) const {
-    return {(std::clamp(ends.low_u, 0, most_u()) >> position_bits) - 1,
-            (std::clamp(ends.low_v, 0, most_v()) >> position_bits) - 1};
-  }
-
-  /// Where the lanes lie in sheet i of the slab. Beyond the outer voxels the field has their values.
+  /// Where the lanes lie in sheet i of the slab.
   HWY_INLINE typename Sampler::Sheet sheet_at(const State& s, bool at_faces, int i, Corner corner) const {
-    auto [u, v] = rays_.at(s.ray, i);
-    if (at_faces) {
-      u = min(max(u, set_int(0)), set_int(most_u()));
-      v = min(max(v, set_int(0)), set_int(most_v()));
-    }
-    return Sampler::sheet(u, v, p_.pitch, corner);
-  }
-
-  /// Whether a lane may leave what is `beyond` the outer voxels' centres.
-  bool leaves(const Ends& ends, std::int32_t beyond) const {
-    return ends.low_u < -beyond || ends.low_v < -beyond || ends.high_u > most_u() + beyond ||
-           ends.high_v > most_v() + beyond;
+    const auto [u, v] = rays_.at(s.ray, i);
+    return at_faces ? this->sheet_in_box(u, v, corner) : Sampler::sheet(u, v, p_.pitch, corner);
   }
 
   /// Places of values along the table's axes.
@@ -186,17 +112,16 @@ class GroupPainter {
       const int t = list_[k];
       State& s = state_[t];
       Work& w = work_[t];
-      const M alive =
-          but_not(equal(s.opacity, s.opacity), greater(set(p_.opaque_threshold), sub(set(1.0F), s.opacity)));
+      const M alive = this->alive(s);
       if (!any(alive)) {
         s.dead = true;
         continue;
       }
       const Ends all = rays_.ends(s.ray);
-      w.corner = corner_below(all);
+      w.corner = this->corner_below(all);
       const bool some_miss = Rays::some_miss(s.ray);
-      w.at_faces = some_miss || leaves(all, 0);
-      w.cut = some_miss || leaves(all, one_voxel / 2 - 1);
+      w.at_faces = some_miss || this->leaves(all, 0);
+      w.cut = some_miss || this->leaves(all, one_voxel / 2 - 1);
       w.front = Sampler::plane(slab_->front, p_.pitch, w.corner);
       w.back = Sampler::plane(slab_->back, p_.pitch, w.corner);
       w.place[0] = kind.nearest                 ? voxel_place(kind, s, w, 0)
@@ -314,24 +239,19 @@ class GroupPainter {
                 both(greater(v, set_int(-half - 1)), greater(set_int(most_v() + half), v)));
   }
 
-  using Planes = typename Sampler::Plane;
-  Planes plane_of(const void* origin, Corner corner) const {
-    return Sampler::plane(origin, p_.pitch, corner);
-  }
-
   HWY_INLINE Gradient front_gradient(auto kind, const State& s, const Work& w) const {
     if (s.gradient_sheet == slab_->step - 1) return s.gradient;
-    const Planes next = kind.face ? plane_of(slab_->after, w.corner) : w.back;
+    const auto next = kind.face ? plane_of(slab_->after, w.corner) : w.back;
     return Sampler::gradient(w.front, next - plane_of(slab_->before, w.corner),
                              sheet_at(s, w.at_faces, 0, w.corner), p_.pitch);
   }
   HWY_INLINE Gradient gradient_behind(auto kind, const Work& w, int i) const {
-    const Planes after = plane_of(slab_->after, w.corner);
+    const auto after = plane_of(slab_->after, w.corner);
     const auto& sheet = w.sheet[std::size_t(i)];
     if (i < kind.pieces && !kind.face)
       return Sampler::gradient_between(plane_of(slab_->before, w.corner), w.front, w.back, after, sheet, i,
                                        kind.pieces, p_.pitch);
-    const Planes last = kind.face ? plane_of(slab_->before, w.corner) : w.front;
+    const auto last = kind.face ? plane_of(slab_->before, w.corner) : w.front;
     return Sampler::gradient(w.back, after - last, sheet, p_.pitch);
   }
 
@@ -342,18 +262,6 @@ class GroupPainter {
     return Reflect(p_.light, rays_.viewer(s.ray),
                    {fma(way, change.u, front.u), fma(way, change.v, front.v), fma(way, change.k, front.k)});
   }
-
-  static HWY_INLINE void composite(State& s, const TableSlab& slab, F opacity, const Reflected& light) {
-    const F added = mul(sub(set(1.0F), s.opacity), opacity);
-    const auto lit = [&](F colour)
-                         HWY_ATTR { return min(fma(colour, light.scale, light.highlight), set(1.0F)); };
-    s.red = fma(added, lit(slab.red), s.red);
-    s.green = fma(added, lit(slab.green), s.green);
-    s.blue = fma(added, lit(slab.blue), s.blue);
-    s.opacity = add(s.opacity, added);
-  }
-
-  static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
 
   /// The opacity of as many of the table's slabs as there are from slice to slice.
   HWY_INLINE F of_all_pieces(auto kind, F piece) const {
@@ -445,21 +353,12 @@ class GroupPainter {
     const float pieces = kind.face ? p_.face_pieces / float(kind.pieces) : 1.0F;
     const F length = mul(rays_.length(s.ray), set(pieces));
     if (!w.cut) return length;
-    const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
-    Way way{set(0.0F), set(1.0F)};
-    way.narrow(from.u, to.u, p_.rays.voxels[0]);
-    way.narrow(from.v, to.v, p_.rays.voxels[1]);
-    return mul(length, way.length());
+    return mul(length, this->way_in_box(s, i).length());
   }
 
-  const SheetPaint& p_;
-  const PixelGroup& group_;
-  Rays rays_;
-  const SheetSlab* slab_ = nullptr;
-  std::array<State, tiles> state_;
   std::array<Work, tiles> work_;
-  std::array<int, tiles> list_, whole_, split_;
-  int count_ = 0, whole_count_ = 0, split_count_ = 0;
+  std::array<int, tiles> whole_, split_;
+  int whole_count_ = 0, split_count_ = 0;
 };
 
 }  // namespace ringsplat::HWY_NAMESPACE

@@ -1,0 +1,161 @@
+// Per-target include guard: Highway compiles this once for each instruction set.
+#if defined(RINGSPLAT_TILE_PAINTER_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_TILE_PAINTER_INL
+#undef RINGSPLAT_TILE_PAINTER_INL
+#else
+#define RINGSPLAT_TILE_PAINTER_INL
+#endif
+
+#include <algorithm>
+#include <array>
+
+#include "sheet_engine/lanes-inl.hpp"
+#include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/rays-inl.hpp"
+#include "sheet_engine/reflection-inl.hpp"
+#include "sheet_engine/samplers-inl.hpp"
+#include "sheet_engine/table_lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// A tile's pixels while slabs are painted.
+template <class Rays>
+struct TilePixels {
+  F red, green, blue, opacity;
+  typename Rays::Tile ray;
+  bool started = false, dead = false;
+};
+
+/// A group's tiles, row by row, their pixels in lanes, and where these lie in slices. `State` is a
+/// TilePixels<Rays>, or more.
+template <class Sampler, class Rays, class State>
+class TilePainter {
+ public:
+  TilePainter(const SheetPaint& paint, const PixelGroup& group) : p_(paint), group_(group), rays_(paint) {}
+
+  void store_pixels() {
+    for (int t = 0; t < tiles; ++t) {
+      HWY_ALIGN float rgba[4][lanes];
+      const State& s = state_[t];
+      if (!s.started) continue;
+      ringsplat::HWY_NAMESPACE::store(s.red, rgba[0]);
+      ringsplat::HWY_NAMESPACE::store(s.green, rgba[1]);
+      ringsplat::HWY_NAMESPACE::store(s.blue, rgba[2]);
+      ringsplat::HWY_NAMESPACE::store(s.opacity, rgba[3]);
+      if (is_whole()) {
+        store_rows(rgba, pixel_of(t, 0), group_.row_floats);
+        continue;
+      }
+      for (int l = 0; l < lanes; ++l)
+        if (float* pixel = pixel_of(t, l))
+          for (int c = 0; c < 4; ++c) pixel[c] = rgba[c][l];
+    }
+  }
+
+ protected:
+  using Planes = typename Sampler::Plane;
+  static constexpr int across = group_side / tile_width, tiles = across * (group_side / tile_height);
+
+  /// Begins a slab: lists its tiles that still take something.
+  void begin(const SheetSlab& slab, TileMask mask) {
+    count_ = 0;
+    for (int t = 0; t < tiles; ++t)
+      if ((mask >> mask_bit(t) & 1) != 0 && !state_[t].dead) {
+        if (!state_[t].started) start(t);
+        list_[count_++] = t;
+      }
+    slab_ = &slab;
+    if (count_ != 0) rays_.begin(slab);
+  }
+
+  /// Lanes that still take something.
+  HWY_INLINE M alive(const State& s) const {
+    return but_not(equal(s.opacity, s.opacity), greater(set(p_.opaque_threshold), sub(set(1.0F), s.opacity)));
+  }
+
+  std::int32_t most_u() const { return (p_.rays.voxels[0] - 1) << position_bits; }
+  std::int32_t most_v() const { return (p_.rays.voxels[1] - 1) << position_bits; }
+  Corner corner_below(const Ends& ends) const {
+    return {(std::clamp(ends.low_u, 0, most_u()) >> position_bits) - 1,
+            (std::clamp(ends.low_v, 0, most_v()) >> position_bits) - 1};
+  }
+
+  /// Where lanes at (u, v) lie. Beyond the outer voxels the field has their values.
+  HWY_INLINE typename Sampler::Sheet sheet_in_box(I u, I v, Corner corner) const {
+    return Sampler::sheet(min(max(u, set_int(0)), set_int(most_u())),
+                          min(max(v, set_int(0)), set_int(most_v())), p_.pitch, corner);
+  }
+
+  /// Whether a lane may leave what is `beyond` the outer voxels' centres.
+  bool leaves(const Ends& ends, std::int32_t beyond) const {
+    return ends.low_u < -beyond || ends.low_v < -beyond || ends.high_u > most_u() + beyond ||
+           ends.high_v > most_v() + beyond;
+  }
+
+  /// The part of piece i that lies in the volume's box.
+  HWY_INLINE Way way_in_box(const State& s, int i) const {
+    const Position from = rays_.at(s.ray, i), to = rays_.at(s.ray, i + 1);
+    Way way{set(0.0F), set(1.0F)};
+    way.narrow(from.u, to.u, p_.rays.voxels[0]);
+    way.narrow(from.v, to.v, p_.rays.voxels[1]);
+    return way;
+  }
+
+  Planes plane_of(const void* origin, Corner corner) const {
+    return Sampler::plane(origin, p_.pitch, corner);
+  }
+
+  static HWY_INLINE void composite(State& s, const TableSlab& slab, F opacity, const Reflected& light) {
+    const F added = mul(sub(set(1.0F), s.opacity), opacity);
+    const auto lit = [&](F colour)
+                         HWY_ATTR { return min(fma(colour, light.scale, light.highlight), set(1.0F)); };
+    s.red = fma(added, lit(slab.red), s.red);
+    s.green = fma(added, lit(slab.green), s.green);
+    s.blue = fma(added, lit(slab.blue), s.blue);
+    s.opacity = add(s.opacity, added);
+  }
+  static Reflected unlit() { return {set(1.0F), set(0.0F)}; }
+
+  const SheetPaint& p_;
+  const PixelGroup& group_;
+  Rays rays_;
+  const SheetSlab* slab_ = nullptr;
+  std::array<State, tiles> state_;
+  std::array<int, tiles> list_;
+  int count_ = 0;
+
+ private:
+  static int mask_bit(int t) {
+    return (t / across) * tile_height / tile_side * (group_side / tile_side) +
+           (t % across) * tile_width / tile_side;
+  }
+  bool is_whole() const { return group_.width == group_side && group_.height == group_side; }
+  float* pixel_of(int t, int lane) const {
+    const int x = (t % across) * tile_width + lane % tile_width,
+              y = (t / across) * tile_height + lane / tile_width;
+    return x < group_.width && y < group_.height ? group_.rgba + y * group_.row_floats + 4 * x : nullptr;
+  }
+
+  void start(int t) {
+    State& s = state_[t];
+    s.started = true;
+    s.ray = rays_.start(group_.x + (t % across) * tile_width, group_.y + (t / across) * tile_height);
+    HWY_ALIGN float rgba[4][lanes];
+    if (is_whole())
+      load_rows(pixel_of(t, 0), group_.row_floats, rgba);
+    else
+      for (int l = 0; l < lanes; ++l) {
+        const float* pixel = pixel_of(t, l);
+        for (int c = 0; c < 4; ++c) rgba[c][l] = pixel != nullptr ? pixel[c] : 0.0F;
+      }
+    s.red = load(rgba[0]);
+    s.green = load(rgba[1]);
+    s.blue = load(rgba[2]);
+    s.opacity = load(rgba[3]);
+  }
+};
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif
