@@ -1,4 +1,4 @@
-"""Renders volumes with no option and shows them on one page, for eyes.
+"""Renders volumes with no option, or in every mode, and shows them on one page, for eyes.
 
 Beside the volumes and folders that are named: the repository's head, and what packages bring along, fetched into build/gallery (60 MB):
 Debian's mricron-data; nilearn, nibabel, pyvista, pydicom and scikit-image from PyPI. Below each picture is what the program said of it,
@@ -20,6 +20,7 @@ FILES = [*(f"nilearn/nilearn/datasets/data/mni_icbm152_{kind}_tal_nlin_sym_09a_c
          *(f"pyvista/pyvista/examples/{name}" for name in ("uniform.vtk", "frog_tissues.vti", "channels.vti")),
          *(f"pydicom/pydicom/data/test_files/{name}" for name in ("emri_small.dcm", "CT_small.dcm", "rtdose.dcm")),
          *(f"scikit-image/skimage/data/multipage{kind}.tif" for kind in ("", "_rgb"))]
+MODES = ("composite", "mip", "minip", "mean", "sum", "surface")
 STYLE = """<style>
 body { display: flex; flex-wrap: wrap; font: 12px monospace }
 figure { width: 320px; margin: 4px }
@@ -32,6 +33,7 @@ figcaption { white-space: pre-wrap; max-height: 9em; overflow: auto }
 def main(words):
     arguments = parser(__doc__)
     arguments.add_argument("--no-packages", action="store_true", help="only what is named")
+    arguments.add_argument("--modes", action="store_true", help="each volume in all modes")
     arguments.add_argument("volumes", nargs="*", type=Path, metavar="VOLUME|FOLDER")
     options = arguments.parse_args(words)
     if not options.no_packages:
@@ -41,7 +43,8 @@ def main(words):
     pictures.mkdir(parents=True)
     volumes = list(chosen(options.volumes, not options.no_packages))
     for number, volume in enumerate(volumes):
-        render(volume, pictures / f"{number:03}")
+        for mode in MODES if options.modes else MODES[:1]:
+            render(volume, mode, pictures / f"{number:03}-{MODES.index(mode)}")
     write_page(pictures)
     say(f"{len(volumes)} volumes: {GALLERY / 'index.html'}")
 
@@ -79,15 +82,15 @@ def chosen(named, with_packages):
             yield path
 
 
-def render(volume, picture):
+def render(volume, mode, picture):
     try:
-        said = subprocess.run([PROGRAM, "render", volume, "-o", f"{picture}.png", "--size", "320x320"], timeout=300, text=True, errors="replace",
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
+        command = [PROGRAM, "render", volume, "--mode", mode, "-o", f"{picture}.png", "--size", "320x320"]
+        said = subprocess.run(command, timeout=300, text=True, errors="replace", stdout=subprocess.PIPE, stderr=subprocess.STDOUT).stdout
     except subprocess.TimeoutExpired:
         said = "took more than five minutes"
     # Lines of results have no meaning on a sheet.
     lines = [line for line in re.split("[\r\n]", said) if line and not re.match(r"[^ ]*\.png |loading|rendering", line)]
-    Path(f"{picture}.txt").write_text("\n".join([volume.name, *lines]) + "\n")
+    Path(f"{picture}.txt").write_text("\n".join([f"{volume.name}, {mode}", *lines]) + "\n")
     say(" ".join([volume.name, *lines])[:200])
 
 

@@ -67,9 +67,8 @@ ExitCode run_reference(const ReferenceOptions& o) {
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
-  MadeFunction made = choice.make(volume.statistics);
-  spec.shown.transfer_function = std::move(made.function);
-  spec.shown.interpolation = made.interpolation;
+  const MadeFunction made = choice.make(volume.statistics, volume.grid);
+  made.set(spec.shown);
   check(spec);
   if (!o.picture.transfer_function_out.empty())
     write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.shown.transfer_function));

@@ -196,6 +196,7 @@ namespace {
 
 std::string why_it_errs(const FrameSpec& frame, const ValueRange& range) {
   const bool splats = std::holds_alternative<Splats>(frame.how);
+  if (frame.shown.mode != Mode::composite) return "";
   if (frame.shown.interpolation == Interpolation::nearest) return splats ? "" : why_labels_merge(range);
   return (splats ? why_splats_err : why_sheets_err)(frame.shown.transfer_function, range);
 }
@@ -217,15 +218,14 @@ FrameSpec choose_frame(Job& job, Scene& scene, const Wiring& wiring, Progress& p
   const RenderOptions& o = job.options;
   MadeFunction made;
   launch.check_on_rank_0([&] {
-    made = job.transfer_function->make(scene.values);
+    made = job.transfer_function->make(scene.values, scene.grid);
     check(made.function, o.transfer_function);
     if (!o.transfer_function_out.empty())
       write_text_output(o.transfer_function_out, to_paraview_json(made.function));
     if (!made.said.empty() && !simulated()) progress.print(made.said);
   });
   FrameSpec frame = o.frame;
-  frame.shown.transfer_function = std::move(made.function);
-  frame.shown.interpolation = made.interpolation;
+  made.set(frame.shown);
   if (o.budget.max_error && keep_budget(job, scene, frame, progress, launch))
     scene = reload(job, wiring, progress, launch);
   ValueRange without_outliers = scene.values.range;

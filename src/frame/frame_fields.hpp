@@ -34,10 +34,11 @@ void fields(S& reduction, Visit&& visit) {
 
 template <Describes<Shown> S, class Visit>
 void fields(S& shown, Visit&& visit) {
-  auto& [camera, width, height, transfer_function, interpolation, shading, material, light,
+  auto& [camera, width, height, transfer_function, interpolation, mode, isovalue, shading, material, light,
          opacity_correction, opaque_threshold, reduction, clip] = shown;
   visit("camera", camera), visit("width", width), visit("height", height);
   visit("transfer_function", transfer_function), visit("interpolation", interpolation);
+  visit("mode", mode), visit("isovalue", isovalue);
   visit("shading", shading), visit("material", material);
   visit("light", light), visit("opacity_correction", opacity_correction);
   visit("opaque_threshold", opaque_threshold), visit("reduction", reduction), visit("clip", clip);
@@ -85,6 +86,7 @@ concept HasFields = requires(T& described) {
 // The last value of each enumeration.
 constexpr ImagePlane last_of(ImagePlane) { return ImagePlane::slices; }
 constexpr Interpolation last_of(Interpolation) { return Interpolation::nearest; }
+constexpr Mode last_of(Mode) { return Mode::surface; }
 constexpr Shading last_of(Shading) { return Shading::phong; }
 constexpr Fit last_of(Fit) { return Fit::box; }
 constexpr KernelMethod last_of(KernelMethod) { return KernelMethod::texture; }

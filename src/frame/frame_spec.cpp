@@ -80,6 +80,8 @@ json to_json(const Shown& s) {
          {"undersample", s.reduction.factor},
          {"prefilter", s.reduction.prefilter}};
   if (s.interpolation != Interpolation::linear) j["interpolation"] = name(s.interpolation);
+  if (s.mode != Mode::composite) j["mode"] = name(s.mode);
+  if (s.mode == Mode::surface) j["isovalue"] = s.isovalue;
   if (s.clip) j["clip"] = to_json(*s.clip);
   return j;
 }
@@ -164,12 +166,29 @@ void check_projection(const Camera& camera, const Method& method) {
         "use --engine sheets, or leave --fov out");
 }
 
+namespace {
+
+void check_mode(const Shown& shown, const Method& method) {
+  if (shown.mode == Mode::composite) return;
+  if (std::holds_alternative<Splats>(method))
+    throw InputError(fmt::format("splats cannot be drawn by --mode {}", name(shown.mode)),
+                     "use --engine sheets, or leave --mode out");
+  if (shown.interpolation == Interpolation::nearest)
+    throw InputError(fmt::format("--mode {} needs values between voxels", name(shown.mode)),
+                     "leave out --interpolation nearest");
+  if (!std::isfinite(shown.isovalue))
+    throw InputError("--isovalue is not a finite number", "give a value of the volume");
+}
+
+}  // namespace
+
 void check(const FrameSpec& spec) {
   const int region_size = spec.division.region_size;
   static_cast<void>(Regions(spec.shown.width, spec.shown.height, region_size == 0 ? 128 : region_size));
   check(spec.shown);
   std::visit([](const auto& how) { check(how); }, spec.how);
   check_projection(spec.shown.camera, spec.how);
+  check_mode(spec.shown, spec.how);
 }
 
 std::string to_json_text(const FrameSpec& spec) {

@@ -72,6 +72,8 @@ struct ColourOptions {
   bool labels = false;               ///< a colour for each value instead
   /// Between voxels; without a value nearest for labels, else linear.
   std::optional<Interpolation> interpolation;
+  Mode mode = Mode::composite;
+  std::optional<double> isovalue;  ///< of Mode::surface; without a value one that parts the volume's values
 };
 
 /// Which truth a picture is measured against (docs/accuracy.md).

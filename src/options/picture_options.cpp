@@ -178,6 +178,20 @@ void add_size_options(OptionList& list, RenderOptions& o) {
        "Each whole number is a label with a colour of its own, 0 is clear; found by itself in most files of "
        "labels",
        flag(o.colour.labels)},
+      {"--mode", nullptr, initial,
+       "What a ray shows: light through the volume; its largest or least value, their mean, or their "
+       "integral "
+       "over length, in grey or in --tf's colours and opacities; or the first surface of --isovalue; needs "
+       "sheets",
+       choice(o.colour.mode, {{"composite", Mode::composite},
+                              {"mip", Mode::mip},
+                              {"minip", Mode::minip},
+                              {"mean", Mode::mean},
+                              {"sum", Mode::sum},
+                              {"surface", Mode::surface}})},
+      {"--isovalue", nullptr, nullptr,
+       "The value of --mode surface; without it the one that parts the volume's values best",
+       value(o.colour.isovalue)},
       {"--interpolation", nullptr, nullptr,
        "The values between voxels, which sheets and the field's truth ask for: linear, or the nearest "
        "voxel's; without it nearest for labels, else linear",

@@ -10,6 +10,7 @@
 
 #include "base/printable.hpp"
 #include "classify/adjust.hpp"
+#include "classify/mode_function.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -73,29 +74,32 @@ TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const Co
                        fmt::format("the presets are {}", joined(presets, ", ")));
 }
 
-AutoChoice TransferFunctionChoice::base(const ValueStatistics& values) const {
+AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Grid& grid) const {
   if (colour_.labels) return choose_labels(values);
   const bool is_auto = !from_file_ && preset_ == "auto";
-  if (is_auto && !colour_.range && !colour_.log) return choose_function(values);
+  const bool windowed = colour_.range || colour_.log;
+  if (is_auto && !windowed && colour_.mode == Mode::composite) return choose_function(values);
   DataRange window{0, 1};
   if (colour_.log) window = positive_range(values);
   if (colour_.range) window = {colour_.range->low, colour_.range->high};
+  if (is_auto && colour_.mode != Mode::composite)
+    return choose_for_mode(colour_.mode, values, grid, windowed ? std::optional(window) : std::nullopt);
   if (is_auto) return choose_within(values, window, colour_.log);
   AutoChoice made;
   made.function = from_file_ ? *from_file_ : preset(preset_, values.histogram);
   const auto [low, high] = ends_of(made.function);
-  made.range = colour_.range || colour_.log ? window : DataRange{low, high};
-  if (colour_.range || colour_.log) stretch(made.function, window.low, window.high);
+  made.range = windowed ? window : DataRange{low, high};
+  if (windowed) stretch(made.function, window.low, window.high);
   if (colour_.log) made.function = on_logarithmic_axis(made.function);
   return made;
 }
 
-MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
+MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const Grid& grid) const {
   if (colour_.log && colour_.range && !(colour_.range->low > 0))
     throw InputError(fmt::format("--log cannot show values from {:g}, as only positive ones have a logarithm",
                                  colour_.range->low),
                      "give --range a LO above 0");
-  AutoChoice made = base(values);
+  AutoChoice made = base(values, grid);
   auto& tf = made.function;
   if (map_) {
     tf.colours = colours_over(*map_, made.range.low, made.range.high);
@@ -108,8 +112,25 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values) const {
   if (ramp_)
     said = fmt::format("--tf {}: the file has no opacities, so a ramp from clear at {:g} to opaque at {:g}",
                        tf.name, plain(made.range.low), plain(made.range.high));
+  double isovalue = 0;
+  if (colour_.mode == Mode::surface) {
+    isovalue = colour_.isovalue ? *colour_.isovalue : parting_value(values);
+    if (!colour_.isovalue) said = fmt::format("--isovalue: {:.6g} parts the volume's values best", isovalue);
+  }
   const Interpolation usual = made.labels ? Interpolation::nearest : Interpolation::linear;
-  return {std::move(made.function), said, made.labels, colour_.interpolation.value_or(usual)};
+  return {std::move(made.function),
+          said,
+          made.labels,
+          colour_.interpolation.value_or(usual),
+          colour_.mode,
+          isovalue};
+}
+
+void MadeFunction::set(Shown& shown) const {
+  shown.transfer_function = function;
+  shown.interpolation = interpolation;
+  shown.mode = mode;
+  shown.isovalue = isovalue;
 }
 
 std::string list_of_colour_maps() {

@@ -16,6 +16,10 @@ struct MadeFunction {
   std::string said;  ///< what "auto" has chosen and why, in one line; empty when nothing was chosen
   bool labels = false;
   Interpolation interpolation = Interpolation::linear;
+  Mode mode = Mode::composite;
+  double isovalue = 0;
+
+  void set(Shown& shown) const;
 };
 
 /// The choice of --tf: a preset, fitted to the volume's values, or a file; changed as the colour options say.
@@ -26,10 +30,10 @@ class TransferFunctionChoice {
   explicit TransferFunctionChoice(const std::string& text, const ColourOptions& colour = {});
   /// Throws InputError when the values do not allow what is asked: no positive one for --log, no whole
   /// numbers for --labels.
-  MadeFunction make(const ValueStatistics& values) const;
+  MadeFunction make(const ValueStatistics& values, const Grid& grid = {}) const;
 
  private:
-  AutoChoice base(const ValueStatistics& values) const;
+  AutoChoice base(const ValueStatistics& values, const Grid& grid) const;
 
   ColourOptions colour_;
   std::optional<ColourMap> map_;

@@ -56,11 +56,11 @@ BlockSession::Request BlockSession::request(const std::vector<std::string>& word
   if (!note.empty()) log_info("{}", note);
   if (o.annotate) made.annotation.emplace(committed_, committed_notes_, o.background, o.colour.range);
   const auto cameras = app::views_of(o);
-  const app::MadeFunction function = app::TransferFunctionChoice(o.transfer_function, o.colour).make(values);
+  const app::MadeFunction function =
+      app::TransferFunctionChoice(o.transfer_function, o.colour).make(values, committed_);
   check(function.function, o.transfer_function);
   if (!function.said.empty()) log_info("{}", function.said);
-  o.frame.shown.transfer_function = function.function;
-  o.frame.shown.interpolation = function.interpolation;
+  function.set(o.frame.shown);
   for (const Camera& camera : cameras) {
     made.frames.push_back(o.frame);
     made.frames.back().shown.camera = camera;

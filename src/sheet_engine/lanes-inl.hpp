@@ -55,6 +55,7 @@ HWY_INLINE F min(F a, F b) { return hn::IfThenElse(hn::Lt(a, b), a, b); }
 HWY_INLINE F max(F a, F b) { return hn::IfThenElse(hn::Gt(a, b), a, b); }
 #endif
 HWY_INLINE F abs(F a) { return hn::Abs(a); }
+HWY_INLINE F floor(F a) { return hn::Floor(a); }
 HWY_INLINE F root(F a) { return hn::Sqrt(a); }
 HWY_INLINE F load(const float* p) { return hn::LoadU(Df(), p); }
 HWY_INLINE void store(F a, float* p) { hn::StoreU(a, Df(), p); }
@@ -91,6 +92,12 @@ HWY_INLINE I add_halves(I a, I b) {
 }
 HWY_INLINE I sub_halves(I a, I b) {
   return hn::BitCast(Di(), hn::Sub(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
+}
+HWY_INLINE I max_halves(I a, I b) {
+  return hn::BitCast(Di(), hn::Max(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
+}
+HWY_INLINE I min_halves(I a, I b) {
+  return hn::BitCast(Di(), hn::Min(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));
 }
 HWY_INLINE I mul_halves(I a, I b) {
   return hn::BitCast(Di(), hn::Mul(hn::BitCast(Dw(), a), hn::BitCast(Dw(), b)));

@@ -9,18 +9,28 @@
 
 #include "sheet_engine/group_painter-inl.hpp"
 #include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/projection_painter-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
-template <class Sampler, class Rays>
-void PaintWith(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
-               const TileMask* masks, std::ptrdiff_t mask_stride) {
-  GroupPainter<Sampler, Rays> painter(paint, group);
+template <class Painter>
+void PaintBy(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+             const TileMask* masks, std::ptrdiff_t mask_stride) {
+  Painter painter(paint, group);
   for (std::size_t k = 0; k < slabs.size(); ++k)
     if (const TileMask mask = masks[std::ptrdiff_t(k) * mask_stride]; mask != 0)
       painter.paint(slabs[k], mask);
   painter.store_pixels();
+}
+
+template <class Sampler, class Rays>
+void PaintWith(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
+               const TileMask* masks, std::ptrdiff_t mask_stride) {
+  if (paint.projection.mode == Mode::composite)
+    PaintBy<GroupPainter<Sampler, Rays>>(paint, group, slabs, masks, mask_stride);
+  else
+    PaintBy<ProjectionPainter<Sampler, Rays>>(paint, group, slabs, masks, mask_stride);
 }
 
 template <class Rays>

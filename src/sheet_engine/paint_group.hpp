@@ -89,6 +89,18 @@ struct GradientLight {
   float ambient = 0, diffuse = 0, specular = 0, exponent = 0;
 };
 
+/// What a frame's rays project when they composite nothing, in planes' numbers.
+struct Projection {
+  Mode mode = Mode::composite;
+  float sign = 1;        ///< of an extremum: 1 of the largest, -1 of the least
+  float least = 0;       ///< numbers up to this, or down to it, are no extremum that could be seen
+  float most = 0;        ///< so far beyond it nothing more changes the picture
+  float isovalue = 0;    ///< of the surface
+  float colour[3] = {};  ///< of the surface, linear
+  float zero = 0;        ///< the value 0
+  float unit = 1;        ///< a number's value times the way from slice to slice, in world lengths
+};
+
 /// What all groups of a frame share.
 struct SheetPaint {
   SheetRays rays;
@@ -106,6 +118,7 @@ struct SheetPaint {
   int light_points = 1;
   float opaque_threshold = 0;
   float face_pieces = 1;  ///< slabs of the table in half a slice
+  Projection projection;
 };
 
 /// One group: its pixels in the image plane, of which `width` x `height` are wanted.
@@ -115,9 +128,9 @@ struct PixelGroup {
   std::ptrdiff_t row_floats = 0;
 };
 
-/// Composites slabs, front to back, behind a group's pixels; masks[k * mask_stride] has the tiles that may
-/// show something of slab k. A pixel's bits do not depend on the group's place, on how slabs are divided into
-/// calls, or on tiles that show nothing.
+/// Composites slabs, front to back, behind a group's pixels, or takes what they project; masks[k *
+/// mask_stride] has the tiles that may show something of slab k. A pixel's bits do not depend on the group's
+/// place, on how slabs are divided into calls, or on tiles that show nothing.
 void paint_group(const SheetPaint& paint, const PixelGroup& group, std::span<const SheetSlab> slabs,
                  const TileMask* masks, std::ptrdiff_t mask_stride);
 

@@ -14,6 +14,8 @@
 ///   Sheet    where lanes lie in a plane, and their weights,
 ///   value()    in a plane's numbers,
 ///   voxel()    the number of the voxel below each lane,
+///   cell()     those of the whole cell, as something with corners(), greatest_of() and least_of() two,
+///   range()    what the numbers near a tile's lanes lie between in two planes,
 ///   gradient() up to a factor that is the same for all sheets,
 /// and the same between two slices.
 HWY_BEFORE_NAMESPACE();
@@ -25,6 +27,18 @@ struct Gradient {
 HWY_INLINE Gradient scaled(const Gradient& g, float by) {
   return {mul(g.u, set(by)), mul(g.v, set(by)), mul(g.k, set(by))};
 }
+
+/// The numbers of the voxels at a cell's corners in a slice.
+struct CellCorners {
+  F at, right, below, across;
+
+  HWY_INLINE const CellCorners& corners() const { return *this; }
+};
+
+struct NumberRange {
+  float low, high;
+};
+inline constexpr NumberRange unknown_range{-INFINITY, INFINITY};
 
 /// Voxel below a tile's lanes, all at once: those of patch-based samplers count from it.
 struct Corner {
@@ -43,7 +57,30 @@ HWY_INLINE PairWeights PairWeightsAt(I u, I v) {
   return {sub_halves(along, lower), lower};
 }
 inline constexpr float pair_unit = 1.0F / 16384;
-HWY_INLINE F FirstOf(I pairs) { return to_float(sum_of_products(pairs, set_int(1))); }
+HWY_INLINE F FirstOf(I pairs) { return to_float(down_signed<16>(up<16>(pairs))); }
+HWY_INLINE F SecondOf(I pairs) { return to_float(down_signed<16>(pairs)); }
+struct PairCell {
+  I upper, lower;
+  HWY_INLINE CellCorners corners() const {
+    return {FirstOf(upper), SecondOf(upper), FirstOf(lower), SecondOf(lower)};
+  }
+};
+HWY_INLINE F greatest_of(const PairCell& a, const PairCell& b) {
+  const I most = max_halves(max_halves(a.upper, a.lower), max_halves(b.upper, b.lower));
+  return max(FirstOf(most), SecondOf(most));
+}
+HWY_INLINE F least_of(const PairCell& a, const PairCell& b) {
+  const I least = min_halves(min_halves(a.upper, a.lower), min_halves(b.upper, b.lower));
+  return min(FirstOf(least), SecondOf(least));
+}
+HWY_INLINE F greatest_of(const CellCorners& a, const CellCorners& b) {
+  return max(max(max(a.at, a.right), max(a.below, a.across)),
+             max(max(b.at, b.right), max(b.below, b.across)));
+}
+HWY_INLINE F least_of(const CellCorners& a, const CellCorners& b) {
+  return min(min(min(a.at, a.right), min(a.below, a.across)),
+             min(min(b.at, b.right), min(b.below, b.across)));
+}
 
 /// What samplers of whole numbers share: a sheet between two slices is a sum of multiples of both, divided.
 /// Half-way they are the slices themselves.
@@ -106,6 +143,14 @@ struct PatchSampler : BetweenSlices<PatchSampler> {
     return mul(to_float(Sum(p, s)), set(unit));
   }
   static HWY_INLINE F voxel(const Plane& p, const Sheet& s) { return FirstOf(Pairs(p, s, 0, 0)); }
+  static HWY_INLINE PairCell cell(const Plane& p, const Sheet& s, std::ptrdiff_t) {
+    return {Pairs(p, s, 0, 0), Pairs(p, s, 1, 0)};
+  }
+  static HWY_INLINE NumberRange range(const Plane& a, const Plane& b) {
+    const Words low = hn::Min(hn::Min(a.upper, a.lower), hn::Min(b.upper, b.lower)),
+                high = hn::Max(hn::Max(a.upper, a.lower), hn::Max(b.upper, b.lower));
+    return {float(hn::GetLane(hn::MinOfLanes(Dw(), low))), float(hn::GetLane(hn::MaxOfLanes(Dw(), high)))};
+  }
   template <class Along>
   static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s, std::ptrdiff_t) {
     const I u = add(sum_of_products(sub_halves(Pairs(p, s, 0, 1), Pairs(p, s, 0, -1)), s.weights.upper),
@@ -174,6 +219,10 @@ struct PairSampler : BetweenSlices<PairSampler> {
     return mul(to_float(Sum(p, s, pitch)), set(unit));
   }
   static HWY_INLINE F voxel(const Plane& p, const Sheet& s) { return FirstOf(Pairs(p, s, 0)); }
+  static HWY_INLINE PairCell cell(const Plane& p, const Sheet& s, std::ptrdiff_t pitch) {
+    return {Pairs(p, s, 0), Pairs(p, s, pitch)};
+  }
+  static NumberRange range(const Plane&, const Plane&) { return unknown_range; }
   template <class P, class Along>
   static HWY_INLINE Gradient gradient(const P& p, const Along& along, const Sheet& s, std::ptrdiff_t pitch) {
     const auto across = [&](std::ptrdiff_t plus, std::ptrdiff_t minus, I weights) HWY_ATTR {
@@ -244,6 +293,11 @@ struct FloatSampler {
     return Mix(s.fy, AlongRow(p, s, 0), AlongRow(p, s, pitch));
   }
   static HWY_INLINE F voxel(const Plane& p, const Sheet& s) { return gather(p.origin, s.at); }
+  static HWY_INLINE CellCorners cell(const Plane& p, const Sheet& s, std::ptrdiff_t pitch) {
+    return {gather(p.origin, s.at), gather(p.origin + 1, s.at), gather(p.origin + pitch, s.at),
+            gather(p.origin + pitch + 1, s.at)};
+  }
+  static NumberRange range(const Plane&, const Plane&) { return unknown_range; }
   static HWY_INLINE Gradient gradient(const Plane& p, const Along& along, const Sheet& s,
                                       std::ptrdiff_t pitch) {
     const auto difference = [&](std::ptrdiff_t plus, std::ptrdiff_t minus)

@@ -52,8 +52,7 @@ class SheetEncoder final : public Encoder {
   std::vector<int> shown() override {
     std::vector<bool> may_show(std::size_t(geometry().slices), true);
     if (skip_empty_)
-      may_show =
-          shown_slices(store_, geometry().box, axis(), frame_->reach(), frame_->shown.transfer_function);
+      may_show = shown_slices(store_, geometry().box, axis(), frame_->reach(), frame_->transparent);
     std::vector<int> steps;
     for (int step = 0; step < geometry().slices; ++step)
       if (may_show[std::size_t(frame_->slice_at(step))]) steps.push_back(step);
@@ -65,8 +64,7 @@ class SheetEncoder final : public Encoder {
   void begin(int step) override {
     slice_ = store_.slice(axis(), frame_->slice_at(step), geometry().box);
     columns_ = CellRanges::blocks_along(slice_.width);
-    states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(),
-                         frame_->shown.transfer_function);
+    states_ = blocks_.of(store_, geometry().box, axis(), slice_.index, frame_->reach(), frame_->transparent);
     counts_ = {.voxels = std::uint64_t(slice_.width) * std::uint64_t(slice_.height),
                .blocks = states_.size()};
     next_row_ = 0;

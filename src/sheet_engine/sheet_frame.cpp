@@ -13,6 +13,7 @@ std::shared_ptr<const SheetFrame> make_sheet_frame(const FrameSpec& spec, const 
   frame->sheets = spec.as<Sheets>();
   frame->geometry = make_geometry(spec, grid);
   if (dealer != nullptr) dealer->deal(spec, frame->geometry);
+  frame->transparent = transparent_values(spec.shown);
   frame->plan = plan_of(frame->geometry, dealing, renderers);
   return frame;
 }

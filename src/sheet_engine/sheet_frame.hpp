@@ -4,6 +4,7 @@
 
 #include "frame/frame_geometry.hpp"
 #include "protocol/engine.hpp"
+#include "sheet_engine/transparent_values.hpp"
 #include "volume/slice_dealing.hpp"
 
 namespace ringsplat {
@@ -15,15 +16,22 @@ struct SheetFrame {
   Sheets sheets;
   FrameGeometry geometry;
   FramePlan plan;
+  TransparentValues transparent;
 
-  bool lit() const { return shown.shading == Shading::phong; }
+  bool lit() const {
+    return shown.shading == Shading::phong && (shown.mode == Mode::composite || shown.mode == Mode::surface);
+  }
+  bool composites() const { return shown.mode == Mode::composite; }
+  /// Whether slabs count by their lengths, and not all alike.
+  bool by_length() const { return shown.opacity_correction || !composites(); }
   /// A ray's length from slice to slice, in unit lengths.
   double step_length() const {
-    return shown.opacity_correction ? geometry.traversal.slice_distance : double(shown.reduction.factor);
+    return by_length() ? geometry.traversal.slice_distance : double(shown.reduction.factor);
   }
   bool nearest() const { return shown.interpolation == Interpolation::nearest; }
   /// From slice to slice. Nearest values change half-way, where one must end.
   int slabs() const {
+    if (!composites()) return 1;
     const int slabs = geometry.traversal.slabs_for(sheets.slabs);
     return nearest() ? slabs + slabs % 2 : slabs;
   }

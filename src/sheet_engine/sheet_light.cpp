@@ -91,7 +91,7 @@ void set_lengths(const SheetFrame& frame, EyeGrid& eye) {
     for (int k = 0; k < 3; ++k)
       eye.axes[i][k] = static_cast<float>(
           glm::dot(axes.basis[i], grid.direction[lattice[k]] * (grid.spacing[lattice[k]] / unit)));
-  eye.table_length = frame.shown.opacity_correction ? static_cast<float>(frame.step_length()) : 0;
+  eye.table_length = frame.by_length() ? static_cast<float>(frame.step_length()) : 0;
 }
 
 }  // namespace ringsplat

@@ -12,6 +12,7 @@
 #include "engine_parts/owned_images.hpp"
 #include "ringsplat/base/error.hpp"
 #include "sheet_engine/block_windows.hpp"
+#include "sheet_engine/projection.hpp"
 #include "sheet_engine/scalar_planes.hpp"
 #include "sheet_engine/sheet_engine.hpp"
 #include "sheet_engine/sheet_light.hpp"
@@ -48,7 +49,6 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     tiles_.lay_out(geometry(), images_);
     rays_ = make_sheet_rays(*frame_);
     windows_.emplace(geometry());
-    transparent_ = TransparentValues(frame_->shown.transfer_function);
     slabs_.clear();
     painting_ = 0;
     step_ = -1;
@@ -106,7 +106,10 @@ class SheetPainter final : public FramePainter<SheetFrame> {
 
   void news(int gp, Bytes& news) override { images_.news(gp, news); }
   ItemCounts counts() const override { return counts_; }
-  void finish(const std::function<void(int, Bytes)>& deliver) override { images_.deliver(deliver); }
+  void finish(const std::function<void(int, Bytes)>& deliver) override {
+    if (!frame_->composites()) colour_projection();
+    images_.deliver(deliver);
+  }
 
  private:
   const FrameGeometry& geometry() const { return frame_->geometry; }
@@ -147,15 +150,15 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     const Sheets& sheets = frame_->sheets;
     scale_ = value_scale(*frame_, range_->first, range_->second);
     const PlaneCode& code = scale_.code;
-    fill_table();
+    if (frame_->composites()) fill_table();
     const int wide = rays_.voxels[0], high = rays_.voxels[1];
     const auto affordable = static_cast<int>(
         std::min<std::size_t>(most_plane_bytes / plane_bytes(wide, high, code.floats), most_slices_kept));
     planes_.begin_frame(wide, high, std::clamp(affordable, least_slots, most_slices_kept), code,
-                        make_fillers(transparent_, geometry().grid.type, scale_.low, scale_.high));
+                        make_fillers(frame_->transparent, geometry().grid.type, scale_.low, scale_.high));
     paint_ = {};
     paint_.rays = rays_;
-    paint_.places = place_map();
+    if (frame_->composites()) paint_.places = place_map();
     paint_.light = gradient_light(*frame_, code.floats ? largest_number() : 4095);
     paint_.nearest = frame_->nearest();
     paint_.table = paint_.nearest ? values_.entries() : table_.entries();
@@ -169,6 +172,19 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     paint_.light_points = sheets.light_points;
     paint_.opaque_threshold = static_cast<float>(frame_->shown.opaque_threshold);
     paint_.face_pieces = 0.5F * float(frame_->slabs());
+    paint_.projection = make_projection(*frame_, code);
+  }
+
+  void colour_projection() {
+    // Nothing was taken where no GP had anything to say.
+    if (!ready_) scale_ = {};
+    const Projection projection = make_projection(*frame_, scale_.code);
+    colours_.set_function(frame_->shown.transfer_function);
+    std::atomic<std::size_t> next = 0;
+    threads_.run(threads_.size(), [&](int) {
+      for (std::size_t slot = next++; slot < images_.count(); slot = next++)
+        colours_.colour(*frame_, rays_, projection, scale_.code, images_.image(slot));
+    });
   }
 
   double slab_length() const { return frame_->step_length() / frame_->slabs(); }
@@ -230,7 +246,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
     constexpr float before_all = no_place, after_all = -no_place;
     map.visible_low = before_all;
     map.visible_high = after_all;
-    for (const auto& i : transparent_.intervals()) {
+    for (const auto& i : frame_->transparent.intervals()) {
       if (i.high < scale_.low || i.low > scale_.high) continue;
       const float low = i.low < scale_.low ? before_all
                         : i.has_low        ? place(i.low)
@@ -362,7 +378,7 @@ class SheetPainter final : public FramePainter<SheetFrame> {
   VisibleTiles tiles_;
   SheetRays rays_;
   std::optional<SlabWindows> windows_;
-  TransparentValues transparent_;
+  ProjectionColours colours_;                       ///< where slabs are not composited
   std::optional<std::pair<double, double>> range_;  ///< the volume's values, as last told
   ValueScale scale_;
   SlabTable table_;

@@ -64,11 +64,10 @@ void need_around(const std::vector<std::uint8_t>& visible, int columns, int rows
 
 }  // namespace
 
-void SliceBlocks::use(const VoxelBox& box, const TransferFunction& transfer_function) {
-  if (known_ && box == box_ && transfer_function == transfer_function_) return;
+void SliceBlocks::use(const VoxelBox& box, const TransparentValues& transparent) {
+  if (known_ && box == box_ && transparent == transparent_) return;
   box_ = box;
-  transfer_function_ = transfer_function;
-  transparent_ = TransparentValues(transfer_function);
+  transparent_ = transparent;
   for (auto& by_axis : blocks_)
     for (auto& by_slice : by_axis) by_slice.clear();
   for (auto& by_slice : visible_) by_slice.clear();
@@ -119,8 +118,8 @@ std::vector<BlockState> SliceBlocks::find(const SliceStore& store, Axis axis, in
 }
 
 std::span<const BlockState> SliceBlocks::of(const SliceStore& store, const VoxelBox& box, Axis axis,
-                                            int slice, int reach, const TransferFunction& transfer_function) {
-  use(box, transfer_function);
+                                            int slice, int reach, const TransparentValues& transparent) {
+  use(box, transparent);
   auto& slices = blocks_[std::size_t(reach)][std::size_t(axis)];
   slices.resize(std::size_t(box.dims()[static_cast<int>(axis)]));
   auto& blocks = slices[std::size_t(slice)];
@@ -129,12 +128,11 @@ std::span<const BlockState> SliceBlocks::of(const SliceStore& store, const Voxel
 }
 
 std::vector<bool> shown_slices(const SliceStore& store, const VoxelBox& box, Axis axis, int reach,
-                               const TransferFunction& transfer_function) {
+                               const TransparentValues& transparent) {
   const int first = box.first[static_cast<int>(axis)], slices = box.dims()[static_cast<int>(axis)];
   const SliceRanges* known = store.ranges();
   if (known == nullptr || known->of(axis).empty())
     return std::vector<bool>(static_cast<std::size_t>(slices), true);
-  const TransparentValues transparent(transfer_function);
   const auto range_of = [&](int slice) -> const SliceRange& {
     return known->of(axis)[std::size_t(first + std::clamp(slice, 0, slices - 1))];
   };

@@ -19,24 +19,23 @@ struct BlockState {
       0;  ///< of one that is not needed: the interval of TransparentValues that holds it
 };
 
-/// The blocks of a GP's slices, or of their parts in a box, as a transfer function shows them: found when a
-/// slice is first asked for, and again when transfer function or box have changed. Blocks are counted from
+/// The blocks of a GP's slices, or of their parts in a box, as a picture shows them: found when a slice is
+/// first asked for, and again when the transparent values or the box have changed. Blocks are counted from
 /// the box's corner; what is known of them are the ranges of the whole slices' blocks of cells that they
 /// overlap.
 class SliceBlocks {
  public:
   /// By block, row by row. `slice`: in the box. `reach`: SheetFrame::reach(). Valid until the next call with
-  /// another transfer function or box. The store must know the ranges of the axis's cells.
+  /// other transparent values or another box. The store must know the ranges of the axis's cells.
   std::span<const BlockState> of(const SliceStore& store, const VoxelBox& box, Axis axis, int slice,
-                                 int reach, const TransferFunction& transfer_function);
+                                 int reach, const TransparentValues& transparent);
 
  private:
-  void use(const VoxelBox& box, const TransferFunction& transfer_function);
+  void use(const VoxelBox& box, const TransparentValues& transparent);
   const std::vector<std::uint8_t>& visible(const SliceStore& store, Axis axis, int slice);
   std::vector<BlockState> find(const SliceStore& store, Axis axis, int slice, int reach);
 
   VoxelBox box_;
-  TransferFunction transfer_function_;
   TransparentValues transparent_;
   bool known_ = false;
   std::array<std::array<std::vector<std::vector<BlockState>>, 3>, 3> blocks_;  ///< by reach, axis and slice
@@ -47,6 +46,6 @@ class SliceBlocks {
 /// By slice of the box, whether any GP may have a needed block of it. A frame may ask while the one before it
 /// is encoded.
 std::vector<bool> shown_slices(const SliceStore& store, const VoxelBox& box, Axis axis, int reach,
-                               const TransferFunction& transfer_function);
+                               const TransparentValues& transparent);
 
 }  // namespace ringsplat

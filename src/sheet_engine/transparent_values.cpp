@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "classify/adjust.hpp"
+
 namespace ringsplat {
 namespace {
 
@@ -35,6 +37,34 @@ TransparentValues::TransparentValues(const TransferFunction& tf) {
     intervals_.erase(std::min_element(intervals_.begin(), intervals_.end(),
                                       [&](const auto& a, const auto& b) { return width(a) < width(b); }));
   }
+}
+
+TransparentValues transparent_values(const Shown& shown) {
+  using Intervals = std::vector<TransparentValues::Interval>;
+  const TransparentValues clear(shown.transfer_function);
+  const auto& of_function = clear.intervals();
+  const auto [first, last] = ends_of(shown.transfer_function);
+  switch (shown.mode) {
+    case Mode::composite:
+      return clear;
+    case Mode::mip:
+      // All extrema up to the function's first point look alike, and those that are clear.
+      if (!of_function.empty() && !std::isfinite(of_function.front().low))
+        return TransparentValues(
+            Intervals{{-infinity, std::max(of_function.front().high, first), true, true}});
+      return TransparentValues(Intervals{{-infinity, first, true, true}});
+    case Mode::minip:
+      if (!of_function.empty() && !std::isfinite(of_function.back().high))
+        return TransparentValues(Intervals{{std::min(of_function.back().low, last), infinity, true, true}});
+      return TransparentValues(Intervals{{last, infinity, true, true}});
+    case Mode::mean:
+    case Mode::sum:
+      return TransparentValues(Intervals{{0, 0, true, true}});
+    case Mode::surface:
+      return TransparentValues(
+          Intervals{{-infinity, shown.isovalue, true, false}, {shown.isovalue, infinity, false, true}});
+  }
+  return clear;
 }
 
 int TransparentValues::holding(double low, double high) const {

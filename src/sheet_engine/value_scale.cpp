@@ -4,17 +4,14 @@
 #include <cmath>
 #include <tuple>
 
+#include "classify/adjust.hpp"
+
 namespace ringsplat {
 namespace {
 
-std::pair<double, double> ends_of_function(const TransferFunction& tf) {
-  return {std::min(tf.opacities.front().value, tf.colours.front().value),
-          std::max(tf.opacities.back().value, tf.colours.back().value)};
-}
-
 /// What stands for infinite values: some beyond the transfer function's ends, as in the truths.
 std::pair<double, double> beyond_function(const TransferFunction& tf) {
-  const auto [first, last] = ends_of_function(tf);
+  const auto [first, last] = ends_of(tf);
   return {first - 1 - std::abs(first), last + 1 + std::abs(last)};
 }
 
@@ -33,7 +30,7 @@ std::pair<double, double> finite_range(const TransferFunction& tf, double low, d
 /// function away, all but a ten-thousandth of the way to its neighbour lies beyond the function's ends, so
 /// that how far beyond does not matter. Returns whether there was something to leave out.
 bool leave_outliers(const TransferFunction& tf, double& low, double& high) {
-  const auto [first, last] = ends_of_function(tf);
+  const auto [first, last] = ends_of(tf);
   constexpr double widths = 1e4;
   const double reach = widths * (last - first), from = std::max(low, first - reach),
                to = std::min(high, last + reach);
@@ -48,8 +45,8 @@ ValueScale value_scale(const SheetFrame& frame, double low, double high) {
   const TransferFunction& tf = frame.shown.transfer_function;
   ValueScale scale;
   std::tie(scale.low, scale.high) = finite_range(tf, low, high);
-  const bool cut = leave_outliers(tf, scale.low, scale.high);
-  const bool rounded = !frame.nearest() && TableAxis(tf, scale.low, scale.high).even();
+  const bool cut = frame.composites() && leave_outliers(tf, scale.low, scale.high);
+  const bool rounded = frame.composites() && !frame.nearest() && TableAxis(tf, scale.low, scale.high).even();
   PlaneCode& code = scale.code;
   code = PlaneCode::choose(frame.geometry.grid.type, scale.low, scale.high, rounded, frame.slabs());
   // Only where there are any, so that planes can be kept when the function changes.

@@ -140,7 +140,6 @@ class WeighedEncoder final : public Encoder {
         whole_store_(store),
         store_(store.level(frame_->shown.reduction.factor)),
         finer_(std::max(1, int(std::lround(std::sqrt(voxel_weight))))),
-        transparent_(frame_->shown.transfer_function),
         windows_(geometry(), frame_->reach(), frame_->reach(), frame_->reach(), finer_),
         samples_(*frame_, finer_),
         parts_(std::size_t(renderers)),
@@ -234,7 +233,7 @@ class WeighedEncoder final : public Encoder {
             high = std::max(high, double(value));
           }
         visible_[std::size_t(row) * std::size_t(columns_) + std::size_t(column)] =
-            low <= high && transparent_.holding(low, high) == TransparentValues::nowhere;
+            low <= high && frame_->transparent.holding(low, high) == TransparentValues::nowhere;
       }
     }
   }
@@ -288,7 +287,6 @@ class WeighedEncoder final : public Encoder {
   const SliceStore& whole_store_;
   const SliceStore& store_;
   int finer_;
-  TransparentValues transparent_;
   BlockWindows windows_;
   SampleCounter samples_;
   SliceView slice_;

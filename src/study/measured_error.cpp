@@ -65,6 +65,8 @@ truth::Scene make_scene(WholeVolume&& volume) {
 void set_frame(truth::Scene& scene, const FrameSpec& spec) {
   scene.transfer_function = spec.shown.transfer_function;
   scene.nearest = spec.shown.interpolation == Interpolation::nearest;
+  scene.mode = spec.shown.mode;
+  scene.isovalue = spec.shown.isovalue;
   scene.camera = spec.shown.camera;
   scene.clip = spec.shown.clip;
   scene.width = spec.shown.width;

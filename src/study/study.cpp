@@ -54,8 +54,7 @@ FrameSpec frame_of(const StudyList& list, const StudyList::Setting& setting, con
   FrameSpec spec = setting.options.frame;
   spec.shown.width = list.width;
   spec.shown.height = list.height;
-  spec.shown.transfer_function = made.function;
-  spec.shown.interpolation = made.interpolation;
+  made.set(spec.shown);
   check(spec);
   return spec;
 }
@@ -209,7 +208,8 @@ class SceneStudy {
   SceneStudy(const StudyList& list, const StudyList::Scene& s, const fs::path& folder)
       : list_(list), scene_list_(s), folder_(folder) {
     WholeVolume volume = read_whole(*open_scene(s));
-    made_ = TransferFunctionChoice(s.options.transfer_function, s.options.colour).make(volume.statistics);
+    made_ = TransferFunctionChoice(s.options.transfer_function, s.options.colour)
+                .make(volume.statistics, volume.grid);
     scene_ = make_scene(std::move(volume));
   }
 

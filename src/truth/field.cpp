@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 
 #include "ringsplat/base/error.hpp"
 #include "truth/cell.hpp"
@@ -94,6 +95,8 @@ class FieldIntegrator {
   Rgba along(Pixel pixel) const {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
+    if (scene_.mode == Mode::surface) return first_surface(ray);
+    if (scene_.mode != Mode::composite) return classified(projected(ray));
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {
       if (seen.transmittance < 0.1 * tolerance_) break;
@@ -129,10 +132,75 @@ class FieldIntegrator {
     return crossings;
   }
 
-  void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
+  /// The values along a crossing, where all voxels are numbers.
+  std::optional<Cubic> cubic_in(const LatticeRay& ray, const Crossing& crossing) const {
+    const auto values = cell_values(scene_, curve_, cell_of(crossing));
+    if (!values) return std::nullopt;
+    const auto at = [&](double part) {
+      return values->at(ray.at(std::lerp(crossing.enter, crossing.leave, part)) - glm::dvec3(crossing.cell));
+    };
+    return through_thirds(at(0), at(1.0 / 3), at(2.0 / 3), at(1));
+  }
+
+  Rgba classified(double value) const {
+    const auto sample = curve_.at(value);
+    return Rgba(sample.colour * sample.opacity, sample.opacity);
+  }
+
+  /// A ray's extremum, mean or integral.
+  double projected(const LatticeRay& ray) const {
+    const TransferFunction& tf = scene_.transfer_function;
+    const auto further = [&](double a, double b) {
+      return scene_.mode == Mode::mip ? std::max(a, b) : std::min(a, b);
+    };
+    double extremum = scene_.mode == Mode::mip
+                          ? std::min(tf.colours.front().value, tf.opacities.front().value)
+                          : std::max(tf.colours.back().value, tf.opacities.back().value),
+           integral = 0;
+    for (const Crossing& crossing : crossings(ray)) {
+      const auto cubic = cubic_in(ray, crossing);
+      if (!cubic) continue;
+      extremum = further(further(extremum, cubic->at(0)), cubic->at(1));
+      for (const double s : turning_points(*cubic)) extremum = further(extremum, cubic->at(s));
+      integral += (crossing.leave - crossing.enter) * (cubic->at(0) + 4 * cubic->at(0.5) + cubic->at(1)) / 6;
+    }
+    const auto& spacing = scene_.grid.spacing;
+    if (scene_.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
+    return scene_.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
+  }
+
+  /// Where the field is first on the other side of the surface's value than before; opaque.
+  Rgba first_surface(const LatticeRay& ray) const {
+    for (const Crossing& crossing : crossings(ray)) {
+      const auto cubic = cubic_in(ray, crossing);
+      if (!cubic) continue;
+      std::vector<double> monotone = turning_points(*cubic);
+      monotone.insert(monotone.begin(), 0.0);
+      monotone.push_back(1.0);
+      for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
+        const double a = monotone[i], b = monotone[i + 1], value = scene_.isovalue;
+        if ((cubic->at(a) >= value) == (cubic->at(b) >= value)) continue;
+        const double s = std::lerp(crossing.enter, crossing.leave, crossing_of(*cubic, value, a, b));
+        glm::dvec3 colour = curve_.at(value).colour;
+        if (scene_.shaded)
+          colour = phong_.shade(
+              colour,
+              trilinear(cell_normals(gradients_, cell_of(crossing)), ray.at(s) - glm::dvec3(crossing.cell)),
+              ray.to_viewer);
+        return Rgba(colour, 1.0);
+      }
+    }
+    return Rgba(0.0);
+  }
+
+  Cell cell_of(const Crossing& crossing) const {
     const glm::ivec3 last = scene_.grid.dims - 1;
-    const Cell cell{glm::clamp(crossing.cell, glm::ivec3(0), last),
-                    glm::clamp(crossing.cell + 1, glm::ivec3(0), last)};
+    return {glm::clamp(crossing.cell, glm::ivec3(0), last),
+            glm::clamp(crossing.cell + 1, glm::ivec3(0), last)};
+  }
+
+  void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
+    const Cell cell = cell_of(crossing);
     const Cell shown = scene_.nearest ? Cell{crossing.nearest, crossing.nearest} : cell;
     const auto values = cell_values(scene_, curve_, shown);
     if (!values || !curve_.visible(values->low, values->high)) return;

@@ -22,6 +22,11 @@ namespace ringsplat::truth {
 /// and where the surface turns away from the light or the viewer: between those the integrand is smooth.
 /// Pieces are halved until the Lobatto rule of order eight changes by less than its share of `tolerance`, the
 /// error allowed in the final colour. All cores.
+///
+/// In the other modes nothing is integrated by rule: values are cubic along a ray inside a cell, so their
+/// extrema, integral, and first crossing of a value follow in closed form. What lies beside not-a-number
+/// counts as no value, which adds nothing; an extremum is never below the function's first point, or above
+/// its last one for the least.
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance = 1e-6);
 
 /// The pixels whose rays cross the volume's box. At all others this truth, and the formula's, is transparent.

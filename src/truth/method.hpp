@@ -45,8 +45,10 @@ ScreenBounds splat_method_bounds(const Scene& scene);
 /// slabs. Both sheets of a slab then have the value of the voxel that is nearest to the middle between them.
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels);
 
-/// What the scene's method draws, without the renderer's arithmetic: the truth of splats or of sheets.
+/// What the scene's method draws, without the renderer's arithmetic: the truth of splats or of sheets, which
+/// are exact in all modes but compositing.
 inline std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels) {
+  if (scene.mode != Mode::composite) return field_truth(scene, pixels);
   return scene.sheets ? sheet_method_truth(scene, pixels) : splat_method_truth(scene, pixels);
 }
 

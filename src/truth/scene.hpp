@@ -9,6 +9,7 @@
 
 #include "ringsplat/base/image.hpp"
 #include "ringsplat/classify/material.hpp"
+#include "ringsplat/classify/mode.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
@@ -32,6 +33,8 @@ struct Scene {
   std::vector<double> values;  ///< grid.voxels() of them, x fastest; all scalar types fit exactly
   TransferFunction transfer_function;
   bool nearest = false;  ///< a place has its nearest voxel's value; else values are interpolated
+  Mode mode = Mode::composite;
+  double isovalue = 0;  ///< of Mode::surface
   Camera camera;
   int width = 512, height = 512;  ///< pixels
   bool shaded = true;

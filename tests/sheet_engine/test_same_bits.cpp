@@ -146,6 +146,51 @@ TEST_CASE("sheets draw the same bits with every vector instruction set and any n
     }
 }
 
+TEST_CASE("all modes draw the same bits for any ranks, threads and vector instruction sets") {
+  std::vector<std::byte> storage;
+  for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
+    for (const auto& [type, scale] : {std::pair{ScalarType::uint8, 1.0}, {ScalarType::float32, 1e-3}})
+      for (const Camera& camera : views) {
+        const auto source = retyped("jack", {30, 34, 27}, type, scale, storage);
+        FrameSpec spec = sheets_view(camera);
+        spec.shown.mode = mode;
+        spec.shown.isovalue = 90 * scale;
+        spec.shown.transfer_function = two_bands(scale * (mode == Mode::sum ? 20 : 1));
+        for (auto& point : spec.shown.transfer_function.opacities) point.opacity = 1;
+        const Image alone = render_loopback(*source, spec, 1, 1).image;
+        INFO(fmt::format("{}, {}, azimuth {}", name(mode), to_string(type), camera.azimuth));
+        REQUIRE(shows_something(alone));
+        for (const std::string& target : vector_targets()) {
+          INFO(target);
+          use_vector_target(target);
+          CHECK(render_loopback(*source, spec, 1, 2).image == alone);
+        }
+        use_vector_target("");
+        LoopbackOptions shuffled;
+        shuffled.reorder = true;
+        EngineOptions three;
+        three.threads_per_rank = 3;
+        spec.division.region_size = 20;
+        CHECK(render_loopback(*source, spec, 5, 7, shuffled).image == alone);
+        CHECK(render_loopback(*source, spec, 3, 2, {}, Placement::colocated, {}, three).image == alone);
+      }
+}
+
+TEST_CASE("values that no ray's extremum can be are not sent") {
+  const auto source = synth_source("ball", make_grid({64, 64, 64}));
+  FrameSpec spec = sheets_view(views[0]);
+  spec.shown.mode = Mode::mip;
+  const auto payload_bytes = [&] {
+    return render_loopback(*source, spec, 2, 1).stats.total().payload_bytes_sent;
+  };
+  spec.shown.transfer_function = ramp(0, 255, 1);
+  const auto all = payload_bytes();
+  spec.shown.transfer_function = ramp(250, 255, 1);
+  CHECK(payload_bytes() < all / 2);
+  spec.shown.transfer_function = ramp(300, 400, 1);
+  CHECK(payload_bytes() == 0);
+}
+
 TEST_CASE("what hides pixels changes no bit of those that it does not hide") {
   // With the threshold at its least, nothing is hidden: pixels that stay clear must not change.
   const auto source = synth_source("jack", make_grid({41, 37, 45}));

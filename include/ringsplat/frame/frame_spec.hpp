@@ -6,6 +6,7 @@
 #include <variant>
 
 #include "ringsplat/classify/material.hpp"
+#include "ringsplat/classify/mode.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "ringsplat/splat/kernel_options.hpp"
 #include "ringsplat/view/view.hpp"
@@ -41,6 +42,8 @@ struct Shown {
   int width = 512, height = 512;  ///< pixels
   TransferFunction transfer_function;
   Interpolation interpolation = Interpolation::linear;
+  Mode mode = Mode::composite;
+  double isovalue = 0;  ///< of Mode::surface
   Shading shading = Shading::phong;
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
@@ -115,8 +118,8 @@ struct FrameSpec {
 };
 
 /// Throws InputError that names the bad option: sizes, radius, camera, transfer function, light of length
-/// zero, a threshold outside [0, 1), words with less than float precision, a projection that the method has
-/// not.
+/// zero, a threshold outside [0, 1), words with less than float precision, a projection or a mode that the
+/// method has not.
 void check(const FrameSpec& spec);
 /// Throws InputError when the method cannot draw the camera's kind of view.
 void check_projection(const Camera& camera, const Method& method);

@@ -43,6 +43,8 @@ class PictureOptions(TypedDict, total=False):
     colours: str
     log: bool
     labels: bool
+    mode: Literal['composite', 'mip', 'minip', 'mean', 'sum', 'surface']
+    isovalue: float
     interpolation: Literal['linear', 'nearest']
     quality: Literal['paper', 'draft', 'normal', 'best']
     engine: Literal['splats', 'sheets']

@@ -1,0 +1,98 @@
+#include "classify/mode_function.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/printable.hpp"
+#include "classify/value_shape.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// The mean of what is no outlier.
+double mean_of(const Bins& bins) {
+  double sum = 0;
+  for (const ValueBin& bin : bins) sum += bin.middle() * double(bin.count);
+  return sum / count_of(bins);
+}
+
+/// What a mode's values lie within, as far as the voxels' values tell.
+DataRange window_of(Mode mode, const Data& d, const Grid& grid) {
+  if (mode == Mode::mip) {
+    // A ray's largest value is a rare one, and it looks black where all are background.
+    const Foreground f = find_foreground(d);
+    constexpr double all_but_few = 0.9999;
+    return {f.background && f.upward ? f.edge : d.low(), upper_quantile(d.bins, all_but_few)};
+  }
+  if (mode != Mode::mean && mode != Mode::sum) return {d.low(), d.high()};
+  // Rays through the object's middle have a few times the mean of the whole volume.
+  constexpr double times = 2.5;
+  const glm::dvec3 size = grid.spacing * glm::dvec3(grid.dims);
+  const double mean = mean_of(d.bins), low = mode == Mode::sum ? std::min(d.low(), 0.0) : d.low(),
+               length = mode == Mode::sum ? std::max({size.x, size.y, size.z}) : 1;
+  return {low * length, (low + times * (mean - low)) * length};
+}
+
+const char* what_is_shown(Mode mode) {
+  switch (mode) {
+    case Mode::mip:
+      return "largest values";
+    case Mode::minip:
+      return "least values";
+    case Mode::mean:
+      return "means";
+    case Mode::sum:
+      return "integrals over length";
+    default:
+      return "values";
+  }
+}
+
+}  // namespace
+
+const char* name(Mode mode) {
+  constexpr const char* names[] = {"composite", "mip", "minip", "mean", "sum", "surface"};
+  return names[static_cast<int>(mode)];
+}
+
+AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid& grid,
+                           const std::optional<DataRange>& window) {
+  DataRange range = range_of(values.histogram);
+  if (window)
+    range = *window;
+  else if (!values.bins.empty() && values.range.low < values.range.high)
+    range = window_of(mode, data_of(values), grid);
+  if (!(range.low < range.high)) range.high = range.low + std::max(1.0, 1e-6 * std::abs(range.low));
+  const bool surface = mode == Mode::surface;
+  const glm::dvec3 bone{0.95, 0.86, 0.74}, stone{0.8, 0.8, 0.8},
+      even = values.world == World::patient ? bone : stone;
+  AutoChoice choice;
+  choice.function.name = "auto";
+  choice.function.colours = {{range.low, surface ? even : glm::dvec3(0)},
+                             {range.high, surface ? even : glm::dvec3(1)}};
+  choice.function.opacities = {{range.low, 1.0}, {range.high, 1.0}};
+  choice.range = range;
+  if (!surface)
+    choice.why = fmt::format("{}, black at {:.4g} to white at {:.4g}", what_is_shown(mode), plain(range.low),
+                             plain(range.high));
+  return choice;
+}
+
+double parting_value(const ValueStatistics& values) {
+  if (values.bins.empty()) return 0;
+  const Bins bins = data_of(values).bins;
+  const double all = count_of(bins), mean = mean_of(bins);
+  double below = 0, sum_below = 0, most_apart = -1, value = bins.front().high;
+  for (std::size_t k = 0; k + 1 < bins.size(); ++k) {
+    below += double(bins[k].count);
+    sum_below += bins[k].middle() * double(bins[k].count);
+    const double above = all - below;
+    if (!(below > 0 && above > 0)) continue;
+    const double apart = sum_below - mean * below, between = apart * apart / (below * above);
+    if (between > most_apart) most_apart = between, value = 0.5 * (bins[k].high + bins[k + 1].low);
+  }
+  return value;
+}
+
+}  // namespace ringsplat

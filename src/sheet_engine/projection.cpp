@@ -1,0 +1,130 @@
+#include "sheet_engine/projection.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "classify/adjust.hpp"
+
+namespace ringsplat {
+namespace {
+
+/// The unit length in world units: opacities are per smallest spacing.
+double world_unit(const FrameGeometry& g, const Reduction& reduction) {
+  return std::min({g.grid.spacing.x, g.grid.spacing.y, g.grid.spacing.z}) / reduction.factor;
+}
+
+/// The values up to which, or for the least down to which, all extrema look alike.
+double seen_from(const SheetFrame& frame) {
+  const auto& unseen = frame.transparent.intervals().front();
+  return frame.shown.mode == Mode::minip ? unseen.low : unseen.high;
+}
+
+/// A pixel's ray in slices that count from the middle one: at k it is at from + k slope along u or v.
+struct PixelRay {
+  double from[2], slope[2];
+
+  PixelRay(const SheetRays& rays, int slices, int x, int y) {
+    for (int i = 0; i < 2; ++i)
+      if (const auto& eye = rays.eye) {
+        slope[i] = eye->slope(i, x, y);
+        from[i] = eye->central_middle[i] + eye->to_middle * (slope[i] - eye->central_slope[i]);
+      } else {
+        constexpr double unit = 1.0 / double(std::int64_t{1} << 40);
+        const RayGrid& grid = rays.grid;
+        slope[i] = -rays.shear[i];
+        from[i] = unit * double(grid.origin[i] + x * grid.step_x[i] + y * grid.step_y[i]) +
+                  slope[i] * 0.5 * (slices - 1);
+      }
+  }
+
+  /// How many slices it crosses in the box, which ends half a voxel beyond the outer ones.
+  double slices_in_box(const SheetRays& rays, int slices) const {
+    double enter = -0.5 * slices, leave = 0.5 * slices;
+    for (int i = 0; i < 2; ++i) {
+      const double low = -0.5 - from[i], high = rays.voxels[i] - 0.5 - from[i];
+      if (slope[i] == 0) {
+        if (low > 0 || high < 0) return 0;
+        continue;
+      }
+      const auto [a, b] = std::minmax({low / slope[i], high / slope[i]});
+      enter = std::max(enter, a);
+      leave = std::min(leave, b);
+    }
+    return std::max(leave - enter, 0.0);
+  }
+
+  /// From slice to slice, in the frame's steps.
+  double step(const SheetRays& rays) const {
+    if (!rays.eye) return 1;
+    const auto& axes = rays.eye->axes;
+    double squares = 0;
+    for (const auto& axis : axes) {
+      const double way = axis[0] * slope[0] + axis[1] * slope[1] + axis[2];
+      squares += way * way;
+    }
+    return std::sqrt(squares) / rays.eye->table_length;
+  }
+};
+
+}  // namespace
+
+Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
+  const TransferFunction& tf = frame.shown.transfer_function;
+  Projection p;
+  p.mode = frame.shown.mode;
+  if (p.mode == Mode::mip || p.mode == Mode::minip) {
+    const auto [first, last] = ends_of(tf);
+    const double from = seen_from(frame), to = p.mode == Mode::mip ? last : first;
+    p.sign = p.mode == Mode::mip ? 1 : -1;
+    p.least = float(code.of(from));
+    p.most = float(std::max((to - from) * p.sign * code.scale, 0.0));
+  }
+  p.isovalue = float(code.of(frame.shown.isovalue));
+  const glm::dvec3 colour = tf.evaluate(frame.shown.isovalue).colour;
+  for (int c = 0; c < 3; ++c) p.colour[c] = float(colour[c]);
+  p.zero = float((0 - code.offset) * code.scale);
+  p.unit = float(frame.step_length() * world_unit(frame.geometry, frame.shown.reduction) / code.scale);
+  return p;
+}
+
+void ProjectionColours::set_function(const TransferFunction& transfer_function) {
+  if (!colours_.empty() && transfer_function == function_) return;
+  function_ = transfer_function;
+  const auto [low, high] = ends_of(function_);
+  low_ = low;
+  steps_a_unit_ = high > low ? last / (high - low) : 0;
+  colours_.clear();
+  for (int k = 0; k <= last; ++k) {
+    const auto [colour, opacity] = function_.evaluate(std::lerp(low, high, double(k) / last));
+    colours_.emplace_back(colour * opacity, opacity);
+  }
+}
+
+const glm::vec4& ProjectionColours::at(double value) const {
+  const double place = std::clamp((value - low_) * steps_a_unit_, 0.0, double(last));
+  return colours_[std::size_t(place + 0.5)];
+}
+
+void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
+                               const PlaneCode& code, RegionImage& image) const {
+  if (projection.mode == Mode::surface) return;
+  const bool extremum = projection.mode != Mode::mean && projection.mode != Mode::sum;
+  const double from = extremum ? seen_from(frame) : 0,
+               of_number = extremum ? projection.sign / code.scale : 1;
+  if (!image.touched() && at(from).a == 0) return;
+  const int slices = frame.geometry.slices;
+  const double slice_length = frame.step_length() * world_unit(frame.geometry, frame.shown.reduction);
+  float* row = image.pixels();
+  for (int y = image.rect().y0; y < image.rect().y1; ++y, row += image.row_floats())
+    for (int x = image.rect().x0; x < image.rect().x1; ++x) {
+      float* const pixel = row + 4 * (x - image.rect().x0);
+      const PixelRay ray(rays, slices, x, y);
+      const double crossed = ray.slices_in_box(rays, slices);
+      double value = from + of_number * pixel[0];
+      if (projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
+      const glm::vec4 colour = crossed > 0 ? at(value) : glm::vec4(0);
+      for (int c = 0; c < 4; ++c) pixel[c] = colour[c];
+    }
+}
+
+}  // namespace ringsplat

@@ -1,0 +1,33 @@
+#pragma once
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "raster/region_image.hpp"
+#include "sheet_engine/paint_group.hpp"
+#include "sheet_engine/sheet_frame.hpp"
+#include "sheet_engine/table_axis.hpp"
+
+namespace ringsplat {
+
+/// What a frame's rays project, in the numbers of planes.
+Projection make_projection(const SheetFrame& frame, const PlaneCode& code);
+
+/// The colours of projected values.
+class ProjectionColours {
+ public:
+  void set_function(const TransferFunction& transfer_function);
+  /// Turns what a region's pixels have taken, as ProjectionPainter left it, into their colours. Rays that
+  /// meet the box have a value, too, where nothing was taken.
+  void colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
+              const PlaneCode& code, RegionImage& image) const;
+
+ private:
+  const glm::vec4& at(double value) const;
+
+  static constexpr int last = 1 << 14;
+  TransferFunction function_;
+  double low_ = 0, steps_a_unit_ = 0;
+  std::vector<glm::vec4> colours_;  ///< premultiplied
+};
+
+}  // namespace ringsplat

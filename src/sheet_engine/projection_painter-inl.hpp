@@ -1,0 +1,292 @@
+// Per-target include guard: Highway compiles this once for each instruction set.
+#if defined(RINGSPLAT_PROJECTION_PAINTER_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef RINGSPLAT_PROJECTION_PAINTER_INL
+#undef RINGSPLAT_PROJECTION_PAINTER_INL
+#else
+#define RINGSPLAT_PROJECTION_PAINTER_INL
+#endif
+
+#include "sheet_engine/tile_painter-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// The values along a piece of a ray: f0 + f1 s + f2 s² + f3 s³, s from 0 to 1.
+struct RayCubic {
+  F f0, f1, f2, f3;
+
+  HWY_INLINE F at(F s) const { return fma(fma(fma(f3, s, f2), s, f1), s, f0); }
+  HWY_INLINE F integral() const {
+    return fma(set(0.25F), f3, fma(set(1.0F / 3), f2, fma(set(0.5F), f1, f0)));
+  }
+  /// Two places in [0, 1], ascending, between which and the ends it is monotone. Where it turns nowhere they
+  /// are any.
+  HWY_INLINE void turns(F& first, F& second) const {
+    const F zero = set(0.0F), a = mul(set(3.0F), f3);
+    const F under = fma(f2, f2, sub(zero, mul(a, f1)));
+    const F square = root(max(under, zero));
+    // Both terms have one sign, so that nothing cancels.
+    const F q = sub(zero, add(f2, choose(greater(zero, f2), sub(zero, square), square)));
+    // A quotient that is not a number becomes a limit: its place is as good as any.
+    const F x = max(min(div(q, a), set(1.0F)), zero), y = max(min(div(f1, q), set(1.0F)), zero);
+    first = min(x, y);
+    second = max(x, y);
+  }
+};
+
+/// From a place in a cell to another, in [0, 1].
+struct CellPath {
+  F u, v, du, dv;
+
+  /// The values along it, of the slice's bilinear interpolation.
+  HWY_INLINE RayCubic values(const CellCorners& c) const {
+    const F across = sub(c.right, c.at), down = sub(c.below, c.at), twist = sub(sub(c.across, c.right), down);
+    const F along_u = fma(twist, v, across), along_v = fma(twist, u, down);
+    return {fma(along_u, u, fma(down, v, c.at)), fma(du, along_u, mul(dv, along_v)), mul(twist, mul(du, dv)),
+            set(0.0F)};
+  }
+};
+
+/// Paints what is projected along rays instead of composited: extrema, integrals, a first surface. The field
+/// is cubic along a ray inside a cell (Parker et al. 1998), so all are exact but for rounding. Pixels hold
+///   in red how far an extremum is beyond Projection::least, and 1 in opacity once more changes nothing;
+///   an integral in red, of what is above or below the value 0;
+///   a surface's premultiplied colour.
+template <class Sampler, class Rays>
+class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
+  using State = TilePixels<Rays>;
+  using Base = TilePainter<Sampler, Rays, State>;
+  using Base::count_, Base::list_, Base::p_, Base::plane_of, Base::rays_, Base::slab_, Base::state_;
+
+ public:
+  using Base::Base;
+
+  void paint(const SheetSlab& slab, TileMask mask) {
+    this->begin(slab, mask);
+    for (int k = 0; k < count_; ++k) paint_tile(state_[list_[k]]);
+  }
+
+ private:
+  /// Lanes' way through the slab along u or v. Places count from the voxel below the first; `w` runs from 0
+  /// at the slab's front to 1 at its back.
+  struct Along {
+    I base;        ///< that voxel
+    F from, way;   ///< the first place, and the way to the last
+    I cell, turn;  ///< the voxel below the cell in which a lane is, and the way to the next cell
+    F next, step;  ///< the cell's border, and from border to border, as w
+
+    HWY_INLINE Along(I first, I last, F w) {
+      const F zero = set(0.0F), one = set(1.0F), over = set(1.0F / one_voxel);
+      base = down_signed<position_bits>(first);
+      from = mul(to_float(both(first, set_int(one_voxel - 1))), over);
+      way = mul(to_float(sub(last, first)), over);
+      const M rises = greater(way, zero), rests = equal(way, zero);
+      const F at = fma(way, w, from), below = floor(at),
+              border = choose(rises, add(below, one), sub(zero, add(floor(sub(zero, at)), one)));
+      turn = choose(rises, set_int(1), set_int(-1));
+      cell = add(base, to_int(choose(either(rises, rests), below, border)));
+      const F over_way = div(one, way), never = set(1e9F);
+      next = choose(rests, never, mul(sub(border, from), over_way));
+      step = min(abs(over_way), never);
+    }
+    /// Walks to w = `end`.
+    HWY_INLINE void go(F end) {
+      const M stays = greater(next, end);
+      next = choose(stays, next, add(next, step));
+      cell = choose(stays, cell, add(cell, turn));
+    }
+    /// The cell in the box. Beyond the outer voxels the field has their values.
+    HWY_INLINE I cell_in_box(int voxels) const {
+      return min(max(cell, set_int(0)), set_int(std::max(voxels - 2, 0)));
+    }
+    /// The place at w in a cell of the box.
+    HWY_INLINE F place(F w, I in_cell) const {
+      return min(max(sub(fma(way, w, from), to_float(sub(in_cell, base))), set(0.0F)), set(1.0F));
+    }
+  };
+  /// A tile's lanes in the slab.
+  struct Walk {
+    Corner corner;
+    typename Sampler::Plane front, back;
+    Along u, v;
+    F w, enter;
+    M inside{}, inside_last{};  ///< whether the field is above the surface's value at w, and at the back
+  };
+  /// A part of it inside one cell.
+  struct Part {
+    RayCubic values;
+    F from, to;  ///< of w
+    M there;     ///< lanes that have such a part
+    HWY_INLINE F length() const { return sub(to, from); }
+  };
+
+  void paint_tile(State& s) {
+    const M alive = this->alive(s);
+    if (!any(alive)) {
+      s.dead = true;
+      return;
+    }
+    const Ends ends = rays_.ends(s.ray);
+    const Corner corner = this->corner_below(ends);
+    const auto front = plane_of(slab_->front, corner), back = plane_of(slab_->back, corner);
+    if (cannot_change(s, alive, Sampler::range(front, back))) return;
+    const Position from = rays_.at(s.ray, 0), to = rays_.at(s.ray, slab_->pieces);
+    Way way{set(0.0F), set(1.0F)};
+    if (Rays::some_miss(s.ray) || this->leaves(ends, one_voxel / 2 - 1)) way = this->way_in_box(s, 0);
+    Walk walk{
+        corner,    front, back, Along(from.u, to.u, way.enter), Along(from.v, to.v, way.enter), way.enter,
+        way.enter, {},    {}};
+    if (q_.mode == Mode::surface) {
+      // By the slice's own voxels, so that slabs on both sides agree.
+      walk.inside = above_at(front, from, corner);
+      walk.inside_last = above_at(back, to, corner);
+    }
+    for (M on = both(alive, greater(way.leave, walk.w)); any(on); on = both(on, greater(way.leave, walk.w))) {
+      const F end = max(min(way.leave, min(walk.u.next, walk.v.next)), walk.w);
+      paint_part(s, walk, end, both(on, greater(end, walk.w)));
+      walk.u.go(end);
+      walk.v.go(end);
+      walk.w = end;
+    }
+  }
+
+  /// Whether numbers in a range are nothing to any lane.
+  bool cannot_change(const State& s, M alive, const NumberRange& range) const {
+    if (q_.mode == Mode::surface) return range.high < q_.isovalue || range.low >= q_.isovalue;
+    if (!is_extremum()) return range.low == q_.zero && range.high == q_.zero;
+    const float most = (q_.sign > 0 ? range.high : range.low) - q_.least;
+    return least(choose(alive, s.red, set(INFINITY))) >= most * q_.sign;
+  }
+
+  HWY_INLINE M above(F number) const {
+    return but_not(equal(number, number), greater(set(q_.isovalue), number));
+  }
+
+  HWY_INLINE M above_at(const typename Sampler::Plane& plane, const Position& at, Corner corner) const {
+    return above(Sampler::value(plane, this->sheet_in_box(at.u, at.v, corner), p_.pitch));
+  }
+
+  HWY_INLINE void paint_part(State& s, Walk& walk, F end, M there) const {
+    const I u = walk.u.cell_in_box(p_.rays.voxels[0]), v = walk.v.cell_in_box(p_.rays.voxels[1]);
+    const auto sheet = Sampler::sheet(up<position_bits>(u), up<position_bits>(v), p_.pitch, walk.corner);
+    const auto front = Sampler::cell(walk.front, sheet, p_.pitch),
+               back = Sampler::cell(walk.back, sheet, p_.pitch);
+    if (is_extremum()) {
+      const F most = q_.sign > 0 ? greatest_of(front, back) : least_of(front, back);
+      if (!any(both(there, greater(beyond(most), s.red)))) return;
+    }
+    CellPath path{walk.u.place(walk.w, u), walk.v.place(walk.w, v), {}, {}};
+    path.du = sub(walk.u.place(end, u), path.u);
+    path.dv = sub(walk.v.place(end, v), path.v);
+    // front + w (back - front), where both are squares of s and w = from + s length.
+    const F length = sub(end, walk.w);
+    const RayCubic a = path.values(front.corners()), b = path.values(back.corners());
+    const F d0 = sub(b.f0, a.f0), d1 = sub(b.f1, a.f1), d2 = sub(b.f2, a.f2);
+    const RayCubic values{fma(walk.w, d0, a.f0), fma(walk.w, d1, fma(length, d0, a.f1)),
+                          fma(walk.w, d2, fma(length, d1, a.f2)), mul(length, d2)};
+    take(s, walk, {values, walk.w, end, there});
+  }
+
+  /// How far a number is an extremum.
+  HWY_INLINE F beyond(F number) const { return mul(sub(number, set(q_.least)), set(q_.sign)); }
+
+  bool is_extremum() const { return q_.mode == Mode::mip || q_.mode == Mode::minip; }
+
+  HWY_INLINE void take(State& s, Walk& walk, const Part& part) const {
+    if (is_extremum())
+      take_extremum(s, part);
+    else if (q_.mode == Mode::surface)
+      find_surface(s, walk, part);
+    else
+      take_integral(s, part);
+  }
+
+  HWY_INLINE void take_extremum(State& s, const Part& part) const {
+    const RayCubic& values = part.values;
+    F found = max(beyond(values.f0), beyond(values.at(set(1.0F))));
+    // The curve lies below the greatest of Bézier's points: often that is an end.
+    const F third = set(1.0F / 3), one_third = fma(third, values.f1, values.f0),
+            two_thirds = fma(third, add(values.f1, values.f2), one_third);
+    const F bound = max(beyond(one_third), beyond(two_thirds));
+    if (any(both(part.there, greater(bound, max(found, s.red))))) {
+      F first, second;
+      values.turns(first, second);
+      found = max(found, max(beyond(values.at(first)), beyond(values.at(second))));
+    }
+    s.red = choose(both(part.there, greater(found, s.red)), found, s.red);
+    s.opacity = choose(greater(set(q_.most), s.red), s.opacity, set(1.0F));
+  }
+
+  HWY_INLINE void take_integral(State& s, const Part& part) const {
+    const F value = mul(sub(part.values.integral(), set(q_.zero)), set(q_.unit));
+    const F length = mul(part.length(), mul(rays_.length(s.ray), set(slab_->face ? p_.face_pieces : 1.0F)));
+    s.red = choose(both(part.there, equal(value, value)), fma(value, length, s.red), s.red);
+  }
+
+  /// Shows the surface where the field's side of its value changes first.
+  HWY_INLINE void find_surface(State& s, Walk& walk, const Part& part) const {
+    const F one = set(1.0F);
+    F first, second, from = set(0.0F), to = from;
+    part.values.turns(first, second);
+    const M at_back = equal(part.to, one);
+    const F places[] = {first, second, one};
+    // The slice's voxels say nothing of where a ray comes in through the box's side.
+    const M comes_in = both(greater(part.from, from), equal(part.from, walk.enter));
+    walk.inside = choose_mask(comes_in, above(part.values.f0), walk.inside);
+    M found = greater(from, to), inside = walk.inside;
+    for (int i = 0; i < 3; ++i) {
+      M here = above(part.values.at(places[i]));
+      if (i == 2) here = choose_mask(at_back, walk.inside_last, here);
+      const M before = found;
+      found = either(found, differs(here, inside));
+      from = choose(found, from, places[i]);
+      to = choose(but_not(found, before), places[i], to);
+      inside = here;
+    }
+    found = both(found, part.there);
+    if (any(found)) show_surface(s, walk, part, crossing(part.values, from, to, walk.inside), found);
+    walk.inside = choose_mask(part.there, inside, walk.inside);
+  }
+
+  /// Halves the way from a place `inside` tells the side of to one on the other side.
+  HWY_INLINE F crossing(const RayCubic& values, F from, F to, M inside) const {
+    for (int round = 0; round < 20; ++round) {
+      const F middle = mul(set(0.5F), add(from, to));
+      const M beyond = differs(above(values.at(middle)), inside);
+      from = choose(beyond, from, middle);
+      to = choose(beyond, middle, to);
+    }
+    return to;
+  }
+
+  HWY_INLINE void show_surface(State& s, const Walk& walk, const Part& part, F at, M found) const {
+    Reflected light = Base::unlit();
+    if (p_.lit) {
+      const F w = fma(at, part.length(), part.from);
+      const auto position = [&](const Along& along) HWY_ATTR {
+        const F from_base = fma(along.way, w, along.from);
+        return add(up<position_bits>(along.base), to_int(mul(from_base, set(float(one_voxel)))));
+      };
+      const auto sheet = this->sheet_in_box(position(walk.u), position(walk.v), walk.corner);
+      const auto before = plane_of(slab_->before, walk.corner), after = plane_of(slab_->after, walk.corner);
+      const Gradient front =
+          Sampler::gradient(walk.front, (slab_->face ? after : walk.back) - before, sheet, p_.pitch);
+      const Gradient back =
+          Sampler::gradient(walk.back, after - (slab_->face ? before : walk.front), sheet, p_.pitch);
+      light = Reflect(p_.light, rays_.viewer(s.ray),
+                      {fma(w, sub(back.u, front.u), front.u), fma(w, sub(back.v, front.v), front.v),
+                       fma(w, sub(back.k, front.k), front.k)});
+    }
+    const TableSlab surface{set(1.0F), set(q_.colour[0]), set(q_.colour[1]), set(q_.colour[2]), {}, {}};
+    this->composite(s, surface, only(found, set(1.0F)), light);
+  }
+
+  static HWY_INLINE M differs(M a, M b) { return either(but_not(a, b), but_not(b, a)); }
+  static HWY_INLINE M choose_mask(M m, M a, M b) { return either(both(m, a), but_not(b, m)); }
+
+  const Projection& q_ = p_.projection;
+};
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+#endif

@@ -1,0 +1,187 @@
+// Pictures that show something else than composited light: extrema, means, integrals, surfaces.
+#include <fmt/format.h>
+
+#include <limits>
+
+#include "ringsplat/base/error.hpp"
+#include "support/catch.hpp"
+#include "truth_support.hpp"
+
+using namespace ringsplat;
+using namespace ringsplat::test;
+
+namespace {
+
+constexpr Mode all_modes[] = {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface};
+
+const Camera cameras[] = {{.azimuth = 31, .elevation = 17, .roll = 9, .zoom = 1.1},
+                          {.azimuth = 90, .zoom = 0.8},
+                          {.azimuth = 200, .elevation = -68},
+                          {.azimuth = 45, .elevation = 35, .fov = 60}};
+
+/// Red is a value's place in [low, high]; blue falls.
+TransferFunction window(double low, double high) {
+  TransferFunction tf;
+  tf.colours = {{low, {0, 0.2, 1}}, {high, {1, 0.2, 0}}};
+  tf.opacities = {{low, 1.0}, {high, 1.0}};
+  return tf;
+}
+
+FrameSpec mode_spec(Mode mode, const Camera& camera, double low, double high) {
+  FrameSpec spec = plain_spec(window(low, high), 41, camera);
+  spec.how = Sheets{};
+  spec.shown.mode = mode;
+  spec.shown.isovalue = 0.5 * (low + high);
+  return spec;
+}
+
+double trilinear_at(const truth::Scene& scene, const glm::dvec3& place) {
+  const glm::ivec3 last = scene.grid.dims - 1;
+  const glm::dvec3 inside = glm::clamp(place, glm::dvec3(0), glm::dvec3(last));
+  const glm::ivec3 low = glm::min(glm::ivec3(glm::floor(inside)), glm::max(last - 1, 0));
+  const glm::dvec3 part = inside - glm::dvec3(low);
+  double value = 0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const glm::ivec3 step(corner & 1, corner >> 1 & 1, corner >> 2);
+    const glm::dvec3 weights = glm::mix(1.0 - part, part, glm::dvec3(step));
+    value += weights.x * weights.y * weights.z * scene.values[scene.index(glm::min(low + step, last))];
+  }
+  return value;
+}
+
+/// By many small steps. A surface that is only touched between two of them is missed.
+truth::Rgba marched(const truth::Scene& scene, truth::Pixel pixel) {
+  const truth::LatticeRay ray = truth::Rays(scene).through(pixel);
+  if (!(ray.enter < ray.leave)) return truth::Rgba(0.0);
+  constexpr int steps = 20'000;
+  const double length = ray.leave - ray.enter,
+               unit = std::min({scene.grid.spacing.x, scene.grid.spacing.y, scene.grid.spacing.z});
+  double most = -INFINITY, least = INFINITY, sum = 0, before = NAN;
+  bool crossed = false;
+  for (int k = 0; k < steps; ++k) {
+    const double value = trilinear_at(scene, ray.at(ray.enter + (k + 0.5) / steps * length));
+    most = std::max(most, value);
+    least = std::min(least, value);
+    sum += value;
+    crossed = crossed || (k > 0 && (value >= scene.isovalue) != (before >= scene.isovalue));
+    before = value;
+  }
+  const double mean = sum / steps;
+  if (scene.mode == Mode::surface)
+    return crossed ? truth::Rgba(scene.transfer_function.evaluate(scene.isovalue).colour, 1) : truth::Rgba(0);
+  const double value = scene.mode == Mode::mip     ? most
+                       : scene.mode == Mode::minip ? least
+                       : scene.mode == Mode::mean  ? mean
+                                                   : mean * length * unit;
+  return truth::Rgba(scene.transfer_function.evaluate(value).colour, 1);
+}
+
+double difference(const truth::Rgba& a, const truth::Rgba& b) {
+  double largest = 0;
+  for (int c = 0; c < 4; ++c) largest = std::max(largest, std::abs(a[c] - b[c]));
+  return largest;
+}
+
+Volume noise(ScalarType type, double scale, glm::ivec3 dims = {9, 7, 8}) {
+  std::mt19937 random(7);
+  return make_volume(dims, type, [&](int, int, int) { return scale * double(random() % 256) / 255; },
+                     {1, 0.6, 2});
+}
+
+}  // namespace
+
+TEST_CASE("the field's truth of all modes is that of an independent marcher") {
+  const Volume volume = noise(ScalarType::float64, 1);
+  for (const Mode mode : all_modes)
+    for (const Camera& camera : cameras) {
+      const truth::Scene scene = scene_of(volume, mode_spec(mode, camera, 0, mode == Mode::sum ? 15 : 1));
+      const auto pixels = random_pixels(41, 41, 40, 3);
+      const auto colours = truth::field_truth(scene, pixels);
+      int wrong = 0;
+      for (std::size_t k = 0; k < pixels.size(); ++k)
+        wrong += difference(colours[k], marched(scene, pixels[k])) > 1e-4 ? 1 : 0;
+      INFO(name(mode) << ", azimuth " << camera.azimuth);
+      CHECK(wrong == 0);
+    }
+}
+
+TEST_CASE("sheets draw all modes as the field's truth has them") {
+  const struct {
+    ScalarType type;
+    double scale;
+  } types[] = {{ScalarType::uint8, 255}, {ScalarType::uint16, 65535}, {ScalarType::float32, 1e-3}};
+  for (const auto& [type, scale] : types)
+    for (const Mode mode : all_modes)
+      for (const Camera& camera : cameras) {
+        const Volume volume = noise(type, scale, {14, 19, 17});
+        FrameSpec spec = mode_spec(mode, camera, 0, scale * (mode == Mode::sum ? 20 : 1));
+        INFO(name(mode) << ", " << to_string(type) << ", azimuth " << camera.azimuth);
+        const Image image = rendered(volume, spec);
+        CHECK(brightest(image) > 0.2F);
+        CHECK(largest_difference(image, field_image(volume, spec)) < 0.5 / 255);
+        spec.shown.clip = VoxelBox{{2, 3, 1}, {11, 16, 13}};
+        CHECK(largest_difference(rendered(volume, spec), field_image(volume, spec)) < 0.5 / 255);
+      }
+}
+
+TEST_CASE("a single bright voxel shows its own value, wherever rays pass") {
+  const Volume volume = make_volume({21, 21, 21}, ScalarType::uint8, [](int x, int y, int z) {
+    return x == 10 && y == 10 && z == 10 ? 200 : 3;
+  });
+  // The middle pixel's ray goes through the voxel.
+  for (const double azimuth : {0.0, 17.0, 45.0, 77.0}) {
+    const FrameSpec spec =
+        mode_spec(Mode::mip, {.azimuth = azimuth, .elevation = azimuth / 2, .zoom = 1}, 0, 255);
+    const Image image = rendered(volume, spec);
+    CHECK(image.rgba[4 * (20 * 41 + 20)] == Approx(window(0, 255).evaluate(200).colour.x).margin(0.002));
+  }
+}
+
+TEST_CASE("an integral is in world lengths, and a mean is the same however long the ray") {
+  const Volume volume =
+      make_volume({12, 10, 8}, ScalarType::float32, [](int, int, int) { return 3; }, {0.5, 0.5, 2});
+  for (const Camera& camera : cameras) {
+    const FrameSpec sums = mode_spec(Mode::sum, camera, 0, 60), means = mode_spec(Mode::mean, camera, 0, 6);
+    const Image sum = rendered(volume, sums), mean = rendered(volume, means);
+    const truth::Scene scene = scene_of(volume, sums);
+    for (const truth::Pixel& pixel : random_pixels(41, 41, 200, 5)) {
+      const double length =
+          0.5 * truth::length_in_box(truth::cube_ray(scene, pixel), glm::dvec3(0.0), glm::dvec3(1.0));
+      const std::size_t at = 4 * std::size_t(pixel.y * 41 + pixel.x);
+      if (length < 0.01) continue;
+      CHECK(sum.rgba[at] == Approx(sums.shown.transfer_function.evaluate(3 * length).colour.x).margin(1e-3));
+      CHECK(mean.rgba[at] == Approx(means.shown.transfer_function.evaluate(3).colour.x).margin(1e-3));
+    }
+  }
+}
+
+TEST_CASE("values that are not a number are no values in any mode") {
+  const Volume volume = make_volume({13, 12, 11}, ScalarType::float32, [](int x, int y, int z) {
+    return x == 6 && y > 3 ? std::numeric_limits<double>::quiet_NaN() : 0.1 * ((3 * x + 5 * y + 7 * z) % 10);
+  });
+  for (const Mode mode : {Mode::mip, Mode::minip, Mode::sum}) {
+    const FrameSpec spec = mode_spec(mode, cameras[0], 0, mode == Mode::sum ? 8 : 1);
+    CHECK(largest_difference(rendered(volume, spec), field_image(volume, spec)) < 0.5 / 255);
+  }
+}
+
+TEST_CASE("a lit surface is as bright as the field's truth") {
+  const Volume volume = sample_field(
+      24, [](double x, double y, double z) { return 1 - 2 * std::hypot(x - 0.5, y - 0.45, z - 0.55); });
+  for (const Camera& camera : cameras) {
+    FrameSpec spec = mode_spec(Mode::surface, camera, 0, 0.8);
+    spec.shown.shading = Shading::phong;
+    const Image image = rendered(volume, spec), truth = field_image(volume, spec);
+    CHECK(brightest(image) > 0.3F);
+    CHECK(largest_difference(image, truth) < 2.0 / 255);
+  }
+}
+
+TEST_CASE("what cannot be drawn in a mode is refused") {
+  FrameSpec spec = mode_spec(Mode::mip, cameras[0], 0, 1);
+  spec.how = Splats{};
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("splats cannot be drawn by --mode mip"));
+  spec.how = Sheets{};
+  spec.shown.interpolation = Interpolation::nearest;
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("--mode mip needs values between voxels"));
+}
