@@ -17,6 +17,7 @@
 #include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
+#include "classify/mode_function.hpp"
 #include "classify/srgb.hpp"
 #include "formats/label_names.hpp"
 #include "frame/frame_needs.hpp"
@@ -111,6 +112,16 @@ std::vector<serve::Label> labels_of(const std::vector<double>& values, const std
   return labels;
 }
 
+/// The page's modes and their first functions. Labels have values of their own only.
+void set_modes(const MadeFunction& made, const Scene& scene, serve::ViewerOptions& v) {
+  made.set(v.initial.shown);
+  if (made.interpolation == Interpolation::nearest) return;
+  if (made.mode != Mode::surface) v.initial.shown.isovalue = parting_value(scene.values);
+  v.modes.emplace_back(Mode::composite, choose_function(scene.values).function);
+  for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
+    v.modes.emplace_back(mode, choose_for_mode(mode, scene.values, scene.grid, std::nullopt).function);
+}
+
 serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job, const VolumeNotes& notes,
                                     const Scene& scene, MadeFunction made, const Launch& launch) {
   const RenderOptions& o = job.options;
@@ -132,8 +143,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  v.initial.shown.interpolation = made.interpolation;
-  v.initial.shown.transfer_function = std::move(made.function);
+  set_modes(made, scene, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
   if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));

@@ -196,6 +196,8 @@ json to_json(const SceneState& s) {
             {"fov", c.fov},
             {"distance", c.distance}}},
           {"transfer_function", to_json(s.shown.transfer_function)},
+          {"mode", name(s.shown.mode)},
+          {"isovalue", s.shown.isovalue},
           {"shading", s.shown.shading == Shading::phong ? "phong" : "none"},
           {"light", {s.shown.light.x, s.shown.light.y, s.shown.light.z}},
           {"clip", clip},
@@ -203,6 +205,12 @@ json to_json(const SceneState& s) {
 }
 
 std::string text_of(const json& j) { return j.dump(-1, ' ', false, json::error_handler_t::replace); }
+
+Mode mode_from(const json& j) {
+  for (int k = 0; k <= int(Mode::surface); ++k)
+    if (j == name(Mode(k))) return Mode(k);
+  throw InputError("mode must be composite, mip, minip, mean, sum or surface");
+}
 
 SceneState scene_from(const json& j, const MessageRules& rules) {
   if (!j.is_object()) throw InputError("state must be an object");
@@ -213,6 +221,8 @@ SceneState scene_from(const json& j, const MessageRules& rules) {
     scene.shown.camera = camera_from(*found, scene.shown.camera);
   if (const auto found = j.find("transfer_function"); found != j.end())
     scene.shown.transfer_function = transfer_function_from(*found, scene.shown.transfer_function);
+  if (const auto found = j.find("mode"); found != j.end()) scene.shown.mode = mode_from(*found);
+  if (j.contains("isovalue")) scene.shown.isovalue = number(j, "isovalue", -any, any);
   if (const auto found = j.find("shading"); found != j.end()) {
     if (*found != "phong" && *found != "none") throw InputError("shading must be phong or none");
     scene.shown.shading = *found == "phong" ? Shading::phong : Shading::none;

@@ -46,11 +46,31 @@ Probe::Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, d
   shown.camera = camera_of_pixel(shown.camera, shown.width, shown.height, x, y);
   shown.width = shown.height = 1;
   shown.shading = Shading::none;
+  if (looks_for_extremum()) {
+    shown.mode = shown.mode == Mode::minip ? Mode::minip : Mode::mip;
+    ask_for_values(range.low, range.high);
+  }
   check_frame(*next_, grid);
   const Traversal traversal = make_geometry(*next_, grid).traversal;
   axis_ = static_cast<int>(traversal.axis);
   ascending_ = traversal.ascending;
   high_ = box_.end[axis_] - box_.first[axis_];
+}
+
+/// Where rays take no light, the value is found that decides on the pixel, of means and integrals the
+/// largest.
+bool Probe::looks_for_extremum() const {
+  return next_->shown.mode != Mode::composite && next_->shown.mode != Mode::surface;
+}
+
+float Probe::reached(const float* rgba) const {
+  if (!looks_for_extremum()) return rgba[3];
+  return next_->shown.mode == Mode::minip ? 1 - rgba[0] : rgba[0];
+}
+
+void Probe::know_range(const ValueRange& range) {
+  range_ = range;
+  if (looks_for_extremum()) ask_for_values(range.low, range.high);
 }
 
 VoxelBox Probe::front_slices(int count) const {
@@ -66,15 +86,16 @@ void Probe::take(const Image& picture) {
   const float* const rgba = picture.pixel(0, 0);
   switch (stage_) {
     case Stage::whole:
-      high_opacity_ = rgba[3];
-      wanted_ = 0.5F * rgba[3];
+      high_opacity_ = reached(rgba);
+      wanted_ = (looks_for_extremum() ? 0.999F : 0.5F) * high_opacity_;
       if (rgba[3] < least_opacity) return next_.reset();
       stage_ = Stage::place;
       break;
     case Stage::place: {
-      const bool enough = rgba[3] >= wanted_;
+      const float so_far = reached(rgba);
+      const bool enough = so_far >= wanted_;
       (enough ? high_ : low_) = middle();
-      (enough ? high_opacity_ : low_opacity_) = rgba[3];
+      (enough ? high_opacity_ : low_opacity_) = so_far;
       break;
     }
     case Stage::value:
@@ -101,10 +122,15 @@ void Probe::choose_place() {
   next_->shown.clip->first[axis_] = slice;
   next_->shown.clip->end[axis_] = slice + 1;
   stage_ = Stage::value;
-  ask_for_values(range_.low, range_.high > range_.low ? range_.high : range_.low + 1);
+  next_->shown.mode = Mode::composite;
+  ask_for_values(range_.low, range_.high);
 }
 
 void Probe::ask_for_values(double low, double high) {
+  if (!(low < high)) {
+    low = std::isfinite(low) ? low : 0;
+    high = low + 1;
+  }
   value_low_ = low;
   value_high_ = high;
   next_->shown.transfer_function = value_as_red(low, high);

@@ -23,7 +23,7 @@ Camera camera_of_pixel(const Camera& camera, int width, int height, double x, do
 /// Finds the first opaque point of a pixel's ray by frames of one pixel, so that no rank needs to know of it:
 /// the ranks draw the volume cut off behind ever fewer slices, and the fewest through which the ray becomes
 /// half as opaque as it is in the end lie before the point. Two more frames, whose colours stand for values,
-/// read the slice there.
+/// read the slice there. In modes without light the place is where the extremum is reached.
 class Probe {
  public:
   /// `full`: the view's frame at its best level. (x, y): in pixels, from the corner. Throws InputError when
@@ -31,7 +31,7 @@ class Probe {
   Probe(const FrameSpec& full, const Grid& grid, const ValueRange& range, double x, double y);
 
   /// The values of the volume that is read, when it became known after the view.
-  void know_range(const ValueRange& range) { range_ = range; }
+  void know_range(const ValueRange& range);
   /// The next frame to draw; nothing when the answer is there.
   const std::optional<FrameSpec>& next_frame() const { return next_; }
   /// Takes the frame's picture.
@@ -41,6 +41,8 @@ class Probe {
  private:
   enum class Stage { whole, place, value, value_again };
   int middle() const { return (low_ + high_) / 2; }
+  bool looks_for_extremum() const;
+  float reached(const float* rgba) const;
   VoxelBox front_slices(int count) const;
   void choose_place();
   void ask_for_values(double low, double high);

@@ -46,6 +46,7 @@ struct ViewerOptions {
   ShownVolume volume;                   ///< the first of the series
   std::vector<std::string> frames{""};  ///< names of the series' volumes; one without a series
   SceneState initial;
+  std::vector<std::pair<Mode, TransferFunction>> modes;  ///< that can be chosen, each with its first function
   FrameSpec frame;  ///< what all frames have in common, but for what is shown
   Qualities qualities;
   double target_seconds = 0.04;                 ///< for a picture of a view that moves

@@ -57,6 +57,12 @@ json presets(const ShownVolume& volume) {
   return all;
 }
 
+json modes_json(const ViewerOptions& o) {
+  json all = json::object();
+  for (const auto& [mode, function] : o.modes) all[name(mode)] = to_json(function);
+  return all;
+}
+
 /// `what`: a text "WHAT IS WRONG; hint: WHAT TO DO".
 json said(const char* type, std::string_view what) {
   constexpr std::string_view between = "; hint: ";
@@ -77,6 +83,7 @@ std::string hello_text(const ViewerOptions& o, const std::vector<Level>& levels,
                   {"frames", o.frames},
                   {"state", to_json(o.initial)},
                   {"presets", presets(o.volume)},
+                  {"modes", modes_json(o)},
                   {"levels", names},
                   {"ranks", o.ranks},
                   {"layout", o.layout},

@@ -174,6 +174,28 @@ class Controls(WithPage):
         self.assertEqual(self.page.facts("state.shading"), "none")
         self.assertGreater(min(self.page.measure()["mean"]), max(lit) + 10)
 
+    def test_modes_have_functions_of_their_own(self):
+        lit = self.page.measure()["mean"]
+        before = self.page.facts("state.transfer_function")
+        self.page.fill("mode", "mip")
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.mode"), "mip")
+        self.assertTrue(all(point[1] == 1 for point in self.page.facts("state.transfer_function.opacities")))
+        brightest = self.page.measure()["mean"]
+        self.assertNotEqual(lit, brightest)
+        self.page.fill("mode", "surface")
+        self.page.settle()
+        value = self.page.facts("state.isovalue")
+        surface = self.page.measure()["box"]
+        self.page.fill("isovalue", 2 * value)
+        self.page.settle()
+        self.assertNotEqual(self.page.measure()["box"], surface)
+        self.page.fill("mode", "composite")
+        self.page.settle()
+        self.assertEqual(self.page.facts("state.transfer_function"), before)
+        self.page.press("Control+z")
+        self.assertEqual(self.page.facts("state.mode"), "surface")
+
     def test_overlays_can_be_switched_off(self):
         inked = ("const c = document.getElementById('overlay'), q = c.getContext('2d').getImageData(0, 0, c.width, c.height).data;"
                  "let n = 0; for (let i = 3; i < q.length; i += 4) n += q[i] > 0; return n")

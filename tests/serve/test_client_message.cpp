@@ -48,6 +48,8 @@ TEST_CASE("A scene that was written is read back to the last bit") {
   scene.shown.transfer_function.name = "mine";
   scene.shown.transfer_function.opacities = {{-3, 0.25}, {0.1, 0}, {0.1, 1}};
   scene.shown.shading = Shading::none;
+  scene.shown.mode = Mode::surface;
+  scene.shown.isovalue = 0.1;
   scene.shown.light = {1, 2, 3};
   scene.frame = 3;
   scene.shown.clip = VoxelBox{{1, 2, 3}, {4, 20, 30}};
@@ -76,6 +78,8 @@ TEST_CASE("Messages that are not quite right are refused with words") {
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"clip":[[3,3],[0,20],[0,30]]}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"opacities":[[0,2],[1,1]]}}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"transfer_function":{"colours":[[0,0,0,0]]}}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"mode":"x"}})",
+       R"({"type":"view","seq":1,"width":9,"height":9,"state":{"isovalue":"1"}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"frame":4}})",
        R"({"type":"view","seq":1,"width":9,"height":9,"state":{"frame":-1}})",
        R"({"type":"snapshot","id":1,"width":9,"height":9,"format":"jpg"})",

@@ -98,6 +98,23 @@ TEST_CASE("A probe finds the surface under a pixel and the value there") {
   }
 }
 
+TEST_CASE("In a mode without light a probe finds the place and value that decide on the pixel") {
+  FrameSpec spec = view(30, 20);
+  spec.shown.transfer_function.opacities = {{0, 1}, {250, 1}};
+  for (const Mode mode : {Mode::mip, Mode::sum}) {
+    spec.shown.mode = mode;
+    const Probed p = probe(spec, 60, 42);
+    REQUIRE(p.hit);
+    // The ball's values are largest where the ray is nearest to its centre.
+    CHECK(p.value == Approx(ball(p.voxel)).margin(3));
+    // Nowhere on the pixel's ray is it larger than there: so says the picture of the largest values.
+    spec.shown.mode = Mode::mip;
+    spec.shown.transfer_function.colours = {{0, glm::dvec3(0.0)}, {250, glm::dvec3(1.0)}};
+    const Image picture = render(spec);
+    CHECK(p.value == Approx(250 * picture.pixel(60, 42)[0]).margin(3));
+  }
+}
+
 TEST_CASE("A probe beside the volume hits nothing") {
   const Probed probed = probe(view(30, 20), 1, 1);
   CHECK(!probed.hit);

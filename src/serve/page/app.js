@@ -123,7 +123,7 @@ export class App {
     this.scene.begin(hello.state, this.withinSeries(kept));
     if (!resumes) this.history.clear(this.scene.state);
     this.series.begin(hello.frames);
-    this.transfer.begin(hello.presets);
+    this.transfer.begin(hello);
     this.labels.begin(volume.labels);
     this.film.begin(hello.ffmpeg);
     if (!resumes) this.film.restore();
@@ -331,7 +331,7 @@ export class App {
       const keys = this.changed ?? new Set();
       this.changed = undefined;
       if (!this.scene.state) return;
-      if (keys.has('transfer_function')) this.transfer.refresh();
+      if (keys.has('transfer_function') || keys.has('isovalue')) this.transfer.refresh();
       if (keys.has('transfer_function')) this.labels.refresh();
       if (keys.size > 1 || !keys.has('transfer_function')) this.viewPanel.refresh();
       if (keys.has('clip')) this.clipPanel.refresh();

@@ -70,6 +70,8 @@ export function sceneAt(frames, time, dims) {
     camera: camera(four.map((f) => f.camera), t),
     transfer_function: transferFunction(four.map((f) => f.transfer_function), t),
     shading: four[t < 0.5 ? 1 : 2].shading,
+    mode: four[t < 0.5 ? 1 : 2].mode,
+    isovalue: curve(...four.map((f) => [f.isovalue]), t)[0],
     frame: Math.round((1 - t) * four[1].frame + t * four[2].frame),
     light: Math.hypot(...light) > 1e-6 ? light : four[1].light,
     clip: clipBox(four.map((f) => f.clip), t, dims),

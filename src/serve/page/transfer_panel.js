@@ -41,6 +41,11 @@ export class TransferPanel {
       const preset = this.presets.find(({ name }) => name === target.value);
       if (preset) this.edit({ name: preset.name, ...preset.transfer_function }, true);
     });
+    byId('mode').addEventListener('change', ({ target }) => this.setMode(target.value));
+    onNumber(byId('isovalue'), (isovalue) => {
+      app.scene.change({ isovalue });
+      app.commit();
+    }, refresh);
     byId('import-tf').addEventListener('click', () => this.open());
     byId('export-tf').addEventListener('click', () =>
       download(`${this.tf.name}.json`, new Blob([toParaView(this.tf)], { type: 'application/json' })));
@@ -51,10 +56,19 @@ export class TransferPanel {
     return this.app.scene.state.transfer_function;
   }
 
-  begin(presets) {
+  begin({ presets, modes }) {
     this.presets = presets ?? [];
+    this.functions = { ...modes };
+    byId('modes').hidden = Object.keys(this.functions).length === 0;
     byId('presets').replaceChildren(element('option', { value: '' }, '–'),
                                     ...this.presets.map(({ name }) => element('option', { value: name }, name)));
+  }
+
+  /** Each mode has a function of its own, which it gets back. */
+  setMode(mode) {
+    this.functions[this.app.scene.state.mode] = this.tf;
+    this.app.scene.change({ mode, transfer_function: this.functions[mode] });
+    this.app.commit();
   }
 
   /** Shows an edit; `whole` ones are steps of undo by themselves. */
@@ -73,6 +87,10 @@ export class TransferPanel {
   refresh() {
     if (!this.app.scene.state) return;
     this.editor.draw();
+    const { mode, isovalue } = this.app.scene.state;
+    byId('mode').value = mode;
+    byId('isovalue').value = show(isovalue, 6);
+    byId('isovalue-label').hidden = mode !== 'surface';
     const { which } = this.editor.selected, point = this.editor.point, opacity = which === 'opacities';
     byId('point-value').value = show(point[0], 6);
     byId('point-opacity-label').hidden = !opacity;
