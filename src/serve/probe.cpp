@@ -89,6 +89,7 @@ void Probe::take(const Image& picture) {
       high_opacity_ = reached(rgba);
       wanted_ = (looks_for_extremum() ? 0.999F : 0.5F) * high_opacity_;
       if (rgba[3] < least_opacity) return next_.reset();
+      if (looks_for_extremum()) answer_.value = value_of(rgba[0]);
       stage_ = Stage::place;
       break;
     case Stage::place: {
@@ -117,6 +118,8 @@ void Probe::choose_place() {
   answer_.hit = true;
   answer_.voxel = glm::clamp(meet(view, axis_, at), glm::dvec3(0.0), glm::dvec3(grid_.dims - 1));
   answer_.world = grid_.origin + grid_.direction * (grid_.spacing * answer_.voxel);
+  // An extremum is known since the first picture.
+  if (looks_for_extremum()) return next_.reset();
   const int slice = ascending_ ? box_.first[axis_] + high_ - 1 : box_.end[axis_] - high_;
   next_->shown.clip = box_;
   next_->shown.clip->first[axis_] = slice;
@@ -136,8 +139,12 @@ void Probe::ask_for_values(double low, double high) {
   next_->shown.transfer_function = value_as_red(low, high);
 }
 
+double Probe::value_of(double red) const {
+  return std::clamp(value_low_ + red * (value_high_ - value_low_), range_.low, range_.high);
+}
+
 void Probe::read(double red) {
-  answer_.value = std::clamp(value_low_ + red * (value_high_ - value_low_), range_.low, range_.high);
+  answer_.value = value_of(red);
   // Tables resolve some 256 values of the range, so the neighbourhood is looked at once more.
   const double reach = (value_high_ - value_low_) / 32;
   if (stage_ == Stage::value_again || !(reach > 0)) return next_.reset();

@@ -43,6 +43,7 @@ class Probe {
   int middle() const { return (low_ + high_) / 2; }
   bool looks_for_extremum() const;
   float reached(const float* rgba) const;
+  double value_of(double red) const;
   VoxelBox front_slices(int count) const;
   void choose_place();
   void ask_for_values(double low, double high);
