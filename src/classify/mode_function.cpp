@@ -5,6 +5,8 @@
 #include <algorithm>
 
 #include "base/printable.hpp"
+#include "classify/adjust.hpp"
+#include "classify/colour_maps.hpp"
 #include "classify/value_shape.hpp"
 
 namespace ringsplat {
@@ -64,16 +66,17 @@ AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid&
   else if (!values.bins.empty() && values.range.low < values.range.high)
     range = window_of(mode, data_of(values), grid);
   if (!(range.low < range.high)) range.high = range.low + std::max(1.0, 1e-6 * std::abs(range.low));
-  const bool surface = mode == Mode::surface;
   const glm::dvec3 bone{0.95, 0.86, 0.74}, stone{0.8, 0.8, 0.8},
       even = values.world == World::patient ? bone : stone;
   AutoChoice choice;
   choice.function.name = "auto";
-  choice.function.colours = {{range.low, surface ? even : glm::dvec3(0)},
-                             {range.high, surface ? even : glm::dvec3(1)}};
+  if (mode == Mode::surface)
+    choice.function.colours = {{range.low, even}, {range.high, even}};
+  else
+    choice.function.colours = colours_over(colour_map("gray"), range.low, range.high);
   choice.function.opacities = {{range.low, 1.0}, {range.high, 1.0}};
   choice.range = range;
-  if (!surface)
+  if (mode != Mode::surface)
     choice.why = fmt::format("{}, black at {:.4g} to white at {:.4g}", what_is_shown(mode), plain(range.low),
                              plain(range.high));
   return choice;
