@@ -2,56 +2,18 @@
 
 #include <algorithm>
 #include <cstring>
-#include <memory>
 #include <variant>
-
-#include "splat/stencil.hpp"
 
 namespace ringsplat {
 
-namespace {
-
-/// How a frame's kernel is drawn, by its weights.
-struct DrawWith {
-  const Footprint& footprint;
-  std::ptrdiff_t row_floats;  ///< of the slice buffer
-
-  SplatSum::Draw operator()(const StencilWeights&) const {
-    const auto stencil = std::make_shared<const Stencil>(make_stencil(footprint, row_floats));
-    return [stencil](const SliceBuffer& slice, const SplatRun& run, PixelRun* anchors) {
-      return draw_with_stencil(slice, *stencil, run, anchors);
-    };
-  }
-  SplatSum::Draw operator()(const RowWeights&) const {
-    return [of = footprint](const SliceBuffer& slice, const SplatRun& run, PixelRun* written) {
-      return draw_by_rows(slice, of, run, written);
-    };
-  }
-  SplatSum::Draw operator()(const FixedPointWeights& weights) const {
-    return [of = footprint, bits = weights.bits](const SliceBuffer& slice, const SplatRun& run,
-                                                 PixelRun* written) {
-      return draw_fixed_point(slice, of, bits, run, written);
-    };
-  }
-  SplatSum::Draw operator()(const TabledWeights& weights) const {
-    return [table = weights.table](const SliceBuffer& slice, const SplatRun& run, PixelRun* written) {
-      return draw_with_texture(slice, *table, run, written);
-    };
-  }
-};
-
-}  // namespace
-
 SplatSum::SplatSum(const FrameKernel& kernel, RegionSize largest, SliceBufferMemory& memory)
-    : reach_(kernel_reach(kernel.footprint)),
-      by_anchors_(std::holds_alternative<StencilWeights>(kernel.weights)),
-      lattice_sum_(kernel.lattice_sum),
-      memory_(memory) {
+    : reach_(kernel_reach(kernel.footprint)), kernel_(kernel), memory_(memory) {
+  const bool by_anchors = std::holds_alternative<StencilWeights>(kernel.weights);
   // With a stencil splats are added without clipping, and zeros go to the margins. All others' rows are
   // clipped to the region, but for the rest of the last vector.
-  buffer_ = make_slice_buffer(by_anchors_ ? window_margins(reach_) : Margins{0, 16, 0, 0}, largest, memory_);
-  draw_ = std::visit(DrawWith{kernel.footprint, buffer_.row_floats}, kernel.weights);
-  runs_.resize(std::size_t(largest.height + (by_anchors_ ? 2 * reach_.y + 1 : 0)));
+  buffer_ = make_slice_buffer(by_anchors ? window_margins(reach_) : Margins{0, 16, 0, 0}, largest, memory_);
+  if (by_anchors) stencil_ = make_stencil(kernel.footprint, buffer_.row_floats);
+  runs_.resize(std::size_t(largest.height + (by_anchors ? 2 * reach_.y + 1 : 0)));
 }
 
 SplatSum::~SplatSum() {
@@ -69,11 +31,20 @@ DrawCounts SplatSum::draw(std::int32_t base_x, std::int32_t base_y, std::span<co
   const std::int64_t left = std::int64_t{base_x} - image_->rect().x0,
                      top = std::int64_t{base_y} - image_->rect().y0;
   const auto visible = image_->opaque_tiles().worth_asking() ? without_hidden(left, top, splats) : splats;
-  DrawCounts counts =
-      draw_(buffer_, {visible.data(), visible.size() / sizeof(Splat), left, top}, runs_.data());
+  DrawCounts counts = draw_visible({visible.data(), visible.size() / sizeof(Splat), left, top});
   counts.hidden = (splats.size() - visible.size()) / sizeof(Splat);
   if (counts.drawn > 0) empty_ = false;
   return counts;
+}
+
+DrawCounts SplatSum::draw_visible(const SplatRun& run) {
+  const Footprint& footprint = kernel_.footprint;
+  if (stencil_) return draw_with_stencil(buffer_, *stencil_, run, runs_.data());
+  if (const auto* const fixed = std::get_if<FixedPointWeights>(&kernel_.weights))
+    return draw_fixed_point(buffer_, footprint, fixed->bits, run, runs_.data());
+  if (const auto* const tabled = std::get_if<TabledWeights>(&kernel_.weights))
+    return draw_with_texture(buffer_, *tabled->table, run, runs_.data());
+  return draw_by_rows(buffer_, footprint, run, runs_.data());
 }
 
 /// The splats that are not wholly under opaque tiles, in seen_.
@@ -94,7 +65,7 @@ std::span<const std::byte> SplatSum::without_hidden(std::int64_t left, std::int6
 }
 
 std::span<const PixelRun> SplatSum::written() {
-  if (!by_anchors_) return std::span(runs_).first(std::size_t(buffer_.height));
+  if (!stencil_) return std::span(runs_).first(std::size_t(buffer_.height));
   // The pixels that the anchors' windows cover inside the region.
   written_.assign(std::size_t(buffer_.height), PixelRun{});
   const int reach_x = int(reach_.x), reach_y = int(reach_.y);
@@ -121,8 +92,9 @@ std::uint64_t SplatSum::composite(glm::dvec2 voxel) {
       const int first = run.first / block_pixels * block_pixels;
       const auto pixels = std::size_t(in_whole_blocks(run.end) - first);
       float* sums = buffer_.origin + y * buffer_.row_floats + first * floats_a_pixel;
-      if (lattice_sum_)
-        lattice_sum_->divide_row(sums, pixels, image_->rect().x0 + first, image_->rect().y0 + y, voxel);
+      if (kernel_.lattice_sum)
+        kernel_.lattice_sum->divide_row(sums, pixels, image_->rect().x0 + first, image_->rect().y0 + y,
+                                        voxel);
       composite_row(sums, image + y * image_->row_floats() + first * floats_a_pixel, pixels * floats_a_pixel,
                     image_->opaque_threshold());
       composited += pixels;

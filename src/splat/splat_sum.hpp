@@ -1,7 +1,6 @@
 #pragma once
 #include <cstdint>
-#include <functional>
-#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "splat/frame_kernel.hpp"
 #include "splat/painter_kernels.hpp"
 #include "splat/splat.hpp"
+#include "splat/stencil.hpp"
 
 namespace ringsplat {
 
@@ -22,9 +22,6 @@ namespace ringsplat {
 /// processor, the region size or the other splats.
 class SplatSum {
  public:
-  /// One of the painter's kernels; it notes in `runs` where it drew.
-  using Draw = std::function<DrawCounts(const SliceBuffer& slice, const SplatRun& run, PixelRun* runs)>;
-
   /// `memory` must outlive the sum, and no other sum may use it meanwhile.
   SplatSum(const FrameKernel& kernel, RegionSize largest, SliceBufferMemory& memory);
   ~SplatSum();
@@ -43,6 +40,7 @@ class SplatSum {
   std::uint64_t composite(glm::dvec2 voxel);
 
  private:
+  DrawCounts draw_visible(const SplatRun& run);
   std::span<const std::byte> without_hidden(std::int64_t left, std::int64_t top,
                                             std::span<const std::byte> splats);
 
@@ -50,10 +48,11 @@ class SplatSum {
   std::span<const PixelRun> written();
 
   KernelReach reach_;
-  bool by_anchors_;  ///< with a stencil draw_ notes columns of anchors, by their row from −reach_y − 1 on
-  Draw draw_;
-  std::vector<PixelRun> runs_, written_;
-  std::shared_ptr<const LatticeSum> lattice_sum_;
+  FrameKernel kernel_;
+  std::optional<Stencil> stencil_;  ///< of StencilWeights
+  /// Where was drawn; with a stencil columns of anchors, by their row from −reach_y − 1 on.
+  std::vector<PixelRun> runs_;
+  std::vector<PixelRun> written_;
   SliceBufferMemory& memory_;
   SliceBuffer buffer_;
   RegionImage* image_ = nullptr;  ///< of the region begun
