@@ -210,23 +210,13 @@ HWY_INLINE DrawnBlocks place(const AlignedSlice& slice, VoxelRows& to, const Vox
   return placed;
 }
 
-template <class Voxel>
-HWY_INLINE DrawnBlocks place_any(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
-                                 std::uint64_t most) {
-  return slice.step_x == 1 ? place<1>(slice, to, blocks, most) : place<0>(slice, to, blocks, most);
-}
-
-DrawnBlocks PlaceFloats(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<FloatVoxel>& blocks,
+DrawnBlocks PlaceVoxels(const AlignedSlice& slice, VoxelRows& to, const AnyVoxelBlocks& any,
                         std::uint64_t most) {
-  return place_any(slice, to, blocks, most);
-}
-DrawnBlocks PlaceHalves(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<HalfVoxel>& blocks,
-                        std::uint64_t most) {
-  return place_any(slice, to, blocks, most);
-}
-DrawnBlocks PlaceBytes(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<ByteVoxel>& blocks,
-                       std::uint64_t most) {
-  return place_any(slice, to, blocks, most);
+  return std::visit(
+      [&](const auto& blocks) {
+        return slice.step_x == 1 ? place<1>(slice, to, blocks, most) : place<0>(slice, to, blocks, most);
+      },
+      any);
 }
 
 }  // namespace ringsplat::HWY_NAMESPACE
@@ -235,21 +225,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ringsplat {
 
-HWY_EXPORT(PlaceFloats);
-HWY_EXPORT(PlaceHalves);
-HWY_EXPORT(PlaceBytes);
+HWY_EXPORT(PlaceVoxels);
 
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<FloatVoxel>& blocks,
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const AnyVoxelBlocks& blocks,
                          std::uint64_t most) {
-  return HWY_DYNAMIC_DISPATCH(PlaceFloats)(slice, to, blocks, most);
-}
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<HalfVoxel>& blocks,
-                         std::uint64_t most) {
-  return HWY_DYNAMIC_DISPATCH(PlaceHalves)(slice, to, blocks, most);
-}
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<ByteVoxel>& blocks,
-                         std::uint64_t most) {
-  return HWY_DYNAMIC_DISPATCH(PlaceBytes)(slice, to, blocks, most);
+  return HWY_DYNAMIC_DISPATCH(PlaceVoxels)(slice, to, blocks, most);
 }
 
 }  // namespace ringsplat

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <variant>
 
 #include "raster/slice_buffer.hpp"
 #include "splat/aligned_slice.hpp"
@@ -39,6 +40,8 @@ struct VoxelRows {
   int top = std::numeric_limits<int>::max(), bottom = std::numeric_limits<int>::min();
 };
 
+using AnyVoxelBlocks = std::variant<VoxelBlocks<FloatVoxel>, VoxelBlocks<HalfVoxel>, VoxelBlocks<ByteVoxel>>;
+
 struct DrawnBlocks {
   std::uint32_t blocks = 0;  ///< gone through
   DrawCounts counts;         ///< of their voxels: drawn are those with a weight above zero in the region
@@ -48,11 +51,7 @@ struct DrawnBlocks {
 /// bits. Colours and opacities, times opacity_weight, have the bits that SplatSum adds for a splat. A voxel
 /// whose opacity no footprint can give becomes 0. Stops after `most` voxels or the block in which they end.
 /// The bits are the same at every vector width.
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<FloatVoxel>& blocks,
-                         std::uint64_t most);
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<HalfVoxel>& blocks,
-                         std::uint64_t most);
-DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<ByteVoxel>& blocks,
+DrawnBlocks place_voxels(const AlignedSlice& slice, VoxelRows& to, const AnyVoxelBlocks& blocks,
                          std::uint64_t most);
 
 /// A region's composited pixels.

@@ -25,9 +25,8 @@ class VoxelSum {
   /// Goes to a slice, given by its index, before the first of its regions.
   void begin_slice(int slice);
   /// Takes voxels of the slice, in any order but each only once. Stops after `most` voxels or the block in
-  /// which they end. For FloatVoxel, HalfVoxel and ByteVoxel.
-  template <class Voxel>
-  DrawnBlocks draw(const VoxelBlocks<Voxel>& blocks, std::uint64_t most) {
+  /// which they end.
+  DrawnBlocks draw(const AnyVoxelBlocks& blocks, std::uint64_t most) {
     rows_.x = slice_.anchor_x - image_->rect().x0;
     rows_.y = slice_.anchor_y - image_->rect().y0;
     const DrawnBlocks drawn = place_voxels(slice_, rows_, blocks, most);

@@ -129,9 +129,10 @@ TEST_CASE("placing stops behind the block that has the last voxel asked for") {
   for (const auto& [most, expected] : {std::pair{1, 1}, std::pair{4, 1}, std::pair{5, 2}, std::pair{99, 3}}) {
     OneRow row;
     VoxelRows to = row.places();
-    const DrawnBlocks placed =
-        place_voxels(slice_of(1), to, {reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
-                     std::uint64_t(most));
+    const DrawnBlocks placed = place_voxels(
+        slice_of(1), to,
+        VoxelBlocks<FloatVoxel>{reinterpret_cast<const std::byte*>(blocks.data()), 3, voxels.data()},
+        std::uint64_t(most));
     CHECK(placed.blocks == std::uint32_t(expected));
     CHECK(placed.counts.drawn + placed.counts.clipped == 4 * std::uint64_t(expected));
     CHECK(is_set(row, 9 + 128) == (expected == 3));
