@@ -1,12 +1,284 @@
 #include "raster/warp_image.hpp"
 
+#include "base/vector_config.hpp"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "raster/warp_image.cpp"
+#include <hwy/foreach_target.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <vector>
 
-#include "raster/warp_rows.hpp"
+#include "raster/pixel_vectors-inl.hpp"
 
+#ifndef RINGSPLAT_WARP_IMAGE_ONCE
+#define RINGSPLAT_WARP_IMAGE_ONCE
 namespace ringsplat {
+namespace {
+
+/// Catmull and Rom's weights of the four taps as polynomials of the fraction: [power][tap] coefficients.
+alignas(16) constexpr float cubic[4][4] = {
+    {0, 1, 0, 0}, {-0.5F, 0, 0.5F, 0}, {1, -2.5F, 2, -0.5F}, {-0.5F, 1.5F, -1.5F, 0.5F}};
+
+/// One row of the picture. The first tap of its pixel x lies at start + x · step in the plane, rounded down.
+struct WarpedRow {
+  const float* plane;         ///< RGBA
+  std::ptrdiff_t row_floats;  ///< of the plane
+  double start_x, start_y, step_x, step_y;
+  int first, end;  ///< pixels to fill are first … end − 1; all their taps lie in the plane
+};
+
+/// The plane's rows, interpolated at the places of some of the picture's columns. A column's pixels lie
+/// together, as the second pass needs them.
+struct ColumnStrip {
+  int first, end;         ///< columns of the picture
+  int first_row, rows;    ///< of the plane
+  float* pixels;          ///< RGBA
+  std::ptrdiff_t stride;  ///< floats from a column to the next
+  float* at(int column) const { return pixels + (column - first) * stride; }
+};
+
+}  // namespace
+}  // namespace ringsplat
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace ringsplat::HWY_NAMESPACE {
+
+/// Pixels whose places are found at a time.
+inline constexpr int most_places = 64;
+
+/// Finds the weights of the four taps, [tap][pixel]. Compilers make vectors of pixels of the plain loop.
+HWY_INLINE void find_weights(const float* HWY_RESTRICT fraction, int count, float (*weights)[most_places]) {
+  for (int tap = 0; tap < 4; ++tap) {
+    float* HWY_RESTRICT w = weights[tap];
+    for (int k = 0; k < count; ++k)
+      w[k] =
+          std::fma(std::fma(std::fma(cubic[3][tap], fraction[k], cubic[2][tap]), fraction[k], cubic[1][tap]),
+                   fraction[k], cubic[0][tap]);
+  }
+}
+
+/// Finds first taps and weights along one axis, of places start + k · step from k = first on. Places are
+/// positive, so that truncation is floor.
+HWY_INLINE void find_taps(double start, double step, int first, int count, std::int32_t* HWY_RESTRICT taps,
+                          float (*weights)[most_places]) {
+  float fraction[most_places];
+  for (int k = 0; k < count; ++k) {
+    const double place = std::fma(step, double(first + k), start);
+    taps[k] = static_cast<std::int32_t>(place);
+    fraction[k] = static_cast<float>(place - taps[k]);
+  }
+  find_weights(fraction, count, weights);
+}
+
+/// Clamps what the cubic's negative lobes bring out of range.
+template <class D>
+HWY_INLINE hn::Vec<D> clamp_pixels(D d, hn::Vec<D> rgba) {
+  const auto zero = hn::Zero(d);
+  const auto opacity = hn::Min(hn::Max(hn::Broadcast<3>(rgba), zero), hn::Set(d, 1.0F));
+  return hn::Min(hn::Max(rgba, zero), opacity);
+}
+
+/// Some of a row's pixels: their first taps, and [tap][pixel] weights along both axes.
+struct Places {
+  std::ptrdiff_t tap[most_places];  ///< in floats from the plane's first
+  float wx[4][most_places], wy[4][most_places];
+};
+
+/// Finds the places of pixels first … first + count − 1.
+HWY_INLINE void find_places(const WarpedRow& row, int first, int count, Places& places) {
+  std::int32_t columns[most_places], rows[most_places];
+  find_taps(row.start_x, row.step_x, first, count, columns, places.wx);
+  find_taps(row.start_y, row.step_y, first, count, rows, places.wy);
+  for (int k = 0; k < count; ++k) places.tap[k] = rows[k] * row.row_floats + columns[k] * std::ptrdiff_t{4};
+}
+
+/// The columns' weights in the `part`-th vector of a row of taps, each repeated over its pixel's floats.
+template <int part>
+HWY_INLINE FloatVector column_weights(const Places& places, int k) {
+  const auto one = [&](std::size_t column) { return hn::Set(FourFloats(), places.wx[column][k]); };
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Floats> two;
+  return hn::Combine(Floats(), hn::Combine(two, one(3), one(2)), hn::Combine(two, one(1), one(0)));
+#elif HWY_MAX_BYTES == 32
+  return hn::Combine(Floats(), one(2 * part + 1), one(2 * part));
+#else
+  return one(part);
+#endif
+}
+
+/// The `part`-th vector of columns: each is the weighted sum of four taps.
+template <int part>
+HWY_INLINE FloatVector columns(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k) {
+  const Floats d;
+  const float* tap = taps + std::size_t{part} * lanes;
+  auto sum = hn::Mul(hn::Set(d, places.wy[0][k]), hn::LoadU(d, tap));
+  for (int row = 1; row < 4; ++row)
+    sum = fused(hn::Set(d, places.wy[row][k]), hn::LoadU(d, tap + row * row_floats), sum);
+  return hn::Mul(column_weights<part>(places, k), sum);
+}
+
+/// Returns (c0 + c1) + (c2 + c3) of the columns c.
+HWY_INLINE hn::Vec<FourFloats> sum_columns(const float* taps, std::ptrdiff_t row_floats, const Places& places,
+                                           int k) {
+#if HWY_MAX_BYTES >= 64
+  const hn::Half<Floats> two;
+  const hn::Half<hn::Half<Floats>> one;
+  const auto all = columns<0>(taps, row_floats, places, k);
+  const auto left = hn::LowerHalf(two, all), right = hn::UpperHalf(two, all);
+  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
+                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
+#elif HWY_MAX_BYTES == 32
+  const hn::Half<Floats> one;
+  const auto left = columns<0>(taps, row_floats, places, k), right = columns<1>(taps, row_floats, places, k);
+  return hn::Add(hn::Add(hn::LowerHalf(one, left), hn::UpperHalf(one, left)),
+                 hn::Add(hn::LowerHalf(one, right), hn::UpperHalf(one, right)));
+#else
+  return hn::Add(hn::Add(columns<0>(taps, row_floats, places, k), columns<1>(taps, row_floats, places, k)),
+                 hn::Add(columns<2>(taps, row_floats, places, k), columns<3>(taps, row_floats, places, k)));
+#endif
+}
+
+/// `taps`: the first of four pixels in the first of four rows. `k`: which of the places' weights they have.
+HWY_INLINE void interpolate(const float* taps, std::ptrdiff_t row_floats, const Places& places, int k,
+                            float* out) {
+  const FourFloats d;
+  hn::StoreU(clamp_pixels(d, sum_columns(taps, row_floats, places, k)), d, out);
+}
+
+/// Fills the row's pixels first … end − 1, each from sixteen pixels of the plane. `screen`: the row's first
+/// pixel.
+void WarpRow(const WarpedRow& row, float* screen) {
+  Places places;
+  for (int first = row.first; first < row.end; first += most_places) {
+    const int count = std::min(row.end - first, most_places);
+    find_places(row, first, count, places);
+    for (int k = 0; k < count; ++k)
+      interpolate(row.plane + places.tap[k], row.row_floats, places, k,
+                  screen + std::ptrdiff_t{4} * (first + k));
+  }
+}
+
+#if HWY_MAX_BYTES >= 32
+
+using TwoPixels = hn::CappedTag<float, 8>;
+using Pair = hn::Vec<TwoPixels>;
+
+struct FourWeights {
+  Pair near, far;  ///< of two pixels, each over its pixel's floats
+  static HWY_INLINE FourWeights get(const float (*weights)[most_places], int k) {
+    const auto one = [&](int tap) { return hn::Set(FourFloats(), weights[tap][k]); };
+    return {hn::Combine(TwoPixels(), one(1), one(0)), hn::Combine(TwoPixels(), one(3), one(2))};
+  }
+};
+
+HWY_INLINE Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
+  const TwoPixels d;
+  const auto sums = [&](const float* pixels, const FourWeights& of) {
+    return fused(of.far, hn::LoadU(d, pixels + 8), hn::Mul(of.near, hn::LoadU(d, pixels)));
+  };
+  const auto first = sums(p, w), second = sums(q, v);
+  return hn::Add(hn::ConcatLowerLower(d, second, first), hn::ConcatUpperUpper(d, second, first));
+}
+
+HWY_INLINE Pair clamp(Pair pair) { return clamp_pixels(TwoPixels(), pair); }
+HWY_INLINE void store(Pair pair, float* out) { hn::StoreU(pair, TwoPixels(), out); }
+HWY_INLINE void store_first(Pair pair, float* out) {
+  const hn::Half<TwoPixels> one;
+  hn::StoreU(hn::LowerHalf(one, pair), one, out);
+}
+
+#else
+
+struct Pair {
+  hn::Vec<FourFloats> first, second;
+};
+
+struct FourWeights {
+  hn::Vec<FourFloats> w0, w1, w2, w3;
+  static HWY_INLINE FourWeights get(const float (*weights)[most_places], int k) {
+    const auto one = [&](int tap) { return hn::Set(FourFloats(), weights[tap][k]); };
+    return {one(0), one(1), one(2), one(3)};
+  }
+};
+
+HWY_INLINE Pair weigh(const float* p, const FourWeights& w, const float* q, const FourWeights& v) {
+  const FourFloats d;
+  const auto sum = [&](const float* pixels, const FourWeights& of) {
+    return hn::Add(fused(of.w2, hn::LoadU(d, pixels + 8), hn::Mul(of.w0, hn::LoadU(d, pixels))),
+                   fused(of.w3, hn::LoadU(d, pixels + 12), hn::Mul(of.w1, hn::LoadU(d, pixels + 4))));
+  };
+  return {sum(p, w), sum(q, v)};
+}
+
+HWY_INLINE Pair clamp(const Pair& pair) {
+  return {clamp_pixels(FourFloats(), pair.first), clamp_pixels(FourFloats(), pair.second)};
+}
+HWY_INLINE void store_first(const Pair& pair, float* out) { hn::StoreU(pair.first, FourFloats(), out); }
+HWY_INLINE void store(const Pair& pair, float* out) {
+  store_first(pair, out);
+  hn::StoreU(pair.second, FourFloats(), out + 4);
+}
+
+#endif
+
+/// First pass: interpolates the plane's rows at the columns' places.
+void AlongRows(const WarpedRow& any_row, const ColumnStrip& columns) {
+  const int count = columns.end - columns.first;
+  std::int32_t taps[most_places];
+  float weights[4][most_places];
+  find_taps(any_row.start_x, any_row.step_x, columns.first, count, taps, weights);
+  FourWeights of_column[most_places];
+  for (int k = 0; k < count; ++k) of_column[k] = FourWeights::get(weights, k);
+  const std::ptrdiff_t row_floats = any_row.row_floats;
+  const float* row = any_row.plane + columns.first_row * row_floats;
+  for (int y = 0; y < columns.rows; y += 2, row += 2 * row_floats) {
+    const bool two = y + 1 < columns.rows;
+    for (int k = 0; k < count; ++k) {
+      const float* pixels = row + std::ptrdiff_t{4} * taps[k];
+      const Pair pair = weigh(pixels, of_column[k], two ? pixels + row_floats : pixels, of_column[k]);
+      // A column has room for an even number of pixels.
+      store(pair, columns.pixels + k * columns.stride + std::ptrdiff_t{4} * y);
+    }
+  }
+}
+
+/// Second pass: fills the columns' pixels in one of the picture's rows.
+void DownColumns(const WarpedRow& row, const ColumnStrip& columns, float* screen) {
+  const int first = std::max(row.first, columns.first), count = std::min(row.end, columns.end) - first;
+  if (count <= 0) return;
+  std::int32_t taps[most_places];
+  float weights[4][most_places];
+  find_taps(row.start_y, row.step_y, first, count, taps, weights);
+  const float* column = columns.at(first) - std::ptrdiff_t{4} * columns.first_row;
+  const auto two_from = [&](int k, int next) {
+    return clamp(weigh(
+        column + k * columns.stride + std::ptrdiff_t{4} * taps[k], FourWeights::get(weights, k),
+        column + next * columns.stride + std::ptrdiff_t{4} * taps[next], FourWeights::get(weights, next)));
+  };
+  float* out = screen + std::ptrdiff_t{4} * first;
+  for (int k = 0; k + 1 < count; k += 2) store(two_from(k, k + 1), out + std::ptrdiff_t{4} * k);
+  if (count % 2 != 0) store_first(two_from(count - 1, count - 1), out + std::ptrdiff_t{4} * (count - 1));
+}
+
+void WarpColumns(std::span<const WarpedRow> rows, const ColumnStrip& columns, Image& screen) {
+  AlongRows(rows.front(), columns);
+  for (std::size_t y = 0; y < rows.size(); ++y) DownColumns(rows[y], columns, screen.pixel(0, int(y)));
+}
+
+}  // namespace ringsplat::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace ringsplat {
+
+HWY_EXPORT(WarpRow);
+HWY_EXPORT(WarpColumns);
+
 namespace {
 
 /// Narrows columns [first, end) to those with low ≤ start + step · x ≤ high.
@@ -71,6 +343,31 @@ WarpedRow seen_of_row(const Image& plane, const PixelWindow& firsts, const Plane
   return row;
 }
 
+/// Fills a picture whose columns lie in columns of the plane: all of its rows have the same start_x and
+/// step_x. This holds for x and y slices of an upright volume unless the picture is rolled, because the
+/// camera's right is across the volume's axis. Two passes of four taps then do instead of sixteen taps
+/// (Catmull and Smith 1980): along the plane's rows, which all need the same weights in a column of the
+/// picture, then down the columns.
+///
+/// `rows`: all rows of the picture; their first taps lie in the plane's rows first_tap … last_tap.
+void warp_columns(std::span<const WarpedRow> rows, int first_tap, int last_tap, Image& screen) {
+  int first = screen.width, end = 0;
+  for (const WarpedRow& row : rows) {
+    if (row.first >= row.end) continue;
+    first = std::min(first, row.first);
+    end = std::max(end, row.end);
+  }
+  if (first >= end) return;
+  // As many columns as a processor's second-level cache holds. The stride avoids multiples of a page, which
+  // would use few of the cache's lines.
+  constexpr int most = 32;
+  const int plane_rows = last_tap - first_tap + 4;
+  const std::ptrdiff_t stride = (std::ptrdiff_t{4} * plane_rows + 31) / 32 * 32 + 16;
+  std::vector<float> pixels(std::size_t(most) * std::size_t(stride));
+  for (int x = first; x < end; x += most) HWY_DYNAMIC_DISPATCH(WarpColumns)
+  (rows, {x, std::min(x + most, end), first_tap, plane_rows, pixels.data(), stride}, screen);
+}
+
 }  // namespace
 
 Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp& warp, int width,
@@ -92,8 +389,9 @@ Image warp_image(const Image& plane, const PixelWindow& window, const PlaneWarp&
   if (warp.linear[1].x == 0)
     warp_columns(rows, int(firsts.y0), int(firsts.y1), screen);
   else
-    for (int y = 0; y < height; ++y) warp_row(rows[std::size_t(y)], screen.pixel(0, y));
+    for (int y = 0; y < height; ++y) HWY_DYNAMIC_DISPATCH(WarpRow)(rows[std::size_t(y)], screen.pixel(0, y));
   return screen;
 }
 
 }  // namespace ringsplat
+#endif
