@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <string_view>
+#include <utility>
 
 #include "base/text.hpp"
 #include "formats/limits.hpp"
@@ -27,31 +28,26 @@ int whole(const DicomFile& file, DicomTag tag, int otherwise, int least, int mos
   return int(value);
 }
 
-struct TransferSyntax {
-  std::string_view uid;
-  DicomCodec codec = DicomCodec::none;
-  std::uint64_t best_ratio = 1;
-};
-constexpr TransferSyntax transfer_syntaxes[] = {
-    {""},
-    {"1.2.840.10008.1.2"},
-    {"1.2.840.10008.1.2.1"},
-    {"1.2.840.10008.1.2.1.99"},
-    {"1.2.840.10008.1.2.2"},
-    {"1.2.840.10008.1.2.5", DicomCodec::rle, 64},  // 128 bytes in two
-    {"1.2.840.10008.1.2.4.50", DicomCodec::jpeg, 1000},
-    {"1.2.840.10008.1.2.4.51", DicomCodec::jpeg, 1000},
-    {"1.2.840.10008.1.2.4.57", DicomCodec::lossless_jpeg, 16},  // a bit for a sample
-    {"1.2.840.10008.1.2.4.70", DicomCodec::lossless_jpeg, 16},
-    {"1.2.840.10008.1.2.4.80", DicomCodec::jpeg_ls, 1000},
-    {"1.2.840.10008.1.2.4.81", DicomCodec::jpeg_ls, 1000},
-    {"1.2.840.10008.1.2.4.90", DicomCodec::jpeg_2000, 1000},
-    {"1.2.840.10008.1.2.4.91", DicomCodec::jpeg_2000, 1000},
+constexpr std::pair<std::string_view, DicomCodec> transfer_syntaxes[] = {
+    {"", DicomCodec::none},
+    {"1.2.840.10008.1.2", DicomCodec::none},
+    {"1.2.840.10008.1.2.1", DicomCodec::none},
+    {"1.2.840.10008.1.2.1.99", DicomCodec::none},
+    {"1.2.840.10008.1.2.2", DicomCodec::none},
+    {"1.2.840.10008.1.2.5", DicomCodec::rle},
+    {"1.2.840.10008.1.2.4.50", DicomCodec::jpeg},
+    {"1.2.840.10008.1.2.4.51", DicomCodec::jpeg},
+    {"1.2.840.10008.1.2.4.57", DicomCodec::jpeg},
+    {"1.2.840.10008.1.2.4.70", DicomCodec::jpeg},
+    {"1.2.840.10008.1.2.4.80", DicomCodec::jpeg},
+    {"1.2.840.10008.1.2.4.81", DicomCodec::jpeg},
+    {"1.2.840.10008.1.2.4.90", DicomCodec::jpeg_2000},
+    {"1.2.840.10008.1.2.4.91", DicomCodec::jpeg_2000},
 };
 
-const TransferSyntax& syntax_of(const DicomFile& file) {
-  for (const auto& syntax : transfer_syntaxes)
-    if (syntax.uid == file.transfer_syntax) return syntax;
+DicomCodec codec_of(const DicomFile& file) {
+  for (const auto& [uid, codec] : transfer_syntaxes)
+    if (uid == file.transfer_syntax) return codec;
   refuse(file.path, convert_hint, "its pixels are encoded as '{}' (transfer syntax)",
          excerpt(file.transfer_syntax));
 }
@@ -64,8 +60,8 @@ void check_amount(const DicomFile& file, const DicomShape& shape) {
            "its pixels are {}in fragments, as its transfer syntax '{}' has them not",
            file.pixels->encapsulated ? "" : "not ", excerpt(file.transfer_syntax));
   if (shape.codec == DicomCodec::none) return require_bytes(file.path, stored, 0, shape.bytes());
-  constexpr std::uint64_t harmless = 32 << 20;
-  if (shape.bytes() > harmless) require_compressed_bytes(file.path, stored, shape.bytes(), shape.best_ratio);
+  constexpr std::uint64_t harmless = 32 << 20;  // frames of a single value may be of any ratio
+  if (shape.bytes() > harmless) require_compressed_bytes(file.path, stored, shape.bytes(), any_best_ratio);
 }
 
 void check_kind(const DicomFile& file) {
@@ -90,8 +86,7 @@ void count_all_bits(const DicomFile& file, DicomShape& shape) {
 DicomShape read_shape(const DicomFile& file) {
   constexpr int most = std::numeric_limits<std::uint16_t>::max();
   DicomShape shape;
-  shape.codec = syntax_of(file).codec;
-  shape.best_ratio = syntax_of(file).best_ratio;
+  shape.codec = codec_of(file);
   if (const int samples = whole(file, dicom::samples, 1, 0, most); samples != 1)
     refuse(file.path, "only scalar volumes can be rendered: take a series of grey images",
            "{} values per pixel", samples);

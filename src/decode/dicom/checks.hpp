@@ -7,7 +7,7 @@
 
 namespace ringsplat::detail {
 
-enum class DicomCodec { none, rle, jpeg, lossless_jpeg, jpeg_ls, jpeg_2000 };
+enum class DicomCodec { none, rle, jpeg, jpeg_2000 };  ///< jpeg: all kinds of it that are of segments
 
 /// A file's description of its pixels; each number is within its allowed range.
 struct DicomShape {
@@ -15,9 +15,6 @@ struct DicomShape {
   int bits_allocated = 0, bits_stored = 0, high_bit = 0;
   bool is_signed = false;
   DicomCodec codec = DicomCodec::none;
-  /// The most bytes of pixels that one compressed byte can hold, except in frames of a single value, which
-  /// are small.
-  std::uint64_t best_ratio = 1;
 
   std::uint64_t bytes_per_voxel() const { return std::uint64_t(bits_allocated) / 8; }
   std::uint64_t bytes() const {

@@ -112,8 +112,7 @@ std::optional<std::string> bytes_for_gdcm(const DicomFile& file, const DicomShap
   std::string bytes = file.bytes(0, file.pixels->begin) + item_of({});
   for (auto& frame : frames_of(file, shape)) {
     require_whole(file, shape, frame);
-    if (shape.codec != DicomCodec::rle && shape.codec != DicomCodec::jpeg_2000)
-      frame = without_notes(file, frame);
+    if (shape.codec == DicomCodec::jpeg) frame = without_notes(file, frame);
     if (frame.size() % 2 != 0) frame += '\0';
     bytes += item_of(frame);
   }

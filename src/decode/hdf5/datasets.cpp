@@ -21,7 +21,6 @@ constexpr std::size_t most_listed = 20;
 struct Found {
   std::string path, type;
   std::vector<int> dims;
-  bool drawable = true;
   int extended() const {  ///< dimensions of more than one voxel
     return int(std::count_if(dims.begin(), dims.end(), [](int size) { return size > 1; }));
   }
