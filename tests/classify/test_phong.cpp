@@ -15,7 +15,6 @@
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
 #include "support/catch.hpp"
-#include "support/message_of.hpp"
 
 using namespace ringsplat;
 
@@ -90,18 +89,10 @@ TEST_CASE("without a normal a sample stays as it is, bit for bit; colours are cl
   REQUIRE(table.shade(encode_normal({0, 0, 1}), grey).g == 1.0F);
 }
 
-TEST_CASE("an exponent of 0 makes the highlight even; bad materials and directions are refused") {
+TEST_CASE("an exponent of 0 makes the highlight even; directions may have any length") {
   const PhongTable even({.ambient = 0, .diffuse = 0, .specular = 0.5, .exponent = 0}, {0, 0, 1}, {0, 0, 1});
   REQUIRE(even.shade(encode_normal({0, 0.1, 1}), grey).r == 0.5F);
-  const double nan_value = std::numeric_limits<double>::quiet_NaN();
-  REQUIRE(says(message_of([] { PhongTable({}, {0, 0, 0}, {0, 0, 1}); }), "towards the light"));
-  REQUIRE(says(message_of([&] { PhongTable({}, {0, 0, 1}, {0, nan_value, 1}); }), "towards the viewer"));
-  REQUIRE(says(message_of([] { PhongTable({.ambient = -1}, {0, 0, 1}, {0, 0, 1}); }), "Phong material"));
-  REQUIRE(says(message_of([&] {
-                 PhongTable({.exponent = nan_value}, {0, 0, 1}, {0, 0, 1});
-               }),
-               "Phong material"));
-  REQUIRE(message_of([] { PhongTable({}, {0, 0, 1e-320}, {1e300, 0, 0}); }).empty());
+  REQUIRE_NOTHROW(PhongTable({}, {0, 0, 1e-320}, {1e300, 0, 0}));
 }
 
 TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, by every instruction set", "",

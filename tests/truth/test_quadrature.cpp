@@ -4,9 +4,7 @@
 #include <limits>
 #include <numbers>
 
-#include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
-#include "support/message_of.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
 #include "truth/slab_integral.hpp"
@@ -108,20 +106,6 @@ TEST_CASE("the field's truth ends where opacity reaches 1 steeply, to any tolera
       for (std::size_t p = 0; p < pixels.size(); ++p)
         for (int c = 0; c < 4; ++c) CHECK(fine[p][c] == Approx(usual[p][c]).margin(1e-6));
     }
-  }
-}
-
-TEST_CASE("tolerances that are no shares between 0 and 1 are refused, by name") {
-  const Volume volume = make_volume({2, 2, 2}, ScalarType::uint8, [](int, int, int) { return 1; });
-  const auto scene = scene_of(volume, plain_spec(constant_opacity(0.5), 2));
-  const std::vector<truth::Pixel> pixel{{0, 0}};
-  for (const double tolerance :
-       {0.0, -1e-6, 1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    CHECK(says(message_of<InputError>([&] { truth::field_truth(scene, pixel, tolerance); }),
-               "is not between 0 and 1"));
-    CHECK(says(message_of<InputError>(
-                   [&] { truth::analytic_truth(scene, synth_field("ball"), 1.0, pixel, tolerance); }),
-               "is not between 0 and 1"));
   }
 }
 
