@@ -3,22 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <iterator>
 #include <map>
 #include <set>
-#include <span>
-#include <sstream>
 
 #include "app/loading.hpp"
+#include "base/archive.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
 #include "forecast/forecast.hpp"
-#include "net/blocks.hpp"
 #include "net/launcher.hpp"
 #include "program/layouts.hpp"
 
 namespace ringsplat::app {
+
+template <class Archive>
+void fields(Place& place, Archive& archive) {
+  archive(place.machine, place.cores);
+}
+
 namespace {
 
 /// A machine's ranks, and the cores that they may use together.
@@ -40,15 +43,9 @@ std::map<std::string, Host> machines_of(const std::vector<Place>& places) {
 }  // namespace
 
 std::vector<Place> places_of_ranks(Collectives& collectives) {
-  std::string mine = fmt::format("host:{}", host_name());
-  for (const int core : allowed_cores()) mine += fmt::format(" {}", core);
   std::vector<Place> places;
-  for (const Block& one : collectives.all_gather(block_of(std::as_bytes(std::span(mine))))) {
-    std::istringstream words({reinterpret_cast<const char*>(one.data()), one.size()});
-    Place& place = places.emplace_back();
-    words >> place.machine;
-    for (int core = 0; words >> core;) place.cores.push_back(core);
-  }
+  for (const Block& one : collectives.all_gather(to_bytes(Place{host_name(), allowed_cores()})))
+    places.push_back(from_bytes<Place>(one).value());
   return places;
 }
 
@@ -126,8 +123,8 @@ std::vector<Layout> those_that_fit(std::vector<Layout> layouts, const Grid& grid
   const auto too_large = [&](const Layout& layout) {
     return double(predict_memory(grid, load, dealing_of(layout)).predicted.front()) > machine;
   };
-  std::vector<Layout> fitting;
-  std::remove_copy_if(layouts.begin(), layouts.end(), std::back_inserter(fitting), too_large);
+  std::vector<Layout> fitting = layouts;
+  std::erase_if(fitting, too_large);
   // When none fits, the later check of the chosen layout's memory reports it.
   return fitting.empty() ? layouts : fitting;
 }

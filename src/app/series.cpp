@@ -7,17 +7,23 @@
 #include <filesystem>
 #include <limits>
 #include <regex>
-#include <sstream>
 #include <string_view>
 #include <utility>
 
+#include "base/archive.hpp"
 #include "base/natural_order.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
+
+/// The rest of a volume's options is every rank's.
+template <class Archive>
+void fields(SeriesEntry& entry, Archive& archive) {
+  archive(entry.number, entry.volume.path, entry.volume.choice.frame, entry.name);
+}
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -94,17 +100,11 @@ std::string base_name(const std::string& path) {
   return (whole.has_filename() ? whole : whole.parent_path()).filename().string();
 }
 
-std::vector<SeriesEntry> volumes_of_pattern(const VolumeOptions& volume, const FrameRange& range) {
-  const Numbered files = files_of_pattern(volume.path);
-  std::vector<int> numbers;
-  for (const auto& [number, file] : files) numbers.push_back(number);
+std::vector<SeriesEntry> volumes_of_pattern(const VolumeOptions& volume) {
   std::vector<SeriesEntry> entries;
-  for (const int number : chosen_frames(range, numbers, printable(volume.path))) {
-    const auto found = std::lower_bound(numbers.begin(), numbers.end(), number);
-    SeriesEntry entry{number, volume, {}};
-    entry.volume.path = files[std::size_t(found - numbers.begin())].second;
-    entry.name = base_name(entry.volume.path);
-    entries.push_back(std::move(entry));
+  for (const auto& [number, file] : files_of_pattern(volume.path)) {
+    entries.push_back({number, volume, base_name(file)});
+    entries.back().volume.path = file;
   }
   return entries;
 }
@@ -116,13 +116,10 @@ std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const Fram
   if (count == 1)
     throw InputError(fmt::format("--frames {}: {} holds one volume", range.text, printable(volume.path)),
                      "for a series of files give a pattern in quotes, such as 'step_*.nrrd'");
-  std::vector<int> numbers;
-  for (int number = 0; number < count; ++number) numbers.push_back(number);
   std::vector<SeriesEntry> entries;
-  for (const int number : chosen_frames(range, numbers, printable(volume.path))) {
-    SeriesEntry entry{number, volume, fmt::format("{}, frame {}", base_name(volume.path), number)};
-    entry.volume.choice.frame = number;
-    entries.push_back(std::move(entry));
+  for (int number = 0; number < count; ++number) {
+    entries.push_back({number, volume, fmt::format("{}, frame {}", base_name(volume.path), number)});
+    entries.back().volume.choice.frame = number;
   }
   return entries;
 }
@@ -130,11 +127,18 @@ std::vector<SeriesEntry> volumes_in_file(const VolumeOptions& volume, const Fram
 std::vector<SeriesEntry> look_for(const VolumeOptions& volume, const std::optional<FrameRange>& range) {
   try {
     const bool pattern = is_pattern(volume.path);
-    if (range) return pattern ? volumes_of_pattern(volume, *range) : volumes_in_file(volume, *range);
-    if (pattern)
+    if (!range && pattern)
       throw InputError(fmt::format("{} is no file, but a pattern for several", printable(volume.path)),
                        "add --frames all, or name one file");
-    return {{0, volume, base_name(volume.path)}};
+    if (!range) return {{0, volume, base_name(volume.path)}};
+    auto entries = pattern ? volumes_of_pattern(volume) : volumes_in_file(volume, *range);
+    std::vector<int> numbers;
+    for (const SeriesEntry& entry : entries) numbers.push_back(entry.number);
+    const auto chosen = chosen_frames(*range, numbers, printable(volume.path));
+    std::erase_if(entries, [&](const SeriesEntry& entry) {
+      return !std::binary_search(chosen.begin(), chosen.end(), entry.number);
+    });
+    return entries;
   } catch (const fs::filesystem_error& error) {
     throw InputError(fmt::format("cannot look for {}: {}", printable(volume.path), error.code().message()),
                      "check the path and the permissions");
@@ -188,17 +192,13 @@ std::vector<SeriesEntry> find_series(const VolumeOptions& volume, const std::opt
   launch.check_on_rank_0([&] { entries = look_for(volume, frames); });
   if (!frames) return {{0, volume, base_name(volume.path)}};
   if (launch.ranks() == 1) return entries;
-  std::string list;  // paths have no zeros
-  for (const SeriesEntry& e : entries)
-    list += fmt::format("{} {} {}{:c}{}{:c}", e.number, e.volume.choice.frame.value_or(-1), e.volume.path,
-                        '\0', e.name, '\0');
-  std::istringstream in(text_of(launch.collectives().broadcast(block_of_text(list), 0)));
-  entries.clear();
-  SeriesEntry entry{0, volume, {}};
-  for (int frame = 0; in >> entry.number >> frame && in.ignore() &&
-                      std::getline(in, entry.volume.path, '\0') && std::getline(in, entry.name, '\0');) {
-    if (frame >= 0) entry.volume.choice.frame = frame;
-    entries.push_back(entry);
+  const Block list = launch.collectives().broadcast(to_bytes(entries), 0);
+  entries = from_bytes<std::vector<SeriesEntry>>(list).value();
+  for (SeriesEntry& entry : entries) {
+    VolumeOptions one = volume;
+    one.path = std::move(entry.volume.path);
+    one.choice.frame = entry.volume.choice.frame;
+    entry.volume = std::move(one);
   }
   return entries;
 }

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <sstream>
 
+#include "base/archive.hpp"
 #include "base/fingerprint.hpp"
 #include "net/blocks.hpp"
 #include "net/collectives.hpp"
@@ -12,22 +12,12 @@
 
 namespace ringsplat {
 
+template <class Archive>
+void fields(Fact& fact, Archive& archive) {
+  archive(fact.field, fact.value);
+}
+
 namespace {
-
-/// Fields and values, each with a zero behind it.
-Block encode(const Facts& facts) {
-  std::string text;
-  for (const Fact& fact : facts) text += fact.field + '\0' + fact.value + '\0';
-  return block_of_text(text);
-}
-
-Facts decode(const Block& block) {
-  std::istringstream text(text_of(block));
-  Facts facts;
-  for (Fact fact; std::getline(text, fact.field, '\0') && std::getline(text, fact.value, '\0');)
-    facts.push_back(fact);
-  return facts;
-}
 
 Block hash_of(const Block& facts) {
   Fingerprint hash;
@@ -53,7 +43,7 @@ void find_field(const Facts& on_0, const Facts& there, Disagreement& found) {
 }  // namespace
 
 std::optional<Disagreement> find_disagreement(Collectives& collectives, const Facts& mine) {
-  const Block facts = encode(mine);
+  const Block facts = to_bytes(mine);
   const auto hashes = collectives.all_gather(hash_of(facts));
   const auto differs = [&](const Block& hash) { return hash != hashes.front(); };
   const auto first = std::find_if(hashes.begin(), hashes.end(), differs);
@@ -61,7 +51,8 @@ std::optional<Disagreement> find_disagreement(Collectives& collectives, const Fa
   Disagreement found{.process = static_cast<int>(first - hashes.begin()),
                      .others = static_cast<int>(std::count_if(first + 1, hashes.end(), differs))};
   const auto said_by = [&](int process) {
-    return decode(collectives.broadcast(collectives.process() == process ? facts : Block{}, process));
+    const Block said = collectives.broadcast(collectives.process() == process ? facts : Block{}, process);
+    return from_bytes<Facts>(said).value_or(Facts{});
   };
   const Facts on_0 = said_by(0);
   find_field(on_0, said_by(found.process), found);

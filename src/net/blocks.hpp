@@ -4,26 +4,27 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "base/byte_stream.hpp"
 #include "net/collectives.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
+
+/// What every process hands in, on process 0.
+inline std::vector<Block> to_process_0(Collectives& collectives, Block mine) {
+  std::vector<Block> out(std::size_t(collectives.processes()));
+  out.front() = std::move(mine);
+  return collectives.all_to_all(std::move(out));
+}
 
 inline Block block_of(std::span<const std::byte> bytes) { return {bytes.begin(), bytes.end()}; }
 
 inline Block block_of_text(const std::string& text) { return block_of(std::as_bytes(std::span(text))); }
 inline std::string text_of(const Block& block) {
   return {reinterpret_cast<const char*>(block.data()), block.size()};
-}
-
-/// Appends the object representation of a value, for processes of one build.
-template <class T>
-void append(Block& out, const T& value) {
-  const auto bytes = std::as_bytes(std::span(&value, 1));
-  out.insert(out.end(), bytes.begin(), bytes.end());
 }
 
 /// The object representation of a value.

@@ -1,12 +1,13 @@
 #pragma once
-#include <cstddef>
 #include <limits>
 #include <string>
 #include <vector>
 
+#include "ringsplat/base/bytes.hpp"
+
 namespace ringsplat {
 
-using Block = std::vector<std::byte>;
+using Block = Bytes;
 
 /// What comes of waiting for a process that does not come to a collective call.
 struct Patience {

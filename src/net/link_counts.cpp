@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "base/byte_stream.hpp"
+#include "base/archive.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -27,23 +27,20 @@ LinkCounts total(const std::vector<LinkCounts>& links) {
 }
 
 Bytes encode(const std::vector<LinkCounts>& counts) {
-  Bytes body = Message::body_buffer();
-  for (const auto& count : counts) append(body, count);
-  return body;
+  ToBytes body{Message::body_buffer()};
+  body(counts);
+  return std::move(body.bytes);
 }
 
 std::vector<LinkCounts> decode_link_counts(std::span<const std::byte> body, const Layout& mesh, int rank) {
-  std::vector<LinkCounts> counts(body.size() / sizeof(LinkCounts));
-  std::size_t at = 0;
-  bool whole = body.size() % sizeof(LinkCounts) == 0;
-  for (auto& count : counts) whole = take(body, at, count) && whole;
+  const auto counts = from_bytes<std::vector<LinkCounts>>(body);
   const auto expected = links_from(mesh, rank);
-  if (!whole || !std::equal(counts.begin(), counts.end(), expected.begin(), expected.end(),
-                            [](const LinkCounts& c, const Link& link) { return c.link == link; }))
+  if (!counts || !std::equal(counts->begin(), counts->end(), expected.begin(), expected.end(),
+                             [](const LinkCounts& c, const Link& link) { return c.link == link; }))
     throw RunError(fmt::format("rank {} sent a link report of {} bytes that is not about its {} link(s)",
                                rank, body.size(), expected.size()),
                    "all ranks must run the same build");
-  return counts;
+  return *counts;
 }
 
 }  // namespace ringsplat

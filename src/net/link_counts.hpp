@@ -20,8 +20,8 @@ struct LinkCounts {
 };
 LinkCounts total(const std::vector<LinkCounts>& links);
 
-/// The body of a link_report and back. Throws RunError unless the bytes are counts of exactly the links
-/// that leave `rank`.
+/// The body of a link_report (base/archive.hpp) and back. Throws RunError unless the bytes are counts of
+/// exactly the links that leave `rank`.
 Bytes encode(const std::vector<LinkCounts>& counts);
 std::vector<LinkCounts> decode_link_counts(std::span<const std::byte> body, const Layout& mesh, int rank);
 

@@ -8,6 +8,7 @@
 #include "base/archive.hpp"
 #include "base/clock.hpp"
 #include "base/process.hpp"
+#include "net/blocks.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -30,8 +31,6 @@ bool continues(const Span& last, Activity activity, std::int64_t frame, std::int
   return last.activity == activity && last.frame == frame && last.step == step &&
          begin - last.end <= NodeTrace::longest_gap;
 }
-
-Block to_block(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }
 
 /// Checks that a received record keeps all later sums and tables within their bounds.
 bool is_sound(const NodeRecord& record) {
@@ -109,7 +108,7 @@ void Trace::compare_clocks(Collectives& collectives) {
     round.left = now_seconds();
   }
   const std::string clock = clock_identity();
-  const Block of_0 = collectives.broadcast(to_block(to_bytes(mine, clock)), 0);
+  const Block of_0 = collectives.broadcast(to_bytes(mine, clock), 0);
   std::vector<GatherTimes> times_of_0;
   std::string clock_of_0;
   FromBytes archive(of_0);
@@ -141,9 +140,7 @@ Trace::Gathered Trace::gather(Collectives& collectives) const {
     for (Mark& mark : record.marks) mark.time = in_clock_of_0(mark.time);
     mine(record);
   }
-  std::vector<Block> out(std::size_t(collectives.processes()));
-  out.front() = to_block(mine.bytes);
-  const std::vector<Block> in = collectives.all_to_all(std::move(out));
+  const std::vector<Block> in = to_process_0(collectives, std::move(mine.bytes));
   Gathered all;
   if (collectives.process() != 0) return all;
   for (std::size_t p = 0; p < in.size(); ++p)

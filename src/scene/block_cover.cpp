@@ -4,17 +4,19 @@
 #include <vector>
 
 #include "ringsplat/base/error.hpp"
+#include "scene/scene.hpp"
 #include "scene/voxel_blocks.hpp"
 
 namespace ringsplat {
-namespace {
-
-using Blocks = std::vector<const PlacedBlock*>;
 
 std::string text_of(const VoxelBox& box) {
   return fmt::format("{}:{},{}:{},{}:{}", box.first.x, box.end.x, box.first.y, box.end.y, box.first.z,
                      box.end.z);
 }
+
+namespace {
+
+using Blocks = std::vector<const PlacedBlock*>;
 
 std::string text_of(const PlacedBlock& block) {
   return fmt::format("block {} of rank {} ({})", block.number, block.process, text_of(block.extent));

@@ -91,7 +91,7 @@ class Dealer {
     for (const Axis axis : {Axis::x, Axis::y}) {
       if (!deal_.options.kept_axes[std::size_t(axis)]) continue;
       for (int gp = 0; gp < dealing_.gps; ++gp) {
-        Block lines;
+        std::vector<std::byte> lines;
         pack_columns(grid_, axis, gp, dealing_, values, normals, lines);
         Block& block = out[std::size_t(process_of_gp_[std::size_t(gp)])];
         append(block, z);

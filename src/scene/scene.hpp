@@ -19,6 +19,8 @@ namespace ringsplat {
 
 inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layout.bundle}; }
 
+std::string text_of(const VoxelBox& box);  ///< "x0:x1,y0:y1,z0:z1"
+
 /// By GP, the process that hosts it.
 std::vector<int> processes_of_gps(SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process);
 

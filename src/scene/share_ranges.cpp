@@ -52,9 +52,7 @@ std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>
     }
   }
   // By way of process 0: blocks from each to each would be too many with a thousand processes.
-  std::vector<Block> out(std::size_t(collectives.processes()));
-  out.front() = std::move(mine);
-  for (const Block& block : collectives.all_to_all(std::move(out))) take_points(block, axis, *sketch);
+  for (const Block& block : to_process_0(collectives, std::move(mine))) take_points(block, axis, *sketch);
   const Block all = collectives.broadcast(block_of(std::as_bytes(std::span(sketch->values))), 0);
   std::memcpy(sketch->values.data(), all.data(), all.size());
   return sketch;

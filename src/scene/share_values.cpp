@@ -7,13 +7,6 @@
 namespace ringsplat {
 namespace {
 
-/// Sends every process's block to process 0; there, the blocks of all.
-std::vector<Block> to_process_0(Collectives& collectives, Block mine) {
-  std::vector<Block> out(std::size_t(collectives.processes()));
-  out.front() = std::move(mine);
-  return collectives.all_to_all(std::move(out));
-}
-
 template <class T>
 std::vector<T> values_of(const Block& block) {
   std::vector<T> values(block.size() / sizeof(T));

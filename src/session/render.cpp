@@ -21,11 +21,6 @@
 namespace ringsplat {
 namespace {
 
-std::string text_of(const VoxelBox& box) {
-  return fmt::format("{}:{},{}:{},{}:{}", box.first.x, box.end.x, box.first.y, box.end.y, box.first.z,
-                     box.end.z);
-}
-
 /// What ranks must agree on to understand each other's messages while a volume is dealt and rendered.
 Facts facts_of(const Grid& grid, const LoadOptions& load, const Layout& layout) {
   std::string axes, levels;

@@ -8,7 +8,7 @@
 #include <new>
 #include <utility>
 
-#include "base/byte_stream.hpp"
+#include "base/archive.hpp"
 #include "base/process.hpp"
 #include "classify/auto_preset.hpp"
 #include "frame/frame_spec_bytes.hpp"
@@ -28,19 +28,16 @@ Layout every_rank_both(int ranks) {
 }
 
 Block to_block(const std::vector<FrameSpec>& frames) {
-  Bytes out;
-  for (const FrameSpec& frame : frames) append_all(out, encode(frame));
-  return {out.begin(), out.end()};
+  std::vector<Bytes> all;
+  for (const FrameSpec& frame : frames) all.push_back(encode(frame));
+  return to_bytes(all);
 }
 
 std::vector<FrameSpec> frames_of(const Block& block) {
+  const auto all = from_bytes<std::vector<Bytes>>(block);
+  if (!all) throw RunError("rank 0 sent a part of a frame", "all ranks must run the same build");
   std::vector<FrameSpec> frames;
-  for (std::size_t at = 0; at < block.size();) {
-    Bytes one;
-    if (!take_all(block, at, one))
-      throw RunError("rank 0 sent a part of a frame", "all ranks must run the same build");
-    frames.push_back(decode_frame_spec(one));
-  }
+  for (const Bytes& one : *all) frames.push_back(decode_frame_spec(one));
   return frames;
 }
 
@@ -79,71 +76,6 @@ void add_needs(LoadOptions& all, const LoadOptions& one) {
       all.factors.push_back(factor);
 }
 
-/// A volume that processes have put together from their blocks. GPs keep its z slices; what frames need
-/// besides is made of them when it is first needed. All calls are collective, with the same arguments but for
-/// the blocks.
-class SharedVolume {
- public:
-  /// The wiring's parts must outlive it.
-  SharedVolume(const Layout& layout, const Wiring& wiring) : layout_(layout), wiring_(wiring) {}
-
-  /// Takes the voxels of all processes' blocks in place of the volume before. Throws the same InputError on
-  /// all when grids, layouts or blocks do not fit; then the volume stays as it was.
-  void replace(const Grid& grid, const std::vector<VoxelBlock>& blocks) {
-    Collectives& all = wiring_.collectives;
-    agree_after(all, [&] {
-      check(grid, "the grid");
-      check_wiring(layout_, wiring_);
-    });
-    require_same_scene(grid, {}, layout_, wiring_);
-    check_blocks(grid, blocks, all);
-    const auto gps = gps_by_process(layout_, wiring_);
-    scene_.reset();
-    values_.reset();
-    std::string error;
-    if (!grid_ || facts_of(*grid_) != facts_of(grid)) {
-      grid_.reset();
-      slices_.clear();
-      try {
-        slices_ = empty_slices(grid, dealing_of(layout_), gps[std::size_t(all.process())]);
-      } catch (const std::bad_alloc&) {
-        error = "there is no memory for the volume's slices; hint: use more ranks on more machines";
-      }
-    }
-    agree(all, error);
-    grid_ = grid;
-    deal_blocks(grid, blocks, slices_, dealing_of(layout_), gps, round_bytes, all);
-  }
-
-  /// Nothing before the first replace().
-  const std::optional<Grid>& grid() const { return grid_; }
-  const ValueStatistics& values() {
-    if (!values_) values_ = share_values(slices_, *grid_, {}, wiring_.collectives);
-    return *values_;
-  }
-  /// What frames need that need all this.
-  Scene scene_for(const LoadOptions& needed) {
-    if (!scene_ || !covers(made_, needed)) {
-      LoadOptions all = needed;
-      if (scene_) add_needs(all, made_);
-      made_ = all;
-      scene_.reset();
-      scene_ = deal_scene_again(*grid_, slices_, made_, dealing_of(layout_), gps_by_process(layout_, wiring_),
-                                wiring_.collectives);
-    }
-    return *scene_;
-  }
-
- private:
-  Layout layout_;
-  Wiring wiring_;
-  std::optional<Grid> grid_;
-  std::map<int, SliceStore> slices_;  ///< along z
-  std::optional<ValueStatistics> values_;
-  LoadOptions made_;  ///< the scene's
-  std::optional<Scene> scene_;
-};
-
 /// What all the frames need. Throws InputError when they need different things of one slice.
 LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& grid) {
   LoadOptions all = needed_to_render(frames.front(), grid);
@@ -166,8 +98,7 @@ struct Session::State {
   State(Processes given, const std::optional<Layout>& wanted, const SessionOptions& options)
       : processes(std::move(given)),
         layout(wanted.value_or(every_rank_both(processes.ranks()))),
-        wiring{processes.collectives(), processes.transport()},
-        volume(layout, wiring) {
+        wiring{processes.collectives(), processes.transport()} {
     engine.threads_per_rank = options.threads_per_rank;
     protocol.stall_timeout = options.stall_timeout;
     wiring.collectives.set_patience({options.stall_timeout, false});
@@ -206,9 +137,57 @@ struct Session::State {
   }
 
   const Grid& committed() const {
-    if (!volume.grid())
+    if (!committed_grid)
       throw InputError("there is no volume yet", "call set_grid(), add_block() and commit() first");
-    return *volume.grid();
+    return *committed_grid;
+  }
+
+  // All processes call what follows, with the same arguments but for the blocks.
+
+  /// Takes the voxels of all processes' blocks in place of the volume before. Throws the same InputError on
+  /// all when grids, layouts or blocks do not fit; then the volume stays as it was.
+  void commit_blocks() {
+    Collectives& all = wiring.collectives;
+    agree_after(all, [&] {
+      check(*grid, "the grid");
+      check_wiring(layout, wiring);
+    });
+    require_same_scene(*grid, {}, layout, wiring);
+    check_blocks(*grid, blocks, all);
+    const auto gps = gps_by_process(layout, wiring);
+    scene.reset();
+    known_values.reset();
+    std::string error;
+    if (!committed_grid || facts_of(*committed_grid) != facts_of(*grid)) {
+      committed_grid.reset();
+      slices.clear();
+      try {
+        slices = empty_slices(*grid, dealing_of(layout), gps[std::size_t(all.process())]);
+      } catch (const std::bad_alloc&) {
+        error = "there is no memory for the volume's slices; hint: use more ranks on more machines";
+      }
+    }
+    agree(all, error);
+    committed_grid = grid;
+    deal_blocks(*grid, blocks, slices, dealing_of(layout), gps, round_bytes, all);
+  }
+
+  const ValueStatistics& values() {
+    if (!known_values) known_values = share_values(slices, *committed_grid, {}, wiring.collectives);
+    return *known_values;
+  }
+
+  /// What frames need that need all this.
+  Scene scene_for(const LoadOptions& needed) {
+    if (!scene || !covers(made, needed)) {
+      LoadOptions all = needed;
+      if (scene) add_needs(all, made);
+      made = all;
+      scene.reset();
+      scene = deal_scene_again(*committed_grid, slices, made, dealing_of(layout),
+                               gps_by_process(layout, wiring), wiring.collectives);
+    }
+    return *scene;
   }
 
   Processes processes;
@@ -216,10 +195,17 @@ struct Session::State {
   Wiring wiring;
   EngineOptions engine;
   ProtocolOptions protocol;
-  SharedVolume volume;
   std::optional<Grid> grid;  ///< the next commit's
   std::vector<VoxelBlock> blocks;
   std::string problem;  ///< the first since the last collective call
+
+  // The volume that was put together of blocks. GPs keep its z slices; what frames need besides is made of
+  // them when it is first needed.
+  std::optional<Grid> committed_grid;
+  std::map<int, SliceStore> slices;
+  std::optional<ValueStatistics> known_values;
+  LoadOptions made;  ///< the scene's
+  std::optional<Scene> scene;
 };
 
 Session::Session(Processes processes, const std::optional<Layout>& layout, const SessionOptions& options)
@@ -262,7 +248,7 @@ void Session::commit() {
   State& s = *state_;
   s.enter("commit",
           s.grid ? "" : "the volume has no grid; hint: call set_grid() before add_block() and commit()");
-  s.volume.replace(*s.grid, s.blocks);
+  s.commit_blocks();
 }
 
 void SessionParts::note_problem(Session& session, const std::string& problem) {
@@ -275,14 +261,14 @@ const ValueStatistics& SessionParts::values(Session& session, const char* call) 
   const PlainFloats floats;
   Session::State& s = *session.state_;
   s.enter(call, input_error_of([&] { static_cast<void>(s.committed()); }));
-  return s.volume.values();
+  return s.values();
 }
 
 TransferFunction Session::transfer_function(const std::string& name) {
   const PlainFloats floats;
   State& s = *state_;
   s.enter("transfer_function", input_error_of([&] { static_cast<void>(s.committed()); }));
-  const ValueStatistics& values = s.volume.values();
+  const ValueStatistics& values = s.values();
   TransferFunction made;
   agree_after(s.wiring.collectives, [&] {
     made = name == "auto" ? choose_function(values).function : preset(name, values.histogram);
@@ -325,7 +311,7 @@ void SessionParts::render(Session& session, const std::vector<FrameSpec>& frames
       thrown = std::current_exception();
     }
   };
-  Scene scene = s.volume.scene_for(s.needed(all));
+  Scene scene = s.scene_for(s.needed(all));
   render_frames(std::move(scene), s.layout, s.protocol, director_of(all, take_one), s.wiring, s.engine);
   if (thrown) std::rethrow_exception(thrown);
 }
