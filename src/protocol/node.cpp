@@ -10,17 +10,6 @@
 
 namespace ringsplat {
 
-bool EarlyMessages::keep(Message& message) {
-  if (message.header.frame < next_frame_) return false;
-  kept_.push_back(std::move(message));
-  return true;
-}
-
-std::vector<Message> EarlyMessages::release(std::int64_t frame) {
-  next_frame_ = frame + 1;
-  return std::exchange(kept_, {});
-}
-
 void refuse(NodeId node, const Header& h) {
   throw RunError(
       fmt::format("{} cannot use a {} (from {})", to_string(node), name(h.kind), to_string(h.from())));

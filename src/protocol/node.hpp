@@ -1,13 +1,17 @@
 #pragma once
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "net/message.hpp"
 #include "protocol/engine.hpp"
+#include "protocol/protocol_options.hpp"
 
 namespace ringsplat {
+
+class FrameSource;
 
 /// A state machine that reacts to messages, works in bounded pieces and never blocks. A rank hosts several.
 class Node {
@@ -18,7 +22,7 @@ class Node {
   virtual void begin_frame(const Announcement& announcement) = 0;
   /// Drops a frame that nobody wants any more: it ends without a picture once its tokens have come round.
   virtual void drop_frame(std::int64_t frame) = 0;
-  /// Takes a message for this node. Keeps early messages; throws RunError on stale ones.
+  /// Takes a message of a frame that has begun here. Throws RunError on stale ones.
   virtual void receive(Message message) = 0;
   /// Does a bounded piece of work; false when there is none to do now.
   virtual bool advance() = 0;
@@ -33,18 +37,14 @@ class Node {
 /// How nodes send: the host finds the way.
 using Post = std::function<void(Message)>;
 
-/// Messages that overtake the announcement of their frame. The network does not keep their order.
-class EarlyMessages {
- public:
-  /// Takes a message of a frame that was not announced yet; false for others, which are left alone.
-  bool keep(Message& message);
-  /// Frame `frame` was announced: gives back all, to be received again.
-  std::vector<Message> release(std::int64_t frame);
-
- private:
-  std::int64_t next_frame_ = 0;
-  std::vector<Message> kept_;
-};
+// The nodes of a layout. What is passed by reference must outlive them, but for layout and options.
+std::unique_ptr<Node> make_gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine,
+                              Post post);
+std::unique_ptr<Node> make_renderer(int index, const Layout& layout, const ProtocolOptions& options,
+                                    Engine& engine, Post post);
+/// `announce` carries an announcement, a drop or a shutdown to every rank, this one included.
+std::unique_ptr<Node> make_frame_buffer(const Layout& layout, const ProtocolOptions& options, Engine& engine,
+                                        FrameSource& source, Post announce);
 
 /// Says that a node cannot use messages of this kind.
 [[noreturn]] void refuse(NodeId node, const Header& header);

@@ -1,183 +1,223 @@
-#include "protocol/renderer.hpp"
-
 #include <fmt/format.h>
 
+#include <deque>
+#include <map>
+#include <memory>
+#include <optional>
 #include <utility>
 
+#include "protocol/node.hpp"
+#include "record/node_book.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
+namespace {
 
-Renderer::Renderer(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine, Post post)
-    : index_(index),
-      layout_(layout),
-      options_(options),
-      engine_(engine),
-      post_(std::move(post)),
-      book_(id(), options.trace) {}
+/// Renderer (Neumann 1992, sections 2.3 and 3): draws payloads in the order of their sequence number, whoever
+/// sent them and whenever they came, and delivers its tiles when the frame's last payload is drawn.
+///
+/// A payload is accepted when one of the frame's `slots` is free. The token's holder waits for that, so a
+/// Renderer holds at most slots + 1 payloads of each announced frame.
+class Renderer final : public Node {
+ public:
+  Renderer(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine, Post post)
+      : index_(index),
+        layout_(layout),
+        options_(options),
+        engine_(engine),
+        post_(std::move(post)),
+        book_(id(), options.trace) {}
 
-void Renderer::begin_frame(const Announcement& announcement) {
-  frames_.emplace_back().announcement = announcement;
-  for (auto& message : early_.release(announcement.frame)) receive(std::move(message));
-}
-
-void Renderer::drop_frame(std::int64_t number) {
-  for (auto& frame : frames_)
-    if (frame.announcement.frame == number) frame.dropped = true;
-}
-
-Renderer::Frame& Renderer::frame_of(const Header& h) {
-  for (auto& frame : frames_)
-    if (frame.announcement.frame == h.frame) return frame;
-  throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered",
-                             to_string(id()), name(h.kind), h.frame, to_string(h.from())));
-}
-
-void Renderer::receive(Message message) {
-  if (early_.keep(message)) return;
-  const Header& h = message.header;
-  Frame& frame = frame_of(h);
-  switch (h.kind) {
-    case Kind::payload:
-      take_payload(frame, std::move(message));
-      return;
-    case Kind::frame_end:
-      take_end(frame, h);
-      return;
-    default:
-      refuse(id(), h);
+  NodeId id() const override { return {Role::renderer, index_}; }
+  void begin_frame(const Announcement& announcement) override {
+    frames_.emplace_back().announcement = announcement;
   }
-}
 
-void Renderer::take_end(Frame& frame, const Header& h) {
-  if (frame.payloads_expected)
-    throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
-  frame.payloads_expected = fields_of<FrameEndFields>(h).payloads;
-}
+  void drop_frame(std::int64_t number) override {
+    for (auto& frame : frames_)
+      if (frame.announcement.frame == number) frame.dropped = true;
+  }
 
-void Renderer::take_payload(Frame& frame, Message message) {
-  const Header h = message.header;
-  const TokenPlace place = fields_of<PayloadFields>(h).place;
-  frame.stats.payload_bytes_received += h.bytes;
-  book_.mark(Moment::take_payload, h.frame, place.step, place.renderer);
-  if (place.sequence < frame.next || !frame.payloads.emplace(place.sequence, std::move(message)).second)
-    throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}",
-                               to_string(id()), place.sequence, h.frame, to_string(h.from())));
-  if (place.sequence > slots_end(frame))
-    throw RunError(fmt::format("{} got payload {} of frame {} from {} while it had slots for those before {}",
-                               to_string(id()), place.sequence, h.frame, to_string(h.from()),
-                               slots_end(frame)));
-  if (place.sequence < slots_end(frame)) accept(frame, h);
-}
+  void receive(Message message) override {
+    const Header& h = message.header;
+    Frame& frame = frame_of(h);
+    switch (h.kind) {
+      case Kind::payload:
+        take_payload(frame, std::move(message));
+        return;
+      case Kind::frame_end:
+        take_end(frame, h);
+        return;
+      default:
+        refuse(id(), h);
+    }
+  }
 
-/// First sequence number without a slot. Slots go to payloads by number, not by arrival: those before an
-/// arrived one were all sent and need theirs. So only the payload of this number can be here without a slot.
-std::uint32_t Renderer::slots_end(const Frame& frame) const {
-  return frame.next + std::uint32_t(options_.slots);
-}
-
-void Renderer::accept(const Frame& frame, const Header& payload) {
-  const TokenPlace place = fields_of<PayloadFields>(payload).place;
-  Bytes news;
-  if (frame.painter != nullptr) frame.painter->news(payload.source, news);
-  post_(
-      Message(make_header(id(), payload.from(), payload.frame,
-                          AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
-              std::move(news)));
-}
-
-bool Renderer::advance() {
-  book({});
-  if (frames_.empty()) return false;
-  Frame& frame = frames_.front();
-  if (frame.painter == nullptr) begin_drawing(frame);
-  if (!frame.drawn()) return draw_some(frame) || prepare(frame);
-  if (!frame.dropped && frame.painter->conclude())
-    book({Activity::draw, frame.announcement.frame, -1});
-  else
-    deliver(frame);
-  return true;
-}
-
-void Renderer::begin_drawing(Frame& frame) {
-  frame.painter = &engine_.painter(index_, frame.announcement);
-  // A Renderer without a tile has no token.
-  if (!engine_.plan(frame.announcement).drawing(layout_.renderers)[std::size_t(index_)])
-    frame.payloads_expected = 0;
-}
-
-bool Renderer::prepare(Frame& frame) {
-  if (frame.dropped || !frame.painter->prepare()) return false;
-  book({Activity::draw, frame.announcement.frame, -1});
-  return true;
-}
-
-bool Renderer::draw_some(Frame& frame) {
-  const auto found = frame.payloads.find(frame.next);
-  if (found == frame.payloads.end()) return false;
-  const auto [place, passes] = fields_of<PayloadFields>(found->second.header);
-  const PayloadToDraw payload{place.step, passes, found->second.body()};
-  if (frame.dropped) {
-    frame.painter->skip(payload);
-    finish_payload(frame);
+  bool advance() override {
+    book({});
+    if (frames_.empty()) return false;
+    Frame& frame = frames_.front();
+    if (frame.painter == nullptr) begin_drawing(frame);
+    if (!frame.drawn()) return draw_some(frame) || prepare(frame);
+    if (!frame.dropped && frame.painter->conclude())
+      book({Activity::draw, frame.announcement.frame, -1});
+    else
+      deliver(frame);
     return true;
   }
-  if (!std::exchange(frame.painting, true)) frame.painter->begin(payload);
-  const double composited = frame.painter->composite_seconds();
-  const bool complete = frame.painter->work();
-  book({.activity = Activity::draw,
-        .frame = frame.announcement.frame,
-        .step = place.step,
-        .compositing = frame.painter->composite_seconds() - composited});
-  if (complete) finish_payload(frame);
-  return true;
-}
+  bool amid_slice() const override { return !frames_.empty() && frames_.front().painting; }
+  bool idle() const override { return frames_.empty(); }
+  std::string waiting_for() const override {
+    if (frames_.empty()) return {};
+    const Frame& frame = frames_.front();
+    const std::int64_t number = frame.announcement.frame;
+    if (frame.payloads.contains(frame.next))
+      return fmt::format("{} has payload {} of frame {} to draw", to_string(id()), frame.next, number);
+    if (!frame.payloads_expected)
+      return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next,
+                         number);
+    return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next,
+                       *frame.payloads_expected, number);
+  }
 
-void Renderer::finish_payload(Frame& frame) {
-  frame.painting = false;
-  frame.payloads.erase(frame.next);
-  ++frame.next;
-  ++frame.stats.payloads_drawn;
-  const auto waiting = frame.payloads.find(slots_end(frame) - 1);
-  if (waiting != frame.payloads.end()) accept(frame, waiting->second.header);
-}
+ private:
+  struct Frame {
+    Announcement announcement;
+    std::map<std::uint32_t, Message> payloads;       ///< by sequence: not yet drawn, accepted or not
+    std::uint32_t next = 0;                          ///< sequence of the payload to draw now
+    std::optional<std::uint32_t> payloads_expected;  ///< known once the last GP has ended the frame
+    Painter* painter = nullptr;                      ///< set only in the frame being drawn
+    bool painting = false;                           ///< payload `next` is being drawn
+    bool dropped = false;
+    NodeStats stats;
 
-void Renderer::deliver(Frame& frame) {
-  NodeStats& stats = frame.stats;
-  const std::int64_t number = frame.announcement.frame;
-  if (!frame.dropped)
-    frame.painter->finish([&](int tile, Bytes bytes) {
-      ++stats.tiles;
-      stats.tile_bytes += Message::body_size(bytes);
-      post_(Message(make_header(id(), frame_buffer_id, number, TileFields{.tile = tile}), std::move(bytes)));
-    });
-  book({Activity::deliver, number});
-  const ItemCounts counts = frame.painter->counts();
-  stats.splats_drawn = counts.drawn;
-  stats.splats_clipped = counts.clipped;
-  stats.splats_hidden = counts.hidden;
-  stats.blocks = counts.blocks;
-  stats.samples = counts.samples;
-  post_(make_report(id(), number, stats));
-  frames_.pop_front();
-}
+    bool drawn() const { return payloads_expected && next == *payloads_expected; }
+  };
 
-/// Books a turn on the frame being drawn.
-void Renderer::book(const Turn& turn) {
-  book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats);
-}
+  Frame& frame_of(const Header& h) {
+    for (auto& frame : frames_)
+      if (frame.announcement.frame == h.frame) return frame;
+    throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was delivered",
+                               to_string(id()), name(h.kind), h.frame, to_string(h.from())));
+  }
 
-std::string Renderer::waiting_for() const {
-  if (frames_.empty()) return {};
-  const Frame& frame = frames_.front();
-  const std::int64_t number = frame.announcement.frame;
-  if (frame.payloads.contains(frame.next))
-    return fmt::format("{} has payload {} of frame {} to draw", to_string(id()), frame.next, number);
-  if (!frame.payloads_expected)
-    return fmt::format("{} waits for payload {} of frame {} or for its end", to_string(id()), frame.next,
-                       number);
-  return fmt::format("{} waits for payload {} of {} of frame {}", to_string(id()), frame.next,
-                     *frame.payloads_expected, number);
+  void take_end(Frame& frame, const Header& h) {
+    if (frame.payloads_expected)
+      throw RunError(fmt::format("{} was told twice that frame {} is complete", to_string(id()), h.frame));
+    frame.payloads_expected = fields_of<FrameEndFields>(h).payloads;
+  }
+
+  void take_payload(Frame& frame, Message message) {
+    const Header h = message.header;
+    const TokenPlace place = fields_of<PayloadFields>(h).place;
+    frame.stats.payload_bytes_received += h.bytes;
+    book_.mark(Moment::take_payload, h.frame, place.step, place.renderer);
+    if (place.sequence < frame.next || !frame.payloads.emplace(place.sequence, std::move(message)).second)
+      throw RunError(fmt::format("{} got payload {} of frame {} twice, the second time from {}",
+                                 to_string(id()), place.sequence, h.frame, to_string(h.from())));
+    if (place.sequence > slots_end(frame))
+      throw RunError(
+          fmt::format("{} got payload {} of frame {} from {} while it had slots for those before {}",
+                      to_string(id()), place.sequence, h.frame, to_string(h.from()), slots_end(frame)));
+    if (place.sequence < slots_end(frame)) accept(frame, h);
+  }
+
+  /// First sequence number without a slot. Slots go to payloads by number, not by arrival: those before an
+  /// arrived one were all sent and need theirs. So only the payload of this number can be here without a
+  /// slot.
+  std::uint32_t slots_end(const Frame& frame) const { return frame.next + std::uint32_t(options_.slots); }
+
+  void accept(const Frame& frame, const Header& payload) {
+    const TokenPlace place = fields_of<PayloadFields>(payload).place;
+    Bytes news;
+    if (frame.painter != nullptr) frame.painter->news(payload.source, news);
+    post_(Message(
+        make_header(id(), payload.from(), payload.frame,
+                    AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
+        std::move(news)));
+  }
+
+  void begin_drawing(Frame& frame) {
+    frame.painter = &engine_.painter(index_, frame.announcement);
+    // A Renderer without a tile has no token.
+    if (!engine_.plan(frame.announcement).drawing(layout_.renderers)[std::size_t(index_)])
+      frame.payloads_expected = 0;
+  }
+
+  bool prepare(Frame& frame) {
+    if (frame.dropped || !frame.painter->prepare()) return false;
+    book({Activity::draw, frame.announcement.frame, -1});
+    return true;
+  }
+
+  bool draw_some(Frame& frame) {
+    const auto found = frame.payloads.find(frame.next);
+    if (found == frame.payloads.end()) return false;
+    const auto [place, passes] = fields_of<PayloadFields>(found->second.header);
+    const PayloadToDraw payload{place.step, passes, found->second.body()};
+    if (frame.dropped) {
+      frame.painter->skip(payload);
+      finish_payload(frame);
+      return true;
+    }
+    if (!std::exchange(frame.painting, true)) frame.painter->begin(payload);
+    const double composited = frame.painter->composite_seconds();
+    const bool complete = frame.painter->work();
+    book({.activity = Activity::draw,
+          .frame = frame.announcement.frame,
+          .step = place.step,
+          .compositing = frame.painter->composite_seconds() - composited});
+    if (complete) finish_payload(frame);
+    return true;
+  }
+
+  void finish_payload(Frame& frame) {
+    frame.painting = false;
+    frame.payloads.erase(frame.next);
+    ++frame.next;
+    ++frame.stats.payloads_drawn;
+    const auto waiting = frame.payloads.find(slots_end(frame) - 1);
+    if (waiting != frame.payloads.end()) accept(frame, waiting->second.header);
+  }
+
+  void deliver(Frame& frame) {
+    NodeStats& stats = frame.stats;
+    const std::int64_t number = frame.announcement.frame;
+    if (!frame.dropped)
+      frame.painter->finish([&](int tile, Bytes bytes) {
+        ++stats.tiles;
+        stats.tile_bytes += Message::body_size(bytes);
+        post_(
+            Message(make_header(id(), frame_buffer_id, number, TileFields{.tile = tile}), std::move(bytes)));
+      });
+    book({Activity::deliver, number});
+    const ItemCounts counts = frame.painter->counts();
+    stats.splats_drawn = counts.drawn;
+    stats.splats_clipped = counts.clipped;
+    stats.splats_hidden = counts.hidden;
+    stats.blocks = counts.blocks;
+    stats.samples = counts.samples;
+    post_(make_report(id(), number, stats));
+    frames_.pop_front();
+  }
+
+  /// Books a turn on the frame being drawn.
+  void book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats); }
+
+  int index_;
+  Layout layout_;
+  ProtocolOptions options_;
+  Engine& engine_;
+  Post post_;
+  NodeBook book_;
+  std::deque<Frame> frames_;  ///< announced, not yet delivered; the first is being drawn
+};
+
+}  // namespace
+
+std::unique_ptr<Node> make_renderer(int index, const Layout& layout, const ProtocolOptions& options,
+                                    Engine& engine, Post post) {
+  return std::make_unique<Renderer>(index, layout, options, engine, std::move(post));
 }
 
 }  // namespace ringsplat

@@ -2,7 +2,6 @@
 
 #include <cstring>
 
-#include "protocol/gp.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 
@@ -40,7 +39,8 @@ TEST_CASE(
     "a token stays until the payload of the bundle's slices is accepted, then goes to the next bundle's GP") {
   const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4);
   Posted posted;
-  Gp gp(0, {.gps = 2, .renderers = 1, .bundle = 4}, {}, *engine, posted.post());
+  const auto made = make_gp(0, {.gps = 2, .renderers = 1, .bundle = 4}, {}, *engine, posted.post());
+  Node& gp = *made;
   gp.begin_frame(announcement(0, part_of_a_volume));
   run(gp);
   const auto payloads = posted.take(Kind::payload);

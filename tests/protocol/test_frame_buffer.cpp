@@ -1,5 +1,3 @@
-#include "protocol/frame_buffer.hpp"
-
 #include <chrono>
 #include <thread>
 
@@ -19,7 +17,7 @@ struct LoneFrameBuffer {
   explicit LoneFrameBuffer(int frames = 1, const ProtocolOptions& options = {},
                            Layout layout = {.gps = 2, .renderers = 1})
       : source(std::vector<ToyFrame>(std::size_t(frames), ToyFrame{.steps = 3, .tiles = 2})),
-        buffer(layout, options, engine, source, posted.post()) {
+        made(make_frame_buffer(layout, options, engine, source, posted.post())) {
     run(buffer);
   }
 
@@ -56,7 +54,8 @@ struct LoneFrameBuffer {
   ToyEngine engine;
   ToyFrames source;
   Posted posted;
-  FrameBuffer buffer;
+  std::unique_ptr<Node> made;
+  Node& buffer = *made;
 };
 
 using Frames = std::vector<std::int64_t>;

@@ -74,6 +74,18 @@ TEST_CASE("a drop that overtakes its frame's announcement still drops it") {
   CHECK(sent.front().header.kind == Kind::payload);
 }
 
+TEST_CASE("messages of a frame not yet announced wait for it") {
+  SecondRank rank;
+  rank.token(1, 0, 1);
+  rank.token(1);
+  CHECK(rank.sent().empty());
+  rank.announce(0);
+  const auto sent = rank.sent();
+  REQUIRE(sent.size() == 1);
+  CHECK(sent.front().header.kind == Kind::payload);
+  CHECK(sent.front().header.frame == 0);
+}
+
 TEST_CASE("announcements that overtake each other reach the nodes in their order") {
   SecondRank rank;
   rank.announce(1);

@@ -1,5 +1,4 @@
 #include "base/byte_stream.hpp"
-#include "protocol/renderer.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 
@@ -10,7 +9,7 @@ namespace {
 
 struct LoneRenderer {
   explicit LoneRenderer(const ProtocolOptions& options = {}, int index = 0, int renderers = 1)
-      : renderer(index, {.gps = 2, .renderers = renderers}, options, engine, posted.post()) {}
+      : made(make_renderer(index, {.gps = 2, .renderers = renderers}, options, engine, posted.post())) {}
 
   void begin(std::int64_t number, const ToyFrame& frame) {
     renderer.begin_frame(announcement(number, frame));
@@ -39,7 +38,8 @@ struct LoneRenderer {
 
   ToyEngine engine;
   Posted posted;
-  Renderer renderer;
+  std::unique_ptr<Node> made;
+  Node& renderer = *made;
 };
 
 using Accepts = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -129,19 +129,6 @@ TEST_CASE("payloads beyond the slots, twice, or of frames delivered are errors t
   CHECK_THROWS_WITH(twice.end(0, 1), Catch::Matchers::Contains("told twice"));
   run(twice.renderer);
   CHECK_THROWS_WITH(twice.give_payload(0, 2, 1), Catch::Matchers::Contains("after that frame was delivered"));
-}
-
-TEST_CASE("payloads of a frame not yet announced wait for it") {
-  LoneRenderer lone;
-  lone.give_payload(0, 0, 0);
-  lone.end(0, 1);
-  run(lone.renderer);
-  CHECK(lone.posted.messages.empty());
-  lone.begin(0, {.steps = 8});
-  CHECK(lone.accepts().size() == 1);
-  run(lone.renderer);
-  CHECK(lone.posted.take(Kind::tile).size() == 1);
-  CHECK(lone.posted.take(Kind::report).size() == 1);
 }
 
 TEST_CASE("tiles are delivered when the last payload is drawn, and not before its number is known") {

@@ -7,8 +7,6 @@
 #include <set>
 
 #include "net/mesh.hpp"
-#include "protocol/gp.hpp"
-#include "protocol/renderer.hpp"
 #include "support/catch.hpp"
 #include "toy_engine.hpp"
 
@@ -24,10 +22,9 @@ class WatchedNodes {
   WatchedNodes(const Layout& layout, const ProtocolOptions& protocol, std::uint64_t seed)
       : layout_(layout), random_(seed), of_renderer_(std::size_t(layout.renderers)) {
     const Post post = [this](Message message) { take_posted(std::move(message)); };
-    for (int gp = 0; gp < layout.gps; ++gp)
-      nodes_.push_back(std::make_unique<Gp>(gp, layout, protocol, engine(), post));
+    for (int gp = 0; gp < layout.gps; ++gp) nodes_.push_back(make_gp(gp, layout, protocol, engine(), post));
     for (int r = 0; r < layout.renderers; ++r)
-      nodes_.push_back(std::make_unique<Renderer>(r, layout, protocol, engine(), post));
+      nodes_.push_back(make_renderer(r, layout, protocol, engine(), post));
     // Some slices have nothing to send.
     const ToyFrame frame{.steps = 17,
                          .gps = layout.gps,
@@ -135,8 +132,8 @@ TEST_CASE("without sending ahead no token moves before its payload's accept has 
   for (const auto& layout : layouts)
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
       INFO(fmt::format("{} GPs, {} Renderers, seed {}", layout.gps, layout.renderers, seed));
-      WatchedNodes nodes(layout, {.slots = 1 + int(seed % 4), .look_ahead = 1 + int(seed % 2), .send_ahead = 0},
-                    seed);
+      WatchedNodes nodes(
+          layout, {.slots = 1 + int(seed % 4), .look_ahead = 1 + int(seed % 2), .send_ahead = 0}, seed);
       nodes.run();
       CHECK(nodes.payloads() > 5 * layout.renderers);
       CHECK(nodes.most_not_accepted() == 0);
