@@ -1,17 +1,34 @@
 #pragma once
+// Only collectives.cpp includes it.
+#include <fmt/format.h>
 #include <mpi.h>
+#include <pthread.h>
+#include <sched.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <cstdio>
 #include <ctime>
+#include <exception>
+#include <fstream>
+#include <limits>
 #include <mutex>
 #include <span>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
+#include "base/clock.hpp"
+#include "base/log.hpp"
+#include "base/output_file.hpp"
+#include "mpi/connections.hpp"
+#include "mpi/pauses.hpp"
 #include "net/collectives.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
@@ -22,8 +39,30 @@ namespace ringsplat {
 class StallWatch {
  public:
   /// As Collectives::begin_watch(). All processes of `comm` make one.
-  StallWatch(MPI_Comm comm, std::string what, const Patience& patience, bool at_work);
-  ~StallWatch();
+  StallWatch(MPI_Comm comm, std::string what, const Patience& patience, bool at_work)
+      : comm_(comm),
+        what_(std::move(what)),
+        patience_(patience),
+        grace_(std::clamp(patience.seconds / 4, 2.0, 10.0)) {
+    MPI_Comm_rank(comm_, &rank_);
+    MPI_Comm_size(comm_, &ranks_);
+    answered_.resize(std::size_t(ranks_));
+    int threads = MPI_THREAD_SINGLE;
+    MPI_Query_thread(&threads);
+    if (!at_work || threads < MPI_THREAD_SERIALIZED) return;
+    pthread_getcpuclockid(pthread_self(), &worker_);
+    thread_ = std::thread([this] { watch_own_work(); });
+  }
+
+  ~StallWatch() {
+    {
+      const std::lock_guard lock(stopping_);
+      stop_ = true;
+    }
+    stopped_.notify_all();
+    if (thread_.joinable()) thread_.join();
+  }
+
   StallWatch(const StallWatch&) = delete;
   StallWatch& operator=(const StallWatch&) = delete;
 
@@ -31,17 +70,158 @@ class StallWatch {
   std::mutex& mpi() { return mpi_; }
   /// Waits for the requests of this process's part of a collective call. Throws RunError when a process does
   /// not come and the patience says so.
-  void finish(std::span<MPI_Request> requests, const char* call);
+  void finish(std::span<MPI_Request> requests, const char* call) {
+    {
+      const std::lock_guard lock(mpi_);
+      waits_since_ = now_seconds();
+      // The first that waits asks, and the others are spared.
+      ask_at_ = waits_since_ + std::max(0.0, patience_.seconds - grace_) + std::min(0.1 * rank_, grace_ / 2);
+      tell_at_ = never;
+    }
+    waits_ = true;
+    for (long waits = 0;; ++waits) {
+      {
+        const std::lock_guard lock(mpi_);
+        int done = 0;
+        checked(MPI_Testall(int(requests.size()), requests.data(), &done, MPI_STATUSES_IGNORE), call);
+        if (done != 0) break;
+        answer();
+        ask_or_tell();
+      }
+      const Pause pause = pause_after(waits, yields, longest_amid_frame);
+      if (pause.yields) sched_yield();
+      if (pause.sleeps.count() > 0) std::this_thread::sleep_for(pause.sleeps);
+    }
+    waits_ = false;
+  }
 
  private:
-  void send(int to, int tag);
-  bool take(int tag, int& from);
-  void answer();
-  void ask_or_tell();
-  void tell();
-  void watch_own_work();
-  bool makes_headway(double seconds);
-  [[noreturn]] void end_job();
+  static constexpr int question_tag = 5, answer_tag = 6;
+  static constexpr std::chrono::milliseconds tick{100};
+  static constexpr long yields = 64;  // few, as ranks may share cores
+  static constexpr double never = std::numeric_limits<double>::infinity();
+  static constexpr const char* hint =
+      "a file system may hang, or a rank's machine; --stall-timeout sets the limit";
+
+  static std::int64_t nanoseconds(clockid_t clock) {
+    timespec now{};
+    clock_gettime(clock, &now);
+    return std::int64_t(now.tv_sec) * 1'000'000'000 + now.tv_nsec;
+  }
+
+  /// By this process so far, from files and others.
+  static std::uint64_t bytes_read() {
+    std::ifstream io("/proc/self/io");
+    std::string name;
+    std::uint64_t bytes = 0;
+    io >> name >> bytes;
+    return bytes;
+  }
+
+  void send(int to, int tag) {
+    MPI_Request nobody_waits = MPI_REQUEST_NULL;
+    checked(MPI_Isend(nullptr, 0, MPI_BYTE, to, tag, comm_, &nobody_waits), "MPI_Isend");
+    checked(MPI_Request_free(&nobody_waits), "MPI_Request_free");
+  }
+
+  bool take(int tag, int& from) {
+    int arrived = 0;
+    MPI_Message message = MPI_MESSAGE_NULL;
+    MPI_Status status;
+    checked(MPI_Improbe(MPI_ANY_SOURCE, tag, comm_, &arrived, &message, &status), "MPI_Improbe");
+    if (arrived == 0) return false;
+    checked(MPI_Mrecv(nullptr, 0, MPI_BYTE, &message, MPI_STATUS_IGNORE), "MPI_Mrecv");
+    from = status.MPI_SOURCE;
+    return true;
+  }
+
+  void answer() {
+    for (int from = 0; take(question_tag, from);) {
+      send(from, answer_tag);
+      if (from < rank_ && tell_at_ == never) ask_at_ = std::max(ask_at_, now_seconds() + patience_.seconds);
+    }
+  }
+
+  void ask_or_tell() {
+    for (int from = 0; take(answer_tag, from);)  // also to earlier questions: it lives
+      answered_[std::size_t(from)] = true;
+    const double now = now_seconds();
+    if (now > tell_at_) return tell();
+    if (now < ask_at_) return;
+    ask_at_ = never;
+    tell_at_ = now + grace_;
+    answered_.assign(std::size_t(ranks_), false);
+    answered_[std::size_t(rank_)] = true;
+    for (int r = 0; r < ranks_; ++r)
+      if (r != rank_) send(r, question_tag);
+  }
+
+  void tell() {
+    tell_at_ = never;
+    std::string late;
+    for (int r = 0; r < ranks_; ++r)
+      if (!answered_[std::size_t(r)]) late += fmt::format("{}{}", late.empty() ? "rank " : ", ", r);
+    if (late.empty()) {
+      ask_at_ = now_seconds() + patience_.seconds;
+      return;
+    }
+    const std::string line = fmt::format("{} has been {} for {:.0f} s and does not answer", late, what_,
+                                         now_seconds() - waits_since_);
+    if (patience_.ends) throw RunError(line, hint);
+    log_warning("{}; the others wait", line);
+  }
+
+  void watch_own_work() try {
+    double still = 0, last = now_seconds();
+    bool told = false;
+    for (std::unique_lock stopping(stopping_);
+         !stopped_.wait_for(stopping, tick, [this] { return stop_; });) {
+      const double now = now_seconds(), passed = now - std::exchange(last, now);
+      if (waits_) {
+        still = 0;
+        continue;
+      }
+      {
+        const std::lock_guard lock(mpi_);
+        answer();
+      }
+      // Time in which the whole process stood still does not count.
+      still = makes_headway(passed)
+                  ? 0
+                  : still + std::min(passed, 10 * std::chrono::duration<double>(tick).count());
+      if (still < patience_.seconds || told) continue;
+      told = true;
+      const std::string line = fmt::format("rank {} has been {} for {:.0f} s", rank_, what_, still);
+      if (patience_.ends) {
+        log_error("{}; hint: {}", line, hint);
+        end_job();
+      }
+      log_warning("{}; the others wait", line);
+    }
+  } catch (const std::exception&) {
+    // MPI has failed; the process that calls it will say so.
+  }
+
+  bool makes_headway(double seconds) {
+    constexpr double least_part_of_a_core = 0.05;  // threads beside the worker that only draw a bar take less
+    constexpr std::uint64_t most_read_to_see = 4096;  // from /proc
+    const auto worker = nanoseconds(worker_);
+    const double process =
+        1e-9 * double(nanoseconds(CLOCK_PROCESS_CPUTIME_ID) - nanoseconds(CLOCK_THREAD_CPUTIME_ID));
+    const auto read = bytes_read();
+    return std::exchange(worker_nanoseconds_, worker) != worker ||
+           process - std::exchange(process_seconds_, process) > least_part_of_a_core * seconds ||
+           read - std::exchange(bytes_read_, read) > most_read_to_see;
+  }
+
+  [[noreturn]] void end_job() {
+    const std::lock_guard lock(mpi_);
+    remove_unfinished_files();
+    std::fflush(nullptr);
+    std::this_thread::sleep_for(tick);  // launchers may forget what a rank wrote just before
+    MPI_Abort(MPI_COMM_WORLD, int(ExitCode::run_failed));
+    std::abort();
+  }
 
   MPI_Comm comm_;
   int rank_ = 0, ranks_ = 1;
