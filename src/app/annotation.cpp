@@ -138,7 +138,7 @@ struct Bar {
 };
 
 /// The colours over the values, the highest above, within a frame.
-void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const ValueWindow& span) {
+void add_colours(Sheet& sheet, const Bar& bar, const TransferFunction& tf, const DataRange& span) {
   Patch patch{
       int(bar.left), int(bar.top), int(bar.right) - int(bar.left), int(bar.bottom) - int(bar.top), {}};
   for (int y = 0; y < patch.height; ++y) {
@@ -167,7 +167,7 @@ double round_step(double least) {
 }
 
 /// At the right side, from above down to `bottom`.
-void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, const ValueWindow& span,
+void add_colour_bar(Sheet& sheet, double bottom, const TransferFunction& tf, const DataRange& span,
                     const std::string& quantity) {
   const double letter = sheet.letter(), right = sheet.width() - sheet.margin();
   Bar bar{right - 0.9 * letter, sheet.margin() + 0.5 * letter, right, bottom};
@@ -212,14 +212,14 @@ std::string patient_letters(const glm::dvec3& direction) {
   return letters;
 }
 
-std::optional<ValueWindow> visible_span(const TransferFunction& tf, const ValueRange& range) {
+std::optional<DataRange> visible_span(const TransferFunction& tf, const ValueRange& range) {
   const auto& points = tf.opacities;
-  std::optional<ValueWindow> span;
+  std::optional<DataRange> span;
   const auto add = [&](double low, double high) {
     low = std::max(low, range.low);
     high = std::min(high, range.high);
     if (low > high) return;
-    span = span ? ValueWindow{std::min(span->low, low), std::max(span->high, high)} : ValueWindow{low, high};
+    span = span ? DataRange{std::min(span->low, low), std::max(span->high, high)} : DataRange{low, high};
   };
   if (points.front().opacity > 0) add(range.low, points.front().value);
   for (std::size_t k = 0; k + 1 < points.size(); ++k)
@@ -229,7 +229,7 @@ std::optional<ValueWindow> visible_span(const TransferFunction& tf, const ValueR
 }
 
 Annotation::Annotation(const Grid& grid, const VolumeNotes& notes,
-                       const std::optional<glm::dvec3>& background, const std::optional<ValueWindow>& window)
+                       const std::optional<glm::dvec3>& background, const std::optional<DataRange>& window)
     : grid_(grid), notes_(notes) {
   constexpr double middle_grey = 0.18;
   dark_ink_ = background && glm::dot(*background, glm::dvec3(0.2126, 0.7152, 0.0722)) > middle_grey;

@@ -19,7 +19,7 @@ class Annotation {
   /// `background` (linear light; none: transparent) decides between dark and light ink; `window`: the colour
   /// bars span what is visible of it. Throws InputError when there is no font that can be used.
   Annotation(const Grid& grid, const VolumeNotes& notes, const std::optional<glm::dvec3>& background,
-             const std::optional<ValueWindow>& window = std::nullopt);
+             const std::optional<DataRange>& window = std::nullopt);
   /// The colour bars of all pictures span what is visible of `range`, unless there is a window.
   void keep_range(const ValueRange& range);
   /// Of a frame's picture; `range` is the volume's.
@@ -40,6 +40,6 @@ double round_length(double most);
 std::string patient_letters(const glm::dvec3& direction);
 
 /// The values from the lowest to the highest one that is visible; nothing when none is.
-std::optional<ValueWindow> visible_span(const TransferFunction& tf, const ValueRange& range);
+std::optional<DataRange> visible_span(const TransferFunction& tf, const ValueRange& range);
 
 }  // namespace ringsplat::app

@@ -155,29 +155,25 @@ Prediction Forecast::predict(const View& view, const Layout& layout) {
   if (!sheets_) costs.table = 0;
   const bool share = hosts.share_cores();
   if (!share) costs.wake = 0;
-  TokenTimes tokens(machine_, layout, protocol_.slots, shares, costs);
   const SliceDealing dealing = dealing_of(layout);
-  int bundles = 0;
-  std::vector<std::size_t> layers;
-  for (int step = 0; step < g.slices; ++bundles) {
+  std::vector<BundlePass> bundles;
+  for (int step = 0; step < g.slices;) {
     const int first = view.whole.slice_of(step);
-    double encoding = 0;
-    layers.clear();
+    BundlePass& bundle = bundles.emplace_back(BundlePass{std::size_t(dealing.owner_of(first)), {}});
     for (; step < g.slices && dealing.bundle_of(view.whole.slice_of(step)) == dealing.bundle_of(first);
          ++step) {
-      layers.push_back(std::size_t(view.whole.layer_of(step)));
-      encoding += machine_.gp.slice + view.whole.slice_seconds(step);
+      bundle.layers.push_back(std::size_t(view.whole.layer_of(step)));
+      bundle.encoding += machine_.gp.slice + view.whole.slice_seconds(step);
     }
-    tokens.pass(std::size_t(dealing.owner_of(first)), layers, encoding);
   }
-  tokens.deliver();
+  const TokenTimes times = token_times(machine_, layout, protocol_.slots, shares, costs, bundles);
   const double bytes = view.whole.visible_voxels() * bytes_of_voxel_;
   Prediction p;
-  p.gp = tokens.busiest_gp();
-  p.renderer = tokens.busiest_renderer();
-  p.tokens = 3 * costs.hop * bundles;
-  p.shared = hosts.shared_seconds(tokens.busy_ranks(layout));
-  p.seconds = std::max({tokens.end(), p.shared, hosts.link_seconds(bytes)}) * (share ? machine_.sharing : 1);
+  p.gp = times.busiest_gp;
+  p.renderer = times.busiest_renderer;
+  p.tokens = 3 * costs.hop * double(bundles.size());
+  p.shared = hosts.shared_seconds(times.busy_ranks);
+  p.seconds = std::max({times.end, p.shared, hosts.link_seconds(bytes)}) * (share ? machine_.sharing : 1);
   return p;
 }
 

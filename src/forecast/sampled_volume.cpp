@@ -1,7 +1,6 @@
 #include <algorithm>
 
 #include "forecast/forecast.hpp"
-#include "ringsplat/base/error.hpp"
 #include "scene/scene.hpp"
 #include "volume/value_statistics.hpp"
 
@@ -43,11 +42,7 @@ TransferFunction function_for(VolumeSource& source, const TransferFunctionChoice
     for (const Section& section : sections) visit(section, grid.dims.x);
   };
   Merging alone;
-  const ValueStatistics values = describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone);
-  if (values.range.empty())
-    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                     "check the file's --type and --endian");
-  return choice.make(values).function;
+  return choice.make(describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone)).function;
 }
 
 VolumeSketch sketch_of(VolumeSource& source) {

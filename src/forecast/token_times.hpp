@@ -58,54 +58,22 @@ struct TokenCosts {
 /// What a machine's description says of them; a payload's slices are left out.
 TokenCosts token_costs(const Machine& machine, const Layout& layout);
 
-/// How one Renderer goes through the frame; times are seconds since its announcement.
-struct Drawer {
-  double token = 0;          ///< when its token has come from the slice before
-  double drawn = 0;          ///< when all payloads that came are drawn
-  std::vector<double> ends;  ///< of the last payloads, as many as there are slots
-  std::size_t payloads = 0;
-  int kept = 0;     ///< slices that are not painted
-  double owed = 0;  ///< seconds of painting left for later
-  double last = 0;  ///< seconds of the last payload
-  double busy = 0;  ///< seconds in sum
+/// All tokens pass a bundle.
+struct BundlePass {
+  std::size_t gp = 0;
+  std::vector<std::size_t> layers;  ///< of its slices
+  double encoding = 0;              ///< seconds that its GP needs
+};
+
+/// Of one frame, in seconds.
+struct TokenTimes {
+  double end = 0, busiest_gp = 0, busiest_renderer = 0;
+  std::vector<double> busy_ranks;
 };
 
 /// When the tokens of one frame pass its slices: followed from slice to slice, Renderer by Renderer. Messages
 /// that come to a rank that computes wait for half of its piece.
-class TokenTimes {
- public:
-  /// `shares` must outlive it.
-  TokenTimes(const Machine& machine, const Layout& layout, int slots, const Shares& shares,
-             const TokenCosts& costs);
-  /// All tokens pass a bundle, whose GP needs so many seconds to encode it. `layers`: those of its slices.
-  void pass(std::size_t gp, const std::vector<std::size_t>& layers, double encoding);
-  /// After all slices: Renderers paint what is left and deliver their pixels.
-  void deliver();
-
-  double end() const;  ///< of the frame
-  double busiest_gp() const;
-  double busiest_renderer() const;
-  std::vector<double> busy_ranks(const Layout& layout) const;
-
- private:
-  struct Work {
-    double now = 0, later = 0;
-    int slices = 0;
-  };
-  double encode(std::size_t gp, double seconds);
-  Work work_of(std::size_t renderer, const std::vector<std::size_t>& layers) const;
-  double pass_on(std::size_t gp, std::size_t renderer, double here, const std::vector<std::size_t>& layers);
-  double wait_at_gp(std::size_t gp, double now, bool awake);
-  double wait_for_renderer(std::size_t renderer, double now, bool awake);
-  double wake(std::size_t rank, double now);
-  double wait_for_gp(std::size_t gp, double now) const;
-
-  const Shares& shares_;
-  TokenCosts costs_;
-  bool colocated_;
-  std::vector<Drawer> drawers_;
-  std::vector<double> gp_free_, gp_busy_, encoding_;  ///< by GP; the last bundle's encoding
-  std::vector<double> awake_;                         ///< by rank: when it goes on that was woken last
-};
+TokenTimes token_times(const Machine& machine, const Layout& layout, int slots, const Shares& shares,
+                       const TokenCosts& costs, const std::vector<BundlePass>& bundles);
 
 }  // namespace ringsplat::app

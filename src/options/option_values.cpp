@@ -123,7 +123,7 @@ glm::dvec3 parse_spacing(const std::string& text, const std::string& option) {
   return {(*spacing)[0], (*spacing)[1], (*spacing)[2]};
 }
 
-ValueWindow parse_window(const std::string& text, const std::string& option) {
+DataRange parse_window(const std::string& text, const std::string& option) {
   const auto wrong = [&](const char* what) -> InputError {
     return {fmt::format("{} {}: {}", option, text, what), fmt::format("for instance {}=-100:300", option)};
   };
@@ -131,7 +131,7 @@ ValueWindow parse_window(const std::string& text, const std::string& option) {
   if (colon == std::string::npos) throw wrong("is no window of values");
   const auto low = parse_numbers(text.substr(0, colon)), high = parse_numbers(text.substr(colon + 1));
   if (!low || !high || low->size() != 1 || high->size() != 1) throw wrong("is no window of values");
-  const ValueWindow window{low->front(), high->front()};
+  const DataRange window{low->front(), high->front()};
   if (!std::isfinite(window.low) || !std::isfinite(window.high)) throw wrong("is not finite");
   if (!(window.low < window.high)) throw wrong("does not ascend");
   return window;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "classify/auto_preset.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
 
 /// Turns what people type for an option into values. Every function throws InputError that names the option
@@ -49,12 +50,8 @@ std::string joined(const std::vector<std::string>& words, const std::string& bet
 /// third of the letters wrong).
 std::string closest(const std::string& word, const std::vector<std::string>& known);
 
-/// Values from `low` to `high` > low, both finite.
-struct ValueWindow {
-  double low, high;
-};
-/// "LO:HI".
-ValueWindow parse_window(const std::string& text, const std::string& option);
+/// "LO:HI", both finite and LO below HI.
+DataRange parse_window(const std::string& text, const std::string& option);
 /// A number above 0.
 double parse_density(const std::string& text, const std::string& option);
 

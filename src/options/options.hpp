@@ -65,7 +65,7 @@ struct ViewAngles {
 
 /// Changes of the transfer function that --tf chooses.
 struct ColourOptions {
-  std::optional<ValueWindow> range;  ///< what it spans
+  std::optional<DataRange> range;  ///< what it spans
   double opacity = 1;                ///< as dense so many times
   std::string colours;               ///< a colour map's name; empty: its own colours
   bool log = false;                  ///< on a logarithmic axis

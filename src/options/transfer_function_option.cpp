@@ -81,7 +81,7 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
   if (is_auto && !windowed && colour_.mode == Mode::composite) return choose_function(values);
   DataRange window{0, 1};
   if (colour_.log) window = positive_range(values);
-  if (colour_.range) window = {colour_.range->low, colour_.range->high};
+  if (colour_.range) window = *colour_.range;
   if (is_auto && colour_.mode != Mode::composite)
     return choose_for_mode(colour_.mode, values, grid, windowed ? std::optional(window) : std::nullopt);
   if (is_auto) return choose_within(values, window, colour_.log);
@@ -95,6 +95,9 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
 }
 
 MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const Grid& grid) const {
+  if (values.range.empty())
+    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
+                     "check the file's --type and --endian");
   if (colour_.log && colour_.range && !(colour_.range->low > 0))
     throw InputError(fmt::format("--log cannot show values from {:g}, as only positive ones have a logarithm",
                                  colour_.range->low),

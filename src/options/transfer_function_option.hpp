@@ -28,8 +28,8 @@ class TransferFunctionChoice {
   /// Reads a file immediately. Throws InputError when `text` is neither a preset nor a readable transfer
   /// function, or when there is no such colour map.
   explicit TransferFunctionChoice(const std::string& text, const ColourOptions& colour = {});
-  /// Throws InputError when the values do not allow what is asked: no positive one for --log, no whole
-  /// numbers for --labels.
+  /// Throws InputError when the values do not allow what is asked: no finite one, no positive one for
+  /// --log, no whole numbers for --labels.
   MadeFunction make(const ValueStatistics& values, const Grid& grid = {}) const;
 
  private:

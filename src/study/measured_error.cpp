@@ -49,9 +49,6 @@ WholeVolume read_whole(VolumeSource& source) {
   Merging alone;
   volume.statistics = describe_values({volume.grid.type, notes.fill, ScalarType::float64}, volume.grid.dims,
                                       notes, pass, alone);
-  if (volume.statistics.range.empty())
-    throw InputError("the volume has no finite value: every voxel is not-a-number or infinite",
-                     "check the file's --type and --endian");
   return volume;
 }
 

@@ -17,7 +17,7 @@ struct WholeVolume {
   std::vector<double> values;
   ValueStatistics statistics;  ///< the same as load_scene's, so that presets are the same
 };
-/// Throws InputError when the volume is unreadable, has no finite value or exceeds this machine's memory.
+/// Throws InputError when the volume is unreadable or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);
 
 /// Moves the volume's values into the scene, where they stay from frame to frame; set_frame changes the rest.

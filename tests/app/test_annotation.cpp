@@ -126,7 +126,7 @@ TEST_CASE("the colour bar spans the values that can be seen, within the volume's
 
 TEST_CASE("the colour bars of a series keep the first volume's values, or those of --range",
           "[openimageio]") {
-  const auto bars = [](const std::optional<app::ValueWindow>& window) {
+  const auto bars = [](const std::optional<DataRange>& window) {
     app::Annotation annotation(cube(), {}, std::nullopt, window);
     annotation.keep_range(range(0, 255));
     std::vector<Overlay> drawn;
@@ -139,7 +139,7 @@ TEST_CASE("the colour bars of a series keep the first volume's values, or those 
       return one.x == other.x && one.y == other.y && one.rgba == other.rgba;
     });
   };
-  const auto first = bars({}), window = bars(app::ValueWindow{50, 150});
+  const auto first = bars({}), window = bars(DataRange{50, 150});
   for (const auto& drawn : {first, window}) CHECK((same(drawn[0], drawn[1]) && same(drawn[0], drawn[2])));
   CHECK_FALSE(same(first[0], window[0]));
 }
