@@ -37,7 +37,7 @@ function turned(v, axis, angle) {
 }
 
 /** Rolls a virtual ball: the side of the volume nearest to the viewer follows the hand. Angles in radians. */
-export function rollBall(camera, right, down) {
+function rollBall(camera, right, down) {
   const angle = Math.hypot(right, down);
   if (angle === 0) return camera;
   const basis = basisOf(camera);
@@ -47,12 +47,15 @@ export function rollBall(camera, right, down) {
 }
 
 /** Turns the volume about its own vertical axis and tilts it; it never rolls. Angles in radians. */
-export function turnTable(camera, right, down) {
+function turnTable(camera, right, down) {
   const [s, c] = [Math.sin(camera.roll * degree), Math.cos(camera.roll * degree)];
   const azimuth = wrapped(camera.azimuth - (c * right + s * down) / degree);
   const elevation = Math.min(90, Math.max(-90, camera.elevation + (c * down - s * right) / degree));
   return { ...camera, azimuth, elevation };
 }
+
+/** How a drag turns the camera: a virtual ball or a turntable. */
+export const turning = { trackball: rollBall, turntable: turnTable };
 
 /** The same angle in -180 to 180. */
 export const wrapped = (angle) => angle - 360 * Math.round(angle / 360);
@@ -122,19 +125,11 @@ export function fillingZoom(camera, volume, width, height) {
   return 0.475 * Math.min(width / reach(0), height / reach(1));
 }
 
-/** Rotation of a basis as a unit quaternion [w, x, y, z], and back. */
-export function quaternionOf({ right, up, viewer }) {
-  const m = [right, up, viewer];  // columns
-  const trace = m[0][0] + m[1][1] + m[2][2];
-  if (trace > 0) {
-    const s = 2 * Math.sqrt(trace + 1);
-    return [s / 4, (m[1][2] - m[2][1]) / s, (m[2][0] - m[0][2]) / s, (m[0][1] - m[1][0]) / s];
-  }
-  const i = [0, 1, 2].reduce((best, k) => (m[k][k] > m[best][best] ? k : best), 0);
-  const j = (i + 1) % 3, k = (i + 2) % 3, s = 2 * Math.sqrt(Math.max(0, 1 + m[i][i] - m[j][j] - m[k][k]));
-  const q = [(m[j][k] - m[k][j]) / s, 0, 0, 0];
-  [q[1 + i], q[1 + j], q[1 + k]] = [s / 4, (m[i][j] + m[j][i]) / s, (m[i][k] + m[k][i]) / s];
-  return q;
+/** A camera's rotation, about z, x and z again, as a unit quaternion [w, x, y, z]. */
+export function quaternionOf({ azimuth, elevation, roll }) {
+  const [a, e, r] = [azimuth, 90 - elevation, roll].map((angle) => 0.5 * angle * degree);
+  const [s, c] = [Math.sin(e), Math.cos(e)];
+  return [c * Math.cos(a + r), s * Math.cos(a - r), s * Math.sin(a - r), c * Math.sin(a + r)];
 }
 export function basisOfQuaternion([w, x, y, z]) {
   const rotate = (v) => {

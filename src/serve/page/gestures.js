@@ -1,6 +1,6 @@
 // Mouse, pen and fingers on the picture.
 
-import { movePicture, rollBall, turnTable } from './camera.js';
+import { movePicture, turning } from './camera.js';
 import { settings } from './settings.js';
 import { windowed, windowOf } from './transfer_function.js';
 
@@ -82,8 +82,7 @@ export class Gestures {
     this.fingers.set(event.pointerId, now);
     if (shift[0] === 0 && shift[1] === 0) return;
     const radians = shift.map((d) => (d / this.side) * radiansEachSide);
-    const turn = settings.turning === 'turntable' ? turnTable : rollBall;
-    if (this.mode === 'turn') scene.change({ camera: turn(scene.state.camera, ...radians) });
+    if (this.mode === 'turn') scene.change({ camera: turning[settings.turning](scene.state.camera, ...radians) });
     if (this.mode === 'pan')
       scene.change({ camera: movePicture(scene.state.camera, { shift: shift.map((d) => d / this.side) }) });
     if (this.mode === 'roll') this.roll(before, now);

@@ -1,6 +1,6 @@
 // The keyboard: all that the mouse can do, and the list of it.
 
-import { movePicture, rollBall, sixViews, turnTable } from './camera.js';
+import { movePicture, sixViews, turning } from './camera.js';
 import { byId, element } from './dom.js';
 import { set, settings } from './settings.js';
 import { windowed } from './transfer_function.js';
@@ -111,7 +111,6 @@ function turnOrPan(app, [right, down], pans) {
   const { camera } = app.scene.state;
   app.film.stop();
   app.sender.pulse();
-  const turn = settings.turning === 'turntable' ? turnTable : rollBall;
   app.scene.change({ camera: pans ? movePicture(camera, { shift: [right * panStep, down * panStep] })
-                                  : turn(camera, right * step, down * step) });
+                                  : turning[settings.turning](camera, right * step, down * step) });
 }

@@ -1,6 +1,6 @@
 // A way through key frames: Catmull-Rom splines, for directions of quaternions.
 
-import { anglesOf, basisOf, basisOfQuaternion, quaternionOf } from './camera.js';
+import { anglesOf, basisOfQuaternion, quaternionOf } from './camera.js';
 import { clamp } from './dom.js';
 
 /** Uniform Catmull-Rom between b and c, for lists of numbers. */
@@ -21,7 +21,7 @@ function aligned(quaternions) {
 }
 
 function direction(cameras, t) {
-  const q = curve(...aligned(cameras.map((camera) => quaternionOf(basisOf(camera)))), t), size = Math.hypot(...q);
+  const q = curve(...aligned(cameras.map((camera) => quaternionOf(camera))), t), size = Math.hypot(...q);
   return anglesOf(basisOfQuaternion(q.map((c) => c / size)));
 }
 
