@@ -57,16 +57,6 @@ ValueStatistics read_values(VolumeSource& source, Progress& progress) {
   return describe_values({grid.type, notes.fill}, grid.dims, notes, pass, alone);
 }
 
-/// Fewer bins, which add up those of `histogram`.
-Histogram coarser(const Histogram& histogram, int bins) {
-  Histogram coarse(histogram.low, histogram.high, bins);
-  coarse.below = histogram.below;
-  coarse.above = histogram.above;
-  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
-    coarse.counts[k * std::size_t(bins) / histogram.counts.size()] += histogram.counts[k];
-  return coarse;
-}
-
 std::string human_bytes(std::uint64_t bytes) {
   constexpr const char* units[] = {"B", "KiB", "MiB", "GiB", "TiB", "PiB"};
   double value = double(bytes);

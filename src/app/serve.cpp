@@ -224,8 +224,7 @@ std::unique_ptr<serve::Viewer> start_viewer(const ServeOptions& options, const J
                                             Launch& launch) {
   std::unique_ptr<serve::Viewer> viewer;
   launch.check_on_rank_0([&] {
-    viewer =
-        std::make_unique<serve::Viewer>(viewer_options(options, job, notes, scene, std::move(made), launch));
+    viewer = serve::make_viewer(viewer_options(options, job, notes, scene, std::move(made), launch));
     if (options.address != "127.0.0.1" && options.address != "::1")
       log_warning(
           "--bind {}: everybody who can reach this machine and learns the token sees the volume, and what "

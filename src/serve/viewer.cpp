@@ -2,11 +2,20 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <mutex>
 #include <utility>
 
 #include "base/log.hpp"
 #include "classify/srgb.hpp"
 #include "ringsplat/base/error.hpp"
+#include "serve/audience.hpp"
+#include "serve/picture_maker.hpp"
+#include "serve/requests.hpp"
 #include "serve/viewer_texts.hpp"
 #include "session/render_frames.hpp"
 
@@ -17,357 +26,412 @@ using namespace std::chrono_literals;
 
 constexpr auto rest_begins = 150ms;
 
+class PageViewer final : public Viewer {
+ public:
+  explicit PageViewer(ViewerOptions options)
+      : options_(std::move(options)),
+        levels_(make_levels(options_.qualities, options_.volume.grid.dims)),
+        rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()),
+               options_.largest_side},
+        controller_(options_.target_seconds),
+        requests_(
+            server_,
+            [this] {
+              const std::lock_guard lock(mutex_);
+              wake();
+            },
+            options_.volume.grid, options_.volume.range, int(levels_.size()), options_.ffmpeg),
+        server_(options_.server, events()),
+        maker_(int(levels_.size())) {
+    server_.start();
+  }
+
+  /// Requests send their answers by the server, which calls them.
+  ~PageViewer() override { requests_.stop(); }
+  PageViewer(const PageViewer&) = delete;
+  PageViewer& operator=(const PageViewer&) = delete;
+
+  std::string url() const override { return server_.url(); }
+  Director director() override {
+    return {.next_frame = [this] { return next(); },
+            .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
+            .may_come =
+                [this] {
+                  const std::lock_guard lock(mutex_);
+                  return !ended_ && !next_volume_;
+                },
+            .unwanted = [this](const FrameSpec& spec) { return unwanted(spec); },
+            .pause = [this](std::chrono::nanoseconds most) { pause(most); }};
+  }
+
+  std::optional<int> next_volume() override {
+    const std::lock_guard lock(mutex_);
+    return ended_ ? std::nullopt : next_volume_;
+  }
+
+  void loaded(int volume, const ValueRange& range) override {
+    requests_.show(volume, range);
+    const std::lock_guard lock(mutex_);
+    next_volume_.reset();
+    shown_volume_ = volume;
+    not_yet_seen_ = true;
+    next_frame_ = 0;
+    say_to_all(frame_text(volume, "shown"));
+  }
+
+  void not_loaded(int volume, const std::string& why) override {
+    requests_.refuse_volume(volume, why);
+    const std::lock_guard lock(mutex_);
+    if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
+    if (current_ && current_->message.scene.frame == volume) current_.reset();
+    say_to_all(frame_text(volume, "failed"));
+    say_to_all(error_text(why, {}));
+  }
+
+  void warn(const std::string& text) override {
+    constexpr std::size_t most = 20;
+    const std::lock_guard lock(mutex_);
+    if (warnings_.size() >= most) return;
+    warnings_.push_back(warning_text(text));
+    say_to_all(warnings_.back());
+  }
+
+  void end(const std::string& message) override {
+    {
+      const std::lock_guard lock(mutex_);
+      if (std::exchange(ended_, true)) return;
+      wake();
+    }
+    requests_.end();
+    server_.end(end_text(message));
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct View {
+    ViewMessage message;
+    std::uint64_t scene = 0;   ///< the same for views that show the same in the same size
+    std::uint64_t number = 0;  ///< its own; pages that come later count their views from 1 again
+    Clock::time_point came;
+    std::optional<int> shown;  ///< finest level
+  };
+  struct Rendering {
+    std::int64_t frame = 0;
+    View view;
+    int level = 0;
+    bool at_rest = false, refines = false;
+  };
+  struct LastPicture {
+    std::shared_ptr<const std::string> message;
+    PictureHead head;
+    View view;
+  };
+
+  ServerEvents events() {
+    return {
+        .opened = [this](ClientId client) { opened(client); },
+        .received = [this](ClientId client, std::string&& text) { received(client, text); },
+        .refused =
+            [this](ClientId client) { server_.send_text(client, error_text("messages must be texts", {})); },
+        .closed = [this](ClientId client) { closed(client); },
+        .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
+  }
+
+  void opened(ClientId client) {
+    const std::lock_guard lock(mutex_);
+    audience_.add(client);
+    server_.send_text(client, hello_text(options_, levels_, audience_.drives(client), audience_.size()));
+    for (const std::string& warning : warnings_) server_.send_text(client, warning);
+    say_driver();
+    if (!audience_.drives(client) && last_.message) send_last(client);
+    wake();
+  }
+
+  void received(ClientId client, const std::string& text) {
+    try {
+      std::visit([&](auto&& message) { handle(client, std::move(message)); },
+                 parse_client_message(text, rules_));
+    } catch (const std::exception& e) {
+      const std::optional<Request> request = request_of(text);
+      if (request && request->type == "movie_frame") requests_.cancel_movie(client, request->id);
+      server_.send_text(client, error_text(e.what(), request));
+    }
+    const std::lock_guard lock(mutex_);
+    wake();
+  }
+
+  void closed(ClientId client) {
+    const std::lock_guard lock(mutex_);
+    audience_.remove(client);
+    requests_.forget(client);
+    say_driver();
+    wake();
+  }
+
+  void handle(ClientId client, ViewMessage&& view) {
+    for (const Level& level : levels_) check_frame(at(view.scene, level), options_.volume.grid);
+    const std::lock_guard lock(mutex_);
+    if (!audience_.drives(client)) return;
+    if (!last_put_ || *last_put_ != view.scene) ++scenes_;
+    last_put_ = view.scene;
+    newest_ = View{std::move(view), scenes_, ++views_, Clock::now(), {}};
+  }
+
+  void handle(ClientId client, const AckMessage& ack) {
+    const std::lock_guard lock(mutex_);
+    audience_.acknowledge(client, ack.picture);
+    // Pictures that a slow watcher could not take are skipped, but not the last one.
+    if (last_.message && audience_.lacks(client, last_.head.number)) send_last(client);
+  }
+
+  void handle(ClientId client, const DriveMessage&) {
+    const std::lock_guard lock(mutex_);
+    if (audience_.drives(client)) return;
+    audience_.drive(client);
+    say_driver();
+  }
+
+  void handle(ClientId client, const ProbeMessage& asked) {
+    const std::lock_guard lock(mutex_);
+    if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
+      throw InputError("there is no such pixel in the last view");
+    requests_.add(client, asked, best_frame(*last_put_), last_put_->frame);
+  }
+
+  void handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
+
+  void handle(ClientId client, const FileMessage& asked) {
+    requests_.add(client, asked, best_frame(asked.scene));
+  }
+
+  void handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
+
+  std::optional<FrameSpec> next() {
+    const std::lock_guard lock(mutex_);
+    if (ended_ || next_volume_) return std::nullopt;
+    auto spec = next_picture();
+    if (!spec && !next_volume_) {
+      spec = requests_.next(next_frame_);
+      const auto volume = spec ? std::nullopt : requests_.wanted_volume();
+      if (volume) ask_for(*volume);
+    }
+    if (spec) ++next_frame_;
+    return spec;
+  }
+
+  std::optional<FrameSpec> next_picture() {
+    if (audience_.size() == 0) return std::nullopt;
+    if (rendering_ || pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
+      return std::nullopt;
+    take_newest();
+    if (!current_) return std::nullopt;
+    View& view = *current_;
+    const bool rests = !view.message.moving || Clock::now() - view.came >= rest_begins;
+    std::optional<int> level;
+    if (rests)
+      level = next_level_at_rest(controller_, view.shown);
+    else if (!view.shown)
+      level = controller_.level();
+    if (!level) {
+      if (rests) show_again();
+      return std::nullopt;
+    }
+    if (view.message.scene.frame != shown_volume_) {
+      ask_for(view.message.scene.frame);
+      return std::nullopt;
+    }
+    not_yet_seen_ = false;
+    rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
+    return at(view.message.scene, levels_[std::size_t(*level)]);
+  }
+
+  /// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
+  /// of each that was.
+  void take_newest() {
+    if (!newest_) return;
+    const bool loaded_for_current =
+        not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == shown_volume_;
+    if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
+    View view = *std::exchange(newest_, std::nullopt);
+    if (current_ && current_->scene == view.scene) view.shown = current_->shown;
+    current_ = std::move(view);
+    std::vector<double> costs;
+    for (const Level& level : levels_)
+      costs.push_back(rough_seconds(at(current_->message.scene, level), options_.volume.grid.dims));
+    controller_.expect(std::move(costs));
+  }
+
+  /// The mutex is held.
+  void ask_for(int volume) {
+    next_volume_ = volume;
+    say_to_all(frame_text(volume, "loading"));
+  }
+
+  /// For a view that shows what the last picture shows: the page waits for one with the view's number.
+  void show_again() {
+    if (pictures_encoding_ > 0 || !last_.message || last_.view.scene != current_->scene ||
+        last_.view.number == current_->number)
+      return;
+    LastPicture again{last_.message, last_.head, *current_};
+    again.head.seq = current_->message.seq;
+    again.head.time = current_->message.time;
+    send_to_all(std::move(again));
+  }
+
+  void take(FrameResult&& result) {
+    if (requests_.renders(result.spec.frame)) {
+      requests_.take(std::move(result));
+      return;
+    }
+    const std::lock_guard lock(mutex_);
+    // unwanted() may have dropped it when it was already complete.
+    if (!rendering_ || rendering_->frame != result.spec.frame) return;
+    const Rendering rendering = *std::exchange(rendering_, std::nullopt);
+    ++pictures_encoding_;
+    const double seconds = result.stats.seconds;
+    controller_.took(rendering.level, seconds);
+    const ViewMessage& view = rendering.view.message;
+    const int levels = int(levels_.size());
+    // What is drawn at best while the view moves is sent with less quality, and once more when it rests.
+    const bool at_rest = rendering.at_rest && rendering.level + 1 == levels;
+    if (current_ && current_->scene == rendering.view.scene)
+      current_->shown = at_rest ? rendering.level : std::min(rendering.level, levels - 2);
+    auto picture = std::make_shared<RenderedPicture>();
+    picture->image = std::move(result.image);
+    picture->background = srgb_to_linear(view.scene.background);
+    picture->moving = !rendering.at_rest;
+    picture->scene = rendering.view.scene;
+    picture->head = {.seq = view.seq,
+                     .level = std::uint8_t(rendering.level),
+                     .levels = std::uint8_t(levels),
+                     .at_rest = at_rest,
+                     .seconds = static_cast<float>(seconds),
+                     .time = view.time};
+    post(picture_worker_, [this, picture, shown = rendering.view] { send_picture(*picture, shown); });
+  }
+
+  bool unwanted(const FrameSpec& spec) {
+    if (requests_.unwanted(spec.frame)) return true;
+    const std::lock_guard lock(mutex_);
+    if (!rendering_ || rendering_->frame != spec.frame) return false;
+    const bool newer = newest_ && newest_->scene != rendering_->view.scene;
+    if (!ended_ && audience_.size() > 0 && !(rendering_->refines && newer)) return false;
+    rendering_.reset();
+    return true;
+  }
+
+  void pause(std::chrono::nanoseconds most) {
+    std::unique_lock lock(mutex_);
+    changed_.wait_for(lock, most, [this] { return woken_; });
+    woken_ = false;
+  }
+
+  FrameSpec at(const SceneState& scene, const Level& level) const {
+    FrameSpec frame = options_.frame;
+    frame.shown = scene.shown;
+    return at_level(std::move(frame), level);
+  }
+
+  /// Of a file that a page asks for. An error in a frame that is announced would end the job.
+  FrameSpec best_frame(const SceneState& scene) const {
+    FrameSpec best = at(scene, levels_.back());
+    check_frame(best, options_.volume.grid);
+    return best;
+  }
+
+  void send_picture(RenderedPicture& picture, const View& view) {
+    std::string message;
+    try {
+      message = maker_.make(picture);
+    } catch (const std::exception& e) {
+      log_error("the viewer: {}", e.what());
+    }
+    {
+      const std::lock_guard lock(mutex_);
+      --pictures_encoding_;
+      if (!message.empty())
+        send_to_all({std::make_shared<const std::string>(std::move(message)), picture.head, view});
+      wake();
+    }
+    maker_.learn(picture);
+  }
+
+  /// The mutex is held.
+  void send_to_all(LastPicture&& picture) {
+    const auto now = Clock::now();
+    sent_.push_back(now);
+    while (now - sent_.front() > 1s) sent_.pop_front();
+    picture.head.number = ++last_number_;
+    picture.head.pictures_a_second = pictures_a_second();
+    picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
+    last_ = std::move(picture);
+    for (const ClientId client : audience_.takers()) send_last(client);
+  }
+
+  void send_last(ClientId client) {
+    if (audience_.must_learn(client, last_.view.scene))
+      server_.send_text(client, state_text(last_.view.message.scene));
+    audience_.sent(client, last_.head.number);
+    server_.send_binary(client, last_.message);
+  }
+
+  float pictures_a_second() {
+    if (sent_.size() < 2) return 0;
+    const std::chrono::duration<float> span = sent_.back() - sent_.front();
+    return float(sent_.size() - 1) / std::max(span.count(), 1e-3F);
+  }
+
+  /// The mutex is held.
+  void say_driver() {
+    for (const ClientId client : audience_.all())
+      server_.send_text(client, driver_text(audience_.drives(client), audience_.size()));
+  }
+
+  /// The mutex is held.
+  void say_to_all(const std::string& text) {
+    for (const ClientId client : audience_.all()) server_.send_text(client, text);
+  }
+
+  /// The mutex is held.
+  void wake() {
+    woken_ = true;
+    changed_.notify_all();
+  }
+
+  const ViewerOptions options_;
+  const std::vector<Level> levels_;
+  const MessageRules rules_;
+
+  std::mutex mutex_;  ///< guards what follows, up to the requests
+  std::condition_variable changed_;
+  bool woken_ = false, ended_ = false;
+  Audience audience_;
+  std::vector<std::string> warnings_;
+  std::optional<View> newest_;  ///< not yet taken
+  std::uint64_t scenes_ = 0, views_ = 0;
+  std::optional<View> current_;
+  int shown_volume_ = 0;
+  std::optional<int> next_volume_;  ///< that the run ends for
+  bool not_yet_seen_ = false;       ///< no frame was drawn of the volume since it was loaded
+  std::optional<SceneState> last_put_;
+  LevelController controller_;
+  std::optional<Rendering> rendering_;
+  std::int64_t next_frame_ = 0;
+  int pictures_encoding_ = 0;
+  std::uint32_t last_number_ = 0;
+  std::deque<Clock::time_point> sent_;
+  LastPicture last_;
+
+  Requests requests_;  ///< has a lock of its own, taken after that
+  WebServer server_;
+  PictureMaker maker_;
+  boost::asio::thread_pool picture_worker_{1};  ///< never calls MPI; last, as it uses all else
+};
+
 }  // namespace
 
-Viewer::Viewer(ViewerOptions options)
-    : options_(std::move(options)),
-      levels_(make_levels(options_.qualities, options_.volume.grid.dims)),
-      rules_{options_.initial, options_.volume.grid.dims, int(options_.frames.size()), options_.largest_side},
-      controller_(options_.target_seconds),
-      requests_(
-          server_,
-          [this] {
-            const std::lock_guard lock(mutex_);
-            wake();
-          },
-          options_.volume.grid, options_.volume.range, int(levels_.size()), options_.ffmpeg),
-      server_(options_.server, events()),
-      maker_(int(levels_.size())) {
-  server_.start();
-}
-
-/// Requests send their answers by the server, which calls them.
-Viewer::~Viewer() { requests_.stop(); }
-
-ServerEvents Viewer::events() {
-  return {
-      .opened = [this](ClientId client) { opened(client); },
-      .received = [this](ClientId client, std::string&& text) { received(client, text); },
-      .refused =
-          [this](ClientId client) { server_.send_text(client, error_text("messages must be texts", {})); },
-      .closed = [this](ClientId client) { closed(client); },
-      .signalled = [this](int number) { end(ended_by_signal_text(number)); }};
-}
-
-Director Viewer::director() {
-  return {.next_frame = [this] { return next(); },
-          .frame_done = [this](FrameResult&& result) { take(std::move(result)); },
-          .may_come =
-              [this] {
-                const std::lock_guard lock(mutex_);
-                return !ended_ && !next_volume_;
-              },
-          .unwanted = [this](const FrameSpec& spec) { return unwanted(spec); },
-          .pause = [this](std::chrono::nanoseconds most) { pause(most); }};
-}
-
-void Viewer::warn(const std::string& text) {
-  constexpr std::size_t most = 20;
-  const std::lock_guard lock(mutex_);
-  if (warnings_.size() >= most) return;
-  warnings_.push_back(warning_text(text));
-  say_to_all(warnings_.back());
-}
-
-void Viewer::end(const std::string& message) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (std::exchange(ended_, true)) return;
-    wake();
-  }
-  requests_.end();
-  server_.end(end_text(message));
-}
-
-std::optional<int> Viewer::next_volume() {
-  const std::lock_guard lock(mutex_);
-  return ended_ ? std::nullopt : next_volume_;
-}
-
-void Viewer::loaded(int volume, const ValueRange& range) {
-  requests_.show(volume, range);
-  const std::lock_guard lock(mutex_);
-  next_volume_.reset();
-  shown_volume_ = volume;
-  not_yet_seen_ = true;
-  next_frame_ = 0;
-  say_to_all(frame_text(volume, "shown"));
-}
-
-void Viewer::not_loaded(int volume, const std::string& why) {
-  requests_.refuse_volume(volume, why);
-  const std::lock_guard lock(mutex_);
-  if (newest_ && newest_->message.scene.frame == volume) newest_.reset();
-  if (current_ && current_->message.scene.frame == volume) current_.reset();
-  say_to_all(frame_text(volume, "failed"));
-  say_to_all(error_text(why, {}));
-}
-
-/// The mutex is held.
-void Viewer::ask_for(int volume) {
-  next_volume_ = volume;
-  say_to_all(frame_text(volume, "loading"));
-}
-
-/// The mutex is held.
-void Viewer::say_to_all(const std::string& text) {
-  for (const ClientId client : audience_.all()) server_.send_text(client, text);
-}
-
-/// The mutex is held.
-void Viewer::wake() {
-  woken_ = true;
-  changed_.notify_all();
-}
-
-void Viewer::pause(std::chrono::nanoseconds most) {
-  std::unique_lock lock(mutex_);
-  changed_.wait_for(lock, most, [this] { return woken_; });
-  woken_ = false;
-}
-
-// What pages say: on the server's thread.
-
-/// The mutex is held.
-void Viewer::say_driver() {
-  for (const ClientId client : audience_.all())
-    server_.send_text(client, driver_text(audience_.drives(client), audience_.size()));
-}
-
-void Viewer::opened(ClientId client) {
-  const std::lock_guard lock(mutex_);
-  audience_.add(client);
-  server_.send_text(client, hello_text(options_, levels_, audience_.drives(client), audience_.size()));
-  for (const std::string& warning : warnings_) server_.send_text(client, warning);
-  say_driver();
-  if (!audience_.drives(client) && last_.message) send_last(client);
-  wake();
-}
-
-void Viewer::closed(ClientId client) {
-  const std::lock_guard lock(mutex_);
-  audience_.remove(client);
-  requests_.forget(client);
-  say_driver();
-  wake();
-}
-
-void Viewer::received(ClientId client, const std::string& text) {
-  try {
-    std::visit([&](auto&& message) { handle(client, std::move(message)); },
-               parse_client_message(text, rules_));
-  } catch (const std::exception& e) {
-    const std::optional<Request> request = request_of(text);
-    if (request && request->type == "movie_frame") requests_.cancel_movie(client, request->id);
-    server_.send_text(client, error_text(e.what(), request));
-  }
-  const std::lock_guard lock(mutex_);
-  wake();
-}
-
-FrameSpec Viewer::at(const SceneState& scene, const Level& level) const {
-  FrameSpec frame = options_.frame;
-  frame.shown = scene.shown;
-  return at_level(std::move(frame), level);
-}
-
-/// Of a file that a page asks for. An error in a frame that is announced would end the job.
-FrameSpec Viewer::best_frame(const SceneState& scene) const {
-  FrameSpec best = at(scene, levels_.back());
-  check_frame(best, options_.volume.grid);
-  return best;
-}
-
-void Viewer::handle(ClientId client, ViewMessage&& view) {
-  for (const Level& level : levels_) check_frame(at(view.scene, level), options_.volume.grid);
-  const std::lock_guard lock(mutex_);
-  if (!audience_.drives(client)) return;
-  if (!last_put_ || *last_put_ != view.scene) ++scenes_;
-  last_put_ = view.scene;
-  newest_ = View{std::move(view), scenes_, ++views_, Clock::now(), {}};
-}
-
-void Viewer::handle(ClientId client, const AckMessage& ack) {
-  const std::lock_guard lock(mutex_);
-  audience_.acknowledge(client, ack.picture);
-  // Pictures that a slow watcher could not take are skipped, but not the last one.
-  if (last_.message && audience_.lacks(client, last_.head.number)) send_last(client);
-}
-
-void Viewer::handle(ClientId client, const DriveMessage&) {
-  const std::lock_guard lock(mutex_);
-  if (audience_.drives(client)) return;
-  audience_.drive(client);
-  say_driver();
-}
-
-void Viewer::handle(ClientId client, const ProbeMessage& asked) {
-  const std::lock_guard lock(mutex_);
-  if (!last_put_ || asked.x >= last_put_->shown.width || asked.y >= last_put_->shown.height)
-    throw InputError("there is no such pixel in the last view");
-  requests_.add(client, asked, best_frame(*last_put_), last_put_->frame);
-}
-
-void Viewer::handle(ClientId client, const MapMessage& map) { server_.send_text(client, map_text(map)); }
-
-void Viewer::handle(ClientId client, const FileMessage& asked) {
-  requests_.add(client, asked, best_frame(asked.scene));
-}
-
-void Viewer::handle(ClientId client, const CancelMessage& asked) { requests_.cancel_movie(client, asked.id); }
-
-// What is rendered: on the thread that renders.
-
-std::optional<FrameSpec> Viewer::next() {
-  const std::lock_guard lock(mutex_);
-  if (ended_ || next_volume_) return std::nullopt;
-  auto spec = next_picture();
-  if (!spec && !next_volume_) {
-    spec = requests_.next(next_frame_);
-    const auto volume = spec ? std::nullopt : requests_.wanted_volume();
-    if (volume) ask_for(*volume);
-  }
-  if (spec) ++next_frame_;
-  return spec;
-}
-
-/// While a series is gone through quickly only the newest view's volume is loaded, but one picture is drawn
-/// of each that was.
-void Viewer::take_newest() {
-  if (!newest_) return;
-  const bool loaded_for_current =
-      not_yet_seen_ && current_ && !current_->shown && current_->message.scene.frame == shown_volume_;
-  if (loaded_for_current && newest_->message.scene.frame != shown_volume_) return;
-  View view = *std::exchange(newest_, std::nullopt);
-  if (current_ && current_->scene == view.scene) view.shown = current_->shown;
-  current_ = std::move(view);
-  std::vector<double> costs;
-  for (const Level& level : levels_)
-    costs.push_back(rough_seconds(at(current_->message.scene, level), options_.volume.grid.dims));
-  controller_.expect(std::move(costs));
-}
-
-std::optional<FrameSpec> Viewer::next_picture() {
-  if (audience_.size() == 0) return std::nullopt;
-  if (rendering_ || pictures_encoding_ + audience_.unacknowledged() >= Audience::most_unacknowledged)
-    return std::nullopt;
-  take_newest();
-  if (!current_) return std::nullopt;
-  View& view = *current_;
-  const bool rests = !view.message.moving || Clock::now() - view.came >= rest_begins;
-  std::optional<int> level;
-  if (rests)
-    level = next_level_at_rest(controller_, view.shown);
-  else if (!view.shown)
-    level = controller_.level();
-  if (!level) {
-    if (rests) show_again();
-    return std::nullopt;
-  }
-  if (view.message.scene.frame != shown_volume_) {
-    ask_for(view.message.scene.frame);
-    return std::nullopt;
-  }
-  not_yet_seen_ = false;
-  rendering_ = {next_frame_, view, *level, rests, view.shown.has_value()};
-  return at(view.message.scene, levels_[std::size_t(*level)]);
-}
-
-/// For a view that shows what the last picture shows: the page waits for one with the view's number.
-void Viewer::show_again() {
-  if (pictures_encoding_ > 0 || !last_.message || last_.view.scene != current_->scene ||
-      last_.view.number == current_->number)
-    return;
-  LastPicture again{last_.message, last_.head, *current_};
-  again.head.seq = current_->message.seq;
-  again.head.time = current_->message.time;
-  send_to_all(std::move(again));
-}
-
-bool Viewer::unwanted(const FrameSpec& spec) {
-  if (requests_.unwanted(spec.frame)) return true;
-  const std::lock_guard lock(mutex_);
-  if (!rendering_ || rendering_->frame != spec.frame) return false;
-  const bool newer = newest_ && newest_->scene != rendering_->view.scene;
-  if (!ended_ && audience_.size() > 0 && !(rendering_->refines && newer)) return false;
-  rendering_.reset();
-  return true;
-}
-
-void Viewer::take(FrameResult&& result) {
-  if (requests_.renders(result.spec.frame)) {
-    requests_.take(std::move(result));
-    return;
-  }
-  const std::lock_guard lock(mutex_);
-  // unwanted() may have dropped it when it was already complete.
-  if (!rendering_ || rendering_->frame != result.spec.frame) return;
-  const Rendering rendering = *std::exchange(rendering_, std::nullopt);
-  ++pictures_encoding_;
-  const double seconds = result.stats.seconds;
-  controller_.took(rendering.level, seconds);
-  const ViewMessage& view = rendering.view.message;
-  const int levels = int(levels_.size());
-  // What is drawn at best while the view moves is sent with less quality, and once more when it rests.
-  const bool at_rest = rendering.at_rest && rendering.level + 1 == levels;
-  if (current_ && current_->scene == rendering.view.scene)
-    current_->shown = at_rest ? rendering.level : std::min(rendering.level, levels - 2);
-  auto picture = std::make_shared<RenderedPicture>();
-  picture->image = std::move(result.image);
-  picture->background = srgb_to_linear(view.scene.background);
-  picture->moving = !rendering.at_rest;
-  picture->scene = rendering.view.scene;
-  picture->head = {.seq = view.seq,
-                   .level = std::uint8_t(rendering.level),
-                   .levels = std::uint8_t(levels),
-                   .at_rest = at_rest,
-                   .seconds = static_cast<float>(seconds),
-                   .time = view.time};
-  post(picture_worker_, [this, picture, shown = rendering.view] { send_picture(*picture, shown); });
-}
-
-// What is sent: on the workers' threads.
-
-void Viewer::send_picture(RenderedPicture& picture, const View& view) {
-  std::string message;
-  try {
-    message = maker_.make(picture);
-  } catch (const std::exception& e) {
-    log_error("the viewer: {}", e.what());
-  }
-  {
-    const std::lock_guard lock(mutex_);
-    --pictures_encoding_;
-    if (!message.empty())
-      send_to_all({std::make_shared<const std::string>(std::move(message)), picture.head, view});
-    wake();
-  }
-  maker_.learn(picture);
-}
-
-/// The mutex is held.
-void Viewer::send_to_all(LastPicture&& picture) {
-  const auto now = Clock::now();
-  sent_.push_back(now);
-  while (now - sent_.front() > 1s) sent_.pop_front();
-  picture.head.number = ++last_number_;
-  picture.head.pictures_a_second = pictures_a_second();
-  picture.message = std::make_shared<const std::string>(with_head(*picture.message, picture.head));
-  last_ = std::move(picture);
-  for (const ClientId client : audience_.takers()) send_last(client);
-}
-
-void Viewer::send_last(ClientId client) {
-  if (audience_.must_learn(client, last_.view.scene))
-    server_.send_text(client, state_text(last_.view.message.scene));
-  audience_.sent(client, last_.head.number);
-  server_.send_binary(client, last_.message);
-}
-
-float Viewer::pictures_a_second() {
-  if (sent_.size() < 2) return 0;
-  const std::chrono::duration<float> span = sent_.back() - sent_.front();
-  return float(sent_.size() - 1) / std::max(span.count(), 1e-3F);
+std::unique_ptr<Viewer> make_viewer(ViewerOptions options) {
+  return std::make_unique<PageViewer>(std::move(options));
 }
 
 }  // namespace ringsplat::serve

@@ -3,6 +3,8 @@
 #include <csignal>
 #include <nlohmann/json.hpp>
 
+#include "volume/value_statistics.hpp"
+
 namespace ringsplat::serve {
 namespace {
 
@@ -13,13 +15,10 @@ json three(const Vector& v) {
   return {v[0], v[1], v[2]};
 }
 
-/// Fewer bins, as many as a page shows.
 json histogram_json(const Histogram& histogram) {
-  constexpr std::size_t bins = 256;
-  std::vector<std::uint64_t> counts(bins);
-  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
-    counts[k * bins / histogram.counts.size()] += histogram.counts[k];
-  return {{"low", histogram.low}, {"high", histogram.high}, {"counts", counts}};
+  constexpr int shown_bins = 256;
+  return {
+      {"low", histogram.low}, {"high", histogram.high}, {"counts", coarser(histogram, shown_bins).counts}};
 }
 
 json labels_json(const std::vector<Label>& labels) {

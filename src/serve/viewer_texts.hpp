@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include "serve/probe.hpp"
 #include "serve/viewer.hpp"
 
 /// The JSON texts that a viewer sends (docs/viewer.md).

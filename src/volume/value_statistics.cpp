@@ -275,4 +275,13 @@ bool look_like_labels(const ValueStatistics& s) {
   return double(equal) >= 0.85 * pairs && double(apart) >= 0.25 * changes && double(alone) <= 0.15 * changes;
 }
 
+Histogram coarser(const Histogram& histogram, int bins) {
+  Histogram coarse(histogram.low, histogram.high, bins);
+  coarse.below = histogram.below;
+  coarse.above = histogram.above;
+  for (std::size_t k = 0; k < histogram.counts.size(); ++k)
+    coarse.counts[k * std::size_t(bins) / histogram.counts.size()] += histogram.counts[k];
+  return coarse;
+}
+
 }  // namespace ringsplat

@@ -136,6 +136,9 @@ ValueStatistics describe_values(const ValueKind& kind, glm::ivec3 dims, const Vo
 /// Of a histogram alone.
 ValueStatistics describe_values(const Histogram& histogram);
 
+/// Fewer bins, which add up those of `histogram`.
+Histogram coarser(const Histogram& histogram, int bins);
+
 /// The first and the last bin that are no outliers. Outliers are at most a ten-thousandth of the voxels at
 /// either end, or one, which lie farther from the rest than fifty times its width. `bins` is not empty.
 struct KeptBins {
