@@ -11,9 +11,7 @@
 
 namespace ringsplat {
 
-namespace detail {
 class TemporaryFile;
-}
 
 /// A file that appears under its name only when all of it is on the disk. Until then its bytes are in a
 /// hidden file beside it (docs/formats.md, "Files"), and a file that had the name before stays as it was.
@@ -49,7 +47,7 @@ class OutputFile {
   [[noreturn]] void fail(int reason) const;
 
   std::filesystem::path path_;
-  std::unique_ptr<detail::TemporaryFile> file_;
+  std::unique_ptr<TemporaryFile> file_;
   std::uint64_t size_ = 0;
   std::vector<std::byte> buffer_;  ///< not yet written
   bool secured_ = false;
@@ -64,6 +62,9 @@ void write_texts(const std::vector<std::pair<std::filesystem::path, std::string>
 /// folder nor a device. Else throws InputError naming `option`, or RunError when the disk fails. Leaves
 /// nothing behind.
 void check_can_write(const std::filesystem::path& path, const std::string& option);
+
+/// Removes from a folder the unfinished files of dead processes of this user and host. In doubt a file stays.
+void remove_stale_files(const std::filesystem::path& folder);
 
 /// Removes the hidden files of all OutputFiles of this process. Async-signal-safe, for handlers of signals
 /// that end the process. Nothing can be written afterwards: a thread that begins a file waits for the

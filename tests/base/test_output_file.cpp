@@ -14,7 +14,6 @@
 #include <thread>
 
 #include "base/log.hpp"
-#include "base/temporary_file.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
 #include "support/file_size_limit.hpp"
@@ -233,7 +232,7 @@ TEST_CASE("what may be somebody else's stays") {
   const std::string stale = folder / named(host, dead, "x.png");
   make(stale, "by a dead process");
 
-  detail::remove_stale_files(folder.path());
+  remove_stale_files(folder.path());
   CHECK_FALSE(fs::exists(stale));
   for (const std::string& other : others) {
     INFO(other);
@@ -241,7 +240,7 @@ TEST_CASE("what may be somebody else's stays") {
   }
   CHECK(files_in(folder.path()) == others.size() + 3);
   close(descriptor);
-  detail::remove_stale_files(folder.path());
+  remove_stale_files(folder.path());
   CHECK_FALSE(fs::exists(locked));
 }
 
@@ -250,7 +249,7 @@ TEST_CASE("a process does not take its own unfinished file for another's, but on
   const OutputFile file(folder / "x.png");
   const std::string mine = only_name_in(folder.path());
   make(folder / replaced(mine, "x.png", "z.png"), "of one that had the same number");
-  detail::remove_stale_files(folder.path());
+  remove_stale_files(folder.path());
   CHECK(only_name_in(folder.path()) == mine);
 }
 
@@ -276,11 +275,11 @@ TEST_CASE("more files than the handler has places for are written all the same")
     files.push_back(std::make_unique<OutputFile>(folder / std::to_string(k)));
     files.back()->write("text");
   }
-  detail::remove_stale_files(folder.path());
+  remove_stale_files(folder.path());
   for (const auto& file : files) file->commit();
   files.clear();
   CHECK(files_in(folder.path()) == 100);
   const OutputFile after(folder / "after");
-  detail::remove_stale_files(folder.path());
+  remove_stale_files(folder.path());
   CHECK(files_in(folder.path()) == 101);
 }
