@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "app/stats_output.hpp"
 #include "app/views.hpp"
 #include "base/child_program.hpp"
 #include "base/log.hpp"
@@ -21,7 +22,6 @@
 namespace ringsplat::app {
 
 namespace fs = std::filesystem;
-using nlohmann::json;
 
 std::string picture_settings(const FrameSpec& spec, const std::string& volume, bool annotated,
                              const MeasuredError* error) {
@@ -67,11 +67,13 @@ FrameOutput::FrameOutput(const RenderOptions& options, const Layout& layout, con
       volume_(options.volume.path),
       range_(range),
       progress_(progress),
-      stats_(options, layout, std::move(memory)),
+      stats_(std::make_unique<StatsOutput>(options, layout, std::move(memory))),
       writer_([this](FinishedFrame&& frame) {
         write(frame, nullptr);
         progress_.at(double(seconds_.size()));
       }) {}
+
+FrameOutput::~FrameOutput() = default;
 
 std::size_t FrameOutput::most_held(const RenderOptions& options, std::size_t frames) {
   const auto in_flight = std::size_t(options.run.protocol.frames_in_flight);
@@ -158,8 +160,8 @@ void FrameOutput::write(const FinishedFrame& frame, const MeasuredError* error) 
                               after, sum.visible_voxels, sum.splats_sent, items_of(result.spec.how), shown));
   seconds_.push_back(result.stats.seconds);
   period_sum_ += result.stats.period;
-  stats_.add(result, written ? file.string() : std::string(), error, volume);
-  if (whole) stats_.write(refinements);
+  stats_->add(result, written ? file.string() : std::string(), error, volume);
+  if (whole) stats_->write(refinements);
 }
 
 void FrameOutput::finish() {
@@ -170,7 +172,7 @@ void FrameOutput::finish() {
     progress_.print(to_text(error));
   }
   truth_.reset();
-  stats_.finish();
+  stats_->finish();
   if (empty_frames_ > 1) log_warning("{} of {} frames are empty", empty_frames_, seconds_.size());
   if (nearly_empty_frames_ > 1)
     log_warning("{} of {} frames are nearly empty", nearly_empty_frames_, seconds_.size());

@@ -1,16 +1,18 @@
 #pragma once
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
 #include <future>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "app/annotation.hpp"
-#include "app/stats_output.hpp"
 #include "base/process.hpp"
 #include "images/drawing.hpp"
 #include "options/options.hpp"
@@ -23,6 +25,19 @@
 #include "study/measured_error.hpp"
 
 namespace ringsplat::app {
+
+/// The memory that --stats predicts.
+struct SliceMemory {
+  std::array<bool, 3> kept_axes{};
+  std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
+};
+
+/// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and its
+/// error against the full picture.
+struct RefinementStep {
+  double seconds, rmse, largest;  ///< errors in 1/255
+};
+using RefinementSteps = std::map<std::int64_t, RefinementStep>;  ///< by frame
 
 /// A frame, the file that its picture goes to, and the volume that it shows.
 struct FinishedFrame {
@@ -94,6 +109,8 @@ class Film {
   int count_ = 0;
 };
 
+class StatsOutput;
+
 /// Outputs finished frames: pictures, a line of results each, and statistics. Lives on rank 0 and writes on a
 /// thread of its own.
 class FrameOutput {
@@ -101,6 +118,7 @@ class FrameOutput {
   /// All that is passed by reference must outlive it.
   FrameOutput(const RenderOptions& options, const Layout& layout, const ValueRange& range, SliceMemory memory,
               Progress& progress);
+  ~FrameOutput();
 
   /// Has annotations drawn into the files of all pictures, after their errors were measured. Before take().
   void annotate(const Annotation& annotation) { annotation_ = annotation; }
@@ -149,7 +167,7 @@ class FrameOutput {
   std::optional<truth::Scene> truth_;  ///< while errors are measured
   std::vector<double> seconds_;
   double period_sum_ = 0;
-  StatsOutput stats_;
+  std::unique_ptr<StatsOutput> stats_;
   RefinementSteps refinements_;  ///< of the view whose full picture comes next
   int empty_frames_ = 0, nearly_empty_frames_ = 0;
   FrameWriter writer_;  ///< declared last: it uses all of the above

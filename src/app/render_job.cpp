@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "app/browsing.hpp"
 #include "app/commands.hpp"
 #include "app/loading.hpp"
 #include "app/places.hpp"
@@ -118,8 +117,14 @@ std::array<bool, 3> agree_on_axes(const RenderOptions& o, const std::vector<Came
 
 }  // namespace
 
+std::vector<Reduction> levels_of(const FrameSpec& frame, bool progressive) {
+  if (!progressive) return {frame.shown.reduction};
+  const bool prefilter = frame.shown.reduction.prefilter;
+  return {{4, prefilter}, {2, prefilter}, {1, prefilter}};
+}
+
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid) {
-  for (const Reduction& level : Browsing::levels(spec, o.progressive)) {
+  for (const Reduction& level : levels_of(spec, o.progressive)) {
     spec.shown.reduction = level;
     check_frame(spec, grid);
   }
@@ -138,8 +143,7 @@ LoadOptions load_options(const RenderOptions& o, std::array<bool, 3> axes) {
     load.with_normals |= needs_normals(other);
     load.with_cell_ranges |= needs_cell_ranges(other);
   }
-  for (const Reduction& level : Browsing::levels(o.frame, o.progressive))
-    load.factors.push_back(level.factor);
+  for (const Reduction& level : levels_of(o.frame, o.progressive)) load.factors.push_back(level.factor);
   if (o.budget.max_error && !o.budget.fixed_undersample) load.factors = levels_to_choose_from();
   return load;
 }

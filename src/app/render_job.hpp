@@ -33,6 +33,9 @@ struct Job {
 /// throw the same InputError.
 Job prepare(const RenderOptions& given, Launch& launch);
 
+/// The reductions of a view's pictures, coarse to fine.
+std::vector<Reduction> levels_of(const FrameSpec& frame, bool progressive);
+
 /// Throws InputError when the frame's view cannot be rendered at some level.
 void check_view(const RenderOptions& o, FrameSpec spec, const Grid& grid);
 

@@ -1,55 +1,151 @@
 #pragma once
-#include <array>
+// Only frame_output.cpp includes it.
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <cstdint>
-#include <map>
+#include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "app/frame_output.hpp"
 #include "base/output_file.hpp"
-#include "options/options.hpp"
-#include "record/stats.hpp"
-#include "session/director.hpp"
-#include "study/measured_error.hpp"
+#include "frame/frame_spec_bytes.hpp"
+#include "net/message.hpp"
+#include "options/method_options.hpp"
+#include "options/option_values.hpp"
+#include "program/text_output.hpp"
 
 namespace ringsplat::app {
 
-/// The memory that --stats predicts.
-struct SliceMemory {
-  std::array<bool, 3> kept_axes{};
-  std::vector<std::uint64_t> predicted;  ///< bytes of slices by GP
-};
+using nlohmann::json;
 
 /// All but the time, which differs from run to run.
-nlohmann::json to_json(const MeasuredError& error);
+inline json to_json(const MeasuredError& m) {
+  return {{"truth", to_string(m.truth)},    {"pixels", m.error.pixels},
+          {"outside", m.error.outside},     {"seed", m.seed},
+          {"rmse", m.error.rmse},           {"rmse_low", m.error.rmse_low},
+          {"rmse_high", m.error.rmse_high}, {"largest", m.error.largest},
+          {"mean", m.error.mean},           {"unit", "1/255"}};
+}
 
-/// Statistics of a refined view's coarse frame: seconds from the view's announcement to its picture, and its
-/// error against the full picture.
-struct RefinementStep {
-  double seconds, rmse, largest;  ///< errors in 1/255
-};
-using RefinementSteps = std::map<std::int64_t, RefinementStep>;  ///< by frame
+inline json to_json(const SliceMemory& memory) {
+  std::string axes;
+  for (const Axis axis : all_axes)
+    if (memory.kept_axes[std::size_t(axis)]) axes += name(axis);
+  return {{"kept_axes", axes}, {"predicted_slice_bytes", memory.predicted}};
+}
+
+inline double busy_seconds(const NodeStats& s) {
+  return s.computing + s.drawing + s.compositing + s.delivering;
+}
+inline double megabytes(std::uint64_t bytes) { return double(bytes) / 1e6; }
 
 /// The file of --stats, to which each frame goes as soon as all is known of it.
 class StatsOutput {
  public:
   /// No file where the options name none. What is passed by reference must outlive it.
-  StatsOutput(const RenderOptions& options, const Layout& layout, SliceMemory memory);
+  StatsOutput(const RenderOptions& options, const Layout& layout, SliceMemory memory)
+      : file_(options.stats),
+        lines_(std::filesystem::path(file_).extension() == ".jsonl"),
+        layout_(layout),
+        memory_(std::move(memory)),
+        as_table_(options.stats_as_table),
+        items_(items_of(options.frame.how)),
+        gps_(std::size_t(layout.gps)),
+        renderers_(std::size_t(layout.renderers)) {}
 
   /// `picture`: the frame's file; empty when none was written. `error` may be null. Throws RunError when the
   /// file cannot be written.
   void add(const FrameResult& frame, const std::string& picture, const MeasuredError* error,
-           const std::string& volume);
+           const std::string& volume) {
+    if (as_table_) {
+      ++frames_;
+      for (std::size_t g = 0; g < frame.stats.gps.size(); ++g) gps_.at(g) += frame.stats.gps[g];
+      for (std::size_t r = 0; r < frame.stats.renderers.size(); ++r)
+        renderers_.at(r) += frame.stats.renderers[r];
+      items_ = items_of(frame.spec.how);
+    }
+    if (as_table_ || file_.empty()) return;
+    json j = json::parse(to_json_text(frame.stats, layout_, to_json_text(frame.spec), name(frame.axis)));
+    if (!picture.empty()) j["file"] = picture;
+    j["volume"] = volume;
+    j["memory"] = to_json(memory_);
+    if (error != nullptr) {
+      j["error"] = to_json(*error);
+      j["error"]["seconds"] = error->seconds;
+    }
+    waiting_.emplace_back(frame.spec.frame, std::move(j));
+  }
+
   /// Writes the frames that were added since the last call.
-  void write(const RefinementSteps& steps);
-  void finish();
+  void write(const RefinementSteps& steps) {
+    for (auto& [frame, j] : waiting_) {
+      if (const auto step = steps.find(frame); step != steps.end()) {
+        const auto& [seconds, rmse, largest] = step->second;
+        j["refinement"] = {{"seconds", seconds}, {"rmse", rmse}, {"largest", largest}, {"unit", "1/255"}};
+      }
+      if (std::exchange(begun_, true))
+        put(lines_ ? "\n" : ",\n");
+      else if (!lines_)
+        put("[\n");
+      put(plain_json_text(std::move(j)));
+    }
+    waiting_.clear();
+  }
+
+  void finish() {
+    if (file_.empty()) return;
+    if (as_table_) return write_text_output(file_, table());
+    write({});
+    put(lines_ ? "\n" : begun_ ? "\n]\n" : "[\n\n]\n");
+    if (output_)
+      output_->commit();
+    else
+      flush_stdout();
+  }
 
  private:
-  void put(const std::string& text);
-  std::string table() const;
+  void put(const std::string& text) {
+    if (is_stdout(file_)) {
+      std::fwrite(text.data(), 1, text.size(), stdout);
+      return;
+    }
+    if (!output_) output_ = std::make_unique<OutputFile>(file_);
+    output_->write(text);
+  }
+
+  /// What each rank did in all frames, for people.
+  std::string table() const {
+    std::string text = fmt::format(
+        "{} frame{}, sums\n{:>6}  {:<24}{:>10}{:>11}{:>7}{:>11}{:>13}{:>11}{:>15}{:>15}\n", frames_,
+        frames_ == 1 ? "" : "s", "rank", "nodes", "busy s", "waiting s", "busy", "sent MB", "received MB",
+        "memory MB", fmt::format("{} sent", items_), fmt::format("{} drawn", items_));
+    for (int rank = 0; rank < layout_.working_ranks(); ++rank) {
+      NodeStats sum;
+      std::string nodes;
+      double there = 0;  // a rank's nodes take turns: while one works the other waits
+      for (const NodeId node : layout_.nodes_on(rank)) {
+        if (node == frame_buffer_id) continue;
+        const NodeStats& one = (node.role == Role::gp ? gps_ : renderers_).at(std::size_t(node.index));
+        sum += one;
+        there = std::max(there, busy_seconds(one) + one.waiting_for_token + one.sending + one.idle);
+        nodes += (nodes.empty() ? "" : ", ") + to_string(node);
+      }
+      const double busy = busy_seconds(sum), waiting = std::max(0.0, there - busy);
+      text += fmt::format(
+          "{:>6}  {:<24}{:>10.3f}{:>11.3f}{:>5.0f} %{:>11.2f}{:>13.2f}{:>11.0f}{:>15}{:>15}\n", rank, nodes,
+          busy, waiting, busy > 0 ? 100 * busy / (busy + waiting) : 0.0,
+          megabytes(sum.payload_bytes_sent + sum.tile_bytes), megabytes(sum.payload_bytes_received),
+          megabytes(sum.peak_memory), sum.splats_sent, sum.splats_drawn);
+    }
+    if (layout_.idle > 0) text += fmt::format("{:>6}  idle\n", fmt::format("+{}", layout_.idle));
+    return text;
+  }
 
   const std::string& file_;
   const bool lines_;  ///< not an array
@@ -58,9 +154,9 @@ class StatsOutput {
   const bool as_table_;  ///< of sums, in place of JSON
   const char* items_;    ///< what payloads hold
   int frames_ = 0;
-  std::vector<NodeStats> gps_, renderers_;                        ///< sums
-  std::vector<std::pair<std::int64_t, nlohmann::json>> waiting_;  ///< entries, with their frames
-  std::unique_ptr<OutputFile> output_;  ///< null before the first frame, or for stdout
+  std::vector<NodeStats> gps_, renderers_;              ///< sums
+  std::vector<std::pair<std::int64_t, json>> waiting_;  ///< entries, with their frames
+  std::unique_ptr<OutputFile> output_;                  ///< null before the first frame, or for stdout
   bool begun_ = false;
 };
 
