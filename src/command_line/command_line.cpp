@@ -112,35 +112,6 @@ std::string problem_of(const CLI::App& program, const CLI::ParseError& error) {
   return error.what();
 }
 
-/// The command line as CLI11 takes it apart, and the options that its words are for.
-class Parser {
- public:
-  explicit Parser(const std::string& mpi);
-  Parser(const Parser&) = delete;
-  Parser& operator=(const Parser&) = delete;
-
-  CommandLine parse(int argc, const char* const* argv);
-
- private:
-  /// Thrown by options that ask for a text instead of work.
-  struct CallFor {
-    std::string text;
-  };
-
-  void add_program_options();
-  void add_subcommands();
-  /// The program's own options, with what was given.
-  OptionList program_options() const;
-  /// Reads what was given. Throws InputError.
-  void settle();
-  std::string help(CLI::AppFormatMode mode) const;
-
-  CommandLine line_;
-  CLI::App program_{fmt::format("{}: {}", summary, description), "ringsplat"};
-  AllOptions targets_;
-  std::vector<BoundSubcommand> subcommands_;
-};
-
 /// An option that CLI11 has of itself.
 Option described(const CLI::Option& option) {
   Option all{.heading = option.get_group(),
@@ -165,107 +136,127 @@ void bind(CLI::App& app, const Option& option) {
   if (!option.is_positional()) bound->group(option.heading);  // CLI11 has a heading for arguments
 }
 
-Parser::Parser(const std::string& mpi) {
-  program_.set_version_flag("--version", version_text(mpi));
-  program_.formatter(help_formatter());
-  program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", program_examples, exit_codes));
-  program_.fallthrough();
-  program_.require_subcommand(1);
-  add_program_options();
-  add_subcommands();
-}
-
-void Parser::add_program_options() {
-  program_.set_help_flag("-h,--help", "Print this help");
-  program_.set_help_all_flag("--help-all", "Print the help of all options");
-  const auto print_man_page = [this] { throw CallFor{man_page(program_options(), subcommands_)}; };
-  program_.add_flag_callback("--man", print_man_page, "Print the manual page, which man -l - shows")
-      ->configurable(false);
-  const auto print_script = [](const std::string& shell) { throw CallFor{completion_script(shell)}; };
-  program_
-      .add_option_function<std::string>("--completion", print_script,
-                                        "Print the script with which this shell completes command lines")
-      ->type_name(completion_shells)
-      ->configurable(false);
-  program_.add_flag("--verbose", line_.verbose, "Say more, on every rank");
-  program_.set_config("--config", "", "A TOML file with options")->type_name("FILE");
-  program_.config_formatter(std::make_shared<SubcommandToml>(program_, line_.notes));
-  program_.allow_config_extras(CLI::config_extras_mode::error);
-}
-
-void Parser::add_subcommands() {
-  for (const Subcommand& subcommand : subcommands()) {
-    auto* const app = program_.add_subcommand(subcommand.name, subcommand.description);
-    app->footer(fmt::format(config_help, subcommand.config) + "\n\nExamples:\n" + subcommand.examples);
-    OptionList list;
-    subcommand.add_options(list, targets_);
-    for (const Option& option : list) bind(*app, option);
-    OptionList& all = subcommands_.emplace_back(BoundSubcommand{&subcommand, {}}).options;
-    all.add(described(*app->get_help_ptr()));
-    all.add(described(*app->get_help_all_ptr()));
-    for (Option& option : list) all.add(std::move(option));
+/// The command line as CLI11 takes it apart, and the options that its words are for.
+class Parser {
+ public:
+  explicit Parser(const std::string& mpi) {
+    program_.set_version_flag("--version", version_text(mpi));
+    program_.formatter(help_formatter());
+    program_.footer(fmt::format("Examples:\n{}\n\nExit codes: {}", program_examples, exit_codes));
+    program_.fallthrough();
+    program_.require_subcommand(1);
+    add_program_options();
+    add_subcommands();
   }
-}
 
-OptionList Parser::program_options() const {
-  OptionList list;
-  for (const CLI::Option* option : program_.get_options()) list.add(described(*option));
-  return list;
-}
+  Parser(const Parser&) = delete;
+  Parser& operator=(const Parser&) = delete;
 
-void Parser::settle() {
-  const CLI::App& app = *program_.get_subcommands().front();
-  const auto chosen = std::find_if(subcommands_.begin(), subcommands_.end(),
-                                   [&](const auto& one) { return app.get_name() == one.what->name; });
-  OptionList& options = chosen->options;
-  for (Option& option : options) option.given = app.get_option(option.name())->results();
-  options.read();
-  const OptionList program = program_options();
-  line_.options = settled_options(chosen->what->name, options, program);
-  refuse_contradictions(program);
-  refuse_contradictions(options);
-  line_.command = chosen->what->settle(options, targets_);
-}
-
-std::string Parser::help(CLI::AppFormatMode mode) const {
-  const auto chosen = program_.get_subcommands();
-  return chosen.empty() ? program_.help("", mode) : chosen.front()->help("ringsplat", mode);
-}
-
-CommandLine Parser::parse(int argc, const char* const* argv) {
-  try {
-    if (argc > 1 && argv[1] == std::string_view("--complete"))
-      throw CallFor{completions(program_options(), subcommands_, {argv + 2, argv + argc})};
-    Words words(argv, argv + argc);
-    std::vector<const char*> with_names_of_today;
-    bool options = true;
-    for (std::string& word : words) {
-      options = options && word != "--";
-      const auto end = std::min(word.find('='), word.size());
-      if (options && word.starts_with("--"))
-        word = "--" + name_of_today(word.substr(2, end - 2), line_.notes) + word.substr(end);
-      with_names_of_today.push_back(word.c_str());
+  CommandLine parse(int argc, const char* const* argv) {
+    try {
+      if (argc > 1 && argv[1] == std::string_view("--complete"))
+        throw CallFor{completions(program_options(), subcommands_, {argv + 2, argv + argc})};
+      Words words(argv, argv + argc);
+      std::vector<const char*> with_names_of_today;
+      bool options = true;
+      for (std::string& word : words) {
+        options = options && word != "--";
+        const auto end = std::min(word.find('='), word.size());
+        if (options && word.starts_with("--"))
+          word = "--" + name_of_today(word.substr(2, end - 2), line_.notes) + word.substr(end);
+        with_names_of_today.push_back(word.c_str());
+      }
+      program_.parse(argc, with_names_of_today.data());
+      settle();
+    } catch (const CallFor& call) {
+      line_.command = Say{call.text};
+    } catch (const CLI::CallForHelp&) {
+      line_.command = Say{help(CLI::AppFormatMode::Normal)};
+    } catch (const CLI::CallForAllHelp&) {
+      line_.command = Say{help(CLI::AppFormatMode::All)};
+    } catch (const CLI::CallForVersion& e) {
+      line_.command = Say{std::string(e.what()) + "\n"};
+    } catch (const CLI::ParseError& e) {
+      line_.error = with_hint(problem_of(program_, e), hint_for(program_, e));
+    } catch (const InputError& e) {
+      line_.error = detail::one_line(e.what());
+    } catch (const std::exception& e) {
+      line_.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
+                              "--help shows the options");
     }
-    program_.parse(argc, with_names_of_today.data());
-    settle();
-  } catch (const CallFor& call) {
-    line_.command = Say{call.text};
-  } catch (const CLI::CallForHelp&) {
-    line_.command = Say{help(CLI::AppFormatMode::Normal)};
-  } catch (const CLI::CallForAllHelp&) {
-    line_.command = Say{help(CLI::AppFormatMode::All)};
-  } catch (const CLI::CallForVersion& e) {
-    line_.command = Say{std::string(e.what()) + "\n"};
-  } catch (const CLI::ParseError& e) {
-    line_.error = with_hint(problem_of(program_, e), hint_for(program_, e));
-  } catch (const InputError& e) {
-    line_.error = detail::one_line(e.what());
-  } catch (const std::exception& e) {
-    line_.error = with_hint(fmt::format("an option's value cannot be understood: {}", e.what()),
-                            "--help shows the options");
+    return line_;
   }
-  return line_;
-}
+
+ private:
+  /// Thrown by options that ask for a text instead of work.
+  struct CallFor {
+    std::string text;
+  };
+
+  void add_program_options() {
+    program_.set_help_flag("-h,--help", "Print this help");
+    program_.set_help_all_flag("--help-all", "Print the help of all options");
+    const auto print_man_page = [this] { throw CallFor{man_page(program_options(), subcommands_)}; };
+    program_.add_flag_callback("--man", print_man_page, "Print the manual page, which man -l - shows")
+        ->configurable(false);
+    const auto print_script = [](const std::string& shell) { throw CallFor{completion_script(shell)}; };
+    program_
+        .add_option_function<std::string>("--completion", print_script,
+                                          "Print the script with which this shell completes command lines")
+        ->type_name(completion_shells)
+        ->configurable(false);
+    program_.add_flag("--verbose", line_.verbose, "Say more, on every rank");
+    program_.set_config("--config", "", "A TOML file with options")->type_name("FILE");
+    program_.config_formatter(std::make_shared<SubcommandToml>(program_, line_.notes));
+    program_.allow_config_extras(CLI::config_extras_mode::error);
+  }
+
+  void add_subcommands() {
+    for (const Subcommand& subcommand : subcommands()) {
+      auto* const app = program_.add_subcommand(subcommand.name, subcommand.description);
+      app->footer(fmt::format(config_help, subcommand.config) + "\n\nExamples:\n" + subcommand.examples);
+      OptionList list;
+      subcommand.add_options(list, targets_);
+      for (const Option& option : list) bind(*app, option);
+      OptionList& all = subcommands_.emplace_back(BoundSubcommand{&subcommand, {}}).options;
+      all.add(described(*app->get_help_ptr()));
+      all.add(described(*app->get_help_all_ptr()));
+      for (Option& option : list) all.add(std::move(option));
+    }
+  }
+
+  /// The program's own options, with what was given.
+  OptionList program_options() const {
+    OptionList list;
+    for (const CLI::Option* option : program_.get_options()) list.add(described(*option));
+    return list;
+  }
+
+  /// Reads what was given. Throws InputError.
+  void settle() {
+    const CLI::App& app = *program_.get_subcommands().front();
+    const auto chosen = std::find_if(subcommands_.begin(), subcommands_.end(),
+                                     [&](const auto& one) { return app.get_name() == one.what->name; });
+    OptionList& options = chosen->options;
+    for (Option& option : options) option.given = app.get_option(option.name())->results();
+    options.read();
+    const OptionList program = program_options();
+    line_.options = settled_options(chosen->what->name, options, program);
+    refuse_contradictions(program);
+    refuse_contradictions(options);
+    line_.command = chosen->what->settle(options, targets_);
+  }
+
+  std::string help(CLI::AppFormatMode mode) const {
+    const auto chosen = program_.get_subcommands();
+    return chosen.empty() ? program_.help("", mode) : chosen.front()->help("ringsplat", mode);
+  }
+
+  CommandLine line_;
+  CLI::App program_{fmt::format("{}: {}", summary, description), "ringsplat"};
+  AllOptions targets_;
+  std::vector<BoundSubcommand> subcommands_;
+};
 
 }  // namespace
 

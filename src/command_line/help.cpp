@@ -40,70 +40,65 @@ class HelpFormatter : public CLI::Formatter {
  public:
   HelpFormatter() { column_width(column); }
   /// "--zoom NUMBER [1]": CLI11's own line glues the default to the type and counts values.
-  std::string make_option_opts(const CLI::Option* option) const override;
-  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override;
+  std::string make_option_opts(const CLI::Option* option) const override {
+    std::string text = option->get_type_name().empty() ? "" : " " + option->get_type_name();
+    if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
+    return option->get_required() && !option->get_positional() ? text + " (required)" : text;
+  }
+
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    const std::string everyday = everyday_options(app->get_name());
+    if (mode != CLI::AppFormatMode::Normal || everyday.empty())
+      return CLI::Formatter::make_help(app, name, mode);
+    std::string text = make_description(app) + make_usage(app, name) + "\n";
+    for (const CLI::Option* option : app->get_options())
+      if (option->get_positional()) text += everyday_entry(*option);
+    text += everyday_groups(*app, everyday);
+    const std::string footer = app->get_footer();
+    return text + "\n" + footer.substr(std::min(footer.size(), footer.find("Examples:"))) + "\n";
+  }
 
  private:
   static constexpr std::size_t column = 34;  ///< where an option's help begins
-  std::string everyday_entry(const CLI::Option& option) const;
-  std::string everyday_groups(const CLI::App& app, const std::string& everyday) const;
-};
-
-std::string HelpFormatter::make_option_opts(const CLI::Option* option) const {
-  std::string text = option->get_type_name().empty() ? "" : " " + option->get_type_name();
-  if (!option->get_default_str().empty()) text += " [" + option->get_default_str() + "]";
-  return option->get_required() && !option->get_positional() ? text + " (required)" : text;
-}
-
-std::string HelpFormatter::everyday_entry(const CLI::Option& option) const {
-  const bool positional = option.get_positional();
-  std::string usage = "  " + make_option_name(&option, positional) + make_option_opts(&option);
-  if (usage.size() < column)
-    usage.resize(column, ' ');
-  else
-    usage += "\n" + std::string(column, ' ');
-  return usage + wrapped(first_part(option.get_description()), column) + "\n";
-}
-
-/// Headings that have more options than are shown say so; headings of which none is shown come last, by name.
-std::string HelpFormatter::everyday_groups(const CLI::App& app, const std::string& everyday) const {
-  const std::vector<std::string> names = detail::words_of(everyday);
-  const auto is_everyday = [&](const CLI::Option& option) {
-    return std::any_of(names.begin(), names.end(),
-                       [&](const std::string& name) { return option.check_name(name); });
-  };
-  std::string text;
-  std::vector<std::string> others;
-  for (const std::string& group : app.get_groups()) {
-    std::string entries;
-    bool all = true;
-    for (const CLI::Option* option : app.get_options()) {
-      const bool help = option == app.get_help_ptr() || option == app.get_help_all_ptr();
-      if (help || option->get_positional() || option->get_group() != group) continue;
-      if (is_everyday(*option)) entries += everyday_entry(*option);
-      all = all && is_everyday(*option);
-    }
-    if (!entries.empty())
-      text += fmt::format("\n{}{}:\n{}", group, all ? "" : " (more with --help-all)", entries);
-    else if (!all)
-      others.push_back(group.substr(0, group.find(" (")));
+  std::string everyday_entry(const CLI::Option& option) const {
+    const bool positional = option.get_positional();
+    std::string usage = "  " + make_option_name(&option, positional) + make_option_opts(&option);
+    if (usage.size() < column)
+      usage.resize(column, ' ');
+    else
+      usage += "\n" + std::string(column, ' ');
+    return usage + wrapped(first_part(option.get_description()), column) + "\n";
   }
-  const std::string rest =
-      fmt::format("--help-all shows all options in full, also those of {}.", joined(others, ", "));
-  return text + "\n" + wrapped(rest, 0) + "\n";
-}
 
-std::string HelpFormatter::make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const {
-  const std::string everyday = everyday_options(app->get_name());
-  if (mode != CLI::AppFormatMode::Normal || everyday.empty())
-    return CLI::Formatter::make_help(app, name, mode);
-  std::string text = make_description(app) + make_usage(app, name) + "\n";
-  for (const CLI::Option* option : app->get_options())
-    if (option->get_positional()) text += everyday_entry(*option);
-  text += everyday_groups(*app, everyday);
-  const std::string footer = app->get_footer();
-  return text + "\n" + footer.substr(std::min(footer.size(), footer.find("Examples:"))) + "\n";
-}
+  /// Headings that have more options than are shown say so; headings of which none is shown come last, by
+  /// name.
+  std::string everyday_groups(const CLI::App& app, const std::string& everyday) const {
+    const std::vector<std::string> names = detail::words_of(everyday);
+    const auto is_everyday = [&](const CLI::Option& option) {
+      return std::any_of(names.begin(), names.end(),
+                         [&](const std::string& name) { return option.check_name(name); });
+    };
+    std::string text;
+    std::vector<std::string> others;
+    for (const std::string& group : app.get_groups()) {
+      std::string entries;
+      bool all = true;
+      for (const CLI::Option* option : app.get_options()) {
+        const bool help = option == app.get_help_ptr() || option == app.get_help_all_ptr();
+        if (help || option->get_positional() || option->get_group() != group) continue;
+        if (is_everyday(*option)) entries += everyday_entry(*option);
+        all = all && is_everyday(*option);
+      }
+      if (!entries.empty())
+        text += fmt::format("\n{}{}:\n{}", group, all ? "" : " (more with --help-all)", entries);
+      else if (!all)
+        others.push_back(group.substr(0, group.find(" (")));
+    }
+    const std::string rest =
+        fmt::format("--help-all shows all options in full, also those of {}.", joined(others, ", "));
+    return text + "\n" + wrapped(rest, 0) + "\n";
+  }
+};
 
 }  // namespace
 
