@@ -1,17 +1,36 @@
 #pragma once
-#include <filesystem>
 #include <functional>
 #include <glm/vec3.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "app/annotation.hpp"
 #include "options/options.hpp"
-#include "ringsplat/base/bytes.hpp"
 #include "session/director.hpp"
 #include "study/measured_error.hpp"
 
 namespace ringsplat::python {
+
+// The command line's options of a picture, from the same tables.
+
+/// Where a picture's volume comes from: options of files, errors and threads make no sense for a session's.
+enum class From { volume, session };
+
+/// Options of one picture, or of `views` that share them, from words of a command line such as
+/// "--azimuth=30". What opens the volume is left to the caller. Throws InputError as the command line does.
+app::RenderOptions parse_picture(const std::vector<std::string>& words,
+                                 const std::vector<app::ViewAngles>& views, From from);
+
+/// --gps, --renderers, --roles, --topology, --mesh and --routing for a job of so many ranks; `over_mpi`: else
+/// all are in this process. Without words every rank hosts a GP and a Renderer. Throws InputError.
+Layout parse_layout(const std::vector<std::string>& words, bool over_mpi, int ranks);
+
+/// All options of parse_picture as a JSON array of {"name", "form", "default", "help", "group", "values",
+/// "session"}: `values` is how many words follow the name, `session` whether a session has it.
+std::string picture_options_json();
+
+// Pictures.
 
 /// What long work calls now and then on the thread that called it; either may throw to end the work. Either
 /// may be empty.
@@ -36,12 +55,6 @@ struct Picture {
 /// that shows nothing.
 Picture picture_of(FrameResult&& result, const app::RenderOptions& options, const ValueRange& range,
                    const std::optional<app::Annotation>& annotation);
-
-/// Display values, straight alpha: three bytes a pixel over a background, else four.
-std::vector<std::uint8_t> display(const Picture& picture);
-Bytes png(const Picture& picture);
-/// Throws InputError for an ending that is no picture's, RunError when it cannot be written.
-void save(const Picture& picture, const std::filesystem::path& file);
 
 /// Renders one picture, or one of each view, in this process. Throws InputError and RunError.
 std::vector<Picture> render_pictures(app::RenderOptions options, const Hooks& hooks);

@@ -34,6 +34,13 @@ struct Director {
   std::function<void(std::chrono::nanoseconds)> pause = {};
 };
 
+/// The frame as each camera sees it.
+inline std::vector<FrameSpec> frames_of(const FrameSpec& frame, const std::vector<Camera>& cameras) {
+  std::vector<FrameSpec> frames(cameras.size(), frame);
+  for (std::size_t k = 0; k < frames.size(); ++k) frames[k].shown.camera = cameras[k];
+  return frames;
+}
+
 /// Renders `frames`, one after another.
 inline Director director_of(std::vector<FrameSpec> frames, std::function<void(FrameResult&&)> frame_done) {
   const auto next = [frames = std::move(frames), asked = std::size_t{0}]() mutable {

@@ -71,24 +71,19 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
                          .clip = spec.shown.clip};
   Scene scene = load_scene(volume, load, layout, wiring);
   std::vector<Timed> timed(list.views.size());
-  std::size_t next = 0, done = 0;
-  const std::size_t frames = list.views.size() * std::size_t(list.repetitions);
-  Director director{[&]() -> std::optional<FrameSpec> {
-                      if (next == frames) return std::nullopt;
-                      FrameSpec frame = spec;
-                      frame.shown.camera = list.views[next++ % list.views.size()];
-                      return frame;
-                    },
-                    [&](FrameResult&& result) {
-                      Timed& t = timed[done++ % list.views.size()];
-                      t.seconds.push_back(result.stats.seconds);
-                      t.stats = std::move(result.stats);
-                      t.axis = result.axis;
-                      t.image = std::move(result.image);
-                    }};
+  std::vector<Camera> cameras;
+  for (int k = 0; k < list.repetitions; ++k)
+    cameras.insert(cameras.end(), list.views.begin(), list.views.end());
+  const auto take = [&](FrameResult&& result) {
+    Timed& t = timed[std::size_t(result.spec.frame) % list.views.size()];
+    t.seconds.push_back(result.stats.seconds);
+    t.stats = std::move(result.stats);
+    t.axis = result.axis;
+    t.image = std::move(result.image);
+  };
   ProtocolOptions protocol;
   protocol.frames_in_flight = 1;  // so that a frame's time is its own
-  render_frames(std::move(scene), layout, protocol, std::move(director), wiring);
+  render_frames(std::move(scene), layout, protocol, director_of(frames_of(spec, cameras), take), wiring);
   return timed;
 }
 

@@ -10,17 +10,13 @@
 
 #include "app/commands.hpp"
 #include "base/clock.hpp"
-#include "base/log.hpp"
 #include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
+#include "images/image_io.hpp"
 #include "options/option_values.hpp"
 #include "program/process_end.hpp"
 #include "python/block_session.hpp"
-#include "python/picture.hpp"
-#include "python/picture_options.hpp"
-#include "ringsplat/base/error.hpp"
 #include "ringsplat/volume/source.hpp"
-#include "session/session_parts.hpp"
 #include "volume/copy_row.hpp"
 
 namespace nb = nanobind;
@@ -204,17 +200,18 @@ void bind_pictures(nb::module_& m) {
           nb::rv_policy::reference)
       .def("display",
            [](const Picture& p) {
-             const auto bytes = display(p);
+             const auto bytes = display_bytes(p.image, p.background, p.overlay);
              return nb::bytes(bytes.data(), bytes.size());
            })
       .def("png",
            [](const Picture& p) {
-             const Bytes bytes = png(p);
+             const Bytes bytes = image_bytes(p.image, ".png", p.background, p.settings, p.overlay);
              return nb::bytes(bytes.data(), bytes.size());
            })
       .def("save", [](const Picture& p, const std::string& file) {
         const nb::gil_scoped_release without;
-        save(p, file);
+        check_image_name(file, "the picture's file", !p.background);
+        write_image(p.image, file, p.background, p.settings, p.overlay);
       });
 }
 
