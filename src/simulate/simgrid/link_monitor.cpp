@@ -1,16 +1,21 @@
 #include "simulate/simgrid/link_monitor.hpp"
 
 #include <fmt/format.h>
+#include <smpi/smpi.h>
 #include <simgrid/kernel/resource/Action.hpp>
 #include <simgrid/kernel/resource/NetworkModelIntf.hpp>
 #include <simgrid/s4u.hpp>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <map>
 #include <unordered_set>
 #include <utility>
 #include <vector>
+
+#include "net/message.hpp"
+#include "simulate/counted_payload.hpp"
 
 namespace ringsplat::simgrid_platform {
 namespace {
@@ -136,11 +141,34 @@ std::string transfers_csv(const std::vector<const Transfer*>& payloads) {
   return text;
 }
 
+/// Null where links are not watched. Never freed: SimGrid calls back until the process ends, when statics may
+/// be gone.
+TransferLog* payload_log = nullptr;
+
+/// Copies a message to its receiver.
+void copy(smx_activity_t transfer, void* buffer, std::size_t size) {
+  Header header;
+  bool payload = false, counted = false;
+  if (size >= sizeof(Header)) {
+    std::memcpy(&header, buffer, sizeof(Header));
+    counted = header.magic == counted_magic;
+    payload = (counted || header.magic == Header{}.magic) && header.kind == Kind::payload;
+  }
+  constexpr double added_by_smpi = 16;
+  if (payload && payload_log != nullptr)
+    payload_log->received_payload(s4u::Engine::get_clock(), double(size) + added_by_smpi);
+  const std::size_t said = payload && counted ? std::min(size, counted_bytes) : size;
+  // SimGrid declares the same type under two names and installs neither.
+  smpi_comm_copy_buffer_callback(reinterpret_cast<simgrid::kernel::activity::CommImpl*>(transfer), buffer,
+                                 said);
+}
+
 }  // namespace
 
+void copy_only_what_counts() { smpi_comm_set_copy_data_callback(copy); }
+
 void watch_links(s4u::NetZone* zone, double speedup, MonitorFiles files) {
-  // Never freed: SimGrid calls back until the process ends, when statics may be gone.
-  auto* const log = new TransferLog(speedup);
+  auto* const log = payload_log = new TransferLog(speedup);
   zone->get_network_model()->set_lat_factor_cb(
       [log, speedup](double bytes, const s4u::Host*, const s4u::Host*, const std::vector<s4u::Link*>& links,
                      const std::unordered_set<s4u::NetZone*>&) {
@@ -155,10 +183,6 @@ void watch_links(s4u::NetZone* zone, double speedup, MonitorFiles files) {
         const auto& action = reinterpret_cast<const Action&>(transfer);
         if (action.get_state() == Action::State::FINISHED) log->ended(action);
       });
-  on_payload_copied([log](std::size_t bytes) {
-    constexpr double added_by_smpi = 16;
-    log->received_payload(s4u::Engine::get_clock(), double(bytes) + added_by_smpi);
-  });
   s4u::Engine::on_simulation_end_cb([log, files = std::move(files)] {
     const auto payloads = log->payloads();
     if (!files.links.empty()) write(files.links, links_csv(payloads));

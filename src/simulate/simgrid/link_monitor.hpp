@@ -1,8 +1,6 @@
 #pragma once
 #include <simgrid/s4u.hpp>
 
-#include <cstddef>
-#include <functional>
 #include <string>
 
 namespace ringsplat::simgrid_platform {
@@ -27,8 +25,5 @@ void watch_links(simgrid::s4u::NetZone* zone, double speedup, MonitorFiles files
 /// their true size. Otherwise a large volume's frame moves hundreds of gigabytes through this machine's
 /// memory.
 void copy_only_what_counts();
-
-/// Calls `callback` with a payload's size when it arrives: when SimGrid copies it to its receiver.
-void on_payload_copied(std::function<void(std::size_t bytes)> callback);
 
 }  // namespace ringsplat::simgrid_platform
