@@ -1,14 +1,255 @@
 #pragma once
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <deque>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "base/byte_stream.hpp"
+#include "base/clock.hpp"
+#include "base/log.hpp"
 #include "net/mesh_transport.hpp"
+#include "net/message.hpp"
+#include "net/transport.hpp"
 #include "protocol/frame_source.hpp"
-#include "protocol/host.hpp"
+#include "protocol/node.hpp"
+#include "protocol/protocol_options.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
+
+/// One rank: its nodes, and the progress loop that gives them messages and time. What comes is taken between
+/// the nodes' bounded pieces of work.
+class Host {
+ public:
+  /// All that is passed by reference or pointer must outlive it. `source` is needed on rank 0 only.
+  Host(const Layout& layout, const ProtocolOptions& options, Transport& transport, Engine& engine,
+       FrameSource* source)
+      : layout_(layout), options_(options), transport_(transport), source_(source) {
+    if (layout.idle > 0) transport.only_first_work(layout.working_ranks());
+    const Post send = [this](Message m) { post(std::move(m)); };
+    for (const NodeId node : layout.nodes_on(transport.rank())) {
+      switch (node.role) {
+        case Role::gp:
+          nodes_.push_back(make_gp(node.index, layout, options, engine, send));
+          break;
+        case Role::renderer:
+          nodes_.push_back(make_renderer(node.index, layout, options, engine, send));
+          break;
+        case Role::frame_buffer:
+          nodes_.push_back(make_frame_buffer(layout, options, engine, *source,
+                                             [this](Message m) { announce(std::move(m)); }));
+          break;
+        case Role::host:
+          break;
+      }
+    }
+  }
+
+  /// Handles the messages that have arrived and lets every node work a little; false when nothing could be
+  /// done.
+  bool step() {
+    bool moved = transport_.begin_turn();
+    // Messages first: tokens, accepts and messages in transit unblock other ranks.
+    moved = take_arrived() || moved;
+    for (const auto& node : nodes_) {
+      moved = node->advance() || moved;
+      // Finish the slice while its data is in the cache.
+      while (node->amid_slice() && node->advance()) take_arrived();
+    }
+    return moved;
+  }
+
+  /// True once the run is shut down and everything is sent.
+  bool finished() { return shutting_down_ && local_.empty() && transport_.sends_done(); }
+  /// Steps until finished; throws RunError when nothing moved for the stall timeout.
+  void run() {
+    double last_progress = now_seconds();
+    while (!finished()) {
+      if (step()) {
+        transport_.note_progress();
+        last_progress = now_seconds();
+      } else {
+        const bool overdue = now_seconds() - last_progress > options_.stall_timeout;
+        // Between frames a wait of any length is normal: nobody may ask for a view.
+        if (overdue && waiting_for().empty()) {
+          last_progress = now_seconds();
+        } else if (overdue && (options_.stall_ends || !told_stall_)) {
+          report_stall();
+          if (options_.stall_ends)
+            throw RunError(fmt::format("nothing moved for {} s: {}", options_.stall_timeout, waiting_for()),
+                           "a rank may have died or be very slow; --stall-timeout sets the limit");
+        }
+        wait();
+      }
+    }
+  }
+
+  /// What this rank's nodes wait for, in words; empty when they are done or wait for the next frame.
+  std::string waiting_for() const {
+    std::string all;
+    for (const auto& node : nodes_) {
+      const std::string one = node->waiting_for();
+      if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
+    }
+    const std::string links = transport_.waiting_for();
+    if (!links.empty()) all += (all.empty() ? "" : "; ") + links;
+    return all;
+  }
+
+  int rank() const { return transport_.rank(); }
+
+ private:
+  void post(Message message) {
+    const int to = layout_.rank_of(message.header.to());
+    if (to == rank())
+      local_.push_back(std::move(message));
+    else
+      transport_.send(to, std::move(message));
+  }
+
+  void wait() {
+    if (!idle()) {
+      transport_.wait_next();
+    } else if (source_ != nullptr && rank() == 0) {
+      transport_.wait_between_frames([this](std::chrono::nanoseconds most) { source_->pause(most); });
+    } else {
+      transport_.wait_between_frames({});
+    }
+  }
+
+  bool idle() const {
+    return early_frames_.empty() &&
+           std::all_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->idle(); });
+  }
+
+  bool take_arrived() {
+    bool moved = false;
+    while (true) {
+      if (!local_.empty()) {
+        Message message = std::move(local_.front());
+        local_.pop_front();
+        check(message.header, layout_);
+        take(std::move(message));
+      } else if (auto message = transport_.receive()) {
+        check(message->header, layout_);
+        take(std::move(*message));
+      } else {
+        break;
+      }
+      moved = true;
+    }
+    return transport_.relayed() || moved;
+  }
+
+  void announce(Message message) {
+    // Idle ranks receive only the shutdown.
+    const int ranks = message.header.kind == Kind::shutdown ? layout_.ranks() : layout_.working_ranks();
+    for (const int child : announcement_children(rank(), ranks)) {
+      Message copy = message;
+      copy.header.destination_role = Role::host;
+      copy.header.destination = child;
+      transport_.send(child, std::move(copy));
+    }
+    take_announcement(message);
+  }
+
+  void take(Message message) {
+    const Header& h = message.header;
+    switch (h.kind) {
+      case Kind::announcement:
+      case Kind::drop:
+      case Kind::shutdown:
+        announce(std::move(message));
+        return;
+      case Kind::stall:
+        report_stall();
+        return;
+      default:
+        break;
+    }
+    Node* node = local_node(h.to());
+    if (node == nullptr)
+      throw RunError(fmt::format("rank {} got a {} for {}, which it does not host", rank(), name(h.kind),
+                                 to_string(h.to())));
+    // The network does not keep an order; only the frame buffer knows a frame before its announcement is
+    // here.
+    if (h.frame >= next_frame_ && node->id() != frame_buffer_id)
+      early_messages_.push_back(std::move(message));
+    else
+      node->receive(std::move(message));
+  }
+
+  void take_announcement(const Message& message) {
+    if (message.header.kind == Kind::shutdown) {
+      shutting_down_ = true;
+      return;
+    }
+    if (message.header.kind == Kind::drop) {
+      early_drops_.insert(message.header.frame);
+      drop_announced();
+      return;
+    }
+    const std::int64_t frame = message.header.frame;
+    told_stall_ = false;
+    early_frames_.emplace(frame, Announcement{frame, Bytes(message.body().begin(), message.body().end())});
+    // Announcements may overtake each other; nodes get frames in order.
+    for (auto next = early_frames_.begin(); next != early_frames_.end() && next->first == next_frame_;
+         next = early_frames_.erase(next), ++next_frame_)
+      for (const auto& node : nodes_) node->begin_frame(next->second);
+    for (Message& early : std::exchange(early_messages_, {})) take(std::move(early));
+    drop_announced();
+  }
+
+  void drop_announced() {
+    while (!early_drops_.empty() && *early_drops_.begin() < next_frame_) {
+      for (const auto& node : nodes_) node->drop_frame(*early_drops_.begin());
+      early_drops_.erase(early_drops_.begin());
+    }
+  }
+
+  /// Prints once what this rank waits for, and asks all others to do the same.
+  void report_stall() {
+    if (told_stall_) return;
+    told_stall_ = true;
+    const std::string what = waiting_for();
+    log_error("rank {} is stalled: {}", rank(), what.empty() ? "it waits for the next frame" : what);
+    for (int r = 0; r < layout_.ranks(); ++r)
+      if (r != rank()) transport_.send(r, Message({.kind = Kind::stall, .source = rank(), .destination = r}));
+    // Time for the request to arrive and the answers to be printed before the run ends.
+    const double until = now_seconds() + 0.5;
+    while (now_seconds() < until) {
+      static_cast<void>(transport_.sends_done());
+      transport_.wait_next();
+    }
+  }
+
+  Node* local_node(NodeId id) {
+    for (const auto& node : nodes_)
+      if (node->id() == id) return node.get();
+    return nullptr;
+  }
+
+  Layout layout_;
+  ProtocolOptions options_;
+  Transport& transport_;
+  FrameSource* source_;
+  std::vector<std::unique_ptr<Node>> nodes_;
+  std::deque<Message> local_;  ///< messages between nodes of this rank
+  std::map<std::int64_t, Announcement> early_frames_;
+  std::vector<Message> early_messages_;  ///< of frames not yet announced here
+  std::set<std::int64_t> early_drops_;   ///< drops of frames not yet announced here
+  std::int64_t next_frame_ = 0;
+  bool shutting_down_ = false;
+  bool told_stall_ = false;
+};
 
 /// A mesh's frames on rank 0: a complete frame is handed on once what all links carried for it is known.
 class CountedFrames final : public FrameSource {

@@ -23,10 +23,6 @@
 namespace ringsplat {
 namespace {
 
-Layout every_rank_both(int ranks) {
-  return {.gps = ranks, .renderers = ranks, .placement = Placement::colocated};
-}
-
 Block to_block(const std::vector<FrameSpec>& frames) {
   std::vector<Bytes> all;
   for (const FrameSpec& frame : frames) all.push_back(encode(frame));
@@ -97,7 +93,8 @@ LoadOptions needed_together(const std::vector<FrameSpec>& frames, const Grid& gr
 struct Session::State {
   State(Processes given, const std::optional<Layout>& wanted, const SessionOptions& options)
       : processes(std::move(given)),
-        layout(wanted.value_or(every_rank_both(processes.ranks()))),
+        layout(wanted.value_or(Layout{
+            .gps = processes.ranks(), .renderers = processes.ranks(), .placement = Placement::colocated})),
         wiring{processes.collectives(), processes.transport()} {
     engine.threads_per_rank = options.threads_per_rank;
     protocol.stall_timeout = options.stall_timeout;
@@ -119,14 +116,12 @@ struct Session::State {
     const std::string before = std::exchange(problem, {});
     const auto all = [&] {
       const Watched watched(wiring.collectives, fmt::format("late for {}()", call), false);
-      return wiring.collectives.all_gather(block_of_text(call + '\n' + (before.empty() ? error : before)));
+      return wiring.collectives.all_gather(to_bytes(call, before.empty() ? error : before));
     }();
     std::vector<std::string> calls, errors;
     for (const Block& block : all) {
-      const std::string text = text_of(block);
-      const auto end = text.find('\n');
-      calls.push_back(text.substr(0, end));
-      errors.push_back(text.substr(end + 1));
+      FromBytes archive(block);
+      archive(calls.emplace_back(), errors.emplace_back());
     }
     for (std::size_t rank = 0; rank < calls.size(); ++rank)
       if (calls[rank] != calls.front())

@@ -20,13 +20,4 @@ void sleep_simulated(double seconds) {
   smpi_nanosleep(&time, nullptr);
 }
 
-bool Debt::pay() {
-  if (!(owed_ > 0)) return false;
-  // The last piece includes the remainder, so that rounding leaves no sliver.
-  const double now = owed_ < 1.5 * piece_ ? owed_ : piece_;
-  charge(now);
-  owed_ -= now;
-  return true;
-}
-
 }  // namespace ringsplat

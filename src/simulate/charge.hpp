@@ -17,7 +17,14 @@ class Debt {
   explicit Debt(double piece) : piece_(piece) {}
   void owe(double seconds) { owed_ += seconds; }
   /// Charges one piece; false when nothing is owed.
-  bool pay();
+  bool pay() {
+    if (!(owed_ > 0)) return false;
+    // The last piece includes the remainder, so that rounding leaves no sliver.
+    const double now = owed_ < 1.5 * piece_ ? owed_ : piece_;
+    charge(now);
+    owed_ -= now;
+    return true;
+  }
 
  private:
   double piece_, owed_ = 0;
