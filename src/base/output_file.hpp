@@ -13,10 +13,9 @@ namespace ringsplat {
 
 class TemporaryFile;
 
-/// A file that appears under its name only when all of it is on the disk. Until then its bytes are in a
-/// hidden file beside it (docs/formats.md, "Files"), and a file that had the name before stays as it was.
-/// That hidden file goes with this object, by remove_unfinished_files(), or, after a kill, when a process of
-/// the same user next writes into the folder. The user's own symbolic links are followed.
+/// A file that appears under its name only when all of it is on the disk. Until then its bytes are in a file
+/// without a name, or, where the disk has no such files, in a hidden one beside it (docs/formats.md,
+/// "Files"), and a file that had the name before stays as it was. The user's own symbolic links are followed.
 ///
 /// Every function may throw RunError, which names the file and the system's reason. One thread at a time.
 class OutputFile {
@@ -62,13 +61,5 @@ void write_texts(const std::vector<std::pair<std::filesystem::path, std::string>
 /// folder nor a device. Else throws InputError naming `option`, or RunError when the disk fails. Leaves
 /// nothing behind.
 void check_can_write(const std::filesystem::path& path, const std::string& option);
-
-/// Removes from a folder the unfinished files of dead processes of this user and host. In doubt a file stays.
-void remove_stale_files(const std::filesystem::path& folder);
-
-/// Removes the hidden files of all OutputFiles of this process. Async-signal-safe, for handlers of signals
-/// that end the process. Nothing can be written afterwards: a thread that begins a file waits for the
-/// process's end.
-void remove_unfinished_files() noexcept;
 
 }  // namespace ringsplat

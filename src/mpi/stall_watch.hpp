@@ -24,7 +24,6 @@
 
 #include "base/clock.hpp"
 #include "base/log.hpp"
-#include "base/output_file.hpp"
 #include "mpi/connections.hpp"
 #include "mpi/pauses.hpp"
 #include "net/collectives.hpp"
@@ -216,7 +215,6 @@ class StallWatch {
 
   [[noreturn]] void end_job() {
     const std::lock_guard lock(mpi_);
-    remove_unfinished_files();
     std::fflush(nullptr);
     std::this_thread::sleep_for(tick);  // launchers may forget what a rank wrote just before
     MPI_Abort(MPI_COMM_WORLD, int(ExitCode::run_failed));

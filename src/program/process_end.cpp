@@ -3,32 +3,19 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include <array>
 #include <cstdlib>
 #include <exception>
 
 #include "base/lack_of_memory.hpp"
-#include "base/output_file.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat::app {
 namespace {
 
-constexpr std::array handled{SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGXCPU, SIGPIPE};
-
-extern "C" void remove_files_and_end(int number) {
-  remove_unfinished_files();
-  // Ends the process with the signal's exit status. A library's earlier handler might return if called
-  // instead, as UCX's does.
-  signal(number, SIG_DFL);
-  raise(number);
-}
-
 /// Whether a library's thread might find no memory.
 bool lacks_address_space() { return !has_address_space(std::size_t{256} << 20); }
 
 [[noreturn]] void end_for_lack_of_memory() {
-  remove_unfinished_files();
   say_lack_of_memory();
   _exit(int(ExitCode::run_failed));
 }
@@ -52,16 +39,6 @@ std::terminate_handler end_otherwise = nullptr;
 
 void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
 
-void prepare_for_signals() {
-  signal(SIGXFSZ, SIG_IGN);
-  struct sigaction action {};
-  action.sa_handler = remove_files_and_end;
-  sigfillset(&action.sa_mask);
-  for (const int number : handled) {
-    struct sigaction before {};
-    sigaction(number, nullptr, &before);
-    if (before.sa_handler != SIG_IGN) sigaction(number, &action, nullptr);
-  }
-}
+void prepare_for_signals() { signal(SIGXFSZ, SIG_IGN); }
 
 }  // namespace ringsplat::app

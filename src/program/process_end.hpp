@@ -2,9 +2,7 @@
 
 namespace ringsplat::app {
 
-/// Makes signals that end the process (hang-up, interrupt, quit, termination, processor time, a closed pipe)
-/// remove its unfinished files first; ignored signals stay ignored. A file over the file size limit becomes a
-/// write error, not a signal.
+/// Makes a file over the file size limit a write error, not a signal.
 void prepare_for_signals();
 
 /// Has what ends the program where nobody can catch it, such as a thread without memory, end it with

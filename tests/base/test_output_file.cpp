@@ -11,7 +11,6 @@
 #include <functional>
 #include <iterator>
 #include <memory>
-#include <thread>
 
 #include "base/log.hpp"
 #include "ringsplat/base/error.hpp"
@@ -52,20 +51,9 @@ std::string only_name_in(const fs::path& folder) {
   return fs::directory_iterator(folder)->path().filename().string();
 }
 
-/// The name of the file that a process killed in mid-write leaves in the folder.
-std::string name_left_by_a_killed_process(const fs::path& folder) {
-  in_a_child([&] {
-    OutputFile file(folder / "x.png");
-    file.write("some of it");
-    raise(SIGKILL);
-  });
-  return only_name_in(folder);
-}
-
-std::string replaced(std::string text, const std::string& part, const std::string& by) {
-  const auto at = text.find(part);
-  REQUIRE(at != std::string::npos);
-  return text.replace(at, part.size(), by);
+/// Makes a file two minutes old.
+void age(const fs::path& file) {
+  fs::last_write_time(file, fs::file_time_type::clock::now() - std::chrono::minutes(2));
 }
 
 }  // namespace
@@ -76,7 +64,7 @@ TEST_CASE("a file gets its name when all of it is on the disk") {
   {
     OutputFile file(folder / "a.txt");
     file.write("new ");
-    CHECK(files_in(folder.path()) == 2);
+    CHECK(files_in(folder.path()) <= 2);  // a disk may have no files without names
     file.write("text");
     file.secure();
     CHECK(text_of(folder / "a.txt") == "old");
@@ -188,98 +176,53 @@ TEST_CASE("where no file can be made is said before, and devices stay devices") 
   CHECK(fs::is_character_file("/dev/null"));
 }
 
-TEST_CASE("what a killed process left is removed by the next one that writes into the folder") {
+TEST_CASE(
+    "what a killed process leaves, where it leaves anything, goes when another writes into the folder") {
   const TemporaryFolder folder;
-  const std::string left = name_left_by_a_killed_process(folder.path());
-  CHECK(left.find(".ringsplat_") == 0);
-  CHECK(left.find("_x.png") != std::string::npos);
+  in_a_child([&] {
+    OutputFile file(folder / "x.png");
+    file.write("some of it");
+    raise(SIGKILL);
+  });
+  for (const auto& left : fs::directory_iterator(folder.path())) age(left.path());
   in_a_child([&] { write_text(folder / "y.txt", "text"); });
   CHECK(only_name_in(folder.path()) == "y.txt");
 }
 
-TEST_CASE("what may be somebody else's stays") {
-  const TemporaryFolder folder, other_folder;
-  const pid_t dead = in_a_child([] {});
-  // .ringsplat_HOST_PID-N_x.png
-  const std::string left = name_left_by_a_killed_process(other_folder.path()), start = ".ringsplat_";
-  REQUIRE(left.find(start) == 0);
-  const auto number = left.rfind('_', left.rfind('_') - 1);
-  REQUIRE(number > start.size());
-  const std::string host = left.substr(start.size(), number - start.size());
-  const auto named = [](const std::string& host_, pid_t pid, const std::string& name) {
-    return fmt::format(".ringsplat_{}_{}-0_{}", host_, pid, name);
-  };
-  const std::vector<std::string> others{
-      named(host, getppid(), "lives"),
-      named(host + "2", dead, "other-host"),
-      named(host + "-b", dead, "host-that-begins-alike"),
-      named(host + "_b", dead, "no-host-of-this-form"),
-      named(host, -dead, "no-process"),
-      fmt::format(".ringsplat_{}_{}_x", host, dead),
-      fmt::format(".ringsplat_{}_{}x-0_x", host, dead),
-      fmt::format(".ringsplat_{}_{}-0", host, dead),
-      fmt::format("ringsplat_{}_{}-0_x", host, dead),
-      fmt::format(".ringsplat-{}_{}-0_x", host, dead),
-      fmt::format(".x.{}.png", dead),
-  };
-  for (const std::string& other : others) make(folder / other, "not yours");
-  fs::create_directory(folder / named(host, dead, "folder"));
-  fs::create_symlink(folder / others[0], folder / named(host, dead, "link"));
-  const std::string locked = folder / named(host, dead, "counted-by-its-own-container-only");
-  make(locked, "by a process that lives");
+TEST_CASE("only old hidden files that nobody writes are removed") {
+  const TemporaryFolder folder;
+  const std::string stale = folder / ".ringsplat_123-0", young = folder / ".ringsplat_124-0",
+                    locked = folder / ".ringsplat_125-0";
+  const std::vector<std::string> others{".ringsplat_x", ".ringsplat", "ringsplat_126-0", ".x_127-0"};
+  for (const std::string& file : {stale, young, locked}) make(file, "some of it");
+  for (const std::string& other : others) {
+    make(folder / other, "not ours");
+    age(folder / other);
+  }
+  fs::create_directory(folder / ".ringsplat_128-0");
+  fs::create_symlink(folder / others[0], folder / ".ringsplat_129-0");
+  age(stale);
+  age(locked);
   const int descriptor = open(locked.c_str(), O_RDONLY | O_CLOEXEC);
   REQUIRE(flock(descriptor, LOCK_SH) == 0);
-  const std::string stale = folder / named(host, dead, "x.png");
-  make(stale, "by a dead process");
 
-  remove_stale_files(folder.path());
+  in_a_child([&] { write_text(folder / "y.txt", "text"); });
   CHECK_FALSE(fs::exists(stale));
-  for (const std::string& other : others) {
-    INFO(other);
-    CHECK(text_of(folder / other) == "not yours");
-  }
-  CHECK(files_in(folder.path()) == others.size() + 3);
+  CHECK(files_in(folder.path()) == others.size() + 5);
   close(descriptor);
-  remove_stale_files(folder.path());
+  in_a_child([&] { write_text(folder / "y.txt", "text"); });
   CHECK_FALSE(fs::exists(locked));
+  CHECK(files_in(folder.path()) == others.size() + 4);
 }
 
-TEST_CASE("a process does not take its own unfinished file for another's, but one that had its number") {
-  const TemporaryFolder folder;
-  const OutputFile file(folder / "x.png");
-  const std::string mine = only_name_in(folder.path());
-  make(folder / replaced(mine, "x.png", "z.png"), "of one that had the same number");
-  remove_stale_files(folder.path());
-  CHECK(only_name_in(folder.path()) == mine);
-}
-
-TEST_CASE("unfinished files can be removed from a handler, and none is begun after it") {
-  const TemporaryFolder folder;
-  make(folder / "a", "old");
-  in_a_child([&] {
-    OutputFile a(folder / "a"), b(folder / "b");
-    a.write("new");
-    remove_unfinished_files();
-    std::thread begins([&] { OutputFile late(folder / "c"); });
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    _exit(0);
-  });
-  CHECK(only_name_in(folder.path()) == "a");
-  CHECK(text_of(folder / "a") == "old");
-}
-
-TEST_CASE("more files than the handler has places for are written all the same") {
+TEST_CASE("many files can be written at once") {
   const TemporaryFolder folder;
   std::vector<std::unique_ptr<OutputFile>> files;
   for (int k = 0; k < 100; ++k) {
     files.push_back(std::make_unique<OutputFile>(folder / std::to_string(k)));
     files.back()->write("text");
   }
-  remove_stale_files(folder.path());
   for (const auto& file : files) file->commit();
   files.clear();
   CHECK(files_in(folder.path()) == 100);
-  const OutputFile after(folder / "after");
-  remove_stale_files(folder.path());
-  CHECK(files_in(folder.path()) == 101);
 }
