@@ -193,7 +193,8 @@ class Controls(WithPage):
         self.page.fill("mode", "composite")
         self.page.settle()
         self.assertEqual(self.page.facts("state.transfer_function"), before)
-        self.page.press("Control+z")
+        self.page.click("undo")
+        self.page.settle()
         self.assertEqual(self.page.facts("state.mode"), "surface")
 
     def test_overlays_can_be_switched_off(self):
