@@ -113,11 +113,12 @@ std::vector<serve::Label> labels_of(const std::vector<double>& values, const std
 }
 
 /// The page's modes and their first functions. Labels have values of their own only.
-void set_modes(const MadeFunction& made, const Scene& scene, serve::ViewerOptions& v) {
+void set_modes(const MadeFunction& made, const TransferFunction& usual, const Scene& scene,
+               serve::ViewerOptions& v) {
   made.set(v.initial.shown);
   if (made.interpolation == Interpolation::nearest) return;
   if (made.mode != Mode::surface) v.initial.shown.isovalue = parting_value(scene.values);
-  v.modes.emplace_back(Mode::composite, choose_function(scene.values).function);
+  v.modes.emplace_back(Mode::composite, usual);
   for (const Mode mode : {Mode::mip, Mode::minip, Mode::mean, Mode::sum, Mode::surface})
     v.modes.emplace_back(mode, choose_for_mode(mode, scene.values, scene.grid, std::nullopt).function);
 }
@@ -131,11 +132,12 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
       fmt::format("{}, {}", describe(job.layout), job.layout.topology == Topology::ring ? "ring" : "mesh");
   v.ranks = launch.ranks();
   const std::filesystem::path path = o.volume.path;
+  const TransferFunction usual = choose_function(scene.values).function;
   v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(),
               scene.grid,
               notes.world == World::patient,
               notes.unit,
-              choose_function(scene.values).function.name.starts_with("ct-"),
+              usual.name.starts_with("ct-"),
               scene.values.range,
               scene.values.histogram};
   v.frames.clear();
@@ -143,7 +145,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  set_modes(made, scene, v);
+  set_modes(made, usual, scene, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
   if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));

@@ -36,21 +36,6 @@ DataRange window_of(Mode mode, const Data& d, const Grid& grid) {
   return {low * length, (low + times * (mean - low)) * length};
 }
 
-const char* what_is_shown(Mode mode) {
-  switch (mode) {
-    case Mode::mip:
-      return "largest values";
-    case Mode::minip:
-      return "least values";
-    case Mode::mean:
-      return "means";
-    case Mode::sum:
-      return "integrals over length";
-    default:
-      return "values";
-  }
-}
-
 }  // namespace
 
 const char* name(Mode mode) {
@@ -76,9 +61,10 @@ AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid&
     choice.function.colours = colours_over(colour_map("gray"), range.low, range.high);
   choice.function.opacities = {{range.low, 1.0}, {range.high, 1.0}};
   choice.range = range;
+  constexpr const char* shown[] = {"", "largest values", "least values", "means", "integrals over length"};
   if (mode != Mode::surface)
-    choice.why = fmt::format("{}, black at {:.4g} to white at {:.4g}", what_is_shown(mode), plain(range.low),
-                             plain(range.high));
+    choice.why = fmt::format("{}, black at {:.4g} to white at {:.4g}", shown[static_cast<int>(mode)],
+                             plain(range.low), plain(range.high));
   return choice;
 }
 

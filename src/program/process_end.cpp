@@ -39,6 +39,6 @@ std::terminate_handler end_otherwise = nullptr;
 
 void prepare_for_lack_of_memory() { end_otherwise = std::set_terminate(end_by_exception); }
 
-void prepare_for_signals() { signal(SIGXFSZ, SIG_IGN); }
+void ignore_file_size_signal() { signal(SIGXFSZ, SIG_IGN); }
 
 }  // namespace ringsplat::app

@@ -3,7 +3,7 @@
 namespace ringsplat::app {
 
 /// Makes a file over the file size limit a write error, not a signal.
-void prepare_for_signals();
+void ignore_file_size_signal();
 
 /// Has what ends the program where nobody can catch it, such as a thread without memory, end it with
 /// run_failed and a line when memory is what was lacking.

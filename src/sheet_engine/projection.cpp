@@ -8,11 +8,6 @@
 namespace ringsplat {
 namespace {
 
-/// The unit length in world units: opacities are per smallest spacing.
-double world_unit(const FrameGeometry& g, const Reduction& reduction) {
-  return std::min({g.grid.spacing.x, g.grid.spacing.y, g.grid.spacing.z}) / reduction.factor;
-}
-
 /// The values up to which, or for the least down to which, all extrema look alike.
 double seen_from(const SheetFrame& frame) {
   const auto& unseen = frame.transparent.intervals().front();
@@ -83,7 +78,7 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
   const glm::dvec3 colour = tf.evaluate(frame.shown.isovalue).colour;
   for (int c = 0; c < 3; ++c) p.colour[c] = float(colour[c]);
   p.zero = float((0 - code.offset) * code.scale);
-  p.unit = float(frame.step_length() * world_unit(frame.geometry, frame.shown.reduction) / code.scale);
+  p.unit = float(frame.step_length() * frame.unit_length() / code.scale);
   return p;
 }
 
@@ -113,7 +108,7 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
                of_number = extremum ? projection.sign / code.scale : 1;
   if (!image.touched() && at(from).a == 0) return;
   const int slices = frame.geometry.slices;
-  const double slice_length = frame.step_length() * world_unit(frame.geometry, frame.shown.reduction);
+  const double slice_length = frame.step_length() * frame.unit_length();
   float* row = image.pixels();
   for (int y = image.rect().y0; y < image.rect().y1; ++y, row += image.row_floats())
     for (int x = image.rect().x0; x < image.rect().x1; ++x) {

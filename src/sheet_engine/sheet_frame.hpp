@@ -1,4 +1,5 @@
 #pragma once
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 
@@ -27,6 +28,11 @@ struct SheetFrame {
   /// A ray's length from slice to slice, in unit lengths.
   double step_length() const {
     return by_length() ? geometry.traversal.slice_distance : double(shown.reduction.factor);
+  }
+  /// The unit length in world lengths; a reduced grid's spacings are multiples of it.
+  double unit_length() const {
+    const glm::dvec3& spacing = geometry.grid.spacing;
+    return std::min({spacing.x, spacing.y, spacing.z}) / shown.reduction.factor;
   }
   bool nearest() const { return shown.interpolation == Interpolation::nearest; }
   /// From slice to slice. Nearest values change half-way, where one must end.

@@ -84,9 +84,7 @@ void set_lengths(const SheetFrame& frame, EyeGrid& eye) {
   const GradientAxes axes = gradient_axes(g);
   const auto [u, v] = in_plane(g.traversal.axis);
   const int lattice[] = {u, v, static_cast<int>(g.traversal.axis)};
-  // In unit lengths of the volume, which a reduced grid's are multiples of.
-  const double unit =
-      std::min({grid.spacing.x, grid.spacing.y, grid.spacing.z}) / frame.shown.reduction.factor;
+  const double unit = frame.unit_length();
   for (int i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k)
       eye.axes[i][k] = static_cast<float>(

@@ -42,21 +42,20 @@ TransparentValues::TransparentValues(const TransferFunction& tf) {
 TransparentValues transparent_values(const Shown& shown) {
   using Intervals = std::vector<TransparentValues::Interval>;
   const TransparentValues clear(shown.transfer_function);
-  const auto& of_function = clear.intervals();
+  const auto& intervals = clear.intervals();
+  const bool low_end = !intervals.empty() && !std::isfinite(intervals.front().low),
+             high_end = !intervals.empty() && !std::isfinite(intervals.back().high);
+  const double clear_to = low_end ? intervals.front().high : -infinity,
+               clear_from = high_end ? intervals.back().low : infinity;
   const auto [first, last] = ends_of(shown.transfer_function);
   switch (shown.mode) {
     case Mode::composite:
       return clear;
     case Mode::mip:
       // All extrema up to the function's first point look alike, and those that are clear.
-      if (!of_function.empty() && !std::isfinite(of_function.front().low))
-        return TransparentValues(
-            Intervals{{-infinity, std::max(of_function.front().high, first), true, true}});
-      return TransparentValues(Intervals{{-infinity, first, true, true}});
+      return TransparentValues(Intervals{{-infinity, std::max(clear_to, first), true, true}});
     case Mode::minip:
-      if (!of_function.empty() && !std::isfinite(of_function.back().high))
-        return TransparentValues(Intervals{{std::min(of_function.back().low, last), infinity, true, true}});
-      return TransparentValues(Intervals{{last, infinity, true, true}});
+      return TransparentValues(Intervals{{std::min(clear_from, last), infinity, true, true}});
     case Mode::mean:
     case Mode::sum:
       return TransparentValues(Intervals{{0, 0, true, true}});

@@ -159,7 +159,7 @@ int run_main(Words words) {
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   set_log_sink({});
-  app::prepare_for_signals();
+  app::ignore_file_size_signal();
   const nb::gil_scoped_release without;
   return app::run_program(int(words.size()), argv.data());
 }
