@@ -45,14 +45,14 @@ std::pair<std::vector<std::uint32_t>, int> enough(std::span<const std::uint32_t>
 void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   if (!setup_.sketch || setup_.renderers < 2) return;
   const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, setup_.renderers) : setup_.renderers;
-  if (even_enough(g, dealt_to)) return;
+  if (!setup_.colocated && even_enough(g, dealt_to)) return;
   const bool sheets = std::holds_alternative<Sheets>(spec.how);
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
   const auto [points, stands_for] =
       enough(shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);
   const WorkEstimate work(g, *setup_.sketch, points, costs, spec.shown.reduction.factor, -1, stands_for);
   std::vector<double> busy;
-  if (setup_.colocated) busy = busy_gps(work, setup_.dealing(), setup_.renderers, dealt_to);
+  if (setup_.colocated) busy = busy_ranks(g, work, costs, setup_.dealing(), setup_.renderers, dealt_to);
   deal_by_work(g, work, costs, spec, setup_.renderers, busy);
 }
 

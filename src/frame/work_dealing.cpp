@@ -122,13 +122,15 @@ double deal_by_work(FrameGeometry& g, const WorkEstimate& work, const WorkCosts&
   return best->longest;
 }
 
-std::vector<double> busy_gps(const WorkEstimate& work, SliceDealing dealing, int renderers, int dealt_to) {
+std::vector<double> busy_ranks(const FrameGeometry& g, const WorkEstimate& work, const WorkCosts& costs,
+                               SliceDealing dealing, int renderers, int dealt_to) {
   const std::vector<double> of_gp = work.gp_seconds(dealing);
   std::vector<double> busy;
   for (int k = 0; k < dealt_to; ++k) {
     const auto rank = std::size_t(std::int64_t{k} * renderers / dealt_to);
     busy.push_back(rank < of_gp.size() ? of_gp[rank] : 0);
   }
+  busy.front() += costs.picture * g.width * g.height;
   return busy;
 }
 

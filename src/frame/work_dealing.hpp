@@ -22,8 +22,9 @@ inline bool even_enough(const FrameGeometry& g, int dealt_to) {
 double deal_by_work(FrameGeometry& geometry, const WorkEstimate& work, const WorkCosts& costs,
                     const FrameSpec& spec, int renderers, const std::vector<double>& busy);
 
-/// Seconds that the GPs of Renderers' ranks are busy, for `busy` above, when `dealt_to` of the Renderers get
-/// regions.
-std::vector<double> busy_gps(const WorkEstimate& work, SliceDealing dealing, int renderers, int dealt_to);
+/// Seconds that Renderers' ranks are busy otherwise, for `busy` above, when `dealt_to` of the Renderers get
+/// regions: with their GPs' slices, and the first with the picture, too.
+std::vector<double> busy_ranks(const FrameGeometry& geometry, const WorkEstimate& work,
+                               const WorkCosts& costs, SliceDealing dealing, int renderers, int dealt_to);
 
 }  // namespace ringsplat

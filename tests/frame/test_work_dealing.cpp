@@ -118,6 +118,21 @@ TEST_CASE("regions dealt by work are shared more evenly than regions dealt in tu
   }
 }
 
+TEST_CASE("the rank that puts the picture together is busy with it") {
+  const Grid grid = grid_of({128, 128, 128});
+  const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 40);
+  const FrameSpec spec = seen(Sheets{});
+  const FrameGeometry g = make_geometry(spec, grid);
+  ShownPoints points;
+  WorkCosts costs = only_voxels;
+  const WorkEstimate work(g, sketch, points.of(sketch, spec.shown.transfer_function), costs, 1);
+  const auto without = busy_ranks(g, work, costs, {4, 1}, 4, 2);
+  costs.picture = 1e-6;
+  const auto with = busy_ranks(g, work, costs, {4, 1}, 4, 2);
+  CHECK(with[0] - without[0] == Approx(1e-6 * g.width * g.height));
+  CHECK(with[1] == without[1]);
+}
+
 TEST_CASE("a size of regions that is asked for is kept, and a Renderer whose rank is busy gets less") {
   const Grid grid = grid_of({128, 128, 128});
   const VolumeSketch sketch = sketch_of(grid.dims, {64, 64, 64}, 60);

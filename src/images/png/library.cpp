@@ -220,8 +220,9 @@ class PngWriter {
                  PNG_FILTER_TYPE_DEFAULT);
     png_set_sRGB_gAMA_and_cHRM(png_, info_, PNG_sRGB_INTENT_ABSOLUTE);
     if (!texts_.empty()) png_set_text(png_, info_, texts_.data(), int(texts_.size()));
-    constexpr int run_lengths = 3;  // zlib's Z_RLE, as images/image_io.cpp has it of OpenImageIO
+    constexpr int run_lengths = 3;  // zlib's Z_RLE; both as images/image_io.cpp has them of OpenImageIO
     png_set_compression_strategy(png_, run_lengths);
+    png_set_filter(png_, PNG_FILTER_TYPE_BASE, PNG_FILTER_UP);
     png_write_info(png_, info_);
     if (bytes_a_sample() == 2 && std::endian::native == std::endian::little) png_set_swap(png_);
     png_write_image(png_, rows_.data());
