@@ -132,12 +132,12 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
       fmt::format("{}, {}", describe(job.layout), job.layout.topology == Topology::ring ? "ring" : "mesh");
   v.ranks = launch.ranks();
   const std::filesystem::path path = o.volume.path;
-  const TransferFunction usual = choose_function(scene.values).function;
+  const AutoChoice usual = choose_function(scene.values);
   v.volume = {(path.has_filename() ? path : path.parent_path()).filename().string(),
               scene.grid,
               notes.world == World::patient,
               notes.unit,
-              usual.name.starts_with("ct-"),
+              usual.hounsfield,
               scene.values.range,
               scene.values.histogram};
   v.frames.clear();
@@ -145,7 +145,7 @@ serve::ViewerOptions viewer_options(const ServeOptions& options, const Job& job,
   v.frame = o.frame;
   v.initial.shown = o.frame.shown;
   if (!made.said.empty()) fmt::print(stderr, "{}\n", made.said);
-  set_modes(made, usual, scene, v);
+  set_modes(made, usual.function, scene, v);
   check(v.initial.shown.transfer_function, o.transfer_function);
   if (made.labels) v.volume.labels = labels_of(scene.values.labels, o.volume.path);
   v.initial.background = linear_to_srgb(o.background.value_or(glm::dvec3(0.0)));

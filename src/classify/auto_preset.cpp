@@ -110,13 +110,12 @@ std::optional<AutoChoice> choose_ct(const ValueStatistics& s, const Data& d) {
                             s.range.high < 70000 && air > 0.03 && soft > 0.03 && between < soft;
   if (!said && !of_its_range) return std::nullopt;
   const char* const name = bone > soft ? "ct-bone" : "ct-soft";
-  AutoChoice choice{
-      preset(name, s.histogram),
-      fmt::format("CT in Hounsfield units ({}): preset {}",
-                  said ? "modality CT" : "by its range and the shares of air and soft tissue", name),
-      false,
-      {-1000, 1500}};
-  return choice;
+  return AutoChoice{
+      .function = preset(name, s.histogram),
+      .why = fmt::format("CT in Hounsfield units ({}): preset {}",
+                         said ? "modality CT" : "by its range and the shares of air and soft tissue", name),
+      .range = {-1000, 1500},
+      .hounsfield = true};
 }
 
 // both signs

@@ -20,8 +20,9 @@ DataRange range_of(const Histogram& histogram);
 struct AutoChoice {
   TransferFunction function;
   std::string why;
-  bool labels = false;    ///< a colour for each value
-  DataRange range{0, 1};  ///< that it spans
+  bool labels = false;      ///< a colour for each value
+  DataRange range{0, 1};    ///< that it spans
+  bool hounsfield = false;  ///< the values are a CT's, in Hounsfield units
 };
 
 /// A transfer function for data of which nothing but the values' statistics is known. The first that fits:

@@ -2,7 +2,7 @@
 
   check_server.py CASE --program RINGSPLAT --volume FILE [--ranks N --mpiexec MPIEXEC] [--scratch FOLDER]
 """
-import argparse, os, shutil, signal, socket, subprocess, sys, time
+import argparse, os, shutil, signal, socket, struct, subprocess, sys, time
 
 import viewer_client as vc
 from access_cases import allowed, fake_browser, opens, packed_page, page, strangers
@@ -260,6 +260,21 @@ def labels(options, server):
     same_as_program(options, server)
 
 
+def make_ct(options):
+    """Air, soft tissue and bone in layers, each of many values."""
+    path, side = os.path.join(options.scratch, "ct_24x24x24_int16.raw"), 24
+    with open(path, "wb") as file:
+        for z in range(side):
+            file.write(struct.pack(f"<{side * side}h", *((-1000, 20, 1200)[3 * z // side] + (7 * i + 5 * z) % 100
+                                                         for i in range(side * side))))
+    return path
+
+
+def hounsfield(options, server):
+    offered = [one["name"] for one in server.client().hello["presets"]]
+    expect({"ct-bone", "ct-skin", "ct-soft", "mr-soft"} <= set(offered), offered)
+
+
 def ends(options, server):
     client = server.client()
     client.view()
@@ -362,7 +377,7 @@ CASES = {"page": (page,), "packed_page": (packed_page,), "strangers": (strangers
          "opens": (opens, "--open", "XDG_RUNTIME_DIR={scratch}/own", "PATH={scratch}/bin:/usr/bin:/bin"),
          "bad_messages": (bad_messages,), "crowd": (crowd,), "acknowledgement": (acknowledgement,),
          "slow_reader": (slow_reader,), "flood": (flood,), "quick_views": (quick_views,), "watchers": (watchers,), "probes": (probes,),
-         "same_as_program": (same_as_program,), "labels": (labels,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
+         "same_as_program": (same_as_program,), "labels": (labels,), "hounsfield": (hounsfield,), "ends": (ends,), "killed_rank": (killed_rank,), "idle": (idle,),
          "errors_have_numbers": (errors_have_numbers,), "returning": (returning,), "movies": (movies, "TMPDIR={scratch}"),
          "movie_failures": (movie_failures, "TMPDIR={scratch}", "PATH={scratch}/bin"),
          "series": (series, *SERIES), "series_quickly": (series_quickly, *SERIES),
@@ -390,8 +405,8 @@ if __name__ == "__main__":
     fake_browser(given)
     if "--frames" in more:
         given.volume = make_series(given)
-    if given.case == "labels":
-        given.volume = make_labels(given)
+    if given.case in ("labels", "hounsfield"):
+        given.volume = make_labels(given) if given.case == "labels" else make_ct(given)
     running = start(given, *(word.format(scratch=given.scratch) for word in more))
     try:
         test(given, running)
