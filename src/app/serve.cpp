@@ -17,7 +17,7 @@
 #include "base/child_program.hpp"
 #include "base/log.hpp"
 #include "base/process.hpp"
-#include "classify/mode_function.hpp"
+#include "classify/auto_preset.hpp"
 #include "classify/srgb.hpp"
 #include "formats/label_names.hpp"
 #include "frame/frame_needs.hpp"

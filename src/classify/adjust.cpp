@@ -31,18 +31,14 @@ TransferFunction::OpacityPoint mixed(const TransferFunction::OpacityPoint& a,
 /// `points` with others in between, so that logarithms are interpolated.
 template <class Point>
 std::vector<Point> filled(const std::vector<Point>& points) {
-  std::vector<Point> out;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    out.push_back(points[k]);
-    if (k + 1 == points.size() || !(points[k].value < points[k + 1].value)) continue;
-    const int steps = steps_between(points[k].value, points[k + 1].value);
+  return with_more(points, [&](std::vector<Point>& all, std::size_t k) {
+    const Point &a = points[k], &b = points[k + 1];
+    const int steps = steps_between(a.value, b.value);
     for (int i = 1; i < steps; ++i) {
       const double part = double(i) / steps;
-      out.push_back(
-          mixed(points[k], points[k + 1], part, between(points[k].value, points[k + 1].value, part)));
+      all.push_back(mixed(a, b, part, between(a.value, b.value, part)));
     }
-  }
-  return out;
+  });
 }
 
 /// Moves points as far along the logarithm's axis from `low` to `high` as they were along the values'.
@@ -59,23 +55,23 @@ void scale_opacity(TransferFunction& tf, double factor) {
       point.opacity = std::clamp(-std::expm1(factor * std::log1p(-point.opacity)), 0.0, 1.0);
 }
 
-Ends ends_of(const TransferFunction& tf) {
+DataRange ends_of(const TransferFunction& tf) {
   return {std::min(tf.colours.front().value, tf.opacities.front().value),
           std::max(tf.colours.back().value, tf.opacities.back().value)};
 }
 
-void stretch(TransferFunction& tf, double low, double high) {
-  const auto [first, last] = ends_of(tf);
-  const auto moved = [&, first = first, last = last](double value) {
-    return first < last ? std::lerp(low, high, fraction(value, first, last)) : low;
+void stretch(TransferFunction& tf, const DataRange& range) {
+  const DataRange ends = ends_of(tf);
+  const auto moved = [&](double value) {
+    return ends.low < ends.high ? range.at(fraction(value, ends.low, ends.high)) : range.low;
   };
   for (auto& point : tf.colours) point.value = moved(point.value);
   for (auto& point : tf.opacities) point.value = moved(point.value);
 }
 
-std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, double low, double high) {
+std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, const DataRange& range) {
   auto points = map.points;
-  for (auto& point : points) point.value = std::lerp(low, high, point.value);
+  for (auto& point : points) point.value = range.at(point.value);
   return points;
 }
 

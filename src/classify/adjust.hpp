@@ -1,4 +1,5 @@
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "classify/colour_maps.hpp"
@@ -7,14 +8,20 @@
 /// Changes of a transfer function.
 namespace ringsplat {
 
+/// low < high, both finite; their difference may overflow a double.
+struct DataRange {
+  double low, high;
+  double at(double share) const { return std::lerp(low, high, share); }
+};
+
 /// 1 − (1 − α)^factor: twice as dense for 2.
 void scale_opacity(TransferFunction& tf, double factor);
 
-/// Moves all points linearly, so that the first and the last one of all lie at `low` and `high`.
-void stretch(TransferFunction& tf, double low, double high);
+/// Moves all points linearly, so that the first and the last one of all lie at the range's ends.
+void stretch(TransferFunction& tf, const DataRange& range);
 
-/// A map's points over [low, high].
-std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, double low, double high);
+/// A map's points over the range.
+std::vector<TransferFunction::ColourPoint> colours_over(const ColourMap& map, const DataRange& range);
 
 /// Wholly transparent below or above a value.
 void clear_below(TransferFunction& tf, double value);
@@ -23,11 +30,8 @@ void clear_above(TransferFunction& tf, double value);
 /// `whole`.
 void clear_at(TransferFunction& tf, double value, bool whole);
 
-/// The first and the last of all points, of colours and opacities.
-struct Ends {
-  double low, high;
-};
-Ends ends_of(const TransferFunction& tf);
+/// The first and the last of all points, of colours and opacities; they may be the same.
+DataRange ends_of(const TransferFunction& tf);
 
 /// Moves the points of positive values, each as far along the logarithm's axis from the first to the last
 /// point as it was along the values', and puts more points in between, so that logarithms are interpolated.

@@ -5,12 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <limits>
-#include <optional>
 
 #include "base/printable.hpp"
-#include "classify/adjust.hpp"
 #include "classify/colour_maps.hpp"
-#include "classify/label_function.hpp"
 #include "classify/value_shape.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -151,7 +148,7 @@ std::optional<AutoChoice> choose_signed(const Data& d) {
   TransferFunction tf;
   tf.opacities = {{-end, 0.7},  {-rare, 0.3},   {-common, haze}, {-clear, 0.0},
                   {clear, 0.0}, {common, haze}, {rare, 0.3},     {end, 0.7}};
-  tf.colours = colours_over(colour_map("coolwarm"), -end, end);
+  tf.colours = colours_over(colour_map("coolwarm"), {-end, end});
   balance(tf, d);
   return AutoChoice{tf,
                     fmt::format("{}, both signs about zero: diverging colours, clear from {:.3g} to {:.3g}",

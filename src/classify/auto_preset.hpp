@@ -1,17 +1,14 @@
 #pragma once
-#include <cmath>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "classify/adjust.hpp"
+#include "ringsplat/classify/mode.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat {
-
-/// low < high, both finite; their difference may overflow a double.
-struct DataRange {
-  double low, high;
-  double at(double share) const { return std::lerp(low, high, share); }
-};
 
 /// The histogram's range; widened if it is a single value, 0..1 if the histogram is empty.
 DataRange range_of(const Histogram& histogram);
@@ -53,8 +50,27 @@ AutoChoice choose_within(const ValueStatistics& values, const DataRange& window,
 /// InputError when nothing is positive.
 DataRange positive_range(const ValueStatistics& values);
 
+/// The colours of a mode's values: grey from black at the low end of `window` to white at its high end, which
+/// is chosen where it is not given; opaque throughout. Of a surface one colour for all values. The grid
+/// tells what integrals may be.
+AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid& grid,
+                           const std::optional<DataRange>& window);
+
+/// The value that parts the volume's values best into two classes (Otsu 1979).
+double parting_value(const ValueStatistics& values);
+
 /// The colours of labels, whatever the values look like. Throws InputError when they are no labels: not whole
 /// numbers, or too many different ones.
 AutoChoice choose_labels(const ValueStatistics& values);
+
+/// A transfer function in which each of `labels` (whole numbers, ascending) has a colour of its own and
+/// nearly full opacity, up to half-way to the next whole numbers; 0 and numbers that are no label are clear.
+///
+/// A label's colour depends on its number alone, so that it is the same in every volume.
+TransferFunction label_function(const std::vector<double>& labels);
+
+/// The display colour of a label, and the opacity of a voxel with one.
+glm::dvec3 label_colour(double label);
+inline constexpr double label_opacity = 0.9;
 
 }  // namespace ringsplat

@@ -8,6 +8,7 @@
 #include <limits>
 #include <type_traits>
 
+#include "classify/adjust.hpp"
 #include "classify/mask_where.hpp"
 #include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
@@ -27,18 +28,6 @@ template <class T>
 int bounded(double whole, int beyond = 0) {
   using Limits = std::numeric_limits<T>;
   return int(std::clamp(whole, double(Limits::min() - beyond), double(Limits::max() + beyond)));
-}
-
-/// The first and the last value of an integer type within [low, high]; low > high when there is none.
-template <class T>
-struct Ends {
-  int low, high;
-};
-template <class T>
-Ends<T> ends_within(double low, double high) {
-  using Limits = std::numeric_limits<T>;
-  return {std::max(bounded<T>(std::ceil(low), 1), int(Limits::min())),
-          std::min(bounded<T>(std::floor(high), 1), int(Limits::max()))};
 }
 
 }  // namespace
@@ -65,19 +54,20 @@ Classifier::Classifier(const TransferFunction& tf, ScalarType type, double lengt
 template <class T>
 void Classifier::make_table() {
   // All values before the first points have one sample, and so do all from the last points on.
-  const double first = std::min(tf_.colours.front().value, tf_.opacities.front().value);
-  const double last = std::max(tf_.colours.back().value, tf_.opacities.back().value);
-  table_low_ = bounded<T>(std::floor(first) - 1);
-  table_high_ = bounded<T>(std::ceil(last));
+  const DataRange ends = ends_of(tf_);
+  table_low_ = bounded<T>(std::floor(ends.low) - 1);
+  table_high_ = bounded<T>(std::ceil(ends.high));
   for (int value = table_low_; value <= table_high_; ++value) {
     table_.push_back(evaluate(value));
     visible_.push_back(table_.back().opacity > 0);
   }
-  const Ends<T> ends = ends_within<T>(support_low_, support_high_);
-  first_visible_ = ends.low;
-  last_visible_ = ends.high;
-  gaps_ = ends.low > ends.high;
-  for (int value = std::max(ends.low, table_low_); value <= std::min(ends.high, table_high_); ++value)
+  // Of the type's values within the support; first > last when there is none.
+  using Limits = std::numeric_limits<T>;
+  first_visible_ = std::max(bounded<T>(std::ceil(support_low_), 1), int(Limits::min()));
+  last_visible_ = std::min(bounded<T>(std::floor(support_high_), 1), int(Limits::max()));
+  gaps_ = first_visible_ > last_visible_;
+  for (int value = std::max(first_visible_, table_low_); value <= std::min(last_visible_, table_high_);
+       ++value)
     gaps_ = gaps_ || visible_[table_index(value)] == 0;
 }
 

@@ -1,10 +1,9 @@
-#include "classify/label_function.hpp"
-
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 
+#include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
 
 namespace ringsplat {

@@ -1,11 +1,9 @@
-#include "classify/mode_function.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 
 #include "base/printable.hpp"
-#include "classify/adjust.hpp"
+#include "classify/auto_preset.hpp"
 #include "classify/colour_maps.hpp"
 #include "classify/value_shape.hpp"
 
@@ -58,7 +56,7 @@ AutoChoice choose_for_mode(Mode mode, const ValueStatistics& values, const Grid&
   if (mode == Mode::surface)
     choice.function.colours = {{range.low, even}, {range.high, even}};
   else
-    choice.function.colours = colours_over(colour_map("gray"), range.low, range.high);
+    choice.function.colours = colours_over(colour_map("gray"), range);
   choice.function.opacities = {{range.low, 1.0}, {range.high, 1.0}};
   choice.range = range;
   constexpr const char* shown[] = {"", "largest values", "least values", "means", "integrals over length"};

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "classify/piecewise.hpp"
+
 namespace ringsplat {
 namespace {
 
@@ -33,10 +35,7 @@ double shaped_opacity(double y0, double y1, const CurveShape& given, double t) {
 
 std::vector<TransferFunction::OpacityPoint> sample_shapes(
     const std::vector<TransferFunction::OpacityPoint>& points, const std::vector<CurveShape>& shapes) {
-  std::vector<TransferFunction::OpacityPoint> out;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    out.push_back(points[i]);
-    if (i + 1 == points.size() || !(points[i].value < points[i + 1].value)) continue;
+  return with_more(points, [&](auto& out, std::size_t i) {
     const CurveShape shape = limited(shapes[i]);
     const double y0 = points[i].opacity, y1 = points[i + 1].opacity;
     const auto value_at = [&](double t) { return std::lerp(points[i].value, points[i + 1].value, t); };
@@ -54,8 +53,7 @@ std::vector<TransferFunction::OpacityPoint> sample_shapes(
         out.push_back({value_at(t), shaped_opacity(y0, y1, shape, t)});
       }
     }
-  }
-  return out;
+  });
 }
 
 }  // namespace ringsplat

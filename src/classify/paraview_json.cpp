@@ -7,6 +7,7 @@
 
 #include "classify/colour_space.hpp"
 #include "classify/opacity_curve.hpp"
+#include "classify/piecewise.hpp"
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/classify/transfer_function.hpp"
 
@@ -113,17 +114,13 @@ ColourSpace read_colour_space(const Json& map, const std::string& where) {
 /// Samples display colours along a way in another space, close enough together to be interpolated in RGB.
 std::vector<TransferFunction::ColourPoint> sample_space(
     const std::vector<TransferFunction::ColourPoint>& points, ColourSpace space) {
-  std::vector<TransferFunction::ColourPoint> out;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    out.push_back(points[i]);
-    if (i + 1 == points.size() || !(points[i].value < points[i + 1].value)) continue;
+  return with_more(points, [&](auto& out, std::size_t i) {
     for (int k = 1; k < samples_each_colour_span; ++k) {
       const double t = double(k) / samples_each_colour_span;
       out.push_back({std::lerp(points[i].value, points[i + 1].value, t),
                      interpolate(space, points[i].srgb, points[i + 1].srgb, t)});
     }
-  }
-  return out;
+  });
 }
 
 }  // namespace

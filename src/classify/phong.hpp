@@ -1,6 +1,5 @@
 #pragma once
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <glm/vec3.hpp>
@@ -20,14 +19,10 @@ class PhongTable {
  public:
   PhongTable(const PhongMaterial& material, const glm::dvec3& to_light, const glm::dvec3& to_viewer);
 
-  /// The sample lit by its normal; colours are clamped to 1. no_normal leaves it as it is (unlit, not black).
-  ClassifiedSample shade(NormalCode normal, const ClassifiedSample& s) const {
-    return entries().light(s, place_of(normal));
-  }
-
-  /// A colour is multiplied by |scale|, then the highlight is added. Most normals have no highlight, and the
-  /// table is larger than a thread's share of the cache. So a scale's sign bit says whether there is a
-  /// highlight, and the others are not read.
+  /// A colour is multiplied by |scale|, then the highlight is added; it is clamped to 1. no_normal leaves it
+  /// as it is (unlit, not black). Most normals have no highlight, and the table is larger than a thread's
+  /// share of the cache. So a scale's sign bit says whether there is a highlight, and the others are not
+  /// read.
   struct Entries {
     const float *scales, *highlights;
     /// Index of a place's highlight: the place itself, or 0 when it has none. Loads the sign by itself, which
@@ -36,11 +31,6 @@ class PhongTable {
       std::int32_t sign;
       std::memcpy(&sign, scales + place, sizeof sign);
       return place & std::size_t(std::ptrdiff_t(sign >> 31));
-    }
-    ClassifiedSample light(const ClassifiedSample& s, std::size_t place) const {
-      const float scale = std::abs(scales[place]), add = highlights[highlight_of(place)];
-      return {std::min(s.r * scale + add, 1.0F), std::min(s.g * scale + add, 1.0F),
-              std::min(s.b * scale + add, 1.0F), s.opacity};
     }
   };
   Entries entries() const { return {scales_.data(), highlights_.data()}; }

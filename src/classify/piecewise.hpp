@@ -33,6 +33,17 @@ Place locate(const std::vector<Point>& points, double value) {
   return {index, fraction(value, points[index].value, above->value)};
 }
 
+/// The points; add(all, k) puts others between points k and k + 1, where the values ascend.
+template <class Point, class Add>
+std::vector<Point> with_more(const std::vector<Point>& points, const Add& add) {
+  std::vector<Point> all;
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    all.push_back(points[k]);
+    if (k + 1 < points.size() && points[k].value < points[k + 1].value) add(all, k);
+  }
+  return all;
+}
+
 /// Linear interpolation from `a` to `b`; exactly `a` when the two are equal.
 template <class T>
 T blend(const T& a, const T& b, double t) {

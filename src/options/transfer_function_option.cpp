@@ -9,8 +9,6 @@
 #include <utility>
 
 #include "base/printable.hpp"
-#include "classify/adjust.hpp"
-#include "classify/mode_function.hpp"
 #include "options/option_values.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -87,9 +85,8 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
   if (is_auto) return choose_within(values, window, colour_.log);
   AutoChoice made;
   made.function = from_file_ ? *from_file_ : preset(preset_, values.histogram);
-  const auto [low, high] = ends_of(made.function);
-  made.range = windowed ? window : DataRange{low, high};
-  if (windowed) stretch(made.function, window.low, window.high);
+  made.range = windowed ? window : ends_of(made.function);
+  if (windowed) stretch(made.function, window);
   if (colour_.log) made.function = on_logarithmic_axis(made.function);
   return made;
 }
@@ -105,7 +102,7 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const G
   AutoChoice made = base(values, grid);
   auto& tf = made.function;
   if (map_) {
-    tf.colours = colours_over(*map_, made.range.low, made.range.high);
+    tf.colours = colours_over(*map_, made.range);
     if (colour_.log) tf.colours = on_logarithmic_axis(tf.colours);
   }
   if (colour_.log) clear_below(tf, std::numeric_limits<double>::denorm_min());

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "classify/auto_preset.hpp"
+#include "classify/adjust.hpp"
 
 namespace ringsplat::app {
 namespace {

@@ -4,9 +4,9 @@
 #include <random>
 
 #include "classify/adjust.hpp"
+#include "classify/auto_preset.hpp"
 #include "classify/classifier.hpp"
 #include "classify/find_visible.hpp"
-#include "classify/label_function.hpp"
 #include "classify/made_volume.hpp"
 #include "ringsplat/base/error.hpp"
 #include "support/catch.hpp"
@@ -355,7 +355,7 @@ TEST_CASE("opacities scale as a volume of another density would") {
   CHECK(tf.opacities[2].opacity == 1);
   scale_opacity(tf, 0.25);
   CHECK(tf.opacities[1].opacity == Approx(0.1));
-  stretch(tf, -100, 300);
+  stretch(tf, {-100, 300});
   CHECK(tf.opacities[1].value == Approx(100));
   CHECK(tf.colours[1].value == 300);
   clear_above(tf, 200);

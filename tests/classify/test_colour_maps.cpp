@@ -21,7 +21,7 @@ TEST_CASE("every colour map is within 4 of 255 display levels of the original ev
     const std::string name = line.substr(0, tab), entries = line.substr(tab + 1);
     REQUIRE(entries.size() == 256 * 6);
     TransferFunction tf;
-    tf.colours = colours_over(colour_map(name), 0, 255);
+    tf.colours = colours_over(colour_map(name), {0, 255});
     tf.opacities = {{0, 1}, {255, 1}};
     REQUIRE(message_of([&] { check(tf, name); }).empty());
     double worst = 0;

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "classify/label_function.hpp"
+#include "classify/auto_preset.hpp"
 #include "options/method_options.hpp"
 #include "support/catch.hpp"
 #include "truth_support.hpp"
