@@ -6,7 +6,6 @@
 
 #include "raster/region_image.hpp"
 #include "raster/slice_buffer.hpp"
-#include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/splat_frame.hpp"
 
@@ -48,8 +47,5 @@ struct SumMemory {
 std::unique_ptr<PayloadReader> make_word_reader(const FrameKernel& kernel, SumMemory memory);
 std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
                                                SumMemory memory);
-/// A reader for runs in slices whose voxels lie a whole number of pixels apart.
-std::unique_ptr<PayloadReader> make_aligned_reader(const SplatFrame& frame, const AlignedFrame& aligned,
-                                                   SumMemory memory);
 
 }  // namespace ringsplat

@@ -5,37 +5,28 @@
 #include <optional>
 #include <utility>
 
+#include "base/clock.hpp"
 #include "classify/sample_row.hpp"
 
 namespace ringsplat {
 
-void RowClassifier::begin(const SliceView& slice, VisibleVoxels& visible) {
-  slice_ = slice;
-  visible_ = &visible;
-}
-
-int RowClassifier::find(int row, Columns columns) {
-  row_index_ = row;
-  if (columns.empty() || visible_->runs().of_row(row).empty())
-    row_.take({}, 0, 0);
-  else
-    row_.take(visible_->of_row(slice_, row), columns.first, columns.end);
-  return int(row_.visible);
-}
-
-int RowClassifier::voxels_outside(Columns columns) const {
-  int outside = 0;
-  for (const ColumnRun& run : visible_->runs().of_row(row_index_)) {
-    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
-    outside += run.end - run.first - std::max(end - first, 0);
+EncoderFrame::EncoderFrame(const SplatFrame& splat_frame)
+    : frame(splat_frame),
+      geometry(frame.geometry),
+      classifier(frame.shown.transfer_function, geometry.grid.type,
+                 frame.shown.opacity_correction ? geometry.traversal.slice_distance
+                                                : double(frame.shown.reduction.factor)),
+      reach(kernel_reach(frame.footprint)),
+      stride(pass_stride(frame.splats.kernel_radius)) {
+  const ViewTransform& view = geometry.view;
+  const glm::dvec3& light = frame.shown.light;
+  if (frame.shown.shading == Shading::phong)
+    phong.emplace(frame.shown.material, view.right * light.x + view.up * light.y + view.to_viewer * light.z,
+                  view.to_viewer);
+  for (int region = 0; region < geometry.regions.count(); ++region) {
+    rects.push_back(geometry.regions.rect(region));
+    opaque.emplace_back(rects.back().width(), rects.back().height());
   }
-  return outside;
-}
-
-void RowClassifier::make_samples() {
-  const NormalCode* normals = shading_.lit() ? slice_.normals_of_row(row_index_) : nullptr;
-  ringsplat::make_samples(shading_.classifier(), {slice_.values_of_row(row_index_), normals, slice_.width},
-                          normals == nullptr ? nullptr : &shading_.phong(), row_);
 }
 
 std::vector<int> row_bounds(const SliceRuns& runs, int height, int most) {
@@ -61,37 +52,33 @@ std::vector<int> row_bounds(const SliceRuns& runs, int height, int most) {
 }
 
 RowBand::RowBand(const EncoderFrame& frame)
-    : geometry_(frame.geometry),
-      rows_(frame.shading),
+    : frame_(frame),
       dda_(frame.geometry.view, frame.geometry.traversal.axis,
            frame.geometry.grid.slice_width(frame.geometry.traversal.axis)),
-      reach_(frame.reach),
-      frame_(frame),
-      stride_(frame.stride),
       counts_(frame.rects.size()),
-      x_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].x),
-      y_(geometry_.view.linear[in_plane(geometry_.traversal.axis).u].y),
-      beyond_(double(reach_.x) + 0.51, double(reach_.y) + 0.51) {}
+      x_(frame.geometry.view.linear[in_plane(frame.geometry.traversal.axis).u].x),
+      y_(frame.geometry.view.linear[in_plane(frame.geometry.traversal.axis).u].y),
+      beyond_(double(frame.reach.x) + 0.51, double(frame.reach.y) + 0.51) {}
 
-void RowBand::begin(const SliceView& slice, VisibleVoxels& visible, int first, int end) {
-  rows_.begin(slice, visible);
-  all_in_view_ = is_all_in_view(first, end);
+void RowBand::begin(const SliceView& slice, VisibleVoxels& voxels, int first, int end) {
+  slice_ = slice;
+  voxels_ = &voxels;
   row_ = first;
   end_ = end;
+  all_in_view_ = is_all_in_view();
   visible_ = outside_ = 0;
 }
 
 bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages) {
   stages_ = stages;
   int visible = 0, voxels = 0;
-  while (row_ < end_ && visible < visible_at_most && voxels < voxels_at_most) {
+  for (; row_ < end_ && visible < visible_at_most && voxels < voxels_at_most; ++row_) {
     row_begun_ = false;
-    row_offset_ = row_ % stride_;
-    const int found = find_row();
-    if (found > 0) encode_row(row_);
-    visible += found;
-    voxels += rows_.slice().width;
-    ++row_;
+    row_offset_ = row_ % frame_.stride;
+    find_row();
+    visible += int(found_.visible);
+    voxels += slice_.width;
+    if (found_.visible > 0) encode_row(row_);
   }
   visible_ += std::uint64_t(visible);
   return row_ >= end_;
@@ -99,38 +86,52 @@ bool RowBand::work(int visible_at_most, int voxels_at_most, StageSeconds* stages
 
 void RowBand::begin_row() {
   if (std::exchange(row_begun_, true)) return;
-  dda_.begin_row(rows_.slice().index, row_);
+  dda_.begin_row(slice_.index, row_);
   x_.begin_row(dda_.row_start().x);
   y_.begin_row(dda_.row_start().y);
 }
 
-int RowBand::find_row() {
+void RowBand::find_row() {
   const ScopedSeconds timed(stages_ ? &stages_->classify : nullptr);
-  const Columns all{0, std::uint32_t(rows_.slice().width)};
-  if (all_in_view_) return rows_.find(row_, all);
-  const Columns columns = in_view(all);
-  const int found = rows_.find(row_, columns);
-  outside_ += std::uint64_t(rows_.voxels_outside(columns));
-  return found;
+  const auto runs = voxels_->runs().of_row(row_);
+  Columns columns{0, std::uint32_t(slice_.width)};
+  if (!all_in_view_) columns = in_view(columns);
+  for (const ColumnRun& run : runs) {
+    const int first = std::max(run.first, int(columns.first)), end = std::min(run.end, int(columns.end));
+    outside_ += std::uint64_t(run.end - run.first - std::max(end - first, 0));
+  }
+  if (columns.empty() || runs.empty())
+    found_.take({}, 0, 0);
+  else
+    found_.take(voxels_->of_row(slice_, row_), columns.first, columns.end);
 }
 
 Columns RowBand::in_view(Columns all) {
   begin_row();
-  const Columns columns = reaching_x(0, geometry_.width, all);
-  return columns.empty() ? columns : reaching_y(0, geometry_.height, columns);
+  const Columns columns = reaching_x(0, frame_.geometry.width, all);
+  return columns.empty() ? columns : reaching_y(0, frame_.geometry.height, columns);
 }
 
-bool RowBand::is_all_in_view(int first, int end) {
-  const PixelWindow window = window_of_rows(first, end);
-  return window.x0 >= 0 && window.x1 < geometry_.width && window.y0 >= 0 && window.y1 < geometry_.height;
+bool RowBand::is_all_in_view() {
+  const PixelWindow window = window_of_rows(row_, end_);
+  return window.x0 >= 0 && window.x1 < frame_.geometry.width && window.y0 >= 0 &&
+         window.y1 < frame_.geometry.height;
+}
+
+std::span<const ClassifiedSample> RowBand::make_samples() {
+  const ScopedSeconds timed(stages_ ? &stages_->shade : nullptr);
+  const NormalCode* normals = frame_.phong ? slice_.normals_of_row(row_) : nullptr;
+  ringsplat::make_samples(frame_.classifier, {slice_.values_of_row(row_), normals, slice_.width},
+                          frame_.phong ? &*frame_.phong : nullptr, found_);
+  return std::span(found_.samples).first(found_.visible);
 }
 
 PixelWindow RowBand::window_of_rows(int first, int end) {
   row_begun_ = false;
   std::optional<PixelWindow> all;
   for (const int row : {first, std::max(first, end - 1)}) {
-    dda_.begin_row(rows_.slice().index, row);
-    for (const std::uint32_t column : {0U, std::uint32_t(rows_.slice().width - 1)}) {
+    dda_.begin_row(slice_.index, row);
+    for (const std::uint32_t column : {0U, std::uint32_t(slice_.width - 1)}) {
       const PixelWindow window = window_of(column);
       all = all ? hull(*all, window) : window;
     }

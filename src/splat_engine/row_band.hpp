@@ -6,12 +6,10 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <span>
 #include <vector>
 
-#include "base/clock.hpp"
 #include "classify/classifier.hpp"
 #include "classify/empty_space.hpp"
 #include "classify/phong.hpp"
@@ -25,64 +23,19 @@
 
 namespace ringsplat {
 
-/// The tables that turn one frame's voxels into colours. Safe to use from several threads.
-class FrameShading {
- public:
-  /// Both must outlive it.
-  FrameShading(const Shown& shown, const FrameGeometry& geometry)
-      : shown_(shown),
-        geometry_(geometry),
-        classifier_(
-            shown.transfer_function, geometry.grid.type,
-            shown.opacity_correction ? geometry.traversal.slice_distance : double(shown.reduction.factor)) {}
-
-  const Classifier& classifier() const { return classifier_; }
-  bool lit() const { return shown_.shading == Shading::phong; }
-
-  /// Built on first use: a frame with nothing visible needs none.
-  const PhongTable& phong() const {
-    std::call_once(once_, [this] {
-      const ViewTransform& view = geometry_.view;
-      phong_.emplace(shown_.material,
-                     view.right * shown_.light.x + view.up * shown_.light.y + view.to_viewer * shown_.light.z,
-                     view.to_viewer);
-    });
-    return *phong_;
-  }
-
- private:
-  const Shown& shown_;
-  const FrameGeometry& geometry_;
-  Classifier classifier_;
-  mutable std::once_flag once_;
-  mutable std::optional<PhongTable> phong_;
-};
-
 /// State that the bands of a frame's slices share; constant while they work.
 struct EncoderFrame {
   /// `splat_frame` must outlive it.
-  explicit EncoderFrame(const SplatFrame& splat_frame)
-      : frame(splat_frame),
-        geometry(frame.geometry),
-        shading(frame.shown, geometry),
-        reach(kernel_reach(frame.footprint)),
-        stride(pass_stride(frame.splats.kernel_radius)) {
-    for (int region = 0; region < geometry.regions.count(); ++region) {
-      rects.push_back(geometry.regions.rect(region));
-      opaque.emplace_back(rects.back().width(), rects.back().height());
-    }
-  }
-
-  /// News from a Renderer's Painter::opaque_news. Throws RunError when the bytes are no such news.
-  void take_opaque_news(std::span<const std::byte> news) { read_opaque_news(news, opaque); }
+  explicit EncoderFrame(const SplatFrame& splat_frame);
 
   const SplatFrame& frame;
   const FrameGeometry& geometry;
-  FrameShading shading;
+  Classifier classifier;
+  std::optional<PhongTable> phong;  ///< of a lit frame
   KernelReach reach;
   int stride;                       ///< between voxels of one pass
   std::vector<PixelRect> rects;     ///< by region
-  std::vector<OpaqueTiles> opaque;  ///< by region
+  std::vector<OpaqueTiles> opaque;  ///< by region, as far as Renderers have told
 };
 
 /// Half-open range of a row's columns.
@@ -113,38 +66,6 @@ class RowAxis {
   double inverse_, start_ = 0;
 };
 
-/// Finds the visible voxels of one frame's slices row by row, then makes the lit samples of those that are
-/// kept. After a row's first search only kept voxels are read.
-class RowClassifier {
- public:
-  /// `shading` must outlive it.
-  explicit RowClassifier(const FrameShading& shading) : shading_(shading) {}
-
-  /// `visible` belongs to the slice and must outlive the work on it.
-  void begin(const SliceView& slice, VisibleVoxels& visible);
-  const SliceView& slice() const { return slice_; }
-
-  /// Finds the visible voxels in these columns of row `row`; returns how many. The functions below refer to
-  /// this row.
-  int find(int row, Columns columns);
-  /// Number of the row's voxels outside `columns` that may be visible.
-  int voxels_outside(Columns columns) const;
-  /// The visible voxels, by ascending columns.
-  std::span<const VisibleBlock> blocks() const { return row_.blocks; }
-  /// Keeps only the voxels in `kept`, a mask for each block.
-  void keep(const std::vector<std::uint64_t>& kept) { row_.keep(kept); }
-  void make_samples();  ///< call once before samples()
-  /// Straight colours and corrected opacities.
-  std::span<const ClassifiedSample> samples() const { return std::span(row_.samples).first(row_.visible); }
-
- private:
-  const FrameShading& shading_;
-  SliceView slice_;
-  VisibleVoxels* visible_ = nullptr;
-  int row_index_ = 0;
-  VisibleRow row_;
-};
-
 /// Cuts rows 0 … height − 1 into at most `most` bands with about equal numbers of possibly visible voxels.
 /// Band k has rows bounds[k] … bounds[k + 1] − 1, at least one. There are fewer bands, down to one, when a
 /// band would not be worth a thread. A slice with nothing to see has no bands: {0}.
@@ -159,18 +80,18 @@ struct RegionCounts {
   PassBits passes{};
 };
 
-/// A band of consecutive rows of a slice, encoded by one thread at a time. It classifies rows and collects a
-/// part for each region. A region's parts of all bands, in the order of rows, equal the part of a single band
-/// of all rows.
+/// A band of consecutive rows of a slice, encoded by one thread at a time. It finds each row's visible
+/// voxels, makes the lit samples of those that are kept, and collects a part for each region. A region's
+/// parts of all bands, in the order of rows, equal the part of a single band of all rows.
 class RowBand {
  public:
   /// `frame` must outlive it.
   explicit RowBand(const EncoderFrame& frame);
   virtual ~RowBand() = default;
 
-  /// Begins rows first … end − 1 of a slice. `visible` holds the slice's visible voxels and must outlive the
+  /// Begins rows first … end − 1 of a slice. `voxels` holds the slice's visible voxels and must outlive the
   /// work.
-  void begin(const SliceView& slice, VisibleVoxels& visible, int first, int end);
+  void begin(const SliceView& slice, VisibleVoxels& voxels, int first, int end);
   /// Encodes rows until `visible_at_most` visible voxels or `voxels_at_most` voxels are done; true once the
   /// band is complete. Skips voxels whose kernels lie outside the image. Adds classify and shade seconds to
   /// *stages unless null.
@@ -197,13 +118,9 @@ class RowBand {
   /// Window of all voxels of rows first … end − 1, from the corners: positions are linear, but for rounding.
   /// Call begin_row() again afterwards.
   PixelWindow window_of_rows(int first, int end);
-  /// One past the band's last row.
-  int end() const { return end_; }
-  /// encode_row() calls it once it has left out all voxels it can.
-  void make_samples() {
-    const ScopedSeconds timed(stages_ ? &stages_->shade : nullptr);
-    rows_.make_samples();
-  }
+  /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them once it
+  /// has left out all voxels it can.
+  std::span<const ClassifiedSample> make_samples();
 
   /// Counts splats of a region: this row's voxels in columns first + k for each bit k of `mask`. Marks the
   /// region as used by the slice.
@@ -212,9 +129,9 @@ class RowBand {
     if (counts.splats == 0) used_.push_back(region);
     counts.splats += std::uint32_t(std::popcount(mask));
     std::uint16_t& passes = counts.passes[std::size_t(row_offset_)];
-    const unsigned all_columns = (1U << stride_) - 1;
+    const unsigned all_columns = (1U << frame_.stride) - 1;
     for (; mask != 0 && passes != all_columns; mask &= mask - 1)
-      passes |= std::uint16_t(1U << (first + std::countr_zero(mask)) % stride_);
+      passes |= std::uint16_t(1U << (first + std::countr_zero(mask)) % frame_.stride);
   }
   bool used(int region) const { return counts_[std::size_t(region)].splats > 0; }
   /// How much of the window (inclusive, image-plane pixels) is opaque inside the region, as far as this GP
@@ -230,7 +147,7 @@ class RowBand {
   /// Window of the row's voxel in `column`.
   PixelWindow window_of(std::uint32_t column) const {
     const glm::dvec3 position = dda_.position(column);
-    return pixel_window(anchor(position.x, position.y), reach_);
+    return pixel_window(anchor(position.x, position.y), frame_.reach);
   }
   /// Columns of the row whose windows can meet pixels [x0, x1) or [y0, y1); rounding may add a few.
   Columns reaching_x(double x0, double x1, Columns columns) const {
@@ -240,26 +157,27 @@ class RowBand {
     return y_.within(y0 - beyond_.y, y1 + beyond_.y, columns);
   }
 
-  const FrameGeometry& geometry_;
-  RowClassifier rows_;
+  const EncoderFrame& frame_;
   SliceDda dda_;
-  KernelReach reach_;
+  SliceView slice_;
+  VisibleRow found_;  ///< the row's visible voxels
+  int end_ = 0;       ///< one past the band's last row
 
  private:
-  int find_row();
+  /// Finds the row's visible voxels that are in view, and counts the others.
+  void find_row();
   /// Columns of the row whose windows can meet the image.
   Columns in_view(Columns all);
-  bool is_all_in_view(int first, int end);
+  bool is_all_in_view();
 
-  const EncoderFrame& frame_;
-  int stride_;
+  VisibleVoxels* voxels_ = nullptr;   ///< of the slice
   std::vector<RegionCounts> counts_;  ///< by region
   std::vector<int> used_;             ///< regions with splats in this slice
   RowAxis x_, y_;
   /// A window meets pixels x0 … x1 − 1 when its position is at most reach + ½ outside them; plus a margin for
   /// rounding.
   glm::dvec2 beyond_;
-  int row_ = 0, end_ = 0;
+  int row_ = 0;
   bool row_begun_ = false;
   bool all_in_view_ = false;  ///< all of the band's rows lie inside the image
   int row_offset_ = 0;        ///< within the stride

@@ -57,7 +57,7 @@ class RunBand final : public RowBand {
   };
 
   void encode_row(int row) override {
-    if (!together_.has(rows_.slice().index, row)) together_ = rows_from(row);
+    if (!together_.has(slice_.index, row)) together_ = rows_from(row);
     if (together_.hidden == OpaqueTiles::Cover::all) return;
     const bool to_one = together_.region != Rows::none;
     if (to_one && together_.hidden == OpaqueTiles::Cover::none) return append_row(together_.region, row);
@@ -78,33 +78,31 @@ class RunBand final : public RowBand {
   /// The rows from `row` on that share one test: few enough to lie in one region, enough to be worth it.
   Rows rows_from(int row) {
     constexpr int most = 8;
-    Rows rows{rows_.slice().index, row, std::min(row + most, end())};
+    Rows rows{slice_.index, row, std::min(row + most, end_)};
     PixelWindow window = window_of_rows(rows.first, rows.end);
     window = {window.x0 - 1, window.y0 - 1, window.x1 + 1, window.y1 + 1};  // for rounding
-    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
     if (touched.width() != 1 || touched.height() != 1) return rows;
-    rows.region = touched.y0 * geometry_.regions.columns() + touched.x0;
+    rows.region = touched.y0 * frame_.geometry.regions.columns() + touched.x0;
     rows.hidden = hidden(rows.region, window);
     return rows;
   }
 
   /// Appends all the row's voxels to the region's part.
   void append_row(int region, int row) {
-    make_samples();
-    const auto samples = rows_.samples();
+    const auto samples = make_samples();
     Part& part = parts_[std::size_t(region)];
     const std::size_t at = part.voxels.size();
     part.voxels.resize(at + samples.size());
     pack(&samples.front().r, samples.size(), part.voxels.data() + at);
-    for (const VisibleBlock& block : rows_.blocks()) {
+    for (const VisibleBlock& block : found_.blocks) {
       part.blocks.push_back({std::uint32_t(row), block.first, block.mask});
       count(region, int(block.first), block.mask);
     }
   }
 
   void append_pieces(int row) {
-    make_samples();
-    const auto samples = rows_.samples();
+    const auto samples = make_samples();
     packed_.resize(samples.size());
     pack(&samples.front().r, samples.size(), packed_.data());
     for (const Piece& piece : pieces_) append(piece, row);
@@ -112,7 +110,7 @@ class RunBand final : public RowBand {
 
   /// Columns from the row's first to its last visible voxel.
   Columns all_columns() const {
-    const VisibleBlock &front = rows_.blocks().front(), &back = rows_.blocks().back();
+    const VisibleBlock &front = found_.blocks.front(), &back = found_.blocks.back();
     return {front.first + std::uint32_t(std::countr_zero(front.mask)),
             back.first + std::uint32_t(std::bit_width(back.mask))};
   }
@@ -120,9 +118,9 @@ class RunBand final : public RowBand {
   void find_pieces() {
     const Columns all = all_columns();
     const PixelWindow window = window_of(all.first, all.end - 1);
-    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
     for (int y = touched.y0; y < touched.y1; ++y) {
-      const int first_region = y * geometry_.regions.columns();
+      const int first_region = y * frame_.geometry.regions.columns();
       const PixelRect& pixels = rect(first_region);
       const Columns columns = reaching_y(pixels.y0, pixels.y1, all);
       if (columns.empty()) continue;
@@ -138,8 +136,8 @@ class RunBand final : public RowBand {
     OpaqueTiles::Cover hidden = OpaqueTiles::Cover::none;
     if (opaque(region).worth_asking()) hidden = cover_of(region, columns.first, columns.end - 1);
     if (hidden == OpaqueTiles::Cover::all) return;
-    for (std::size_t k = 0; k < rows_.blocks().size(); ++k) {
-      const VisibleBlock& block = rows_.blocks()[k];
+    for (std::size_t k = 0; k < found_.blocks.size(); ++k) {
+      const VisibleBlock& block = found_.blocks[k];
       std::uint64_t mask = in_columns(block, columns);
       if (hidden == OpaqueTiles::Cover::some) mask = seen_of(region, block.first, mask);
       if (mask != 0) pieces_.push_back({region, k, mask});
@@ -149,12 +147,12 @@ class RunBand final : public RowBand {
   /// Drops voxels that go to no region, so that they are not shaded. Renumbers the pieces' blocks to those
   /// that are left.
   void leave_out_unsent() {
-    const std::size_t blocks = rows_.blocks().size();
+    const std::size_t blocks = found_.blocks.size();
     sent_.assign(blocks, 0);
     for (const Piece& piece : pieces_) sent_[piece.block] |= piece.mask;
     const auto is_whole = [](std::uint64_t sent, const VisibleBlock& block) { return sent == block.mask; };
-    if (std::equal(sent_.begin(), sent_.end(), rows_.blocks().begin(), is_whole)) return;
-    rows_.keep(sent_);
+    if (std::equal(sent_.begin(), sent_.end(), found_.blocks.begin(), is_whole)) return;
+    found_.keep(sent_);
     left_.assign(blocks, 0);
     for (std::size_t k = 1; k < blocks; ++k) left_[k] = left_[k - 1] + (sent_[k - 1] != 0);
     for (Piece& piece : pieces_) piece.block = left_[piece.block];
@@ -171,7 +169,7 @@ class RunBand final : public RowBand {
     const double x = dda_.row_start().x - pixels.x0 - 0.5, y = dda_.row_start().y - pixels.y0 - 0.5;
     const double xa = x + dda_.steps_x()[first], xb = x + dda_.steps_x()[last];
     const double ya = y + dda_.steps_y()[first], yb = y + dda_.steps_y()[last];
-    const double before_x = double(reach_.x) + rounding, before_y = double(reach_.y) + rounding;
+    const double before_x = double(frame_.reach.x) + rounding, before_y = double(frame_.reach.y) + rounding;
     return opaque(region).cover(std::min(xa, xb) - before_x, std::min(ya, yb) - before_y,
                                 std::max(xa, xb) + before_x + 1, std::max(ya, yb) + before_y + 1);
   }
@@ -196,7 +194,7 @@ class RunBand final : public RowBand {
 
   /// Gives a piece's packed voxels to its region's part.
   void append(const Piece& piece, int row) {
-    const VisibleBlock& block = rows_.blocks()[piece.block];
+    const VisibleBlock& block = found_.blocks[piece.block];
     Part& part = parts_[std::size_t(piece.region)];
     part.blocks.push_back({std::uint32_t(row), block.first, piece.mask});
     count(piece.region, int(block.first), piece.mask);

@@ -12,6 +12,7 @@
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/bytes.hpp"
 #include "ringsplat/base/error.hpp"
+#include "splat/aligned_slice.hpp"
 #include "splat/place_run.hpp"
 #include "splat/splat_sum.hpp"
 #include "splat/voxel_run.hpp"
@@ -274,12 +275,10 @@ class RunReader final : public PayloadReader {
 
 std::unique_ptr<PayloadReader> make_run_reader(const SplatFrame& frame, const FrameKernel& kernel,
                                                SumMemory memory) {
+  const auto aligned = AlignedFrame::of(kernel, frame.geometry.view, frame.geometry.traversal.axis);
+  if (aligned)
+    return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, *aligned, memory);
   return make_for_voxels<PayloadReader, RunReader>(frame.splats.precision, frame, kernel, memory);
-}
-
-std::unique_ptr<PayloadReader> make_aligned_reader(const SplatFrame& frame, const AlignedFrame& aligned,
-                                                   SumMemory memory) {
-  return make_for_voxels<PayloadReader, AlignedReader>(frame.splats.precision, frame, aligned, memory);
 }
 
 }  // namespace ringsplat

@@ -110,7 +110,7 @@ class SliceEncoder final : public Encoder {
   }
 
   void take_news(std::span<const std::byte> news) override {
-    if (frame_) frame_->take_opaque_news(news);
+    if (frame_) read_opaque_news(news, frame_->opaque);
   }
   StageSeconds stages() const override { return stages_; }
   std::uint64_t slice_memory() const override { return whole_store_.allocated_bytes(); }

@@ -10,7 +10,6 @@
 #include "engine_parts/owned_images.hpp"
 #include "frame/frame_geometry.hpp"
 #include "ringsplat/base/error.hpp"
-#include "splat/aligned_slice.hpp"
 #include "splat/frame_kernel.hpp"
 #include "splat_engine/payload_reader.hpp"
 #include "splat_engine/splat_engine.hpp"
@@ -138,8 +137,6 @@ class SplatPainter final : public FramePainter<SplatFrame> {
 
   std::unique_ptr<PayloadReader> make_reader(const FrameKernel& kernel, SumMemory memory) const {
     if (frame_->splats.payload == PayloadForm::words) return make_word_reader(kernel, memory);
-    if (const auto aligned = AlignedFrame::of(kernel, geometry().view, geometry().traversal.axis))
-      return make_aligned_reader(*frame_, *aligned, memory);
     return make_run_reader(*frame_, kernel, memory);
   }
 

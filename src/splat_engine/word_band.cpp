@@ -20,15 +20,13 @@ struct WordPart {
 /// section 3).
 class WordBand final : public RowBand {
  public:
-  explicit WordBand(const EncoderFrame& frame)
-      : RowBand(frame), footprint_(frame.frame.footprint), parts_(frame.rects.size()) {}
+  explicit WordBand(const EncoderFrame& frame) : RowBand(frame), parts_(frame.rects.size()) {}
 
  private:
   void encode_row(int) override {
     begin_row();
-    make_samples();
-    auto sample = rows_.samples().begin();
-    for (const VisibleBlock& block : rows_.blocks())
+    auto sample = make_samples().begin();
+    for (const VisibleBlock& block : found_.blocks)
       for (std::uint64_t mask = block.mask; mask != 0; mask &= mask - 1)
         place(int(block.first) + std::countr_zero(mask), *sample++);
   }
@@ -38,16 +36,16 @@ class WordBand final : public RowBand {
   void place(int column, const ClassifiedSample& sample) {
     const glm::dvec3 position = dda_.position(std::uint32_t(column));
     const Anchored at = anchor(position.x, position.y);
-    const PixelWindow window = pixel_window(at, reach_);
+    const PixelWindow window = pixel_window(at, frame_.reach);
     if (window.x0 >= inside_.x0 && window.x1 < inside_.x1 && window.y0 >= inside_.y0 &&
         window.y1 < inside_.y1) {
       put(inside_region_, at, window, column, sample);
       return;
     }
-    const PixelRect touched = geometry_.regions.touched(window.x0, window.y0, window.x1, window.y1);
+    const PixelRect touched = frame_.geometry.regions.touched(window.x0, window.y0, window.x1, window.y1);
     for (int y = touched.y0; y < touched.y1; ++y)
       for (int x = touched.x0; x < touched.x1; ++x) {
-        inside_region_ = y * geometry_.regions.columns() + x;
+        inside_region_ = y * frame_.geometry.regions.columns() + x;
         put(inside_region_, at, window, column, sample);
       }
     if (!touched.empty()) inside_ = rect(inside_region_);
@@ -62,8 +60,8 @@ class WordBand final : public RowBand {
       return dx >= 0 && dx <= 255 && dy >= 0 && dy <= 255;
     };
     if (!used(region) || !fits()) open_group(region, at);
-    const Splat splat = make_splat(footprint_, at.dx, at.dy, sample.r, sample.g, sample.b, sample.opacity,
-                                   static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
+    const Splat splat = make_splat(frame_.frame.footprint, at.dx, at.dy, sample.r, sample.g, sample.b,
+                                   sample.opacity, static_cast<std::uint8_t>(at.anchor_x - part.head.base_x),
                                    static_cast<std::uint8_t>(at.anchor_y - part.head.base_y));
     append(part.bytes, splat);
     ++part.head.count;
@@ -79,8 +77,8 @@ class WordBand final : public RowBand {
     const auto base = [](std::int64_t anchor_pixel, std::int64_t corner) {
       return static_cast<std::int32_t>(corner + ((anchor_pixel - corner) & ~std::int64_t{255}));
     };
-    part.head = {region, base(at.anchor_x, rect.x0 - reach_.x - 1), base(at.anchor_y, rect.y0 - reach_.y - 1),
-                 0};
+    part.head = {region, base(at.anchor_x, rect.x0 - frame_.reach.x - 1),
+                 base(at.anchor_y, rect.y0 - frame_.reach.y - 1), 0};
     part.group = part.bytes.size();
     append(part.bytes, part.head);
   }
@@ -119,7 +117,6 @@ class WordBand final : public RowBand {
     return true;
   }
 
-  const Footprint& footprint_;
   std::vector<WordPart> parts_;  ///< by region
   PixelRect inside_{};           ///< the last splat's region: the next voxel's is mostly the same
   int inside_region_ = 0;
