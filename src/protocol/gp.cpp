@@ -123,17 +123,11 @@ struct GpFrame {
 /// their way to a Renderer.
 class Gp final : public Node {
  public:
-  Gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine, Post post)
-      : index_(index),
-        layout_(layout),
-        options_(options),
-        engine_(engine),
-        post_(std::move(post)),
-        book_(id(), options.trace) {}
+  explicit Gp(NodeParts parts) : my_(std::move(parts)), book_(id(), my_.options.trace) {}
 
-  NodeId id() const override { return {Role::gp, index_}; }
+  NodeId id() const override { return {Role::gp, my_.index}; }
   void begin_frame(const Announcement& announcement) override {
-    frames_.push_back(std::make_unique<Frame>(index_, announcement, layout_.renderers, engine_));
+    frames_.push_back(std::make_unique<Frame>(my_.index, announcement, my_.layout.renderers, my_.engine));
     if (frames_.back()->owns_front()) start_tokens(*frames_.back());
     finish_completed_frames();
   }
@@ -188,10 +182,10 @@ class Gp final : public Node {
   /// keeps a mesh free of contention (net/mesh.hpp).
   void start_tokens(Frame& frame) {
     auto& front = frame.waiting_tokens[frame.shown.front()];
-    for (int k = 0; k < layout_.renderers; ++k) {
-      const int renderer = frame.plan.ascending ? k : layout_.renderers - 1 - k;
+    for (int k = 0; k < my_.layout.renderers; ++k) {
+      const int renderer = frame.plan.ascending ? k : my_.layout.renderers - 1 - k;
       if (frame.drawing[std::size_t(renderer)])
-        front.push_back({renderer, 0, credits_of(std::uint32_t(options_.slots))});
+        front.push_back({renderer, 0, credits_of(std::uint32_t(my_.options.slots))});
     }
     frame.stats.tokens_issued = front.size();
   }
@@ -229,7 +223,7 @@ class Gp final : public Node {
     frame.stats.payload_bytes_sent += Message::body_size(part.payload);
     ++frame.stats.payloads_sent;
     book_.mark(Moment::send_payload, frame.number, slice.step, token.renderer);
-    post_(Message(h, std::exchange(part.payload, {})));
+    my_.post(Message(h, std::exchange(part.payload, {})));
     if (token.credits == 0) {
       slice.awaiting_accept[token.renderer] = token.sequence;
       return;
@@ -240,7 +234,7 @@ class Gp final : public Node {
 
   /// In a mesh a token waits for every accept, so that payloads never meet (net/mesh.hpp).
   std::uint32_t credits_of(std::uint32_t free_slots) const {
-    return layout_.routed() ? 0 : std::min(free_slots, std::uint32_t(options_.send_ahead));
+    return my_.layout.routed() ? 0 : std::min(free_slots, std::uint32_t(my_.options.send_ahead));
   }
 
   void take_accept(Frame& frame, const Header& h) {
@@ -264,13 +258,13 @@ class Gp final : public Node {
     const std::optional<int> next = frame.after(slice.step);
     if (!next) {
       ++frame.stats.tokens_retired;
-      post_(Message(make_header(id(), {Role::renderer, token.renderer}, frame.number,
-                                FrameEndFields{.payloads = token.sequence})));
+      my_.post(Message(make_header(id(), {Role::renderer, token.renderer}, frame.number,
+                                   FrameEndFields{.payloads = token.sequence})));
       return;
     }
     ++frame.stats.tokens_passed;
     book_.mark(Moment::pass_token, frame.number, *next, token.renderer);
-    post_(Message(make_header(
+    my_.post(Message(make_header(
         id(), {Role::gp, frame.plan.owners[std::size_t(*next)]}, frame.number,
         TokenFields{.place = {*next, token.renderer, token.sequence}, .credits = token.credits})));
   }
@@ -300,12 +294,12 @@ class Gp final : public Node {
     };
     if (encoder.prepare()) return worked();
     if (!frame.encoding) {
-      if (prepared_slices() >= std::size_t(options_.look_ahead)) return {};
+      if (prepared_slices() >= std::size_t(my_.options.look_ahead)) return {};
       encoder.begin(step);
       frame.encoding = true;
     }
     if (frame.dropped)
-      prepare_slice(frame, {std::vector<EncodedPart>(std::size_t(layout_.renderers)), {}});
+      prepare_slice(frame, {std::vector<EncodedPart>(std::size_t(my_.layout.renderers)), {}});
     else if (encoder.work())
       prepare_slice(frame, encoder.finish());
     return worked();
@@ -337,7 +331,7 @@ class Gp final : public Node {
 
   void report(Frame& frame) {
     frame.stats.slice_memory = frame.encoder->slice_memory();
-    post_(make_report(id(), frame.number, frame.stats));
+    my_.post(make_report(id(), frame.number, frame.stats));
   }
 
   /// What this node waits for on its oldest frame.
@@ -353,20 +347,13 @@ class Gp final : public Node {
   /// Books a turn on the oldest frame.
   void book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front()->stats); }
 
-  int index_;
-  Layout layout_;
-  ProtocolOptions options_;
-  Engine& engine_;
-  Post post_;
+  NodeParts my_;
   NodeBook book_;
   std::deque<std::unique_ptr<Frame>> frames_;  ///< announced frames whose part here is not over
 };
 
 }  // namespace
 
-std::unique_ptr<Node> make_gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine,
-                              Post post) {
-  return std::make_unique<Gp>(index, layout, options, engine, std::move(post));
-}
+std::unique_ptr<Node> make_gp(NodeParts parts) { return std::make_unique<Gp>(std::move(parts)); }
 
 }  // namespace ringsplat

@@ -37,12 +37,18 @@ class Node {
 /// How nodes send: the host finds the way.
 using Post = std::function<void(Message)>;
 
-// The nodes of a layout. What is passed by reference must outlive them, but for layout and options.
-std::unique_ptr<Node> make_gp(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine,
-                              Post post);
-std::unique_ptr<Node> make_renderer(int index, const Layout& layout, const ProtocolOptions& options,
-                                    Engine& engine, Post post);
-/// `announce` carries an announcement, a drop or a shutdown to every rank, this one included.
+/// What a GP or a Renderer is made from. The engine must outlive it.
+struct NodeParts {
+  int index;
+  Layout layout;
+  ProtocolOptions options;
+  Engine& engine;
+  Post post;
+};
+std::unique_ptr<Node> make_gp(NodeParts parts);
+std::unique_ptr<Node> make_renderer(NodeParts parts);
+/// `announce` carries an announcement, a drop or a shutdown to every rank, this one included. The engine and
+/// the source must outlive it.
 std::unique_ptr<Node> make_frame_buffer(const Layout& layout, const ProtocolOptions& options, Engine& engine,
                                         FrameSource& source, Post announce);
 

@@ -38,10 +38,10 @@ class Host {
     for (const NodeId node : layout.nodes_on(transport.rank())) {
       switch (node.role) {
         case Role::gp:
-          nodes_.push_back(make_gp(node.index, layout, options, engine, send));
+          nodes_.push_back(make_gp({node.index, layout, options, engine, send}));
           break;
         case Role::renderer:
-          nodes_.push_back(make_renderer(node.index, layout, options, engine, send));
+          nodes_.push_back(make_renderer({node.index, layout, options, engine, send}));
           break;
         case Role::frame_buffer:
           nodes_.push_back(make_frame_buffer(layout, options, engine, *source,

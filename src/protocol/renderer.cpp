@@ -20,15 +20,9 @@ namespace {
 /// Renderer holds at most slots + 1 payloads of each announced frame.
 class Renderer final : public Node {
  public:
-  Renderer(int index, const Layout& layout, const ProtocolOptions& options, Engine& engine, Post post)
-      : index_(index),
-        layout_(layout),
-        options_(options),
-        engine_(engine),
-        post_(std::move(post)),
-        book_(id(), options.trace) {}
+  explicit Renderer(NodeParts parts) : my_(std::move(parts)), book_(id(), my_.options.trace) {}
 
-  NodeId id() const override { return {Role::renderer, index_}; }
+  NodeId id() const override { return {Role::renderer, my_.index}; }
   void begin_frame(const Announcement& announcement) override {
     frames_.emplace_back().announcement = announcement;
   }
@@ -125,22 +119,22 @@ class Renderer final : public Node {
   /// First sequence number without a slot. Slots go to payloads by number, not by arrival: those before an
   /// arrived one were all sent and need theirs. So only the payload of this number can be here without a
   /// slot.
-  std::uint32_t slots_end(const Frame& frame) const { return frame.next + std::uint32_t(options_.slots); }
+  std::uint32_t slots_end(const Frame& frame) const { return frame.next + std::uint32_t(my_.options.slots); }
 
   void accept(const Frame& frame, const Header& payload) {
     const TokenPlace place = fields_of<PayloadFields>(payload).place;
     Bytes news;
     if (frame.painter != nullptr) frame.painter->news(payload.source, news);
-    post_(Message(
+    my_.post(Message(
         make_header(id(), payload.from(), payload.frame,
                     AcceptFields{.place = place, .free_slots = slots_end(frame) - 1 - place.sequence}),
         std::move(news)));
   }
 
   void begin_drawing(Frame& frame) {
-    frame.painter = &engine_.painter(index_, frame.announcement);
+    frame.painter = &my_.engine.painter(my_.index, frame.announcement);
     // A Renderer without a tile has no token.
-    if (!engine_.plan(frame.announcement).drawing(layout_.renderers)[std::size_t(index_)])
+    if (!my_.engine.plan(frame.announcement).drawing(my_.layout.renderers)[std::size_t(my_.index)])
       frame.payloads_expected = 0;
   }
 
@@ -187,7 +181,7 @@ class Renderer final : public Node {
       frame.painter->finish([&](int tile, Bytes bytes) {
         ++stats.tiles;
         stats.tile_bytes += Message::body_size(bytes);
-        post_(
+        my_.post(
             Message(make_header(id(), frame_buffer_id, number, TileFields{.tile = tile}), std::move(bytes)));
       });
     book({Activity::deliver, number});
@@ -197,27 +191,20 @@ class Renderer final : public Node {
     stats.splats_hidden = counts.hidden;
     stats.blocks = counts.blocks;
     stats.samples = counts.samples;
-    post_(make_report(id(), number, stats));
+    my_.post(make_report(id(), number, stats));
     frames_.pop_front();
   }
 
   /// Books a turn on the frame being drawn.
   void book(const Turn& turn) { book_.turn(turn, frames_.empty() ? nullptr : &frames_.front().stats); }
 
-  int index_;
-  Layout layout_;
-  ProtocolOptions options_;
-  Engine& engine_;
-  Post post_;
+  NodeParts my_;
   NodeBook book_;
   std::deque<Frame> frames_;  ///< announced, not yet delivered; the first is being drawn
 };
 
 }  // namespace
 
-std::unique_ptr<Node> make_renderer(int index, const Layout& layout, const ProtocolOptions& options,
-                                    Engine& engine, Post post) {
-  return std::make_unique<Renderer>(index, layout, options, engine, std::move(post));
-}
+std::unique_ptr<Node> make_renderer(NodeParts parts) { return std::make_unique<Renderer>(std::move(parts)); }
 
 }  // namespace ringsplat

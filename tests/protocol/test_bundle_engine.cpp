@@ -39,7 +39,7 @@ TEST_CASE(
     "a token stays until the payload of the bundle's slices is accepted, then goes to the next bundle's GP") {
   const auto engine = make_bundle_engine(std::make_unique<ToyEngine>(), 4);
   Posted posted;
-  const auto made = make_gp(0, {.gps = 2, .renderers = 1, .bundle = 4}, {}, *engine, posted.post());
+  const auto made = make_gp({0, {.gps = 2, .renderers = 1, .bundle = 4}, {}, *engine, posted.post()});
   Node& gp = *made;
   gp.begin_frame(announcement(0, part_of_a_volume));
   run(gp);

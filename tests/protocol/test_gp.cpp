@@ -11,7 +11,7 @@ namespace {
 /// A GP alone, by default in a ring of two GPs.
 struct LoneGp {
   explicit LoneGp(const ProtocolOptions& options = {}, Layout l = {.gps = 2, .renderers = 1}, int index = 0)
-      : layout(l), made(make_gp(index, layout, options, engine, posted.post())) {}
+      : layout(l), made(make_gp({index, layout, options, engine, posted.post()})) {}
 
   void begin(std::int64_t number, const ToyFrame& frame) {
     gp.begin_frame(announcement(number, frame));

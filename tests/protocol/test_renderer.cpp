@@ -9,7 +9,7 @@ namespace {
 
 struct LoneRenderer {
   explicit LoneRenderer(const ProtocolOptions& options = {}, int index = 0, int renderers = 1)
-      : made(make_renderer(index, {.gps = 2, .renderers = renderers}, options, engine, posted.post())) {}
+      : made(make_renderer({index, {.gps = 2, .renderers = renderers}, options, engine, posted.post()})) {}
 
   void begin(std::int64_t number, const ToyFrame& frame) {
     renderer.begin_frame(announcement(number, frame));

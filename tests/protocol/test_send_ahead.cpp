@@ -22,9 +22,9 @@ class WatchedNodes {
   WatchedNodes(const Layout& layout, const ProtocolOptions& protocol, std::uint64_t seed)
       : layout_(layout), random_(seed), of_renderer_(std::size_t(layout.renderers)) {
     const Post post = [this](Message message) { take_posted(std::move(message)); };
-    for (int gp = 0; gp < layout.gps; ++gp) nodes_.push_back(make_gp(gp, layout, protocol, engine(), post));
+    for (int gp = 0; gp < layout.gps; ++gp) nodes_.push_back(make_gp({gp, layout, protocol, engine(), post}));
     for (int r = 0; r < layout.renderers; ++r)
-      nodes_.push_back(make_renderer(r, layout, protocol, engine(), post));
+      nodes_.push_back(make_renderer({r, layout, protocol, engine(), post}));
     // Some slices have nothing to send.
     const ToyFrame frame{.steps = 17,
                          .gps = layout.gps,
