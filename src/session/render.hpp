@@ -37,8 +37,9 @@ struct EngineOptions {
   std::function<std::unique_ptr<Transport>(Transport& links)> pace = {};  ///< at which they leave their nodes
 };
 
-/// Bytes of sheets' planes that a Renderer keeps unless somebody says how many: a quarter of what a GP's
-/// slices take in all three slice sets, at least 256 MiB.
+/// Bytes of sheets' planes that a Renderer keeps unless somebody says how many: its share of 2 GiB, or of a
+/// quarter of what all slices take in all three slice sets where that is more, and at least 256 MiB; no more
+/// than all planes take.
 std::uint64_t usual_kept_bytes(const Grid& grid, int gps);
 
 /// Throws InputError that names the option when it asks for more threads than any machine has cores.
