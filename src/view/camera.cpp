@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 #include <limits>
 #include <numbers>
+#include <utility>
 
 #include "ringsplat/base/error.hpp"
 #include "ringsplat/view/view.hpp"
@@ -11,31 +12,12 @@
 namespace ringsplat {
 namespace {
 
-void check(const LatticeFrame& lattice) {
-  if (lattice.dims.x < 1 || lattice.dims.y < 1 || lattice.dims.z < 1)
-    throw InputError(fmt::format("a volume of {} x {} x {} voxels cannot be viewed", lattice.dims.x,
-                                 lattice.dims.y, lattice.dims.z),
-                     "every dimension must be at least 1");
-  if (!is_finite(lattice.spacing) ||
-      !(lattice.spacing.x > 0 && lattice.spacing.y > 0 && lattice.spacing.z > 0))
-    throw InputError(fmt::format("voxel spacing {} {} {} is not positive and finite", lattice.spacing.x,
-                                 lattice.spacing.y, lattice.spacing.z),
-                     "give the distances between voxels in world units");
-  if (!is_finite(lattice.origin))
-    throw InputError("the volume's origin is not finite", "correct the file's origin");
-  if (!is_finite(lattice.direction) || spanned_volume(lattice.direction) < least_volume)
-    throw InputError("the volume's direction matrix is singular or not finite",
-                     "its columns must be three independent directions");
-}
-
 void check(const Camera& camera) {
-  const struct {
-    const char* name;
-    double degrees;
-  } angles[] = {{"azimuth", camera.azimuth}, {"elevation", camera.elevation}, {"roll", camera.roll}};
-  for (const auto& angle : angles)
-    if (!std::isfinite(angle.degrees))
-      throw InputError(fmt::format("camera {} {} is not a finite angle", angle.name, angle.degrees),
+  for (const auto& [name, degrees] :
+       {std::pair("azimuth", camera.azimuth), std::pair("elevation", camera.elevation),
+        std::pair("roll", camera.roll)})
+    if (!std::isfinite(degrees))
+      throw InputError(fmt::format("camera {} {} is not a finite angle", name, degrees),
                        "give degrees, for example 30");
   if (!std::isfinite(camera.zoom) || !(camera.zoom > 0))
     throw InputError(fmt::format("camera zoom {} is not positive and finite", camera.zoom),
@@ -247,7 +229,6 @@ void check_representable(const ViewTransform& view) {
 }  // namespace
 
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height) {
-  check(lattice);
   if (width < 1 || height < 1)
     throw InputError(fmt::format("an image of {} x {} pixels cannot be drawn", width, height),
                      "give a width and a height of at least 1");

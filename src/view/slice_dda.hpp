@@ -17,9 +17,20 @@ namespace ringsplat {
 class SliceDda {
  public:
   /// `width`: voxels in a row of the set's slices.
-  SliceDda(const ViewTransform& view, Axis axis, int width);
+  SliceDda(const ViewTransform& view, Axis axis, int width) : view_(view), axis_(axis) {
+    const glm::dvec3 step = view.linear[in_plane(axis).u];
+    for (int k = 0; k < 3; ++k) {
+      steps_[std::size_t(k)].resize(std::size_t(width + padding));
+      for (int u = 0; u < width; ++u) steps_[std::size_t(k)][std::size_t(u)] = step[k] * double(u);
+    }
+  }
   /// Goes to lattice (u, v, axis) = (0, row, slice), with u and v as in in_plane(axis).
-  void begin_row(int slice, int row);
+  void begin_row(int slice, int row) {
+    glm::dvec3 first{0.0};
+    first[in_plane(axis_).v] = row;
+    first[int(axis_)] = slice;
+    row_start_ = view_.project(first);
+  }
   glm::dvec3 position(std::uint32_t column) const {
     return row_start_ + glm::dvec3(steps_[0][column], steps_[1][column], steps_[2][column]);
   }

@@ -82,8 +82,8 @@ struct ViewTransform {
   glm::dvec2 seen_at(const glm::dvec3& lattice) const;
 };
 
-/// Image of width × height pixels. Throws InputError: zoom not positive and finite, an angle not finite, a
-/// singular matrix, an image without pixels, an invalid lattice, a field of view or a distance out of range.
+/// Image of width × height pixels of a checked lattice. Throws InputError: zoom not positive and finite, an
+/// angle not finite, a singular matrix, no pixels, a field of view or a distance out of range.
 ViewTransform make_view(const Camera& camera, const LatticeFrame& lattice, int width, int height);
 
 /// Which slice set a view traverses. Where spacings are nearly equal both rules mean the same one.
