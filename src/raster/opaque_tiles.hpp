@@ -30,6 +30,8 @@ class OpaqueTiles {
   /// hide.
   bool worth_asking() const { return count_ > 0 && 8 * count_ >= columns_ * rows_; }
   bool is_opaque(int column, int row) const { return opaque_[at(column, row)] != 0; }
+  /// By tile, row by row: 1 when it is opaque.
+  std::span<const std::uint8_t> flags() const { return opaque_; }
   /// Call sum_up() after the last one, before windows are asked for.
   void set_opaque(int column, int row) {
     count_ += opaque_[at(column, row)] == 0;

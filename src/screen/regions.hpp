@@ -66,9 +66,6 @@ class Regions {
   /// The region's pixels.
   PixelRect rect(int region) const;
 
-  /// All regions, in columns and rows of regions.
-  PixelRect all() const { return {0, 0, columns_, rows_}; }
-  RegionOwners owners(int renderers) const { return owners(all(), renderers, renderers); }
   RegionOwners owners(const PixelRect& block, int renderers, int dealt_to) const {
     return {columns_, block, renderers, dealt_to};
   }

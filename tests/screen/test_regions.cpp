@@ -11,6 +11,9 @@ using namespace ringsplat;
 
 namespace {
 
+/// In columns and rows of regions.
+PixelRect all(const Regions& regions) { return {0, 0, regions.columns(), regions.rows()}; }
+
 /// Which region holds a pixel, by looking at all of them.
 int region_at(const Regions& regions, int x, int y) {
   int found = -1;
@@ -84,10 +87,10 @@ TEST_CASE("every region has one owner and owned() lists them in order", "[region
   const int renderers = GENERATE(1, 2, 3, 7, 100);
   std::set<int> seen;
   for (int renderer = 0; renderer < renderers; ++renderer) {
-    const auto mine = regions.owned(renderer, regions.owners(renderers));
+    const auto mine = regions.owned(renderer, regions.owners(all(regions), renderers, renderers));
     CHECK(std::is_sorted(mine.begin(), mine.end()));
     for (const int region : mine) {
-      CHECK(regions.owners(renderers).of(region) == renderer);
+      CHECK(regions.owners(all(regions), renderers, renderers).of(region) == renderer);
       CHECK(seen.insert(region).second);
     }
   }
@@ -100,7 +103,7 @@ TEST_CASE("Renderers have as many regions as any other or one fewer, wherever in
       INFO(columns << " regions in a row, " << renderers << " Renderers");
       const Regions regions(columns * 10, 70, 10);
       std::vector<int> owned(std::size_t(renderers), 0);
-      const RegionOwners owners = regions.owners(renderers);
+      const RegionOwners owners = regions.owners(all(regions), renderers, renderers);
       for (int region = 0; region < regions.count(); ++region) ++owned[std::size_t(owners.of(region))];
       CHECK(*std::max_element(owned.begin(), owned.end()) <=
             *std::min_element(owned.begin(), owned.end()) + 1);
@@ -113,8 +116,8 @@ TEST_CASE("regions dealt to some of the Renderers lie with some at even distance
   for (int renderers = 1; renderers <= 24; ++renderers) {
     for (int dealt_to = 1; dealt_to <= renderers; ++dealt_to) {
       INFO(dealt_to << " of " << renderers << " Renderers");
-      const RegionOwners owners = regions.owners(regions.all(), renderers, dealt_to),
-                         few = regions.owners(dealt_to);
+      const RegionOwners owners = regions.owners(all(regions), renderers, dealt_to),
+                         few = regions.owners(all(regions), dealt_to, dealt_to);
       for (int region = 0; region < regions.count(); ++region)
         REQUIRE(owners.of(region) == few.of(region) * renderers / dealt_to);
     }
@@ -150,7 +153,7 @@ TEST_CASE("what lies together in the picture is dealt to many Renderers", "[regi
   const int columns = GENERATE(4, 5, 6, 8, 16);
   const Regions regions(columns * 10, columns * 10, 10);
   for (const int renderers : {2, 3, 4, 5, 8, 16}) {
-    const RegionOwners owners = regions.owners(renderers);
+    const RegionOwners owners = regions.owners(all(regions), renderers, renderers);
     INFO(columns << " regions in a row, " << renderers << " Renderers");
     for (int y = 0; y + 1 < columns; ++y) {
       for (int x = 0; x + 1 < columns; ++x) {
