@@ -61,7 +61,7 @@ const std::vector<Table>& tables() {
        {}},
       {{"RdBu", "diverging, red to blue through white"},
        "67001fb1182bd6604df3a481fddbc7f6f7f7d1e5f090c4dd4393c32065ab053061",
-       {0, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1}},
+       {}},
       {{"Black-Body Radiation", "black to white through red and yellow"},
        "000000e60000e6e600ffffff",
        {0, 0.4, 0.8, 1}},

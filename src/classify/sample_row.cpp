@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstring>
 #include <type_traits>
 
 #include "classify/mask_where.hpp"
@@ -31,55 +32,43 @@ HWY_INLINE Colour light(Colour colour, const PhongTable::Entries& lights, std::s
   return hn::IfThenElse(hn::FirstN(d, 3), lit, colour);
 }
 
-/// The number of columns of every block but a row's last.
-using WholeBlock = std::integral_constant<int, mask_bits>;
-
-/// The columns' places in a table, made together.
-template <class Place>
-using Places = Place[mask_bits];
-
+/// One for each column of a block.
 template <class T>
-HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, int count,
-                                 Places<std::make_unsigned_t<T>>& places) {
-  for (int i = 0; i < count; ++i)
-    places[i] = std::make_unsigned_t<T>(std::clamp<int>(load<T>(row, i), table.low, table.high) - table.low);
+using Block = T[mask_bits];
+
+/// A block's part of a row, of which `left` columns are left: the row's own, or a copy with zeros behind.
+template <class T>
+HWY_INLINE const T* whole_block(const void* row, int left, Block<T>& copy) {
+  if (left >= mask_bits) return static_cast<const T*>(row);
+  std::memset(copy, 0, sizeof copy);
+  std::memcpy(copy, row, sizeof(T) * std::size_t(left));
+  return copy;
 }
 
-HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, int count,
-                                  Places<std::uint16_t>& places) {
-  for (int i = 0; i < count; ++i) places[i] = PhongTable::place_of(normals[i]);
-}
-
-/// For a whole block. Differences fit the type, but the compiler cannot know that.
+/// The columns' places in a table, made together. Differences fit the type, but the compiler cannot know
+/// that.
 template <class T>
-HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, WholeBlock,
-                                 Places<std::make_unsigned_t<T>>& places) {
+HWY_INLINE void places_of_values(const Classifier::Table& table, const std::byte* row, int left,
+                                 Block<std::make_unsigned_t<T>>& places) {
   const hn::CappedTag<T, mask_bits> d;
   const auto low = hn::Set(d, T(table.low)), high = hn::Set(d, T(table.high));
+  Block<T> copy;
+  const T* const values = whole_block<T>(row, left, copy);
   for (std::size_t i = 0; i < mask_bits; i += hn::Lanes(d)) {
-    const auto value = hn::LoadU(d, reinterpret_cast<const T*>(row) + i);
+    const auto value = hn::LoadU(d, values + i);
     hn::StoreU(hn::Sub(hn::Min(hn::Max(value, low), high), low), d, reinterpret_cast<T*>(places) + i);
   }
 }
 
-HWY_INLINE void places_of_normals(const NormalCode* HWY_RESTRICT normals, WholeBlock,
-                                  Places<std::uint16_t>& places) {
+HWY_INLINE void places_of_normals(const NormalCode* row, int left, Block<std::uint16_t>& places) {
   const hn::CappedTag<std::uint16_t, mask_bits> d;
+  Block<NormalCode> copy;
+  row = whole_block<NormalCode>(row, left, copy);
   for (std::size_t i = 0; i < mask_bits; i += hn::Lanes(d)) {
-    const auto code = hn::LoadU(d, normals + i);
+    const auto code = hn::LoadU(d, row + i);
     const auto opposite = hn::SaturatedSub(hn::Set(d, std::uint16_t(opposite_codes)), code);
     hn::StoreU(hn::Min(code, opposite), d, places + i);
   }
-}
-
-/// Calls use(count) with the number of the row's columns in the block.
-template <class Use>
-HWY_INLINE void with_columns(const VisibleBlock& block, int columns, const Use& use) {
-  const int left = columns - int(block.first);
-  if (left >= mask_bits)
-    use(WholeBlock());
-  else
-    use(left);
 }
 
 /// colour(i, k) is the colour of the block's column i, the row's k-th voxel.
@@ -94,14 +83,13 @@ HWY_INLINE void fill_block(const VisibleBlock& block, ClassifiedSample* samples,
 template <class T>
 HWY_INLINE void fill_from_table(const Classifier::Table& table, const VoxelRow& row, const PhongTable* phong,
                                 VisibleRow& out) {
-  Places<std::make_unsigned_t<T>> values;
-  Places<std::uint16_t> entries;
+  Block<std::make_unsigned_t<T>> values;
+  Block<std::uint16_t> entries;
   ClassifiedSample* const samples = out.samples.data();
   for (const VisibleBlock& block : out.blocks) {
-    with_columns(block, row.columns, [&](auto count) {
-      places_of_values<T>(table, row.values + sizeof(T) * block.first, count, values);
-      if (phong != nullptr) places_of_normals(row.normals + block.first, count, entries);
-    });
+    const int left = row.columns - int(block.first);
+    places_of_values<T>(table, row.values + sizeof(T) * block.first, left, values);
+    if (phong != nullptr) places_of_normals(row.normals + block.first, left, entries);
     const auto unlit = [&](int i) { return read(table.samples[values[i]]); };
     if (phong == nullptr)
       fill_block(block, samples, [&](int i, std::uint32_t) { return unlit(i); });
@@ -121,11 +109,10 @@ void FillFromTable(const Classifier::Table& table, ScalarType type, const VoxelR
 }
 
 void LightRow(const PhongTable& phong, const VoxelRow& row, VisibleRow& out) {
-  Places<std::uint16_t> entries;
+  Block<std::uint16_t> entries;
   ClassifiedSample* const samples = out.samples.data();
   for (const VisibleBlock& block : out.blocks) {
-    with_columns(block, row.columns,
-                 [&](auto count) { places_of_normals(row.normals + block.first, count, entries); });
+    places_of_normals(row.normals + block.first, row.columns - int(block.first), entries);
     fill_block(block, samples, [&, lights = phong.entries()](int i, std::uint32_t k) {
       return light(read(samples[block.sample + k]), lights, entries[i]);
     });
