@@ -71,16 +71,21 @@ class Host {
   bool finished() { return shutting_down_ && local_.empty() && transport_.sends_done(); }
   /// Steps until finished; throws RunError when nothing moved for the stall timeout.
   void run() {
-    double last_progress = now_seconds();
+    // While the whole process is suspended it waits for nobody.
+    constexpr double longest_between_steps = 0.1;
+    double still = 0, last = now_seconds();
     while (!finished()) {
-      if (step()) {
+      const bool moved = step();
+      const double now = now_seconds(), passed = now - std::exchange(last, now);
+      if (moved) {
         transport_.note_progress();
-        last_progress = now_seconds();
+        still = 0;
       } else {
-        const bool overdue = now_seconds() - last_progress > options_.stall_timeout;
+        still += std::min(passed, longest_between_steps);
+        const bool overdue = still > options_.stall_timeout;
         // Between frames a wait of any length is normal: nobody may ask for a view.
         if (overdue && waiting_for().empty()) {
-          last_progress = now_seconds();
+          still = 0;
         } else if (overdue && (options_.stall_ends || !told_stall_)) {
           report_stall();
           if (options_.stall_ends)

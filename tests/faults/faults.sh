@@ -197,6 +197,18 @@ case $fault in
     (($(find pictures -name 'f-*.exr' | wc -l) == 200)) || fail "pictures are missing"
     check_pictures
     ;;
+  suspended)
+    start 3 --gps 2 --renderers 1 --orbit 120 --stall-timeout 1
+    for _ in {1..4}; do # at least once while a rank waits for another
+      for pid in $everyone; do kill -STOP "$pid"; done
+      sleep 2
+      for pid in $everyone; do kill -CONT "$pid"; done
+      sleep 0.05
+    done
+    await_end
+    must_end_with 0
+    (($(find pictures -name 'f-*.exr' | wc -l) == 120)) || fail "pictures are missing"
+    ;;
   terminated_rank)
     lose TERM 1
     ((code != 0)) || fail "the exit code is 0"
