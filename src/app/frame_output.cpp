@@ -103,10 +103,9 @@ void FrameOutput::show(const std::string& volume, const ValueRange& range) {
 
 const MeasuredError& FrameOutput::error_of(KeptFrame& kept) {
   if (kept.error) return *kept.error;
-  if (!truth_) truth_ = make_scene(read_whole(*open_volume(options_.volume)));
-  FrameSpec asked = kept.frame.result.spec;
-  asked.how = options_.frame.how;  // an error budget may have chosen a cheaper one
-  set_frame(*truth_, asked);
+  if (!truth_) truth_ = read_whole(*open_volume(options_.volume)).scene;
+  truth_->frame = kept.frame.result.spec;
+  truth_->frame.how = options_.frame.how;  // an error budget may have chosen a cheaper one
   return kept.error.emplace(measure(kept.frame.result.image, *truth_, options_.error));
 }
 

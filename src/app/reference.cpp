@@ -67,18 +67,18 @@ ExitCode run_reference(const ReferenceOptions& o) {
   WholeVolume volume = read_whole(*source);
   FrameSpec spec = picture.frame;
   spec.shown.clip = clip_box(o.picture.clip, source->grid());
-  const MadeFunction made = choice.make(volume.statistics, volume.grid);
+  const MadeFunction made = choice.make(volume.statistics, volume.scene.grid);
   made.set(spec.shown);
   check(spec);
   if (!o.picture.transfer_function_out.empty())
     write_text_output(o.picture.transfer_function_out, to_paraview_json(spec.shown.transfer_function));
-  truth::Scene scene = make_scene(std::move(volume));
+  truth::Scene& scene = volume.scene;
   const auto pixels = truth::all_pixels(spec.shown.width, spec.shown.height);
   std::FILE* const results = is_stdout(o.picture.transfer_function_out) ? stderr : stdout;
   if (!made.said.empty()) fmt::print(results, "{}\n", made.said);
   for (std::size_t k = 0; k < cameras.size(); ++k) {
     spec.shown.camera = cameras[k];
-    set_frame(scene, spec);
+    scene.frame = spec;
     const double start = now_seconds();
     const Image image = truth::to_image(spec.shown.width, spec.shown.height,
                                         evaluate(scene, {o.truth, o.tolerance, o.formula}, pixels));

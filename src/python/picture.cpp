@@ -129,15 +129,14 @@ app::Progress::Listener listener(const Hooks& hooks) {
 
 truth::Scene read_scene(const app::VolumeOptions& volume, const Hooks& hooks) {
   const auto source = open_volume(volume);
-  truth::Scene scene = app::make_scene(app::read_whole(*source));
+  truth::Scene scene = app::read_whole(*source).scene;
   scene.poll = hooks.poll;
   return scene;
 }
 
 app::MeasuredError measured(const Picture& picture, truth::Scene& scene, const app::ErrorOptions& error) {
-  FrameSpec asked = picture.spec;
-  asked.how = picture.asked;
-  app::set_frame(scene, asked);
+  scene.frame = picture.spec;
+  scene.frame.how = picture.asked;
   return app::measure(picture.image, scene, error);
 }
 

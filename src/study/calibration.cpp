@@ -11,12 +11,6 @@
 #include "frame/frame_spec_bytes.hpp"
 
 namespace ringsplat::app {
-namespace {
-
-constexpr std::size_t most_passes = 5;
-constexpr double patience = 10;  ///< seconds after which no further pass is begun
-
-}  // namespace
 
 std::vector<Camera> calibration_views(const std::vector<Camera>& run, FrameSpec frame, const Grid& grid) {
   struct Outermost {
@@ -46,7 +40,7 @@ Calibration::Calibration(const FrameSpec& reference, std::vector<Camera> views,
       views_(std::move(views)),
       settings_(std::move(settings)),
       error_(error),
-      scene_(make_scene(read_whole(*open_volume(volume)))),
+      scene_(read_whole(*open_volume(volume)).scene),
       measurements_(frames_a_pass()) {}
 
 Director Calibration::director() {
@@ -68,6 +62,8 @@ std::optional<FrameSpec> Calibration::next_frame() {
     evaluate_truths();
     started_ = now_seconds();
   }
+  constexpr std::size_t most_passes = 5;
+  constexpr double patience = 10;  // seconds after which no further pass is begun
   const std::size_t at = asked - first_measured();
   const std::size_t pass = at / frames_a_pass(), in_pass = at % frames_a_pass();
   if (in_pass == 0 && pass > 0 && (pass == most_passes || now_seconds() - started_ > patience))
@@ -81,7 +77,7 @@ std::optional<FrameSpec> Calibration::next_frame() {
 void Calibration::evaluate_truths() {
   for (std::size_t v = 0; v < views_.size(); ++v) {
     reference_.shown.camera = views_[v];
-    set_frame(scene_, reference_);
+    scene_.frame = reference_;
     truths_.push_back(sample_truth(pictures_[v], scene_, {.truth = error_.truth.value_or(TruthKind::method)},
                                    error_.pixels, error_.seed));
   }

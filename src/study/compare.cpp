@@ -20,7 +20,6 @@ constexpr const char* channel_names[] = {"red", "green", "blue", "alpha"};
 struct Comparison {
   truth::ImageError error;
   int channels;  ///< 3: neither picture has alpha
-  double over;   ///< fraction of the pixels over --threshold
   std::uint64_t pixels;
   bool linear, failed;
 };
@@ -40,7 +39,7 @@ std::string to_json_text(const CompareOptions& o, const Comparison& c) {
   j["largest_at"] = {c.error.worst.x, c.error.worst.y};
   j["threshold"] = o.threshold;
   j["pixels"] = c.pixels;
-  j["fraction_over"] = c.over;
+  j["fraction_over"] = c.error.over_threshold;
   for (int k = 0; k < c.channels; ++k)
     j["channels"][channel_names[k]] = to_json(c.error.channels[std::size_t(k)]);
   j["failed"] = c.failed;
@@ -58,7 +57,7 @@ std::string to_text(const CompareOptions& o, const Comparison& c) {
   for (int k = 0; k < c.channels; ++k) row(channel_names[k], c.error.channels[std::size_t(k)]);
   text += fmt::format(
       "largest at ({}, {}); {:.4g} % of {} pixels differ by more than {:g}/255; {} premultiplied values\n",
-      c.error.worst.x, c.error.worst.y, 100 * c.over, c.pixels, o.threshold,
+      c.error.worst.x, c.error.worst.y, 100 * c.error.over_threshold, c.pixels, o.threshold,
       c.linear ? "linear" : "display (sRGB)");
   return text;
 }
@@ -105,12 +104,8 @@ ExitCode run_compare(const CompareOptions& o) {
     b = to_linear(std::move(b));
   }
   const int channels = a.has_alpha || b.has_alpha ? 4 : 3;
-  Comparison c{truth::compare(a.image, b.image, channels),
-               channels,
-               truth::fraction_over(a.image, b.image, o.threshold, channels),
-               std::uint64_t(a.image.width) * std::uint64_t(a.image.height),
-               a.linear,
-               false};
+  Comparison c{truth::compare(a.image, b.image, channels, o.threshold), channels,
+               std::uint64_t(a.image.width) * std::uint64_t(a.image.height), a.linear, false};
   c.failed = o.fail_above && !(c.error.total.rmse <= *o.fail_above);
   write_text_output("-", o.json ? to_json_text(o, c) + "\n" : to_text(o, c));
   if (!o.difference.empty()) write_difference(o, a.image, b.image);

@@ -2,21 +2,17 @@
 
 #include <fmt/format.h>
 
-#include <variant>
-
 #include "base/clock.hpp"
 #include "base/printable.hpp"
 #include "base/process.hpp"
 #include "ringsplat/base/error.hpp"
-#include "truth/analytic.hpp"
 #include "truth/field.hpp"
 #include "truth/method.hpp"
 #include "volume/synth.hpp"
 
 namespace ringsplat::app {
-namespace {
-
-void check_room(const Grid& grid) {
+WholeVolume read_whole(VolumeSource& source) {
+  const Grid& grid = source.grid();
   const double machine = machine_memory_bytes(), needed = 8.0 * double(grid.voxels());
   if (needed > 0.9 * machine)
     throw InputError(
@@ -24,55 +20,14 @@ void check_room(const Grid& grid) {
             "a truth needs the whole volume in one process, {:.1f} GiB, but the machine has {:.1f} GiB",
             needed / (1 << 30), machine / (1 << 30)),
         "measure on a smaller volume");
-}
-
-void set_method(truth::Scene& scene, const Splats& splats) {
-  scene.sheets.reset();
-  scene.radius = splats.kernel_radius;
-  scene.normalisation = splats.kernel.normalisation;
-}
-
-void set_method(truth::Scene& scene, const Sheets& sheets) {
-  scene.sheets = {sheets.slabs, sheets.light_points};
-}
-
-}  // namespace
-
-WholeVolume read_whole(VolumeSource& source) {
-  WholeVolume volume;
-  volume.grid = source.grid();
-  check_room(volume.grid);
-  volume.values = truth::read_values(source);
-  const auto bytes = std::as_bytes(std::span(volume.values));
+  WholeVolume volume{{grid, truth::read_values(source)}, {}};
+  const auto bytes = std::as_bytes(std::span(volume.scene.values));
   const VolumeNotes notes = source.notes();
-  const Pass pass = [&](const RowVisitor& visit) { visit(bytes, volume.grid.dims.x); };
+  const Pass pass = [&](const RowVisitor& visit) { visit(bytes, grid.dims.x); };
   Merging alone;
-  volume.statistics = describe_values({volume.grid.type, notes.fill, ScalarType::float64}, volume.grid.dims,
-                                      notes, pass, alone);
+  volume.statistics =
+      describe_values({grid.type, notes.fill, ScalarType::float64}, grid.dims, notes, pass, alone);
   return volume;
-}
-
-truth::Scene make_scene(WholeVolume&& volume) {
-  truth::Scene scene;
-  scene.grid = volume.grid;
-  scene.values = std::move(volume.values);
-  return scene;
-}
-
-void set_frame(truth::Scene& scene, const FrameSpec& spec) {
-  scene.transfer_function = spec.shown.transfer_function;
-  scene.nearest = spec.shown.interpolation == Interpolation::nearest;
-  scene.mode = spec.shown.mode;
-  scene.isovalue = spec.shown.isovalue;
-  scene.camera = spec.shown.camera;
-  scene.clip = spec.shown.clip;
-  scene.width = spec.shown.width;
-  scene.height = spec.shown.height;
-  scene.shaded = spec.shown.shading == Shading::phong;
-  scene.material = spec.shown.material;
-  scene.light = spec.shown.light;
-  scene.opacity_correction = spec.shown.opacity_correction;
-  std::visit([&](const auto& how) { set_method(scene, how); }, spec.how);
 }
 
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e,
@@ -83,13 +38,11 @@ std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& e
                                e.tolerance);
 }
 
-truth::ScreenBounds bounds_of(const truth::Scene& scene, TruthKind truth) {
-  return truth == TruthKind::method ? truth::method_bounds(scene) : truth::field_bounds(scene);
-}
-
 SampledTruth sample_truth(const Image& picture, const truth::Scene& scene, const Evaluation& evaluation,
                           std::size_t pixels, std::uint64_t seed) {
-  SampledTruth made{truth::draw_sample(picture, bounds_of(scene, evaluation.truth), pixels, seed), {}};
+  const auto bounds =
+      evaluation.truth == TruthKind::method ? truth::method_bounds(scene) : truth::field_bounds(scene);
+  SampledTruth made{truth::draw_sample(picture, bounds, pixels, seed), {}};
   made.colours = evaluate(scene, evaluation, made.sample.pixels);
   return made;
 }

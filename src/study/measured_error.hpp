@@ -4,28 +4,20 @@
 #include <vector>
 
 #include "options/options.hpp"
-#include "ringsplat/frame/frame_spec.hpp"
 #include "truth/sampling.hpp"
 #include "truth/scene.hpp"
 #include "volume/value_statistics.hpp"
 
 namespace ringsplat::app {
 
-/// A whole volume in one process, as truths need it: 8 bytes a voxel.
+/// A whole volume in one process, as truths need it: 8 bytes a voxel. It is read once for many frames, which
+/// the scene's owner sets.
 struct WholeVolume {
-  Grid grid;
-  std::vector<double> values;
+  truth::Scene scene;
   ValueStatistics statistics;  ///< the same as load_scene's, so that presets are the same
 };
 /// Throws InputError when the volume is unreadable or exceeds this machine's memory.
 WholeVolume read_whole(VolumeSource& source);
-
-/// Moves the volume's values into the scene, where they stay from frame to frame; set_frame changes the rest.
-truth::Scene make_scene(WholeVolume&& volume);
-
-/// Makes `scene` show the frame: its view, size, transfer function, light and method. Keeps grid and values,
-/// so that a volume is read once for many frames.
-void set_frame(truth::Scene& scene, const FrameSpec& spec);
 
 struct Evaluation {
   TruthKind truth = TruthKind::field;
@@ -34,9 +26,6 @@ struct Evaluation {
 };
 std::vector<truth::Rgba> evaluate(const truth::Scene& scene, const Evaluation& evaluation,
                                   std::span<const truth::Pixel> pixels);
-
-/// The pixels where the truth may be visible.
-truth::ScreenBounds bounds_of(const truth::Scene& scene, TruthKind truth);
 
 /// A sample of a picture's pixels and the truth there; it serves other pictures of the scene, too.
 struct SampledTruth {

@@ -4,9 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
+#include <vector>
 
 #include "classify/adjust.hpp"
+#include "classify/piecewise.hpp"
 
 namespace ringsplat::app {
 namespace {
@@ -17,21 +18,14 @@ constexpr double share = 1.0 / 64;  ///< of the range: about what neighbouring v
 constexpr double steep = 0.04;
 
 struct Measured {
-  double steepness, rmse;  ///< against the field, in 1/255
+  double value, rmse;  ///< steepness, and against the field in 1/255
 };
-/// Of the repository's head, with ramps (docs/measured/accuracy.md, "Steep transfer functions").
-constexpr Measured ramps[] = {{0.044, 8.1}, {0.088, 9.1}, {0.176, 9.8}, {0.352, 10.7}, {0.703, 11.0}};
 
+/// Of the repository's head, with ramps (docs/measured/accuracy.md, "Steep transfer functions").
 double expected_error(double steepness) {
-  const Measured* below = std::begin(ramps);
-  for (const Measured& m : ramps) {
-    if (steepness < m.steepness) {
-      const double way = (steepness - below->steepness) / std::max(1e-9, m.steepness - below->steepness);
-      return std::lerp(below->rmse, m.rmse, std::clamp(way, 0.0, 1.0));
-    }
-    below = &m;
-  }
-  return below->rmse;
+  const std::vector<Measured> ramps{{0.044, 8.1}, {0.088, 9.1}, {0.176, 9.8}, {0.352, 10.7}, {0.703, 11.0}};
+  const auto [k, t] = locate(ramps, steepness);
+  return t > 0 ? std::lerp(ramps[k].rmse, ramps[k + 1].rmse, t) : ramps[k].rmse;
 }
 
 }  // namespace

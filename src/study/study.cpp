@@ -17,7 +17,6 @@
 #include "base/median.hpp"
 #include "base/output_file.hpp"
 #include "frame/frame_fields.hpp"
-#include "frame/frame_needs.hpp"
 #include "images/image_io.hpp"
 #include "options/option_values.hpp"
 #include "options/transfer_function_option.hpp"
@@ -34,11 +33,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// One setting's frames of one view: the last picture, and all frames' seconds.
+/// One setting's frames of one view: the last, and the seconds of all.
 struct Timed {
-  Image image;
-  FrameStats stats;
-  Axis axis = Axis::z;
+  FrameResult last;
   std::vector<double> seconds;
 };
 
@@ -65,10 +62,8 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const Wiring wiring{solo};
   const Layout layout{1, 1};
   OpenedVolume volume = open_everywhere(solo, [&] { return open_scene(s); });
-  const LoadOptions load{.kept_axes = needed_axes(spec, list.views, volume.grid),
-                         .with_normals = needs_normals(spec),
-                         .with_cell_ranges = needs_cell_ranges(spec),
-                         .clip = spec.shown.clip};
+  LoadOptions load = needed_to_render(spec, volume.grid);
+  load.kept_axes = needed_axes(spec, list.views, volume.grid);
   Scene scene = load_scene(volume, load, layout, wiring);
   std::vector<Timed> timed(list.views.size());
   std::vector<Camera> cameras;
@@ -77,9 +72,7 @@ std::vector<Timed> render_views(const StudyList& list, const StudyList::Scene& s
   const auto take = [&](FrameResult&& result) {
     Timed& t = timed[std::size_t(result.spec.frame) % list.views.size()];
     t.seconds.push_back(result.stats.seconds);
-    t.stats = std::move(result.stats);
-    t.axis = result.axis;
-    t.image = std::move(result.image);
+    t.last = std::move(result);
   };
   ProtocolOptions protocol;
   protocol.frames_in_flight = 1;  // so that a frame's time is its own
@@ -125,7 +118,7 @@ struct KeptPictures {
 nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Setting& setting,
                               Interpolation interpolation, const Camera& camera, const Timed& timed,
                               TruthKind truth, const truth::SampledError& error, const KeptPictures& kept) {
-  const NodeStats sum = timed.stats.total();
+  const NodeStats sum = timed.last.stats.total();
   nlohmann::ordered_json row{{"scene", s.name}, {"setting", setting.name}};
   const FrameSpec& frame = setting.options.frame;
   row.update(columns_of(frame.how));
@@ -136,7 +129,7 @@ nlohmann::ordered_json row_of(const StudyList::Scene& s, const StudyList::Settin
               {"elevation", camera.elevation},
               {"roll", camera.roll},
               {"zoom", camera.zoom},
-              {"axis", std::string(1, name(timed.axis))},
+              {"axis", std::string(1, name(timed.last.axis))},
               {"seconds", median(timed.seconds)},
               {"frames", timed.seconds.size()},
               {"splats", sum.splats_sent},
@@ -204,8 +197,8 @@ class SceneStudy {
       : list_(list), scene_list_(s), folder_(folder) {
     WholeVolume volume = read_whole(*open_scene(s));
     made_ = TransferFunctionChoice(s.options.transfer_function, s.options.colour)
-                .make(volume.statistics, volume.grid);
-    scene_ = make_scene(std::move(volume));
+                .make(volume.statistics, volume.scene.grid);
+    scene_ = std::move(volume.scene);
   }
 
   void run(const StudyList::Setting& setting, nlohmann::ordered_json& rows) {
@@ -214,17 +207,17 @@ class SceneStudy {
     const auto timed = render_views(list_, scene_list_, spec);
     for (std::size_t v = 0; v < list_.views.size(); ++v)
       for (const TruthKind kind : list_.truths) {
-        const auto truth = truth_of(timed[v].image, kind, spec, v);
-        const auto error = truth::sampled_error(timed[v].image, truth->sample, truth->colours);
+        const auto truth = truth_of(timed[v].last.image, kind, spec, v);
+        const auto error = truth::sampled_error(timed[v].last.image, truth->sample, truth->colours);
         rows.push_back(row_of(scene_list_, setting, made_.interpolation, list_.views[v], timed[v], kind,
                               error, keep(setting, spec, timed[v], kind, v)));
       }
   }
 
  private:
-  Evaluation show(TruthKind kind, FrameSpec spec, std::size_t view) {
-    spec.shown.camera = list_.views[view];
-    set_frame(scene_, spec);
+  Evaluation show(TruthKind kind, const FrameSpec& spec, std::size_t view) {
+    scene_.frame = spec;
+    scene_.frame.shown.camera = list_.views[view];
     return {.truth = kind, .formula = scene_list_.synth};
   }
 
@@ -237,7 +230,7 @@ class SceneStudy {
         "truth-" + to_string(kind) + (spec.shown.shading == Shading::phong ? "-phong" : "");
     const KeptPictures kept{file_of(scene_list_.name, setting.name, view),
                             file_of(scene_list_.name, name, view)};
-    write_picture(timed.image, folder_ / kept.picture);
+    write_picture(timed.last.image, folder_ / kept.picture);
     if (truths_.insert(kept.truth).second) {
       const Evaluation whole = show(kind, spec, view);
       const auto colours = evaluate(scene_, whole, truth::all_pixels(list_.width, list_.height));

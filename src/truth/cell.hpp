@@ -61,10 +61,7 @@ inline std::optional<CellValues> cell_values(const Scene& scene, const TransferC
 
 inline Corners<glm::dvec3> cell_normals(const Gradients& gradients, const Cell& cell) {
   Corners<glm::dvec3> normals;
-  for (int c = 0; c < 8; ++c) {
-    const glm::ivec3 p = cell.corner(c);
-    normals[std::size_t(c)] = gradients.at(p.x, p.y, p.z);
-  }
+  for (int c = 0; c < 8; ++c) normals[std::size_t(c)] = gradients.at(cell.corner(c));
   return normals;
 }
 

@@ -9,8 +9,6 @@
 #include "truth/cell.hpp"
 #include "truth/quadrature.hpp"
 #include "truth/ray.hpp"
-#include "truth/shading.hpp"
-#include "truth/transfer_curve.hpp"
 
 namespace ringsplat::truth {
 namespace {
@@ -29,15 +27,19 @@ struct Cubic {
   double at(double s) const { return p[0] + s * (p[1] + s * (p[2] + s * p[3])); }
 };
 
-Cubic through_thirds(double y0, double y1, double y2, double y3) {
+/// The cubic that has the values of `at`, a function of s, at thirds of the crossing.
+template <class At>
+Cubic cubic_along(const Crossing& crossing, const At& at) {
+  const auto y = [&](double part) { return at(std::lerp(crossing.enter, crossing.leave, part)); };
+  const double y0 = y(0), y1 = y(1.0 / 3), y2 = y(2.0 / 3), y3 = y(1);
   return {{y0, (-11 * y0 + 18 * y1 - 9 * y2 + 2 * y3) / 2, (18 * y0 - 45 * y1 + 36 * y2 - 9 * y3) / 2,
            (-9 * y0 + 27 * y1 - 27 * y2 + 9 * y3) / 2}};
 }
 
-/// Places in (0, 1), ascending, between which the cubic is monotone.
-std::vector<double> turning_points(const Cubic& cubic) {
+/// Places in [0, 1], ascending, both ends among them, between which the cubic is monotone.
+std::vector<double> monotone_pieces(const Cubic& cubic) {
   const double a = 3 * cubic.p[3], b = 2 * cubic.p[2], c = cubic.p[1];
-  std::vector<double> points;
+  std::vector<double> points{0.0, 1.0};
   const auto add = [&](double s) {
     if (s > 0 && s < 1) points.push_back(s);
   };
@@ -64,9 +66,7 @@ double crossing_of(const Cubic& cubic, double value, double a, double b) {
 
 /// Where the values cross knots of the transfer function, in (0, 1), ascending, with both ends.
 std::vector<double> cuts_at_knots(const Cubic& cubic, const std::vector<double>& knots) {
-  std::vector<double> monotone = turning_points(cubic);
-  monotone.insert(monotone.begin(), 0.0);
-  monotone.push_back(1.0);
+  const std::vector<double> monotone = monotone_pieces(cubic);
   std::vector<double> cuts{0.0};
   for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
     const double a = monotone[i], b = monotone[i + 1];
@@ -79,21 +79,16 @@ std::vector<double> cuts_at_knots(const Cubic& cubic, const std::vector<double>&
   return cuts;
 }
 
-class FieldIntegrator {
+class FieldIntegrator : Tracer {
  public:
   FieldIntegrator(const Scene& scene, double tolerance)
-      : scene_(scene),
-        tolerance_(tolerance),
-        rays_(scene),
-        curve_(scene.transfer_function),
-        phong_(scene, rays_.view()),
-        gradients_(scene) {}
+      : Tracer(scene), tolerance_(tolerance), gradients_(scene) {}
 
   Rgba along(Pixel pixel) const {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
-    if (scene_.mode == Mode::surface) return first_surface(ray);
-    if (scene_.mode != Mode::composite) return classified(projected(ray));
+    if (scene_.frame.shown.mode == Mode::surface) return first_surface(ray);
+    if (scene_.frame.shown.mode != Mode::composite) return classified(projected(ray));
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {
       if (seen.transmittance < 0.1 * tolerance_) break;
@@ -110,7 +105,7 @@ class FieldIntegrator {
     const glm::dvec3 first = ray.at(ray.enter), last = ray.at(ray.leave);
     for (int k = 0; k < 3; ++k) {
       if (ray.step[k] == 0) continue;
-      const double in_voxel = scene_.nearest ? 2 : 1;
+      const double in_voxel = scene_.nearest() ? 2 : 1;
       const double low = std::ceil(in_voxel * std::min(first[k], last[k])),
                    high = std::floor(in_voxel * std::max(first[k], last[k]));
       for (double plane = low; plane <= high; ++plane) {
@@ -133,10 +128,7 @@ class FieldIntegrator {
   std::optional<Cubic> cubic_in(const LatticeRay& ray, const Crossing& crossing) const {
     const auto values = cell_values(scene_, curve_, cell_of(crossing));
     if (!values) return std::nullopt;
-    const auto at = [&](double part) {
-      return values->at(ray.at(std::lerp(crossing.enter, crossing.leave, part)) - glm::dvec3(crossing.cell));
-    };
-    return through_thirds(at(0), at(1.0 / 3), at(2.0 / 3), at(1));
+    return cubic_along(crossing, [&](double s) { return values->at(ray.at(s) - glm::dvec3(crossing.cell)); });
   }
 
   Rgba classified(double value) const {
@@ -146,24 +138,23 @@ class FieldIntegrator {
 
   /// A ray's extremum, mean or integral.
   double projected(const LatticeRay& ray) const {
-    const TransferFunction& tf = scene_.transfer_function;
+    const TransferFunction& tf = scene_.frame.shown.transfer_function;
     const auto further = [&](double a, double b) {
-      return scene_.mode == Mode::mip ? std::max(a, b) : std::min(a, b);
+      return scene_.frame.shown.mode == Mode::mip ? std::max(a, b) : std::min(a, b);
     };
-    double extremum = scene_.mode == Mode::mip
+    double extremum = scene_.frame.shown.mode == Mode::mip
                           ? std::min(tf.colours.front().value, tf.opacities.front().value)
                           : std::max(tf.colours.back().value, tf.opacities.back().value),
            integral = 0;
     for (const Crossing& crossing : crossings(ray)) {
       const auto cubic = cubic_in(ray, crossing);
       if (!cubic) continue;
-      extremum = further(further(extremum, cubic->at(0)), cubic->at(1));
-      for (const double s : turning_points(*cubic)) extremum = further(extremum, cubic->at(s));
+      for (const double s : monotone_pieces(*cubic)) extremum = further(extremum, cubic->at(s));
       integral += (crossing.leave - crossing.enter) * (cubic->at(0) + 4 * cubic->at(0.5) + cubic->at(1)) / 6;
     }
     const auto& spacing = scene_.grid.spacing;
-    if (scene_.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
-    return scene_.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
+    if (scene_.frame.shown.mode == Mode::sum) return integral * std::min({spacing.x, spacing.y, spacing.z});
+    return scene_.frame.shown.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
   }
 
   /// Where the field is first on the other side of the surface's value than before; opaque.
@@ -171,15 +162,13 @@ class FieldIntegrator {
     for (const Crossing& crossing : crossings(ray)) {
       const auto cubic = cubic_in(ray, crossing);
       if (!cubic) continue;
-      std::vector<double> monotone = turning_points(*cubic);
-      monotone.insert(monotone.begin(), 0.0);
-      monotone.push_back(1.0);
+      const std::vector<double> monotone = monotone_pieces(*cubic);
       for (std::size_t i = 0; i + 1 < monotone.size(); ++i) {
-        const double a = monotone[i], b = monotone[i + 1], value = scene_.isovalue;
+        const double a = monotone[i], b = monotone[i + 1], value = scene_.frame.shown.isovalue;
         if ((cubic->at(a) >= value) == (cubic->at(b) >= value)) continue;
         const double s = std::lerp(crossing.enter, crossing.leave, crossing_of(*cubic, value, a, b));
         glm::dvec3 colour = curve_.at(value).colour;
-        if (scene_.shaded)
+        if (scene_.shaded())
           colour = phong_.shade(
               colour,
               trilinear(cell_normals(gradients_, cell_of(crossing)), ray.at(s) - glm::dvec3(crossing.cell)),
@@ -198,18 +187,18 @@ class FieldIntegrator {
 
   void integrate_crossing(const LatticeRay& ray, const Crossing& crossing, Piece& seen) const {
     const Cell cell = cell_of(crossing);
-    const Cell shown = scene_.nearest ? Cell{crossing.nearest, crossing.nearest} : cell;
+    const Cell shown = scene_.nearest() ? Cell{crossing.nearest, crossing.nearest} : cell;
     const auto values = cell_values(scene_, curve_, shown);
     if (!values || !curve_.visible(values->low, values->high)) return;
     Corners<glm::dvec3> normals{};
-    if (scene_.shaded) normals = cell_normals(gradients_, cell);
+    if (scene_.shaded()) normals = cell_normals(gradients_, cell);
 
     const auto place = [&](double s) { return ray.at(s) - glm::dvec3(crossing.cell); };
     const auto value_at = [&](double s) { return values->at(place(s)); };
     const auto medium_at = [&](double s) {
       const auto sample = curve_.at(value_at(s));
       Medium medium{extinction(sample.opacity), sample.colour};
-      if (scene_.shaded && sample.opacity > 0)
+      if (scene_.shaded() && sample.opacity > 0)
         medium.colour = phong_.shade(medium.colour, trilinear(normals, place(s)), ray.to_viewer);
       return medium;
     };
@@ -227,29 +216,20 @@ class FieldIntegrator {
   template <class Place, class ValueAt>
   std::vector<double> smooth_pieces(const Crossing& crossing, const Place& place, const ValueAt& value_at,
                                     const Corners<glm::dvec3>& normals, const glm::dvec3& to_viewer) const {
-    const double length = crossing.leave - crossing.enter;
-    const auto cubic_of = [&](const auto& at) {
-      return through_thirds(at(crossing.enter), at(crossing.enter + length / 3),
-                            at(crossing.enter + 2 * length / 3), at(crossing.leave));
-    };
-    std::vector<double> cuts = cuts_at_knots(cubic_of(value_at), curve_.knots());
-    if (scene_.shaded) {
+    std::vector<double> cuts = cuts_at_knots(cubic_along(crossing, value_at), curve_.knots());
+    if (scene_.shaded()) {
       for (const glm::dvec3& direction : {phong_.to_light(), to_viewer}) {
-        const auto more = cuts_at_knots(
-            cubic_of([&](double s) { return glm::dot(trilinear(normals, place(s)), direction); }), {0.0});
+        const auto facing = [&](double s) { return glm::dot(trilinear(normals, place(s)), direction); };
+        const auto more = cuts_at_knots(cubic_along(crossing, facing), {0.0});
         cuts.insert(cuts.end(), more.begin(), more.end());
       }
       std::sort(cuts.begin(), cuts.end());
     }
-    for (double& cut : cuts) cut = crossing.enter + cut * length;
+    for (double& cut : cuts) cut = std::lerp(crossing.enter, crossing.leave, cut);
     return cuts;
   }
 
-  const Scene& scene_;
   double tolerance_;
-  Rays rays_;
-  TransferCurve curve_;
-  Phong phong_;
   Gradients gradients_;
 };
 
@@ -257,7 +237,7 @@ class FieldIntegrator {
 
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance) {
   check(scene);
-  if (scene.clip) return field_truth(cropped(scene), pixels, tolerance);
+  if (scene.frame.shown.clip) return field_truth(cropped(scene), pixels, tolerance);
   const FieldIntegrator integrator(scene, tolerance);
   return along_rays(scene, pixels, [&](Pixel pixel) { return integrator.along(pixel); });
 }

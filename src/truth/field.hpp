@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "truth/scene.hpp"
+#include "volume/synth.hpp"
 
 namespace ringsplat::truth {
 
@@ -16,7 +17,8 @@ namespace ringsplat::truth {
 /// where one of the voxels to interpolate is not a number. Opacity 1 over any length ends the ray with the
 /// colour at its front.
 ///
-/// Where Scene::nearest is set the volume is of boxes, each with its voxel's value; shading is as above.
+/// Where values are the nearest voxel's, the volume is of boxes, each with its voxel's value; shading is as
+/// above.
 ///
 /// A ray is cut where it crosses from cell to cell, where the value crosses a point of the transfer function,
 /// and where the surface turns away from the light or the viewer: between those the integrand is smooth.
@@ -28,6 +30,17 @@ namespace ringsplat::truth {
 /// counts as no value, which adds nothing; an extremum is never below the function's first point, or above
 /// its last one for the least.
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance = 1e-6);
+
+/// The emission-absorption integral of the formula `field` itself over the unit cube, which is the box of the
+/// scene's grid (voxel faces, not centres), or over the part of it in the clip box. Field values are
+/// multiplied by `scale` to give the volume's (255 for a uint8 volume of synth_source). Does not read
+/// scene.values. Shading takes the gradient by central differences of 1e-5 of the cube. A feature thinner
+/// than 1/512 of the ray may be missed; else as in field_truth.
+std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, std::span<const Pixel> pixels,
+                                 double tolerance = 1e-6);
+
+/// The factor by which synth_source multiplies a field in [0, 1] for this scalar type.
+double synth_scale(ScalarType type);
 
 /// The pixels whose rays cross the volume's box. At all others this truth, and the formula's, is transparent.
 ScreenBounds field_bounds(const Scene& scene);

@@ -11,7 +11,7 @@ namespace ringsplat::truth {
 ///
 /// Each voxel is classified, shaded, and corrected to 1 − (1 − α)^d for d unit lengths between slices along
 /// the ray. Its kernel is Q², Q = 1 − r², r in kernel radii (Neumann 1992, section 2.2; at least a pixel from
-/// the centre), multiplied as Scene::normalisation says: by 3/(π T²) or its widened equivalent, so that
+/// the centre), multiplied as its normalisation says: by 3/(π T²) or its widened equivalent, so that
 /// weights average to one; by nothing; or by one over the sum of all kernels of an endless slice at the
 /// pixel. Each slice of the set most parallel to the view plane is summed at the pixel's centre, clamped
 /// (opacity a to [0, 1], colour to [0, a]) and composited front to back.
@@ -23,8 +23,7 @@ std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> 
 ScreenBounds splat_method_bounds(const Scene& scene);
 
 /// The algorithm of sheets itself, without the renderer's arithmetic: no tables, every slab integrated
-/// exactly, nothing left out or stopped early. Scene::sheets must have a value; InputError when its numbers
-/// make no sense. All cores.
+/// exactly, nothing left out or stopped early. All cores.
 ///
 /// A pixel's ray meets q sheets a slice of the set that it crosses most, at i + j/q slices, with
 /// q = Traversal::slabs_for(slabs); the first is slice 0, the last slice n − 1. Two more, at −½ and n − ½,
@@ -41,20 +40,21 @@ ScreenBounds splat_method_bounds(const Scene& scene);
 /// linearly from one sheet to the other. The image plane is no part of this: the picture of sheets in the
 /// slices' plane has its warp as an error.
 ///
-/// Where Scene::nearest is set, q is rounded up to an even number and the outermost half slices have q/2
-/// slabs. Both sheets of a slab then have the value of the voxel that is nearest to the middle between them.
+/// Where values are the nearest voxel's, q is rounded up to an even number and the outermost half slices have
+/// q/2 slabs. Both sheets of a slab then have the value of the voxel that is nearest to the middle between
+/// them.
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels);
 
-/// What the scene's method draws, without the renderer's arithmetic: the truth of splats or of sheets, which
+/// What the frame's method draws, without the renderer's arithmetic: the truth of splats or of sheets, which
 /// are exact in all modes but compositing.
 inline std::vector<Rgba> method_truth(const Scene& scene, std::span<const Pixel> pixels) {
-  if (scene.mode != Mode::composite) return field_truth(scene, pixels);
-  return scene.sheets ? sheet_method_truth(scene, pixels) : splat_method_truth(scene, pixels);
+  if (scene.frame.shown.mode != Mode::composite) return field_truth(scene, pixels);
+  return scene.of_sheets() ? sheet_method_truth(scene, pixels) : splat_method_truth(scene, pixels);
 }
 
 /// Outside of these pixels that truth is transparent.
 inline ScreenBounds method_bounds(const Scene& scene) {
-  return scene.sheets ? field_bounds(scene) : splat_method_bounds(scene);
+  return scene.of_sheets() ? field_bounds(scene) : splat_method_bounds(scene);
 }
 
 }  // namespace ringsplat::truth

@@ -54,20 +54,16 @@ class Differences {
 
 double ErrorFigures::psnr() const { return 20 * std::log10(levels / rmse); }
 
-ImageError compare(const Image& image, const Image& truth, int channels) {
+ImageError compare(const Image& image, const Image& truth, int channels, double threshold) {
   if (image.width != truth.width || image.height != truth.height || image.width < 1 || image.height < 1)
     throw InputError(fmt::format("pictures of {}x{} and {}x{} pixels cannot be compared", image.width,
                                  image.height, truth.width, truth.height),
                      "compare pictures of the same size");
   const Differences all(image, truth, 0, channels);
-  ImageError error{all.figures(), {}, all.worst()};
+  ImageError error{all.figures(), {}, all.worst(), all.fraction_over(threshold)};
   for (int c = 0; c < channels; ++c)
     error.channels[std::size_t(c)] = Differences(image, truth, c, c + 1).figures();
   return error;
-}
-
-double fraction_over(const Image& image, const Image& truth, double threshold, int channels) {
-  return Differences(image, truth, 0, channels).fraction_over(threshold);
 }
 
 }  // namespace ringsplat::truth

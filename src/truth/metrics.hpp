@@ -32,15 +32,12 @@ struct ImageError {
   ErrorFigures total;                    ///< a pixel counts as over when one of its channels is
   std::array<ErrorFigures, 4> channels;  ///< red, green, blue, opacity
   Pixel worst{0, 0};                     ///< where `total.largest` is
+  double over_threshold = 0;             ///< fraction of the pixels that differ by more than threshold / 255
 };
 
 /// Throws InputError when the sizes differ. A value that is not finite counts as infinitely wrong, unless it
 /// is the same in both. `channels` is 4, or 3 for pictures without a meaningful opacity: figures then leave
 /// opacity out, and its own are zero.
-ImageError compare(const Image& image, const Image& truth, int channels = 4);
-
-/// The fraction of the pixels that differ by more than `threshold` / 255 in one of the first `channels`
-/// channels. The pictures must have the same size.
-double fraction_over(const Image& image, const Image& truth, double threshold, int channels = 4);
+ImageError compare(const Image& image, const Image& truth, int channels = 4, double threshold = 1);
 
 }  // namespace ringsplat::truth

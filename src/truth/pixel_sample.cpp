@@ -22,64 +22,55 @@ constexpr float opaque = 0.99F;
 
 constexpr std::size_t most_strata = 16, pixels_a_stratum = 8;
 
-/// A pixel's activity: how much the picture varies in its neighbourhood.
-class Activity {
- public:
-  explicit Activity(const Image& picture) : picture_(picture) {}
-
-  std::uint16_t class_of(int x, int y) const {
-    const float* pixel = picture_.pixel(x, y);
-    const int step = step_of(at(x, y, pixel));
-    return std::uint16_t(step + (pixel[3] >= opaque ? activity_classes : 0));
-  }
-
-  /// The least activity of class k. A power of two times a few bits, so that sums of it are exact.
-  static double activity_of(std::size_t k) {
-    const int step = int(k) % activity_classes;
-    return step == 0 ? 0 : std::ldexp(1 + double(step % steps) / steps, lowest_octave + step / steps);
-  }
-
- private:
-  /// The larger of the nearest pixels' range and half that of farther ones, plus an eighth of the pixel's
-  /// largest value.
-  float at(int x, int y, const float* pixel) const {
-    if (!std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); }))
-      return std::numeric_limits<float>::infinity();
-    const float most =
-        std::max({std::abs(pixel[0]), std::abs(pixel[1]), std::abs(pixel[2]), std::abs(pixel[3])});
-    return std::max(range(x, y, 1), 0.5F * range(x, y, 2)) + 0.125F * most;
-  }
-
-  /// The largest range of a channel over nine pixels that are `apart` from each other.
-  float range(int x, int y, int apart) const {
-    std::array<float, 4> low, high;
-    std::copy_n(picture_.pixel(x, y), 4, low.begin());
-    high = low;
-    for (int dy = -apart; dy <= apart; dy += apart) {
-      const int row = std::clamp(y + dy, 0, picture_.height - 1);
-      for (int dx = -apart; dx <= apart; dx += apart) {
-        const float* other = picture_.pixel(std::clamp(x + dx, 0, picture_.width - 1), row);
-        for (std::size_t c = 0; c < 4; ++c) {
-          low[c] = std::min(low[c], other[c]);
-          high[c] = std::max(high[c], other[c]);
-        }
+/// The largest range of a channel over nine pixels that are `apart` from each other.
+float range(const Image& picture, int x, int y, int apart) {
+  std::array<float, 4> low, high;
+  std::copy_n(picture.pixel(x, y), 4, low.begin());
+  high = low;
+  for (int dy = -apart; dy <= apart; dy += apart) {
+    const int row = std::clamp(y + dy, 0, picture.height - 1);
+    for (int dx = -apart; dx <= apart; dx += apart) {
+      const float* other = picture.pixel(std::clamp(x + dx, 0, picture.width - 1), row);
+      for (std::size_t c = 0; c < 4; ++c) {
+        low[c] = std::min(low[c], other[c]);
+        high[c] = std::max(high[c], other[c]);
       }
     }
-    float range = 0;
-    for (std::size_t c = 0; c < 4; ++c) range = std::max(range, high[c] - low[c]);
-    return range;
   }
+  float range = 0;
+  for (std::size_t c = 0; c < 4; ++c) range = std::max(range, high[c] - low[c]);
+  return range;
+}
 
-  /// Exponent and first three bits: of positive floats the bits ascend as the values do.
-  static int step_of(float activity) {
-    if (!std::isfinite(activity)) return activity_classes - 1;
-    constexpr int bias = 127;
-    const int step = int(std::bit_cast<std::uint32_t>(activity) >> 20) - (bias + lowest_octave) * steps;
-    return std::clamp(step, 0, activity_classes - 1);
-  }
+/// How much the picture varies about a pixel: the larger of the nearest pixels' range and half that of
+/// farther ones, plus an eighth of the pixel's largest value.
+float activity(const Image& picture, int x, int y) {
+  const float* pixel = picture.pixel(x, y);
+  if (!std::all_of(pixel, pixel + 4, [](float v) { return std::isfinite(v); }))
+    return std::numeric_limits<float>::infinity();
+  const float most =
+      std::max({std::abs(pixel[0]), std::abs(pixel[1]), std::abs(pixel[2]), std::abs(pixel[3])});
+  return std::max(range(picture, x, y, 1), 0.5F * range(picture, x, y, 2)) + 0.125F * most;
+}
 
-  const Image& picture_;
-};
+/// Exponent and first three bits: of positive floats the bits ascend as the values do.
+int step_of(float activity) {
+  if (!std::isfinite(activity)) return activity_classes - 1;
+  constexpr int bias = 127;
+  const int step = int(std::bit_cast<std::uint32_t>(activity) >> 20) - (bias + lowest_octave) * steps;
+  return std::clamp(step, 0, activity_classes - 1);
+}
+
+std::uint16_t class_of(const Image& picture, int x, int y) {
+  const bool is_opaque = picture.pixel(x, y)[3] >= opaque;
+  return std::uint16_t(step_of(activity(picture, x, y)) + (is_opaque ? activity_classes : 0));
+}
+
+/// The least activity of class k. A power of two times a few bits, so that sums of it are exact.
+double activity_of(std::size_t k) {
+  const int step = int(k) % activity_classes;
+  return step == 0 ? 0 : std::ldexp(1 + double(step % steps) / steps, lowest_octave + step / steps);
+}
 
 /// The class of each pixel within the bounds, row by row.
 std::vector<std::uint16_t> classify(const Image& picture, const ScreenBounds& bounds) {
@@ -87,11 +78,10 @@ std::vector<std::uint16_t> classify(const Image& picture, const ScreenBounds& bo
   for (const auto& row : bounds.rows)
     begin.push_back(begin.back() + std::size_t(std::max(0, row.end - row.first)));
   std::vector<std::uint16_t> all(begin.back());
-  const Activity activity(picture);
   parallel_for(bounds.rows.size(), 16, [&](std::size_t from, std::size_t to) {
     for (std::size_t y = from; y < to; ++y)
       for (int x = bounds.rows[y].first; x < bounds.rows[y].end; ++x)
-        all[begin[y] + std::size_t(x - bounds.rows[y].first)] = activity.class_of(x, int(y));
+        all[begin[y] + std::size_t(x - bounds.rows[y].first)] = class_of(picture, x, int(y));
   });
   return all;
 }
@@ -101,13 +91,12 @@ std::array<double, classes> shares_of(const std::array<std::size_t, classes>& co
   double pixels = 0, activity = 0;
   for (std::size_t k = 0; k < classes; ++k) {
     pixels += double(counts[k]);
-    activity += double(counts[k]) * Activity::activity_of(k);
+    activity += double(counts[k]) * activity_of(k);
   }
   std::array<double, classes> shares{};
   for (std::size_t k = 0; k < classes; ++k) {
     const double by_pixels = double(counts[k]) / pixels;
-    const double by_activity =
-        activity > 0 ? double(counts[k]) * Activity::activity_of(k) / activity : by_pixels;
+    const double by_activity = activity > 0 ? double(counts[k]) * activity_of(k) / activity : by_pixels;
     shares[k] = 0.5 * by_pixels + 0.5 * by_activity;
   }
   return shares;

@@ -13,8 +13,11 @@ namespace ringsplat::truth {
 LatticeFrame lattice_of(const Grid& grid) { return {grid.dims, grid.spacing, grid.origin, grid.direction}; }
 
 ViewTransform view_of(const Scene& scene) {
-  if (!scene.cut_from) return make_view(scene.camera, lattice_of(scene.grid), scene.width, scene.height);
-  ViewTransform view = make_view(scene.camera, scene.cut_from->whole, scene.width, scene.height);
+  if (!scene.cut_from)
+    return make_view(scene.frame.shown.camera, lattice_of(scene.grid), scene.frame.shown.width,
+                     scene.frame.shown.height);
+  ViewTransform view = make_view(scene.frame.shown.camera, scene.cut_from->whole, scene.frame.shown.width,
+                                 scene.frame.shown.height);
   const glm::dvec3 first(scene.cut_from->first);
   view.offset += view.linear * first;
   if (view.eye) *view.eye -= first;
@@ -22,12 +25,16 @@ ViewTransform view_of(const Scene& scene) {
 }
 
 LatticeBox voxel_faces(const Scene& scene) {
-  const VoxelBox shown = scene.clip.value_or(VoxelBox{glm::ivec3(0), scene.grid.dims});
+  const VoxelBox shown = scene.frame.shown.clip.value_or(VoxelBox{glm::ivec3(0), scene.grid.dims});
   return {glm::dvec3(shown.first) - 0.5, glm::dvec3(shown.end) - 0.5};
 }
 
 Rays::Rays(const Scene& scene, const LatticeBox& box)
-    : view_(view_of(scene)), width_(scene.width), height_(scene.height), box_(box), grid_(scene.grid) {
+    : view_(view_of(scene)),
+      width_(scene.frame.shown.width),
+      height_(scene.frame.shown.height),
+      box_(box),
+      grid_(scene.grid) {
   to_lattice_ = glm::inverse(view_.linear);
   if (view_.eye) return;
   point(parallel_, to_lattice_ * glm::dvec3(0, 0, 1));

@@ -6,6 +6,8 @@
 
 #include "truth/parallel.hpp"
 #include "truth/scene.hpp"
+#include "truth/shading.hpp"
+#include "truth/transfer_curve.hpp"
 
 namespace ringsplat::truth {
 
@@ -50,6 +52,19 @@ class Rays {
   Grid grid_;
   glm::dmat3 to_lattice_{1.0};
   LatticeRay parallel_;  ///< the direction of an orthographic view's rays
+};
+
+/// What the truths along a scene's rays stand on.
+struct Tracer {
+  explicit Tracer(const Scene& scene)
+      : scene_(scene),
+        rays_(scene),
+        curve_(scene.frame.shown.transfer_function),
+        phong_(scene, rays_.view()) {}
+  const Scene& scene_;
+  Rays rays_;
+  TransferCurve curve_;
+  Phong phong_;
 };
 
 /// along(pixel) of each pixel, on all cores; calls Scene::poll meanwhile.

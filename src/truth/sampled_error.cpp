@@ -111,72 +111,6 @@ Interval interval_of(const std::vector<Squares>& strata, double sum, double know
   return {std::max(known, sum / factor), sum * factor};
 }
 
-/// Sums up the comparison of one picture.
-class Comparison {
- public:
-  explicit Comparison(const Image& image) : image_(image) {}
-
-  Difference see(Pixel at, const Rgba& truth) {
-    const Difference d = difference(image_.pixel(at.x, at.y), truth);
-    if (d.largest > error_.largest) error_.worst = at;
-    error_.largest = std::max(error_.largest, d.largest);
-    return d;
-  }
-
-  /// Takes the pixels whose error is known without the truth: where it is transparent, and where the picture
-  /// is not finite.
-  void see_known(const ScreenBounds& bounds) {
-    for (int y = 0; y < image_.height; ++y)
-      for (int x = 0; x < image_.width; ++x) {
-        const bool inside = bounds.rows[std::size_t(y)].contains(x);
-        if (inside && is_finite(image_.pixel(x, y))) continue;
-        const Difference d = see({x, y}, Rgba(0.0));
-        known_ += d.square;
-        signed_sum_ += d.mean;
-        if (!inside) ++error_.outside;
-      }
-  }
-
-  void see_strata(const PixelSample& sample, std::span<const Rgba> truth) {
-    values_.reserve(truth.size());
-    for (const auto& stratum : sample.strata) {
-      Squares s{stratum, {}};
-      double means = 0;
-      for (std::size_t k = 0; k < stratum.sampled; ++k) {
-        const Difference d = see(sample.pixels[values_.size()], truth[values_.size()]);
-        values_.push_back(d.square);
-        s.mean += d.square / double(stratum.sampled);
-        s.largest = std::max(s.largest, d.square);
-        means += d.mean / double(stratum.sampled);
-      }
-      s.values = std::span(values_).last(stratum.sampled);
-      signed_sum_ += means * double(stratum.pixels);
-      strata_.push_back(s);
-    }
-    error_.pixels = truth.size();
-  }
-
-  SampledError error() const {
-    double sum = known_;
-    for (const Squares& s : strata_) sum += s.total();
-    const Interval interval = interval_of(strata_, sum, known_);
-    const double pixels = double(image_.width) * image_.height;
-    SampledError error = error_;
-    error.mean = signed_sum_ / pixels;
-    error.rmse = std::sqrt(sum / pixels);
-    error.rmse_low = std::sqrt(interval.low / pixels);
-    error.rmse_high = std::sqrt(interval.high / pixels);
-    return error;
-  }
-
- private:
-  const Image& image_;
-  std::vector<double> values_;  ///< of all strata, which point into it
-  std::vector<Squares> strata_;
-  double known_ = 0, signed_sum_ = 0;
-  SampledError error_;
-};
-
 }  // namespace
 
 SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth) {
@@ -184,10 +118,51 @@ SampledError sampled_error(const Image& image, const PixelSample& sample, std::s
     throw InputError(
         fmt::format("{} pixels cannot be compared with {} true colours", sample.pixels.size(), truth.size()),
         "evaluate the truth at each of the sample's pixels");
-  Comparison comparison(image);
-  comparison.see_known(sample.bounds);
-  comparison.see_strata(sample, truth);
-  return comparison.error();
+  SampledError error{.pixels = truth.size()};
+  double known = 0, signed_sum = 0;
+  const auto see = [&](Pixel at, const Rgba& colour) {
+    const Difference d = difference(image.pixel(at.x, at.y), colour);
+    if (d.largest > error.largest) error.worst = at;
+    error.largest = std::max(error.largest, d.largest);
+    return d;
+  };
+  // The pixels whose error is known without the truth: where it is transparent, and where the picture is not
+  // finite.
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < image.width; ++x) {
+      const bool inside = sample.bounds.rows[std::size_t(y)].contains(x);
+      if (inside && is_finite(image.pixel(x, y))) continue;
+      const Difference d = see({x, y}, Rgba(0.0));
+      known += d.square;
+      signed_sum += d.mean;
+      if (!inside) ++error.outside;
+    }
+  std::vector<double> values;  // of all strata, which point into it
+  values.reserve(truth.size());
+  std::vector<Squares> strata;
+  for (const auto& stratum : sample.strata) {
+    Squares s{stratum, {}};
+    double means = 0;
+    for (std::size_t k = 0; k < stratum.sampled; ++k) {
+      const Difference d = see(sample.pixels[values.size()], truth[values.size()]);
+      values.push_back(d.square);
+      s.mean += d.square / double(stratum.sampled);
+      s.largest = std::max(s.largest, d.square);
+      means += d.mean / double(stratum.sampled);
+    }
+    s.values = std::span(values).last(stratum.sampled);
+    signed_sum += means * double(stratum.pixels);
+    strata.push_back(s);
+  }
+  double sum = known;
+  for (const Squares& s : strata) sum += s.total();
+  const Interval interval = interval_of(strata, sum, known);
+  const double pixels = double(image.width) * image.height;
+  error.mean = signed_sum / pixels;
+  error.rmse = std::sqrt(sum / pixels);
+  error.rmse_low = std::sqrt(interval.low / pixels);
+  error.rmse_high = std::sqrt(interval.high / pixels);
+  return error;
 }
 
 }  // namespace ringsplat::truth

@@ -11,18 +11,19 @@ namespace ringsplat::truth {
 
 void check(const Scene& scene) {
   check(scene.grid, "the reference's volume");
-  check(scene.transfer_function, scene.transfer_function.name);
+  check(scene.frame.shown.transfer_function, scene.frame.shown.transfer_function.name);
   if (scene.values.size() != std::size_t(scene.grid.voxels()))
     throw InputError(
         fmt::format("the reference has {} values for {} voxels", scene.values.size(), scene.grid.voxels()),
         "read the whole volume");
-  if (scene.clip) check(*scene.clip, scene.grid);
+  if (scene.frame.shown.clip) check(*scene.frame.shown.clip, scene.grid);
 }
 
 Scene cropped(const Scene& scene) {
-  const glm::ivec3 first = scene.clip->first, end = scene.clip->end, dims = scene.grid.dims;
+  const glm::ivec3 first = scene.frame.shown.clip->first, end = scene.frame.shown.clip->end,
+                   dims = scene.grid.dims;
   Scene part = scene;
-  part.clip.reset();
+  part.frame.shown.clip.reset();
   part.cut_from = {{dims, scene.grid.spacing, scene.grid.origin, scene.grid.direction}, first};
   part.grid.dims = end - first;
   part.grid.origin = scene.grid.origin + scene.grid.direction * (scene.grid.spacing * glm::dvec3(first));
@@ -60,12 +61,6 @@ std::vector<Pixel> all_pixels(int width, int height) {
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) pixels.push_back({x, y});
   return pixels;
-}
-
-std::size_t ScreenBounds::pixels() const {
-  std::size_t sum = 0;
-  for (const Row& row : rows) sum += std::size_t(std::max(0, row.end - row.first));
-  return sum;
 }
 
 Image to_image(int width, int height, std::span<const Rgba> colours) {

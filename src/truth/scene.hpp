@@ -5,56 +5,35 @@
 #include <glm/vec4.hpp>
 #include <optional>
 #include <span>
+#include <variant>
 #include <vector>
 
 #include "ringsplat/base/image.hpp"
-#include "ringsplat/classify/material.hpp"
-#include "ringsplat/classify/mode.hpp"
-#include "ringsplat/classify/transfer_function.hpp"
-#include "ringsplat/splat/kernel_options.hpp"
-#include "ringsplat/view/view.hpp"
+#include "ringsplat/frame/frame_spec.hpp"
 #include "ringsplat/volume/source.hpp"
-#include "ringsplat/volume/voxel_box.hpp"
 
 /// The references that pictures are measured against. They compute the renderer's model but share none of its
 /// code: double precision throughout, each pixel by itself, no tables, no incremental positions, no regions,
 /// no packed colours.
 namespace ringsplat::truth {
 
-/// How sheets make a picture (method.hpp).
-struct SheetMethod {
-  int slabs = 2;         ///< from slice to slice, at least 1
-  int light_points = 2;  ///< in a slab, 1 or 2
-};
-
 /// All that decides a picture, in plain numbers.
 struct Scene {
   Grid grid;
   std::vector<double> values;  ///< grid.voxels() of them, x fastest; all scalar types fit exactly
-  TransferFunction transfer_function;
-  bool nearest = false;  ///< a place has its nearest voxel's value; else values are interpolated
-  Mode mode = Mode::composite;
-  double isovalue = 0;  ///< of Mode::surface
-  Camera camera;
-  int width = 512, height = 512;  ///< pixels
-  bool shaded = true;
-  PhongMaterial material;
-  glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
-  double radius = 1.6;               ///< of the kernel, in lattice distances (splats' truth only)
-  Normalisation normalisation = Normalisation::constant;  ///< of the kernels' weights (splats' truth only)
+  /// What is shown of it and by which method. Reduction, opaque threshold and division have no effect.
+  FrameSpec frame = {};
   /// Of a voxel, of any length, in place of its central differences; may be empty (splats' truth only).
   std::function<glm::dvec3(const glm::ivec3& voxel)> normal = {};
-  /// The method whose truth method_truth() is: sheets, or without a value splats.
-  std::optional<SheetMethod> sheets;
-  bool opacity_correction = true;  ///< for the distance between slices along the ray (method truth only)
-  /// What is shown of the volume, as if the rest were cut off; the camera fits the whole.
-  std::optional<VoxelBox> clip = std::nullopt;
   /// Of a volume that was cropped: the one that the camera fits, and the place of voxel (0, 0, 0) in it.
   struct CutFrom {
     LatticeFrame whole;
     glm::ivec3 first;
   };
   std::optional<CutFrom> cut_from = std::nullopt;
+  bool shaded() const { return frame.shown.shading == Shading::phong; }
+  bool of_sheets() const { return std::holds_alternative<Sheets>(frame.how); }
+  bool nearest() const { return frame.shown.interpolation == Interpolation::nearest; }
   /// A voxel's place in `values`.
   std::size_t index(const glm::ivec3& p) const {
     return std::size_t(p.x) +
@@ -93,7 +72,6 @@ struct ScreenBounds {
     bool contains(int x) const { return first <= x && x < end; }
   };
   std::vector<Row> rows;
-  std::size_t pixels() const;
 };
 
 /// Rounds to float; `colours` are those of all_pixels(width, height).

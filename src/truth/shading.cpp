@@ -8,9 +8,9 @@
 namespace ringsplat::truth {
 
 Phong::Phong(const Scene& scene, const ViewTransform& view)
-    : material_(scene.material),
-      to_light_(glm::normalize(view.right * scene.light.x + view.up * scene.light.y +
-                               view.to_viewer * scene.light.z)) {}
+    : material_(scene.frame.shown.material),
+      to_light_(glm::normalize(view.right * scene.frame.shown.light.x + view.up * scene.frame.shown.light.y +
+                               view.to_viewer * scene.frame.shown.light.z)) {}
 
 Phong::Light Phong::light(const glm::dvec3& normal, const glm::dvec3& to_viewer) const {
   const double length = glm::length(normal);
@@ -47,20 +47,19 @@ Gradients::Gradients(const Scene& scene)
   if (largest > 0) scale_ = 1 / static_cast<long double>(largest);
 }
 
-glm::dvec3 Gradients::at(int x, int y, int z) const {
+glm::dvec3 Gradients::at(const glm::ivec3& voxel) const {
   const auto& dims = scene_.grid.dims;
   const std::size_t stride[3] = {1, std::size_t(dims.x), std::size_t(dims.x) * std::size_t(dims.y)};
-  const int place[3] = {x, y, z};
-  const std::size_t here = scene_.index({x, y, z});
+  const std::size_t here = scene_.index(voxel);
   const double centre = scene_.values[here];
   if (!std::isfinite(centre)) return glm::dvec3(0.0);
   glm::dvec3 difference{0.0};
   for (int k = 0; k < 3; ++k) {
     double before = centre, after = centre;
     int steps = 0;
-    if (place[k] > 0 && std::isfinite(scene_.values[here - stride[k]]))
+    if (voxel[k] > 0 && std::isfinite(scene_.values[here - stride[k]]))
       before = scene_.values[here - stride[k]], ++steps;
-    if (place[k] + 1 < dims[k] && std::isfinite(scene_.values[here + stride[k]]))
+    if (voxel[k] + 1 < dims[k] && std::isfinite(scene_.values[here + stride[k]]))
       after = scene_.values[here + stride[k]], ++steps;
     if (steps > 0)
       difference[k] = static_cast<double>(

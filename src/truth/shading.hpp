@@ -39,7 +39,7 @@ class Gradients {
   explicit Gradients(const Scene& scene);
   /// One-sided at the border and beside a value that is not finite; zero where the voxel itself is not
   /// finite.
-  glm::dvec3 at(int x, int y, int z) const;
+  glm::dvec3 at(const glm::ivec3& voxel) const;
 
  private:
   const Scene& scene_;

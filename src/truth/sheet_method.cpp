@@ -2,13 +2,10 @@
 #include <cmath>
 #include <optional>
 
-#include "ringsplat/base/error.hpp"
 #include "truth/cell.hpp"
 #include "truth/method.hpp"
 #include "truth/ray.hpp"
-#include "truth/shading.hpp"
 #include "truth/slab_integral.hpp"
-#include "truth/transfer_curve.hpp"
 
 namespace ringsplat::truth {
 namespace {
@@ -47,17 +44,14 @@ struct Share {
   double size() const { return std::max(0.0, last - first); }
 };
 
-class SheetTracer {
+class SheetTracer : Tracer {
  public:
   explicit SheetTracer(const Scene& scene)
-      : scene_(scene),
-        rays_(scene),
+      : Tracer(scene),
         traversal_(choose_traversal(rays_.view(), lattice_of(scene.grid), SliceRule::most_crossed)),
         axis_(int(traversal_.axis)),
-        places_(
-            sheet_places(scene.grid.dims[axis_], traversal_.slabs_for(scene.sheets->slabs), scene.nearest)),
-        curve_(scene.transfer_function),
-        phong_(scene, rays_.view()),
+        places_(sheet_places(scene.grid.dims[axis_], traversal_.slabs_for(scene.frame.as<Sheets>().slabs),
+                             scene.nearest())),
         gradients_(scene) {}
 
   Rgba along(Pixel pixel) const {
@@ -76,7 +70,7 @@ class SheetTracer {
       }
       if (!front) front = sheet(ray, first);
       Sheet back = sheet(ray, second);
-      if (scene_.nearest) front->value = back.value = value_between(ray, front->z, back.z);
+      if (scene_.nearest()) front->value = back.value = value_between(ray, front->z, back.z);
       add_slab(ray, *front, back, part, seen);
       front = std::move(back);
     }
@@ -133,10 +127,10 @@ class SheetTracer {
   }
 
   Phong::Light light(const SlabIntegral& slab, Sheet& front, Sheet& back, const glm::dvec3& to_viewer) const {
-    if (!scene_.shaded) return {};
+    if (!scene_.shaded()) return {};
     const glm::dvec3 n0 = normal(front), n1 = normal(back);
     const auto at = [&](double t) { return phong_.light((1 - t) * n0 + t * n1, to_viewer); };
-    if (scene_.sheets->light_points == 1) return at(slab.centroid);
+    if (scene_.frame.as<Sheets>().light_points == 1) return at(slab.centroid);
     const Phong::Light near = at(std::max(slab.centroid - slab.spread, 0.0)),
                        far = at(std::min(slab.centroid + slab.spread, 1.0));
     return {0.5 * (near.scale + far.scale), 0.5 * (near.highlight + far.highlight)};
@@ -146,7 +140,7 @@ class SheetTracer {
     if (!front.value || !back.value) return;
     const auto [low, high] = std::minmax({*front.value, *back.value});
     if (!curve_.visible(low, high)) return;
-    const double slice = scene_.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
+    const double slice = scene_.frame.shown.opacity_correction ? 1 / std::abs(ray.step[axis_]) : 1.0;
     const SlabIntegral slab =
         integrate_slab(curve_, *front.value, *back.value, slice * std::abs(back.z - front.z));
     if (!(slab.opacity > 0)) return;
@@ -157,13 +151,9 @@ class SheetTracer {
     seen.w *= 1 - opacity;
   }
 
-  const Scene& scene_;
-  Rays rays_;
   Traversal traversal_;
   int axis_;
   std::vector<SheetPlace> places_;
-  TransferCurve curve_;
-  Phong phong_;
   Gradients gradients_;
 };
 
@@ -171,11 +161,7 @@ class SheetTracer {
 
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
   check(scene);
-  if (!scene.sheets || scene.sheets->slabs < 1 || scene.sheets->light_points < 1 ||
-      scene.sheets->light_points > 2)
-    throw InputError("the scene does not say how sheets draw it",
-                     "give at least one slab a slice and one or two light points");
-  if (scene.clip) return sheet_method_truth(cropped(scene), pixels);
+  if (scene.frame.shown.clip) return sheet_method_truth(cropped(scene), pixels);
   const SheetTracer tracer(scene);
   return along_rays(scene, pixels, [&](Pixel pixel) { return tracer.along(pixel); });
 }

@@ -79,7 +79,8 @@ Moments moments(const LinearPart& part) {
 double mixed(double a, double b, double t) { return a == b ? a : (1 - t) * a + t * b; }
 
 /// The lines of opacity and colour that hold inside (from, to): a jump at an end belongs to the neighbour.
-LinearPart linear_part(const TransferCurve& curve, double front, double back, double from, double to) {
+LinearPart linear_part(const TransferCurve& curve, double front, double back, double from, double to,
+                       double depth_before, double length) {
   const auto at = [&](double x) { return curve.at(mixed(front, back, from + x * (to - from))); };
   const auto near = at(0.25), far = at(0.75);
   const auto end = [](const auto& here, const auto& there) { return 1.5 * here - 0.5 * there; };
@@ -89,8 +90,8 @@ LinearPart linear_part(const TransferCurve& curve, double front, double back, do
           std::clamp(end(far.opacity, near.opacity), 0.0, 1.0),
           glm::clamp(end(near.colour, far.colour), 0.0, 1.0),
           glm::clamp(end(far.colour, near.colour), 0.0, 1.0),
-          0,
-          0};
+          depth_before,
+          length};
 }
 
 /// Places in [0, 1], ascending, both ends among them, where the value crosses a point.
@@ -112,9 +113,7 @@ SlabIntegral integrate_slab(const TransferCurve& curve, double front, double bac
   double depth = 0;
   for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
     if (!(cuts[i] < cuts[i + 1])) continue;
-    LinearPart part = linear_part(curve, front, back, cuts[i], cuts[i + 1]);
-    part.depth_before = depth;
-    part.length = length;
+    const LinearPart part = linear_part(curve, front, back, cuts[i], cuts[i + 1], depth, length);
     const double before = -std::expm1(-depth);
     depth = part.depth_at(part.to);
     if (std::isinf(depth)) {  // nothing is seen behind its front

@@ -10,8 +10,6 @@
 #include "truth/method.hpp"
 #include "truth/parallel.hpp"
 #include "truth/ray.hpp"
-#include "truth/shading.hpp"
-#include "truth/transfer_curve.hpp"
 
 namespace ringsplat::truth {
 namespace {
@@ -77,10 +75,11 @@ class Method {
         axis_(int(traversal_.axis)),
         u_(in_plane(traversal_.axis).u),
         v_(in_plane(traversal_.axis).v),
-        kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]), scene.radius)),
-        normalisation_(scene.normalisation),
-        distance_(scene.opacity_correction ? slice_distance(scene.grid, view_, axis_) : 1.0),
-        curve_(scene.transfer_function),
+        kernel_(make_kernel(glm::dvec2(view_.linear[u_]), glm::dvec2(view_.linear[v_]),
+                            scene.frame.as<Splats>().kernel_radius)),
+        normalisation_(scene.frame.as<Splats>().kernel.normalisation),
+        distance_(scene.frame.shown.opacity_correction ? slice_distance(scene.grid, view_, axis_) : 1.0),
+        curve_(scene.frame.shown.transfer_function),
         phong_(scene, view_),
         gradients_(scene) {
     if (normalisation_ == Normalisation::none) kernel_.weight = 1;
@@ -117,9 +116,8 @@ class Method {
     const auto sample = curve_.at(scene_.values[scene_.index(p)]);
     if (!(sample.opacity > 0)) return Rgba(0.0);
     glm::dvec3 colour = sample.colour;
-    if (scene_.shaded)
-      colour = phong_.shade(colour, scene_.normal ? scene_.normal(p) : gradients_.at(p.x, p.y, p.z),
-                            view_.to_viewer);
+    if (scene_.shaded())
+      colour = phong_.shade(colour, scene_.normal ? scene_.normal(p) : gradients_.at(p), view_.to_viewer);
     const double opacity = sample.opacity >= 1 ? 1 : -std::expm1(distance_ * std::log1p(-sample.opacity));
     return Rgba(colour * opacity, opacity);
   }
@@ -187,9 +185,9 @@ class Method {
 
 std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
   check(scene);
-  if (scene.camera.fov != 0)
+  if (scene.frame.shown.camera.fov != 0)
     throw InputError("there is no truth of splats in perspective", "use an orthographic camera");
-  if (scene.clip) return splat_method_truth(cropped(scene), pixels);
+  if (scene.frame.shown.clip) return splat_method_truth(cropped(scene), pixels);
   return Method(scene).evaluate(pixels);
 }
 
@@ -197,7 +195,8 @@ ScreenBounds splat_method_bounds(const Scene& scene) {
   const ViewTransform view = view_of(scene);
   const Axis axis = choose_traversal(view, lattice_of(scene.grid)).axis;
   const auto [u, v] = in_plane(axis);
-  const Kernel kernel = make_kernel(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]), scene.radius);
+  const Kernel kernel = make_kernel(glm::dvec2(view.linear[u]), glm::dvec2(view.linear[v]),
+                                    scene.frame.as<Splats>().kernel_radius);
   glm::dvec3 reach(slack);
   reach[u] += kernel.lattice_reach.x;
   reach[v] += kernel.lattice_reach.y;

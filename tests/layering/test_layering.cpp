@@ -65,6 +65,8 @@ TEST_CASE("a planted fault is found, with its file and line") {
        "include/ringsplat/base/bad.hpp:1: base may not use net (ringsplat/net/message.hpp)"},
       {"src/truth/bad.cpp", "#include <ringsplat/session/render.hpp>\n",
        "src/truth/bad.cpp:1: truth may not use session (ringsplat/session/render.hpp)"},
+      {"src/truth/bad.cpp", "#include \"frame/frame_geometry.hpp\"\n",
+       "src/truth/bad.cpp:1: truth may not use frame (frame/frame_geometry.hpp)"},
       {"src/net/bad.cpp", "  #  include <mpi.h>\n", "src/net/bad.cpp:1: includes mpi.h, which only mpi may"},
       {"src/app/bad.cpp", "#include <OpenImageIO/imageio.h>\n",
        "src/app/bad.cpp:1: includes OpenImageIO/imageio.h, which only images may"},

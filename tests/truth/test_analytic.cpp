@@ -14,10 +14,10 @@ double largest_error(Field field, const TransferFunction& tf,
                      const std::function<double(const truth::CubeRay&)>& depth, double tolerance = 1e-6) {
   truth::Scene scene;
   scene.grid = make_grid({20, 30, 10}, ScalarType::float64, {1.0, 0.8, 2.5});
-  scene.transfer_function = tf;
-  scene.camera = oblique;
-  scene.width = scene.height = size;
-  scene.shaded = false;
+  scene.frame.shown.transfer_function = tf;
+  scene.frame.shown.camera = oblique;
+  scene.frame.shown.width = scene.frame.shown.height = size;
+  scene.frame.shown.shading = Shading::none;
   const auto pixels = truth::all_pixels(size, size);
   const auto colours = truth::analytic_truth(scene, field, 1.0, pixels, tolerance);
   double largest = 0, deepest = 0;
@@ -76,9 +76,9 @@ TEST_CASE("lengths along a ray are those of geometry") {
 TEST_CASE("Marschner and Lobb's signal: the formula's truth keeps its tolerance") {
   truth::Scene scene;
   scene.grid = make_grid({32, 32, 32}, ScalarType::float64);
-  scene.transfer_function = ramp(0.3, 0.8, 0.4);
-  scene.camera = oblique;
-  scene.width = scene.height = 12;
+  scene.frame.shown.transfer_function = ramp(0.3, 0.8, 0.4);
+  scene.frame.shown.camera = oblique;
+  scene.frame.shown.width = scene.frame.shown.height = 12;
   const auto pixels = truth::all_pixels(12, 12);
   const auto fine = truth::analytic_truth(scene, synth_field("marschner-lobb"), 1.0, pixels, 1e-10);
   const auto usual = truth::analytic_truth(scene, synth_field("marschner-lobb"), 1.0, pixels, 1e-6);

@@ -105,7 +105,7 @@ TEST_CASE("in perspective, too, a clipped medium is as opaque as its box is long
         expected.push_back(truth::length_in_box(truth::cube_ray(scene, pixel),
                                                 glm::dvec3(box.first) / glm::dvec3(dims),
                                                 glm::dvec3(box.end) / glm::dvec3(dims)));
-      scene.clip = box;
+      scene.frame.shown.clip = box;
       const auto field = truth::field_truth(scene, pixels, 1e-10),
                  sheets = truth::method_truth(scene, pixels),
                  formula = truth::analytic_truth(scene, synth_field("constant"), 200, pixels, 1e-10);
@@ -162,13 +162,13 @@ TEST_CASE("outside of its bounds a clipped truth is transparent, and the bounds 
   for (const VoxelBox& box : boxes)
     for (const Method& how : {Method{Splats{}}, Method{Sheets{}}}) {
       FrameSpec spec = spec_for(how, oblique);
-      const std::size_t all = truth::method_bounds(scene_of(whole, spec)).pixels();
+      const std::size_t all = pixels_of(truth::method_bounds(scene_of(whole, spec)));
       spec.shown.clip = box;
       const auto scene = scene_of(whole, spec);
       const auto method = truth::method_truth(scene, pixels), field = truth::field_truth(scene, pixels, 1e-6);
       const auto of_method = truth::method_bounds(scene), of_field = truth::field_bounds(scene);
-      CHECK(of_method.pixels() < all);
-      CHECK(of_field.pixels() <= of_method.pixels());
+      CHECK(pixels_of(of_method) < all);
+      CHECK(pixels_of(of_field) <= pixels_of(of_method));
       for (std::size_t p = 0; p < pixels.size(); ++p) {
         if (!of_method.rows[std::size_t(pixels[p].y)].contains(pixels[p].x)) REQUIRE(method[p].w == 0);
         if (!of_field.rows[std::size_t(pixels[p].y)].contains(pixels[p].x)) REQUIRE(field[p].w == 0);
@@ -180,7 +180,7 @@ TEST_CASE("truths refuse a clip box that is none of the volume's") {
   const Volume whole = lumpy();
   for (const Method& how : {Method{Splats{}}, Method{Sheets{}}}) {
     auto scene = scene_of(whole, spec_for(how, oblique));
-    scene.clip = VoxelBox{{0, 0, 0}, {18, 15, 19}};
+    scene.frame.shown.clip = VoxelBox{{0, 0, 0}, {18, 15, 19}};
     const auto pixels = truth::all_pixels(2, 2);
     CHECK_THROWS_AS(truth::method_truth(scene, pixels), InputError);
     CHECK_THROWS_AS(truth::field_truth(scene, pixels), InputError);

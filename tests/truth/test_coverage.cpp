@@ -119,7 +119,7 @@ void check_coverage(bool by_method) {
       const Image truth = whole_truth(scene, bounds, by_method);
       const truth::ErrorFigures whole = truth::compare(picture, truth).total;
       const Coverage coverage = coverage_of(picture, truth, bounds);
-      INFO(s.name << ", zoom " << zoom << ": " << bounds.pixels() << " pixels, RMSE " << whole.rmse
+      INFO(s.name << ", zoom " << zoom << ": " << pixels_of(bounds) << " pixels, RMSE " << whole.rmse
                   << ", median width " << coverage.median_width);
       REQUIRE(whole.rmse > 0);
       CHECK(coverage.held >= 0.93 * draws);

@@ -81,7 +81,7 @@ TEST_CASE("8-bit pictures one level apart are not over one level") {
     bright.pixel(level, 0)[0] = static_cast<float>(level + 1) / 255;
   }
   CHECK(compare(bright, dark).total.over_1 == 0.0);
-  CHECK(fraction_over(bright, dark, 0.999) == Approx(255.0 / 256));
+  CHECK(compare(bright, dark, 4, 0.999).over_threshold == Approx(255.0 / 256));
 }
 
 TEST_CASE("of opaque pictures the fourth channel is left out") {
@@ -95,9 +95,9 @@ TEST_CASE("of opaque pictures the fourth channel is left out") {
   CHECK(error.total.rmse == Approx(3 / std::sqrt(3.0)).epsilon(1e-4));
   CHECK(error.total.mean == Approx(1).epsilon(1e-4));
   CHECK(error.channels[3].largest == 0.0);
-  CHECK(fraction_over(other, truth_picture, 2.9, 3) == 1.0);
-  CHECK(fraction_over(other, truth_picture, 3.1, 3) == 0.0);
-  CHECK(fraction_over(other, truth_picture, 3.1, 4) == 1.0);
+  CHECK(compare(other, truth_picture, 3, 2.9).over_threshold == 1.0);
+  CHECK(compare(other, truth_picture, 3, 3.1).over_threshold == 0.0);
+  CHECK(compare(other, truth_picture, 4, 3.1).over_threshold == 1.0);
 }
 
 TEST_CASE("pictures of different sizes are refused") {
@@ -113,7 +113,7 @@ TEST_CASE("planted: 3/255 in one pixel in a thousand is found") {
   CHECK(error.total.over_2 == Approx(0.001));
   CHECK(error.total.largest == Approx(3).epsilon(0.02));
   CHECK(error.worst.x % 200 == 0);
-  CHECK(fraction_over(planted, truth_picture, 2.5) == Approx(0.001));
+  CHECK(compare(planted, truth_picture, 4, 2.5).over_threshold == Approx(0.001));
   CHECK(error.channels[0].over_2 == Approx(0.001));
   CHECK(error.channels[1].over_1 == 0.0);
   const ImageError before = compare(with_noise(truth_picture), truth_picture);

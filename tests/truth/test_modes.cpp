@@ -63,17 +63,20 @@ truth::Rgba marched(const truth::Scene& scene, truth::Pixel pixel) {
     most = std::max(most, value);
     least = std::min(least, value);
     sum += value;
-    crossed = crossed || (k > 0 && (value >= scene.isovalue) != (before >= scene.isovalue));
+    crossed =
+        crossed || (k > 0 && (value >= scene.frame.shown.isovalue) != (before >= scene.frame.shown.isovalue));
     before = value;
   }
   const double mean = sum / steps;
-  if (scene.mode == Mode::surface)
-    return crossed ? truth::Rgba(scene.transfer_function.evaluate(scene.isovalue).colour, 1) : truth::Rgba(0);
-  const double value = scene.mode == Mode::mip     ? most
-                       : scene.mode == Mode::minip ? least
-                       : scene.mode == Mode::mean  ? mean
-                                                   : mean * length * unit;
-  return truth::Rgba(scene.transfer_function.evaluate(value).colour, 1);
+  if (scene.frame.shown.mode == Mode::surface)
+    return crossed ? truth::Rgba(
+                         scene.frame.shown.transfer_function.evaluate(scene.frame.shown.isovalue).colour, 1)
+                   : truth::Rgba(0);
+  const double value = scene.frame.shown.mode == Mode::mip     ? most
+                       : scene.frame.shown.mode == Mode::minip ? least
+                       : scene.frame.shown.mode == Mode::mean  ? mean
+                                                               : mean * length * unit;
+  return truth::Rgba(scene.frame.shown.transfer_function.evaluate(value).colour, 1);
 }
 
 double difference(const truth::Rgba& a, const truth::Rgba& b) {

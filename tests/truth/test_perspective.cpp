@@ -207,7 +207,7 @@ TEST_CASE("bounds of a perspective view hold all that is visible, and little els
       ++crossed;
       REQUIRE(bounds.rows[std::size_t(pixel.y)].contains(pixel.x));
     }
-    CHECK(bounds.pixels() == crossed);
+    CHECK(pixels_of(bounds) == crossed);
   }
 }
 
@@ -226,6 +226,6 @@ TEST_CASE("the field is seen from inside the volume as well, sheets are not") {
 TEST_CASE("splats have no truth in perspective") {
   const Volume volume = make_volume({4, 4, 4}, ScalarType::uint8, [](int, int, int) { return 1; });
   auto scene = scene_of(volume, perspective_spec(constant_opacity(0.1), cameras[0]));
-  scene.sheets.reset();
+  scene.frame.how = Splats{};
   CHECK_THROWS_AS(truth::method_truth(scene, truth::all_pixels(width, height)), InputError);
 }

@@ -49,7 +49,7 @@ void check_bounds(const Image& truth, const ScreenBounds& bounds) {
       if (seen) CHECK(bounds.rows[std::size_t(y)].contains(x));
     }
   CHECK(shown > 0);
-  CHECK(shown <= int(bounds.pixels()));
+  CHECK(shown <= int(pixels_of(bounds)));
 }
 
 }  // namespace
@@ -73,9 +73,9 @@ TEST_CASE("outside their bounds truths are transparent, and a full volume fills 
       for (std::size_t k = 3; k < image.rgba.size(); k += 4) count += image.rgba[k] > 0;
       return count;
     };
-    CHECK(field_bounds(scene).pixels() == shown(field));
+    CHECK(pixels_of(field_bounds(scene)) == shown(field));
     // Kernels are round, their bounds are not.
-    CHECK(double(method_bounds(scene).pixels()) < 1.5 * double(shown(method)) + 30);
+    CHECK(double(pixels_of(method_bounds(scene))) < 1.5 * double(shown(method)) + 30);
   }
 }
 
@@ -84,8 +84,8 @@ TEST_CASE("a volume beside the picture has no bounds, and the error is known wit
   Camera camera;
   camera.matrix = {1, 0, 0, 500, 0, 1, 0, 500, 0, 0, 1, 0};
   const truth::Scene scene = scene_of(volume, plain_spec(constant_opacity(0.4), 40, camera));
-  CHECK(field_bounds(scene).pixels() == 0);
-  CHECK(method_bounds(scene).pixels() == 0);
+  CHECK(pixels_of(field_bounds(scene)) == 0);
+  CHECK(pixels_of(method_bounds(scene)) == 0);
   Image wrong(40, 40);
   wrong.pixel(3, 5)[2] = 0.5F;
   const PixelSample sample = draw_sample(wrong, field_bounds(scene), 100, 1);
@@ -117,12 +117,12 @@ TEST_CASE("a sample's pixels are different, within the bounds, as many as asked 
       belonging += stratum.pixels;
       sampled += stratum.sampled;
     }
-    CHECK(belonging == bounds().pixels());
+    CHECK(belonging == pixels_of(bounds()));
     CHECK(sampled == count);
   }
   const PixelSample all = draw_sample(image, bounds(), 1000000, 5);
-  CHECK(all.pixels.size() == bounds().pixels());
-  CHECK(draw_sample(image, bounds(), bounds().pixels(), 7).pixels.size() == bounds().pixels());
+  CHECK(all.pixels.size() == pixels_of(bounds()));
+  CHECK(draw_sample(image, bounds(), pixels_of(bounds()), 7).pixels.size() == pixels_of(bounds()));
 }
 
 TEST_CASE("a sample is the same for the same seed on every machine, and another for another") {
@@ -175,7 +175,7 @@ TEST_CASE("what is wrong outside the bounds is counted whole") {
   CHECK(error.mean == Approx(255.0 / 4 / (width * height)));
   CHECK(error.largest == 255);
   CHECK(error.worst == Pixel{1, 2});
-  CHECK(error.outside == std::size_t(width * height) - bounds().pixels());
+  CHECK(error.outside == std::size_t(width * height) - pixels_of(bounds()));
 }
 
 TEST_CASE("few pixels give a wide interval, one the widest") {

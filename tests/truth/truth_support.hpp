@@ -11,7 +11,6 @@
 #include "ringsplat/formats/open.hpp"
 #include "study/measured_error.hpp"
 #include "support/scenes.hpp"
-#include "truth/analytic.hpp"
 #include "truth/closed_forms.hpp"
 #include "truth/field.hpp"
 #include "truth/method.hpp"
@@ -62,11 +61,7 @@ inline Volume head() { return volume_of(*open_volume(RINGSPLAT_TEST_DATA "/head.
 inline TransferFunction head_preset(const std::string& name) { return preset(name, Histogram(0, 248, 1024)); }
 
 inline truth::Scene scene_of(const Volume& volume, const FrameSpec& spec) {
-  truth::Scene scene;
-  scene.grid = volume.grid;
-  scene.values = truth::read_values(*memory_source(volume.grid, volume.bytes));
-  app::set_frame(scene, spec);
-  return scene;
+  return {volume.grid, truth::read_values(*memory_source(volume.grid, volume.bytes)), spec};
 }
 
 /// The renderer's picture, every slice composited to the end as in the truths.
@@ -90,6 +85,12 @@ inline std::vector<truth::Pixel> random_pixels(int width, int height, std::size_
   return pixels;
 }
 
+inline std::size_t pixels_of(const truth::ScreenBounds& bounds) {
+  std::size_t sum = 0;
+  for (const auto& row : bounds.rows) sum += std::size_t(std::max(0, row.end - row.first));
+  return sum;
+}
+
 /// Where the surface normals of the splats' truth come from.
 enum class Normals {
   exact,     ///< central differences, normalised
@@ -98,7 +99,7 @@ enum class Normals {
 
 /// The scene of the shown part alone, with the renderer's normals.
 inline truth::Scene with_quantised_normals(const truth::Scene& whole) {
-  truth::Scene scene = whole.clip ? truth::cropped(whole) : whole;
+  truth::Scene scene = whole.frame.shown.clip ? truth::cropped(whole) : whole;
   Grid grid = scene.grid;
   grid.type = ScalarType::float64;
   const std::size_t slice = grid.slice_voxels(Axis::z);
@@ -120,7 +121,7 @@ inline truth::Scene with_quantised_normals(const truth::Scene& whole) {
 /// The method's own truth for the whole picture. `normals`: of splats.
 inline Image method_image(const Volume& volume, const FrameSpec& spec, Normals normals = Normals::quantised) {
   const truth::Scene scene = scene_of(volume, spec);
-  const bool quantised = !scene.sheets && scene.shaded && normals == Normals::quantised;
+  const bool quantised = !scene.of_sheets() && scene.shaded() && normals == Normals::quantised;
   return truth::to_image(spec.shown.width, spec.shown.height,
                          truth::method_truth(quantised ? with_quantised_normals(scene) : scene,
                                              truth::all_pixels(spec.shown.width, spec.shown.height)));
