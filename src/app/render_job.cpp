@@ -13,7 +13,7 @@
 #include "app/places.hpp"
 #include "base/log.hpp"
 #include "base/output_file.hpp"
-#include "frame/frame_needs.hpp"
+#include "frame/frame_geometry.hpp"
 #include "images/image_file.hpp"
 #include "images/image_io.hpp"
 #include "net/launcher.hpp"

@@ -20,7 +20,7 @@
 #include "classify/auto_preset.hpp"
 #include "classify/srgb.hpp"
 #include "formats/label_names.hpp"
-#include "frame/frame_needs.hpp"
+#include "frame/frame_geometry.hpp"
 #include "net/launcher.hpp"
 #include "options/option_tables.hpp"
 #include "options/transfer_function_option.hpp"

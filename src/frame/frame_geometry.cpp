@@ -125,11 +125,13 @@ void fit(FrameGeometry& g, const Shown& shown, const Sheets& sheets) {
 
 }  // namespace
 
+bool needs_normals(const FrameSpec& spec) {
+  return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
+}
+bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
+
 Axis traversed_axis(const FrameSpec& spec, const Grid& grid) {
-  const Shown& shown = spec.shown;
-  return traversal_of(make_view(shown.camera, lattice_frame(grid), shown.width, shown.height), grid,
-                      shown_box(shown.clip, grid), slice_rule(spec.how))
-      .axis;
+  return screen_geometry(spec.shown, grid, slice_rule(spec.how)).traversal.axis;
 }
 
 FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid) {

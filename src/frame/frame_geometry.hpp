@@ -34,6 +34,11 @@ struct FrameGeometry {
     return regions.owners(reached, renderers, dealt_to > 0 ? std::min(dealt_to, renderers) : renderers);
   }
 };
+/// What GPs must know of their slices to draw a frame: voxels' normals for lit splats; for sheets, ranges of
+/// what lies between voxels.
+bool needs_normals(const FrameSpec& spec);
+bool needs_cell_ranges(const FrameSpec& spec);
+
 LatticeFrame lattice_frame(const Grid& grid);
 /// The axis of the slice set that a frame of the volume traverses. Throws InputError when it can traverse
 /// none, or its clip box is none of the volume's.

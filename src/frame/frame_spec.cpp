@@ -8,7 +8,6 @@
 #include <type_traits>
 
 #include "frame/frame_fields.hpp"
-#include "frame/frame_needs.hpp"
 #include "frame/frame_spec_bytes.hpp"
 #include "ringsplat/base/error.hpp"
 #include "screen/regions.hpp"
@@ -50,21 +49,17 @@ json to_json(const PhongMaterial& m) {
 }
 
 /// An object of all fields.
-class ToJson {
- public:
-  explicit ToJson(json& object) : object_(object) {}
+struct ToJson {
+  json& object;
   template <class T>
-  void operator()(const char* key, const T& value) {
+  void operator()(const char* key, const T& value) const {
     if constexpr (HasFields<const T>)
-      fields(value, ToJson(object_[key]));
+      fields(value, ToJson{object[key]});
     else if constexpr (std::is_enum_v<T>)
-      object_[key] = name(value);
+      object[key] = name(value);
     else
-      object_[key] = value;
+      object[key] = value;
   }
-
- private:
-  json& object_;
 };
 
 /// One flat object: readers of images and statistics rely on it.
@@ -91,7 +86,7 @@ json to_json(const FrameSpec& s) {
   all["frame"] = s.frame;
   all["engine"] = name(s.how);
   all["region"] = s.division.region_size;
-  std::visit([&all](const auto& how) { fields(how, ToJson(all)); }, s.how);
+  std::visit([&all](const auto& how) { fields(how, ToJson{all}); }, s.how);
   return all;
 }
 
@@ -135,6 +130,18 @@ void check(const Sheets& sheets) {
     throw InputError(fmt::format("--light-points cannot be {}", sheets.light_points), "use 1 or 2");
 }
 
+void check_mode(const Shown& shown, const Method& method) {
+  if (shown.mode == Mode::composite) return;
+  if (std::holds_alternative<Splats>(method))
+    throw InputError(fmt::format("splats cannot be drawn by --mode {}", name(shown.mode)),
+                     "use --engine sheets, or leave --mode out");
+  if (shown.interpolation == Interpolation::nearest)
+    throw InputError(fmt::format("--mode {} needs values between voxels", name(shown.mode)),
+                     "leave out --interpolation nearest");
+  if (!std::isfinite(shown.isovalue))
+    throw InputError("--isovalue is not a finite number", "give a value of the volume");
+}
+
 }  // namespace
 
 const char* name(Interpolation interpolation) {
@@ -153,11 +160,6 @@ const char* name(const Method& method) {
   return std::visit([](const auto& how) { return how.name; }, method);
 }
 
-bool needs_normals(const FrameSpec& spec) {
-  return spec.shown.shading == Shading::phong && std::holds_alternative<Splats>(spec.how);
-}
-bool needs_cell_ranges(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
-
 void check_projection(const Camera& camera, const Method& method) {
   if (camera.fov != 0 && std::holds_alternative<Splats>(method))
     throw InputError(
@@ -165,22 +167,6 @@ void check_projection(const Camera& camera, const Method& method) {
         "orthographic view",
         "use --engine sheets, or leave --fov out");
 }
-
-namespace {
-
-void check_mode(const Shown& shown, const Method& method) {
-  if (shown.mode == Mode::composite) return;
-  if (std::holds_alternative<Splats>(method))
-    throw InputError(fmt::format("splats cannot be drawn by --mode {}", name(shown.mode)),
-                     "use --engine sheets, or leave --mode out");
-  if (shown.interpolation == Interpolation::nearest)
-    throw InputError(fmt::format("--mode {} needs values between voxels", name(shown.mode)),
-                     "leave out --interpolation nearest");
-  if (!std::isfinite(shown.isovalue))
-    throw InputError("--isovalue is not a finite number", "give a value of the volume");
-}
-
-}  // namespace
 
 void check(const FrameSpec& spec) {
   const int region_size = spec.division.region_size;

@@ -5,6 +5,7 @@
 #include <bit>
 #include <cmath>
 #include <glm/common.hpp>
+#include <glm/vector_relational.hpp>
 
 #include "volume/cell_ranges.hpp"
 
@@ -122,28 +123,21 @@ WorkEstimate::WorkEstimate(const FrameGeometry& g, const VolumeSketch& sketch,
                work = voxels_of_point_ * (costs.voxel + painting);
   if (painting > 0) painted_ = painting / (costs.voxel + painting);
   std::vector<int> shown_in(std::size_t(layers_), 0);
-  // Which points of each axis lie in the box.
-  std::array<std::array<bool, VolumeSketch::most>, 3> inside{};
-  for (int k = 0; k < 3; ++k)
-    for (int point = 0; point < sketch.points[k]; ++point) {
-      const double voxel = (point + 0.5) * spacing[k] - 0.5 - g.box.first[k];
-      inside[std::size_t(k)][std::size_t(point)] = voxel >= -0.5 && voxel < g.grid.dims[k] - 0.5;
-    }
-  const glm::dvec3 first = 0.5 * spacing - 0.5 - glm::dvec3(g.box.first);
-  const glm::dvec2 origin(g.view.project(first)), along_x(g.view.linear[0] * spacing.x),
-      along_y(g.view.linear[1] * spacing.y), along_z(g.view.linear[2] * spacing.z);
+  const glm::dvec2 origin(g.view.project(0.5 * spacing - 0.5 - glm::dvec3(g.box.first))),
+      along_x(g.view.linear[0] * spacing.x), along_y(g.view.linear[1] * spacing.y),
+      along_z(g.view.linear[2] * spacing.z);
   const auto wide = std::uint32_t(sketch.points.x), high = std::uint32_t(sketch.points.y);
   for (const std::uint32_t index : shown) {
     const std::uint32_t row = index / wide;
     const glm::ivec3 point(int(index - row * wide), int(row % high), int(row / high));
     if (only_layer >= 0 && point[axis] != only_layer) continue;
-    if (!inside[0][std::size_t(point.x)] || !inside[1][std::size_t(point.y)] ||
-        !inside[2][std::size_t(point.z)])
-      continue;
+    const glm::dvec3 voxel = (glm::dvec3(point) + 0.5) * spacing - 0.5 - glm::dvec3(g.box.first);
+    const auto in_box =
+        glm::greaterThanEqual(voxel, glm::dvec3(-0.5)) && glm::lessThan(voxel, glm::dvec3(g.grid.dims) - 0.5);
+    if (!glm::all(in_box)) continue;
     glm::dvec2 place =
         origin + double(point.x) * along_x + double(point.y) * along_y + double(point.z) * along_z;
     if (g.view.eye) {
-      const glm::dvec3 voxel = first + glm::dvec3(point) * spacing;
       if (!std::isfinite(g.view.magnification(voxel))) continue;
       place = g.view.seen_at(voxel);
     }

@@ -7,7 +7,6 @@
 #include "base/process.hpp"
 #include "base/thread_team.hpp"
 #include "frame/frame_geometry.hpp"
-#include "frame/frame_needs.hpp"
 #include "net/agree.hpp"
 #include "protocol/loopback_run.hpp"
 #include "protocol/rank.hpp"
