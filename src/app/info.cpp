@@ -324,7 +324,7 @@ nlohmann::json to_json(const Foreseen& f, int ranks) {
                        {"renderer_seconds", p.renderer},
                        {"core_seconds", p.shared},
                        {"token_seconds", p.tokens},
-                       {"limit", name(p.limit)}});
+                       {"limit", p.limit}});
   for (auto& layout : layouts)
     if (layout["topology"] == "ring") layout.erase("mesh");
   return {{"machine", f.described ? nlohmann::json(f.machine.name) : nlohmann::json()},

@@ -137,7 +137,7 @@ void say_choice(const std::vector<Prediction>& predictions) {
                          1e3 * predictions[1].seconds, describe(predictions.back().layout),
                          1e3 * predictions.back().seconds);
   log_info("chose {}: {:.2f} ms a frame predicted, limited by {}{}", describe(best.layout),
-           1e3 * best.seconds, name(best.limit), others);
+           1e3 * best.seconds, best.limit, others);
 }
 
 /// What the real ranks run on. A hop says little of a machine where ranks wait for cores.

@@ -126,7 +126,7 @@ Prediction Forecast::predict(const Layout& layout) {
   }
   const bool colocated = layout.placement == Placement::colocated;
   const double longest = colocated ? p.gp + p.renderer : std::max(p.gp, p.renderer);
-  p.limit = p.shared > longest ? Limit::cores : p.gp >= p.renderer ? Limit::gps : Limit::renderers;
+  p.limit = p.shared > longest ? "the cores" : p.gp >= p.renderer ? "the GPs" : "the Renderers";
   return p;
 }
 
@@ -177,17 +177,6 @@ Prediction Forecast::predict(const View& view, const Layout& layout) {
   return p;
 }
 
-namespace {
-
-bool faster(const Prediction& a, const Prediction& b) {
-  const auto order = [](const Prediction& p) {
-    return std::tuple(p.seconds, p.layout.renderers, p.layout.gps, p.layout.placement, p.layout.topology);
-  };
-  return order(a) < order(b);
-}
-
-}  // namespace
-
 std::vector<Prediction> Forecast::predict_all(const std::vector<Layout>& layouts) {
   constexpr std::size_t looked_at_first = 24;
   const std::size_t stride = std::max<std::size_t>(1, layouts.size() / looked_at_first);
@@ -208,7 +197,11 @@ std::vector<Prediction> Forecast::predict_all(const std::vector<Layout>& layouts
   for (std::size_t step = stride / 2; step > 0; step /= 2)
     for (const std::size_t k : {best - std::min(best, step), std::min(best + step, layouts.size() - 1)})
       try_it(k);
-  std::stable_sort(all.begin(), all.end(), faster);
+  const auto order = [](const Prediction& p) {
+    return std::tuple(p.seconds, p.layout.renderers, p.layout.gps, p.layout.placement, p.layout.topology);
+  };
+  std::stable_sort(all.begin(), all.end(),
+                   [&](const Prediction& a, const Prediction& b) { return order(a) < order(b); });
   return all;
 }
 
@@ -231,11 +224,6 @@ int ranks_with_own_cores(const Machine& machine, int ranks) {
   return machine.platform.hosts == 1 && shares_cores(machine, ranks) ? machine.platform.cores : 0;
 }
 
-const char* name(Limit limit) {
-  constexpr const char* names[] = {"the GPs", "the Renderers", "the cores"};
-  return names[static_cast<int>(limit)];
-}
-
 std::string describe(const FrameWork& work) {
   const auto each = [](double seconds, double count) { return count > 0 ? 1e9 * seconds / count : 0.0; };
   return fmt::format(
@@ -250,9 +238,9 @@ std::string to_table(const std::vector<Prediction>& predictions) {
   std::string text = fmt::format("  {:<38}{:>10}{:>10}{:>12}{:>10}{:>10}   limit\n", "ms a frame",
                                  "predicted", "GP", "Renderer", "cores", "tokens");
   for (const Prediction& p : predictions)
-    text += fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>12.2f}{:>10.2f}{:>10.2f}   {}\n", describe(p.layout),
-                        1e3 * p.seconds, 1e3 * p.gp, 1e3 * p.renderer, 1e3 * p.shared, 1e3 * p.tokens,
-                        name(p.limit));
+    text +=
+        fmt::format("  {:<38}{:>10.2f}{:>10.2f}{:>12.2f}{:>10.2f}{:>10.2f}   {}\n", describe(p.layout),
+                    1e3 * p.seconds, 1e3 * p.gp, 1e3 * p.renderer, 1e3 * p.shared, 1e3 * p.tokens, p.limit);
   return text;
 }
 

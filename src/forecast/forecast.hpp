@@ -25,17 +25,14 @@ struct FrameWork {
   double renderer = 0;                ///< to draw, composite and deliver
 };
 
-enum class Limit { gps, renderers, cores };
-const char* name(Limit limit);  ///< "the GPs", "the Renderers", "the cores"
-
 struct Prediction {
   Layout layout;
-  double gp = 0;        ///< seconds of the busiest GP
-  double renderer = 0;  ///< seconds of the busiest Renderer
-  double shared = 0;    ///< the work of all ranks of a host over its cores
-  double tokens = 0;    ///< passing the tokens through all slices
-  double seconds = 0;   ///< of a frame
-  Limit limit = Limit::gps;
+  double gp = 0;           ///< seconds of the busiest GP
+  double renderer = 0;     ///< seconds of the busiest Renderer
+  double shared = 0;       ///< the work of all ranks of a host over its cores
+  double tokens = 0;       ///< passing the tokens through all slices
+  double seconds = 0;      ///< of a frame
+  const char* limit = "";  ///< "the GPs", "the Renderers" or "the cores"
 };
 
 /// "668005 visible voxels of 39.5 ns on a GP, 725382 splats of 59.1 ns on a Renderer, ...", for messages.
