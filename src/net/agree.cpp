@@ -25,49 +25,39 @@ Block hash_of(const Block& facts) {
   return block_of_value(hash.value());
 }
 
-/// Fills in the first field that differs: first among process 0's fields, then among the other's.
-void find_field(const Facts& on_0, const Facts& there, Disagreement& found) {
+/// The first field that differs, among process 0's fields first, then among the other's.
+std::string difference(const Facts& on_0, const Facts& there) {
   const auto value_in = [](const Facts& facts, const std::string& field) {
     const auto at = std::find_if(facts.begin(), facts.end(), [&](const Fact& f) { return f.field == field; });
     return at == facts.end() ? "(none)" : at->value;
   };
   for (const Facts* facts : {&on_0, &there})
-    for (const Fact& fact : *facts) {
-      found.field = fact.field;
-      found.value = value_in(there, fact.field);
-      found.value_on_0 = value_in(on_0, fact.field);
-      if (found.value != found.value_on_0) return;
-    }
+    for (const auto& [field, value] : *facts)
+      if (value_in(there, field) != value_in(on_0, field))
+        return fmt::format("{} {}, rank 0 has {}", field, value_in(there, field), value_in(on_0, field));
+  return {};
 }
 
 }  // namespace
 
-std::optional<Disagreement> find_disagreement(Collectives& collectives, const Facts& mine) {
+void require_same(Collectives& collectives, const Facts& mine, const std::string& what,
+                  const std::string& hint) {
   const Block facts = to_bytes(mine);
   const auto hashes = collectives.all_gather(hash_of(facts));
   const auto differs = [&](const Block& hash) { return hash != hashes.front(); };
   const auto first = std::find_if(hashes.begin(), hashes.end(), differs);
-  if (first == hashes.end()) return {};
-  Disagreement found{.process = static_cast<int>(first - hashes.begin()),
-                     .others = static_cast<int>(std::count_if(first + 1, hashes.end(), differs))};
-  const auto said_by = [&](int process) {
-    const Block said = collectives.broadcast(collectives.process() == process ? facts : Block{}, process);
+  if (first == hashes.end()) return;
+  const int process = int(first - hashes.begin());
+  const auto more = std::count_if(first + 1, hashes.end(), differs);
+  const auto said_by = [&](int root) {
+    const Block said = collectives.broadcast(collectives.process() == root ? facts : Block{}, root);
     return from_bytes<Facts>(said).value_or(Facts{});
   };
   const Facts on_0 = said_by(0);
-  find_field(on_0, said_by(found.process), found);
-  return found;
-}
-
-void require_same(Collectives& collectives, const Facts& mine, const std::string& what,
-                  const std::string& hint) {
-  const auto found = find_disagreement(collectives, mine);
-  if (!found) return;
-  const std::string others = found->others == 0   ? ""
-                             : found->others == 1 ? " (1 more rank differs)"
-                                                  : fmt::format(" ({} more ranks differ)", found->others);
-  throw InputError(fmt::format("rank {} {}: {} {}, rank 0 has {}{}", found->process, what, found->field,
-                               found->value, found->value_on_0, others),
+  const std::string others = more == 0   ? ""
+                             : more == 1 ? " (1 more rank differs)"
+                                         : fmt::format(" ({} more ranks differ)", more);
+  throw InputError(fmt::format("rank {} {}: {}{}", process, what, difference(on_0, said_by(process)), others),
                    hint);
 }
 

@@ -1,6 +1,4 @@
 #pragma once
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -31,20 +29,9 @@ void agree_after(Collectives& collectives, const Work& work) {
 /// unless all have the same, or process 0 alone has one.
 void throw_first(const std::vector<std::string>& errors);
 
-/// How a process's facts differ from those of process 0.
-struct Disagreement {
-  int process = 0;  ///< the lowest process that differs
-  int others = 0;   ///< number of further processes that differ, in any field
-  std::string field = {}, value = {}, value_on_0 = {};  ///< of the first fact that differs
-};
-
-/// Compares all processes' facts with those of process 0; every process gets the same answer. Sends a hash of
-/// 8 bytes a process, and two processes' whole facts only when some differ. A missing field counts as
-/// "(none)".
-std::optional<Disagreement> find_disagreement(Collectives& collectives, const Facts& mine);
-
-/// When a process differs from process 0, throws on all the InputError "rank 2 WHAT: FIELD VALUE, rank 0 has
-/// VALUE".
+/// Compares all processes' facts with those of process 0. When a process differs, throws on all the
+/// InputError "rank 2 WHAT: FIELD VALUE, rank 0 has VALUE"; a missing field counts as "(none)". Sends a hash
+/// of 8 bytes a process, and two processes' whole facts only when some differ.
 void require_same(Collectives& collectives, const Facts& mine, const std::string& what,
                   const std::string& hint);
 

@@ -15,18 +15,16 @@ namespace {
 /// State of one deal, shared by its rounds.
 class Dealer {
  public:
-  Dealer(const Grid& grid, SliceSupply& supply, const Deal& deal, Collectives& collectives)
+  Dealer(const Grid& grid, SliceSupply& supply, const Deal& deal)
       : grid_(grid),
         supply_(supply),
         deal_(deal),
-        dealing_(deal.dealing),
-        collectives_(collectives),
-        process_of_gp_(processes_of_gps(deal.dealing, deal.gps_of_process)),
+        sharing_(deal.sharing),
         slice_bytes_(grid.slice_bytes(Axis::z)),
         lit_(deal.options.clip.value_or(whole_box(grid))),
         batch_(batch_of(grid)) {
-    for (const int gp : deal.gps_of_process[std::size_t(collectives.process())])
-      stores_.emplace(gp, new_store(gp)).first->second.know_normals_within(lit_);
+    for (int gp = 0; gp < sharing_.dealing.gps; ++gp)
+      if (sharing_.hosts(gp)) stores_.emplace(gp, new_store(gp)).first->second.know_normals_within(lit_);
   }
 
   std::map<int, SliceStore> run() {
@@ -45,16 +43,13 @@ class Dealer {
   SliceStore new_store(int gp) const {
     const SliceStore* known = nullptr;
     if (deal_.known != nullptr) known = &deal_.known->at(gp);
-    return {grid_, gp, dealing_, deal_.options.kept_axes, deal_.options.with_normals, known};
+    return {grid_, gp, sharing_.dealing, deal_.options.kept_axes, deal_.options.with_normals, known};
   }
-
-  int owning_process(int z) const { return process_of_gp_[std::size_t(dealing_.owner_of(z))]; }
-  bool mine(int z) const { return owning_process(z) == collectives_.process(); }
 
   bool needed_by(int process, int z, int z0, int z1) const {
     const int reach = deal_.options.with_normals ? 1 : 0;
     for (int owner_z = std::max(z0, z - reach); owner_z <= std::min(z1 - 1, z + reach); ++owner_z)
-      if (owning_process(owner_z) == process) return true;
+      if (sharing_.process_of_slice(owner_z) == process) return true;
     return false;
   }
 
@@ -62,12 +57,12 @@ class Dealer {
 
   /// Owners of z slices [z0, z1) keep them and send every GP its lines of the other two axes.
   void exchange(int z0, int z1) {
-    std::vector<Block> out(std::size_t(collectives_.processes()));
-    agree_after(collectives_, [&] {
+    std::vector<Block> out(std::size_t(sharing_.collectives.processes()));
+    agree_after(sharing_.collectives, [&] {
       for (int z = z0; z < z1; ++z)
-        if (mine(z)) send_slice(z, out);
+        if (sharing_.hosts(sharing_.dealing.owner_of(z))) send_slice(z, out);
     });
-    for (const auto& block : collectives_.all_to_all(std::move(out))) place_lines(block);
+    for (const auto& block : sharing_.collectives.all_to_all(std::move(out))) place_lines(block);
   }
 
   void send_slice(int z, std::vector<Block>& out) {
@@ -82,7 +77,7 @@ class Dealer {
     }
     const std::span<const std::byte> values(here, slice_bytes_);
     if (deal_.options.kept_axes[2]) {
-      SliceStore& store = stores_.at(dealing_.owner_of(z));
+      SliceStore& store = stores_.at(sharing_.dealing.owner_of(z));
       // They may be what is dealt already.
       if (std::byte* there = store.values(Axis::z, z).data(); there != here)
         std::memcpy(there, here, slice_bytes_);
@@ -90,10 +85,10 @@ class Dealer {
     }
     for (const Axis axis : {Axis::x, Axis::y}) {
       if (!deal_.options.kept_axes[std::size_t(axis)]) continue;
-      for (int gp = 0; gp < dealing_.gps; ++gp) {
+      for (int gp = 0; gp < sharing_.dealing.gps; ++gp) {
         std::vector<std::byte> lines;
-        pack_columns(grid_, axis, gp, dealing_, values, normals, lines);
-        Block& block = out[std::size_t(process_of_gp_[std::size_t(gp)])];
+        pack_columns(grid_, axis, gp, sharing_.dealing, values, normals, lines);
+        Block& block = out[std::size_t(sharing_.process_of_gp[std::size_t(gp)])];
         append(block, z);
         append(block, axis);
         append(block, gp);
@@ -128,7 +123,7 @@ class Dealer {
       const Axis axis = next_value<Axis>(block, at);
       const int gp = next_value<int>(block, at);
       const auto size = next_value<std::uint64_t>(block, at);
-      unpack_columns(stores_.at(gp), axis, gp, dealing_, z, deal_.options.with_normals,
+      unpack_columns(stores_.at(gp), axis, gp, sharing_.dealing, z, deal_.options.with_normals,
                      next_bytes(block, at, size));
     }
   }
@@ -136,9 +131,7 @@ class Dealer {
   const Grid& grid_;
   SliceSupply& supply_;
   const Deal& deal_;
-  SliceDealing dealing_;
-  Collectives& collectives_;
-  const std::vector<int> process_of_gp_;
+  const Sharing& sharing_;
   std::size_t slice_bytes_;
   VoxelBox lit_;  ///< where normals are made
   std::map<int, SliceStore> stores_;
@@ -147,9 +140,8 @@ class Dealer {
 
 }  // namespace
 
-std::map<int, SliceStore> deal_slices(const Grid& grid, SliceSupply& supply, const Deal& deal,
-                                      Collectives& collectives) {
-  return Dealer(grid, supply, deal, collectives).run();
+std::map<int, SliceStore> deal_slices(const Grid& grid, SliceSupply& supply, const Deal& deal) {
+  return Dealer(grid, supply, deal).run();
 }
 
 }  // namespace ringsplat

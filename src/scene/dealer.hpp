@@ -47,14 +47,12 @@ std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& g
 /// The slices that GPs have, all of which must keep z slices; or those of the reduced volume. `stores` must
 /// outlive the supply.
 std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,
-                                           SliceDealing dealing, const Reduction& reduction,
-                                           Collectives& collectives);
+                                           const Reduction& reduction, const Sharing& sharing);
 
 /// What a deal makes of its slices, for whom.
 struct Deal {
   const LoadOptions& options;  ///< of a single level
-  SliceDealing dealing;
-  const std::vector<std::vector<int>>& gps_of_process;
+  const Sharing& sharing;
   /// This process's stores of the same volume, whose values are taken over; null: none.
   const std::map<int, SliceStore>* known = nullptr;
   /// Called with the end of the slices that are dealt.
@@ -62,7 +60,6 @@ struct Deal {
 };
 
 /// Gives GPs the slices of the kept axes. Returns this process's stores by GP.
-std::map<int, SliceStore> deal_slices(const Grid& grid, SliceSupply& supply, const Deal& deal,
-                                      Collectives& collectives);
+std::map<int, SliceStore> deal_slices(const Grid& grid, SliceSupply& supply, const Deal& deal);
 
 }  // namespace ringsplat

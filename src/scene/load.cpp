@@ -20,13 +20,6 @@ struct Known {
 
 }  // namespace
 
-std::vector<int> processes_of_gps(SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process) {
-  std::vector<int> processes(std::size_t(dealing.gps), 0);
-  for (std::size_t p = 0; p < gps_of_process.size(); ++p)
-    for (const int gp : gps_of_process[p]) processes[std::size_t(gp)] = int(p);
-  return processes;
-}
-
 OpenedVolume open_everywhere(Collectives& collectives,
                              const std::function<std::unique_ptr<VolumeSource>()>& open,
                              const std::string& name) {
@@ -60,11 +53,10 @@ OpenedVolume open_everywhere(Collectives& collectives,
   return volume;
 }
 
-std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
-                                      const std::vector<std::vector<int>>& gps_of_process,
-                                      Collectives& collectives) {
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options,
+                                      const Sharing& sharing) {
   const bool alone = volume.concurrent && volume.layer_depth == 1;
-  const int readers = volume.concurrent ? collectives.processes() : 1;
+  const int readers = volume.concurrent ? sharing.collectives.processes() : 1;
   // Slices are read and dealt in turns.
   double read = 0, dealt = 0;
   const auto note = [&](double& slices, double end) {
@@ -74,11 +66,9 @@ std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& o
   const auto supply = alone ? reading_supply(*volume.source)
                             : decoding_supply(
                                   volume.source.get(), volume.grid, volume.layer_depth, readers,
-                                  [&](double z) { note(read, z); }, collectives);
+                                  [&](double z) { note(read, z); }, sharing.collectives);
   note(read, 0);
-  return deal_slices(volume.grid, *supply,
-                     {options, dealing, gps_of_process, nullptr, [&](int end) { note(dealt, end); }},
-                     collectives);
+  return deal_slices(volume.grid, *supply, {options, sharing, nullptr, [&](int end) { note(dealt, end); }});
 }
 
 }  // namespace ringsplat

@@ -9,22 +9,20 @@
 namespace ringsplat {
 namespace {
 
-void share_ranges(std::map<int, SliceStore>& stores, const LoadOptions& options, SliceDealing dealing,
-                  const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
-  share_slice_ranges(stores, collectives);
-  if (options.with_cell_ranges) share_cell_ranges(stores, dealing, gps_of_process, collectives);
+void share_ranges(std::map<int, SliceStore>& stores, const LoadOptions& options, const Sharing& sharing) {
+  share_slice_ranges(stores, sharing.collectives);
+  if (options.with_cell_ranges) share_cell_ranges(stores, sharing);
 }
 
 void add_level(Scene& scene, const Reduction& reduction, OpenedVolume& volume, const LoadOptions& options,
-               SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
-               Collectives& collectives) {
+               const Sharing& sharing) {
   OpenedVolume reduced{reduced_grid(volume.grid, reduction), volume.concurrent, nullptr};
   if (volume.source) reduced.source = reduced_source(*volume.source, reduction);
   reduced.layer_depth = reduced_layer_depth(volume.layer_depth, reduction);
   LoadOptions of_level = options;
   if (options.clip) of_level.clip = reduced_box(*options.clip, volume.grid, reduction);
-  auto stores = deal_slices(reduced, of_level, dealing, gps_of_process, collectives);
-  share_ranges(stores, options, dealing, gps_of_process, collectives);
+  auto stores = deal_slices(reduced, of_level, sharing);
+  share_ranges(stores, options, sharing);
   for (auto& [gp, store] : stores) scene.stores.at(gp).add_level(reduction.factor, std::move(store));
 }
 
@@ -44,8 +42,7 @@ double share_of(const LoadOptions& options, int factor = 1) {
 
 }  // namespace
 
-Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
-                 const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
+Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing& sharing) {
   if (options.clip) check(*options.clip, volume.grid);
   Scene scene;
   scene.grid = volume.grid;
@@ -53,48 +50,44 @@ Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, SliceDealing 
   // Statistics are the full volume's at every level, so that presets do not change with the level.
   const LoadOptions values_only{{false, false, true}, false};
   double begun = share_of(options);
-  scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), dealing,
-                             gps_of_process, collectives);
+  scene.stores = deal_slices(volume, told_of(whole ? options : values_only, options, 0, begun), sharing);
   const auto& kept = whole ? options.kept_axes : values_only.kept_axes;
   const auto axis = std::find(kept.begin(), kept.end(), true) - kept.begin();
   if (axis < 3)
-    scene.sketch = share_sketch(scene.stores, volume.grid, all_axes[std::size_t(axis)], collectives);
+    scene.sketch = share_sketch(scene.stores, volume.grid, all_axes[std::size_t(axis)], sharing.collectives);
   // Who is told may end the loading; the values and ranges of a large volume take their time, too.
   const auto tell = [&] {
     if (options.told) options.told(begun);
   };
   tell();
-  scene.values = share_values(scene.stores, volume.grid, volume.notes, collectives);
+  scene.values = share_values(scene.stores, volume.grid, volume.notes, sharing.collectives);
   tell();
   if (whole)
-    share_ranges(scene.stores, options, dealing, gps_of_process, collectives);
+    share_ranges(scene.stores, options, sharing);
   else
-    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, dealing, {}, false);
+    for (auto& [gp, store] : scene.stores) store = SliceStore(volume.grid, gp, sharing.dealing, {}, false);
   for (const int factor : options.factors)
     if (factor > 1) {
       const double share = share_of(options, factor);
-      add_level(scene, {factor, options.prefilter}, volume, told_of(options, options, begun, share), dealing,
-                gps_of_process, collectives);
+      add_level(scene, {factor, options.prefilter}, volume, told_of(options, options, begun, share), sharing);
       begun += share;
     }
   return scene;
 }
 
 Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores, const LoadOptions& options,
-                       SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
-                       Collectives& collectives) {
+                       const Sharing& sharing) {
   if (options.clip) check(*options.clip, grid);
   Scene scene;
   scene.grid = grid;
-  scene.sketch = share_sketch(stores, grid, Axis::z, collectives);
+  scene.sketch = share_sketch(stores, grid, Axis::z, sharing.collectives);
   const auto deal = [&](const Reduction& reduction) {
     LoadOptions of_level = options;
     if (options.clip) of_level.clip = reduced_box(*options.clip, grid, reduction);
-    const auto supply = stored_supply(grid, stores, dealing, reduction, collectives);
+    const auto supply = stored_supply(grid, stores, reduction, sharing);
     const auto* known = reduction.factor == 1 ? &stores : nullptr;
-    auto dealt = deal_slices(reduced_grid(grid, reduction), *supply,
-                             {of_level, dealing, gps_of_process, known}, collectives);
-    share_ranges(dealt, options, dealing, gps_of_process, collectives);
+    auto dealt = deal_slices(reduced_grid(grid, reduction), *supply, {of_level, sharing, known});
+    share_ranges(dealt, options, sharing);
     return dealt;
   };
   const auto asked = [&](int factor) {
@@ -106,8 +99,8 @@ Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores
   } else {
     const std::array<bool, 3> kept{false, false, asked(1) && options.kept_axes[2]};
     for (const auto& [gp, store] : stores)
-      scene.stores.emplace(gp, SliceStore(grid, gp, dealing, kept, false, &store));
-    if (asked(1)) share_ranges(scene.stores, options, dealing, gps_of_process, collectives);
+      scene.stores.emplace(gp, SliceStore(grid, gp, sharing.dealing, kept, false, &store));
+    if (asked(1)) share_ranges(scene.stores, options, sharing);
   }
   for (const int factor : options.factors)
     if (factor > 1)

@@ -21,8 +21,15 @@ inline SliceDealing dealing_of(const Layout& layout) { return {layout.gps, layou
 
 std::string text_of(const VoxelBox& box);  ///< "x0:x1,y0:y1,z0:z1"
 
-/// By GP, the process that hosts it.
-std::vector<int> processes_of_gps(SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process);
+/// The processes that share a volume, and who gets which of its slices.
+struct Sharing {
+  SliceDealing dealing;
+  std::vector<int> process_of_gp;
+  Collectives& collectives;
+
+  bool hosts(int gp) const { return process_of_gp[std::size_t(gp)] == collectives.process(); }
+  int process_of_slice(int slice) const { return process_of_gp[std::size_t(dealing.owner_of(slice))]; }
+};
 
 struct LoadOptions {
   std::array<bool, 3> kept_axes{true, true, true};
@@ -60,12 +67,10 @@ OpenedVolume open_everywhere(Collectives& collectives,
 ///
 /// z slices are read whole. A concurrent source's are read by their owners, or layer by layer, where it
 /// decodes several together, by all processes in turn, which hand them to their owners; another source's are
-/// read by process 0 in ascending order. The other two axes come by exchange. `gps_of_process[p]` lists the
-/// GPs that process p hosts. Returns this process's stores by GP. All processes throw the same InputError
-/// when one cannot read.
-std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
-                                      const std::vector<std::vector<int>>& gps_of_process,
-                                      Collectives& collectives);
+/// read by process 0 in ascending order. The other two axes come by exchange. Returns this process's stores
+/// by GP. All processes throw the same InputError when one cannot read.
+std::map<int, SliceStore> deal_slices(OpenedVolume& volume, const LoadOptions& options,
+                                      const Sharing& sharing);
 
 /// Tells every store the value range of every slice of the kept axes.
 void share_slice_ranges(std::map<int, SliceStore>& stores, Collectives& collectives);
@@ -80,8 +85,7 @@ std::shared_ptr<const VolumeSketch> share_sketch(const std::map<int, SliceStore>
 
 /// Tells every store the ranges of the cells of its slices of the kept axes and of their neighbours, two to
 /// either side.
-void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
-                       const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
+void share_cell_ranges(std::map<int, SliceStore>& stores, const Sharing& sharing);
 
 /// Range, histogram and more of the values of all GPs' slices; the same on every process.
 ValueStatistics share_values(const std::map<int, SliceStore>& stores, const Grid& grid,
@@ -95,15 +99,13 @@ struct Scene {
   std::shared_ptr<const VolumeSketch> sketch;  ///< of the whole volume
 };
 
-/// Deals all requested levels of an opened volume to GPs and gathers its values' statistics.
-/// `gps_of_process` as for deal_slices(). All processes call it, with the same grid and options.
-Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, SliceDealing dealing,
-                 const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives);
+/// Deals all requested levels of an opened volume to GPs and gathers its values' statistics. All processes
+/// call it, with the same grid and options.
+Scene deal_scene(OpenedVolume& volume, const LoadOptions& options, const Sharing& sharing);
 
 /// The scene of a volume whose z slices are dealt already; their values are shared, not copied. The other
 /// axes' slices, normals and levels come by exchange. `values` are left to the caller.
 Scene deal_scene_again(const Grid& grid, const std::map<int, SliceStore>& stores, const LoadOptions& options,
-                       SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
-                       Collectives& collectives);
+                       const Sharing& sharing);
 
 }  // namespace ringsplat

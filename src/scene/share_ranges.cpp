@@ -69,22 +69,20 @@ struct Head {
 
 /// Gives the ranges of an owned slice to every GP that owns one near it: here at once, elsewhere by `out`.
 void give_around(std::map<int, SliceStore>& stores, const Grid& grid, Axis axis, int slice,
-                 SliceDealing dealing, const std::vector<int>& process_of_gp, int here,
-                 std::vector<Block>& out) {
-  const SliceStore& owner = stores.at(dealing.owner_of(slice));
+                 const Sharing& sharing, std::vector<Block>& out) {
+  const SliceStore& owner = stores.at(sharing.dealing.owner_of(slice));
   const auto ranges = std::make_shared<const CellRanges>(owner.slice(axis, slice));
   std::vector<int> told;
   for (int other = slice - reach; other <= slice + reach; ++other) {
     if (other < 0 || other >= grid.slices(axis)) continue;
-    const int gp = dealing.owner_of(other);
+    const int gp = sharing.dealing.owner_of(other);
     if (std::find(told.begin(), told.end(), gp) != told.end()) continue;
     told.push_back(gp);
-    const int process = process_of_gp[std::size_t(gp)];
-    if (process == here) {
+    if (sharing.hosts(gp)) {
       stores.at(gp).know_cell_ranges(axis, slice, ranges);
       continue;
     }
-    Block& block = out[std::size_t(process)];
+    Block& block = out[std::size_t(sharing.process_of_gp[std::size_t(gp)])];
     append(block, Head{slice, gp, ranges->bytes().size()});
     block.insert(block.end(), ranges->bytes().begin(), ranges->bytes().end());
   }
@@ -104,16 +102,13 @@ void take_given(std::span<const std::byte> in, Axis axis, std::map<int, SliceSto
 
 }  // namespace
 
-void share_cell_ranges(std::map<int, SliceStore>& stores, SliceDealing dealing,
-                       const std::vector<std::vector<int>>& gps_of_process, Collectives& collectives) {
-  const std::vector<int> process_of_gp = processes_of_gps(dealing, gps_of_process);
+void share_cell_ranges(std::map<int, SliceStore>& stores, const Sharing& sharing) {
   for (const Axis axis : all_axes) {
-    std::vector<Block> out(std::size_t(collectives.processes()));
+    std::vector<Block> out(std::size_t(sharing.collectives.processes()));
     for (auto& [gp, store] : stores)
       for (int s = 0; store.keeps(axis) && s < store.grid().slices(axis); ++s)
-        if (store.owns(s))
-          give_around(stores, store.grid(), axis, s, dealing, process_of_gp, collectives.process(), out);
-    for (const Block& block : collectives.all_to_all(std::move(out))) take_given(block, axis, stores);
+        if (store.owns(s)) give_around(stores, store.grid(), axis, s, sharing, out);
+    for (const Block& block : sharing.collectives.all_to_all(std::move(out))) take_given(block, axis, stores);
   }
 }
 

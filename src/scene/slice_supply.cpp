@@ -156,9 +156,8 @@ class DecodingSupply final : public SendingSupply {
 
 class StoredSupply final : public SendingSupply {
  public:
-  StoredSupply(const Grid& grid, const std::map<int, SliceStore>& stores, SliceDealing dealing,
-               Collectives& all)
-      : SendingSupply(grid, all), stores_(stores), dealing_(dealing) {}
+  StoredSupply(const Grid& grid, const std::map<int, SliceStore>& stores, const Sharing& sharing)
+      : SendingSupply(grid, sharing.collectives), stores_(stores), dealing_(sharing.dealing) {}
   int available_from(int) override { return slices_; }
 
  private:
@@ -251,9 +250,8 @@ std::unique_ptr<SliceSupply> decoding_supply(VolumeSource* source, const Grid& g
 }
 
 std::unique_ptr<SliceSupply> stored_supply(const Grid& grid, const std::map<int, SliceStore>& stores,
-                                           SliceDealing dealing, const Reduction& reduction,
-                                           Collectives& collectives) {
-  auto full = std::make_unique<StoredSupply>(grid, stores, dealing, collectives);
+                                           const Reduction& reduction, const Sharing& sharing) {
+  auto full = std::make_unique<StoredSupply>(grid, stores, sharing);
   if (reduction.factor == 1) return full;
   return std::make_unique<ReducingSupply>(grid, std::move(full), reduction);
 }

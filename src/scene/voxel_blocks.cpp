@@ -55,20 +55,14 @@ std::vector<PlacedBlock> gather_extents(const std::vector<VoxelBlock>& mine, Col
 class BlockDealer {
  public:
   BlockDealer(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-              SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
-              std::size_t round_bytes, Collectives& collectives)
+              std::size_t round_bytes, const Sharing& sharing)
       : grid_(grid),
         blocks_(mine),
         stores_(stores),
-        dealing_(dealing),
         round_bytes_(round_bytes),
-        collectives_(collectives),
-        process_of_slice_(std::size_t(grid.dims.z)),
-        scalar_(size_of(grid.type)) {
-    const std::vector<int> process_of_gp = processes_of_gps(dealing, gps_of_process);
-    for (int z = 0; z < grid.dims.z; ++z)
-      process_of_slice_[std::size_t(z)] = process_of_gp[std::size_t(dealing.owner_of(z))];
-  }
+        sharing_(sharing),
+        collectives_(sharing.collectives),
+        scalar_(size_of(grid.type)) {}
 
   /// Its own voxels first, without a message. Then in a round process p sends to p + d, p + d + 1 … and gets
   /// from p − d, p − d − 1 …: as many of them as fit into a round, or a part of what one of them gets.
@@ -112,7 +106,7 @@ class BlockDealer {
       const auto fitting = (round_bytes_ / 4 - std::min(round_bytes_ / 4, sizeof(RowsHeader))) / row;
       const int rows = int(std::clamp<std::size_t>(fitting, 1, std::size_t(box.dims().y)));
       for (int z = box.end.z - 1; z >= box.first.z; --z)
-        for (int y = box.first.y; process_of_slice_[std::size_t(z)] == process && y < box.end.y; y += rows)
+        for (int y = box.first.y; sharing_.process_of_slice(z) == process && y < box.end.y; y += rows)
           all.push_back({b, z, y, std::min(y + rows, box.end.y)});
     }
     return all;
@@ -125,7 +119,7 @@ class BlockDealer {
       const glm::ivec3 dims = block.extent.dims();
       const auto slice = std::uint64_t(dims.x) * std::uint64_t(dims.y) * scalar_ + sizeof(RowsHeader);
       for (int z = block.extent.first.z; z < block.extent.end.z; ++z)
-        mine[std::size_t(process_of_slice_[std::size_t(z)])] += slice;
+        mine[std::size_t(sharing_.process_of_slice(z))] += slice;
     }
     return largest(*std::max_element(mine.begin(), mine.end()), "the bytes of its blocks");
   }
@@ -193,7 +187,7 @@ class BlockDealer {
 
   /// Where a voxel of one of this process's slices lies.
   std::byte* voxel(int z, int y, int x) {
-    std::byte* slice = stores_.at(dealing_.owner_of(z)).values(Axis::z, z).data();
+    std::byte* slice = stores_.at(sharing_.dealing.owner_of(z)).values(Axis::z, z).data();
     return slice + std::size_t(y) * slice_row() + std::size_t(x) * scalar_;
   }
 
@@ -210,10 +204,9 @@ class BlockDealer {
   const Grid& grid_;
   const std::vector<VoxelBlock>& blocks_;
   std::map<int, SliceStore>& stores_;
-  SliceDealing dealing_;
   std::size_t round_bytes_;
+  const Sharing& sharing_;
   Collectives& collectives_;
-  std::vector<int> process_of_slice_;
   std::size_t scalar_;
 };
 
@@ -228,9 +221,8 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
 }
 
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-                 SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
-                 std::size_t round_bytes, Collectives& collectives) {
-  BlockDealer(grid, mine, stores, dealing, gps_of_process, round_bytes, collectives).run();
+                 std::size_t round_bytes, const Sharing& sharing) {
+  BlockDealer(grid, mine, stores, round_bytes, sharing).run();
 }
 
 }  // namespace ringsplat

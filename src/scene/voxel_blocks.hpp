@@ -3,10 +3,9 @@
 #include <span>
 #include <vector>
 
-#include "net/collectives.hpp"
 #include "ringsplat/volume/strides.hpp"
 #include "ringsplat/volume/voxel_box.hpp"
-#include "volume/slice_store.hpp"
+#include "scene/scene.hpp"
 
 namespace ringsplat {
 
@@ -25,8 +24,7 @@ void check_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, Collect
 /// grid once. In rounds of one process to another, or to several: a process sends and receives at most
 /// `round_bytes`, or one row of voxels, at a time. Collective.
 void deal_blocks(const Grid& grid, const std::vector<VoxelBlock>& mine, std::map<int, SliceStore>& stores,
-                 SliceDealing dealing, const std::vector<std::vector<int>>& gps_of_process,
-                 std::size_t round_bytes, Collectives& collectives);
+                 std::size_t round_bytes, const Sharing& sharing);
 
 /// A block in its volume, with the process that has it.
 struct PlacedBlock {

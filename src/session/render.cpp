@@ -58,13 +58,11 @@ void check_frame(const FrameSpec& spec, const Grid& grid) {
     static_cast<void>(make_geometry(spec, grid));
 }
 
-std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring) {
-  std::vector<std::vector<int>> gps(std::size_t(wiring.collectives.processes()));
-  for (int gp = 0; gp < layout.gps; ++gp) {
-    const int rank = wiring.transport != nullptr ? layout.rank_of({Role::gp, gp}) : 0;
-    gps[std::size_t(rank)].push_back(gp);
-  }
-  return gps;
+Sharing sharing_of(const Layout& layout, const Wiring& wiring) {
+  Sharing sharing{dealing_of(layout), {}, wiring.collectives};
+  for (int gp = 0; gp < layout.gps; ++gp)
+    sharing.process_of_gp.push_back(wiring.transport != nullptr ? layout.rank_of({Role::gp, gp}) : 0);
+  return sharing;
 }
 
 void check_wiring(const Layout& layout, const Wiring& wiring) {
@@ -112,7 +110,7 @@ Scene load_scene(OpenedVolume& volume, const LoadOptions& options, const Layout&
                  const Wiring& wiring) {
   require_same_scene(volume.grid, options, layout, wiring);
   check_wiring(layout, wiring);
-  return deal_scene(volume, options, dealing_of(layout), gps_by_process(layout, wiring), wiring.collectives);
+  return deal_scene(volume, options, sharing_of(layout, wiring));
 }
 
 std::uint64_t usual_kept_bytes(const Grid& grid, int gps) {

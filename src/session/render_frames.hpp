@@ -18,8 +18,7 @@ LoadOptions needed_to_render(const FrameSpec& spec, const Grid& grid);
 /// Throws the InputError with which ranks would refuse to draw a frame of this volume. Costs no voxel.
 void check_frame(const FrameSpec& spec, const Grid& grid);
 
-/// The GPs that each process hosts.
-std::vector<std::vector<int>> gps_by_process(const Layout& layout, const Wiring& wiring);
+Sharing sharing_of(const Layout& layout, const Wiring& wiring);
 
 /// Throws InputError when the layout is none, or is for another number of ranks.
 void check_wiring(const Layout& layout, const Wiring& wiring);

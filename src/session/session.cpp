@@ -41,9 +41,11 @@ std::vector<FrameSpec> frames_of(const Block& block) {
 // twice as long (tests/session/bench_commit.cpp).
 constexpr std::size_t round_bytes = std::size_t{1} << 16;
 
-std::map<int, SliceStore> empty_slices(const Grid& grid, SliceDealing dealing, const std::vector<int>& mine) {
+std::map<int, SliceStore> empty_slices(const Grid& grid, const Sharing& sharing) {
   std::map<int, SliceStore> slices;
-  for (const int gp : mine) slices.emplace(gp, SliceStore(grid, gp, dealing, {false, false, true}, false));
+  for (int gp = 0; gp < sharing.dealing.gps; ++gp)
+    if (sharing.hosts(gp))
+      slices.emplace(gp, SliceStore(grid, gp, sharing.dealing, {false, false, true}, false));
   return slices;
 }
 
@@ -149,7 +151,7 @@ struct Session::State {
     });
     require_same_scene(*grid, {}, layout, wiring);
     check_blocks(*grid, blocks, all);
-    const auto gps = gps_by_process(layout, wiring);
+    const Sharing sharing = sharing_of(layout, wiring);
     scene.reset();
     known_values.reset();
     std::string error;
@@ -157,14 +159,14 @@ struct Session::State {
       committed_grid.reset();
       slices.clear();
       try {
-        slices = empty_slices(*grid, dealing_of(layout), gps[std::size_t(all.process())]);
+        slices = empty_slices(*grid, sharing);
       } catch (const std::bad_alloc&) {
         error = "there is no memory for the volume's slices; hint: use more ranks on more machines";
       }
     }
     agree(all, error);
     committed_grid = grid;
-    deal_blocks(*grid, blocks, slices, dealing_of(layout), gps, round_bytes, all);
+    deal_blocks(*grid, blocks, slices, round_bytes, sharing);
   }
 
   const ValueStatistics& values() {
@@ -179,8 +181,7 @@ struct Session::State {
       if (scene) add_needs(all, made);
       made = all;
       scene.reset();
-      scene = deal_scene_again(*committed_grid, slices, made, dealing_of(layout),
-                               gps_by_process(layout, wiring), wiring.collectives);
+      scene = deal_scene_again(*committed_grid, slices, made, sharing_of(layout, wiring));
     }
     return *scene;
   }

@@ -3,31 +3,28 @@
 #include <cstring>
 #include <vector>
 
+#include "volume/forwarding_source.hpp"
+
 namespace ringsplat {
 namespace {
 
-class ClippedSource final : public VolumeSource {
+class ClippedSource final : public ForwardingSource {
  public:
   ClippedSource(VolumeSource& full, const VoxelBox& box)
-      : full_(full), box_(box), grid_(clipped_grid(full.grid(), box)) {}
+      : ForwardingSource(full, clipped_grid(full.grid(), box)), box_(box) {}
 
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return full_.concurrent(); }
-  Facts facts() const override { return full_.facts(); }
-  VolumeNotes notes() const override { return full_.notes(); }
+  int layer_depth() const override { return 1; }  // layers begin anywhere
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    slice_.resize(full_.grid().slice_bytes(Axis::z));
+    slice_.resize(source_.grid().slice_bytes(Axis::z));
     for (int k = 0; k < count; ++k) {
-      full_.read_slices(box_.first.z + first + k, 1, slice_);
-      copy_clipped(full_.grid(), box_, slice_.data(),
-                   out.data() + std::size_t(k) * grid_.slice_bytes(Axis::z));
+      source_.read_slices(box_.first.z + first + k, 1, slice_);
+      copy_clipped(source_.grid(), box_, slice_.data(),
+                   out.data() + std::size_t(k) * grid().slice_bytes(Axis::z));
     }
   }
 
  private:
-  VolumeSource& full_;
   VoxelBox box_;
-  Grid grid_;
   std::vector<std::byte> slice_;  ///< of the whole volume
 };
 

@@ -7,23 +7,31 @@
 
 namespace ringsplat {
 
-/// Passes everything on to the source that it owns, for derived classes that change one thing.
+/// Passes everything on to a source, for derived classes that change one thing.
 class ForwardingSource : public VolumeSource {
  public:
-  /// `grid`: what it says of the lattice instead.
+  /// `source` must outlive it. `grid`: what it says of the lattice instead.
+  explicit ForwardingSource(VolumeSource& source, const std::optional<Grid>& grid = {})
+      : source_(source), grid_(grid.value_or(source.grid())) {}
+  /// Of a source that it owns.
   explicit ForwardingSource(std::unique_ptr<VolumeSource> source, const std::optional<Grid>& grid = {})
-      : source_(std::move(source)), grid_(grid.value_or(source_->grid())) {}
-  const Grid& grid() const final { return grid_; }
-  bool concurrent() const override { return source_->concurrent(); }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    source_->read_slices(first, count, out);
+      : ForwardingSource(*source, grid) {
+    owned_ = std::move(source);
   }
-  int layer_depth() const override { return source_->layer_depth(); }
-  VolumeNotes notes() const override { return source_->notes(); }
-  Facts facts() const override { return source_->facts(); }
+  const Grid& grid() const final { return grid_; }
+  bool concurrent() const override { return source_.concurrent(); }
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    source_.read_slices(first, count, out);
+  }
+  int layer_depth() const override { return source_.layer_depth(); }
+  VolumeNotes notes() const override { return source_.notes(); }
+  Facts facts() const override { return source_.facts(); }
+
+ protected:
+  VolumeSource& source_;
 
  private:
-  std::unique_ptr<VolumeSource> source_;
+  std::unique_ptr<VolumeSource> owned_;
   Grid grid_;
 };
 

@@ -13,6 +13,7 @@
 
 #include "ringsplat/base/error.hpp"
 #include "volume/copy_row.hpp"
+#include "volume/forwarding_source.hpp"
 
 namespace ringsplat {
 namespace {
@@ -30,33 +31,27 @@ void put(T value, std::size_t index, std::span<std::byte> out) {
 }
 
 /// Every factor-th voxel.
-class SkippingSource final : public VolumeSource {
+class SkippingSource final : public ForwardingSource {
  public:
   SkippingSource(VolumeSource& full, int factor)
-      : full_(full),
+      : ForwardingSource(full, reduced_grid(full.grid(), {factor, false})),
         factor_(factor),
-        grid_(reduced_grid(full.grid(), {factor, false})),
         slice_(full.grid().slice_bytes(Axis::z)) {}
 
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return full_.concurrent(); }
-  int layer_depth() const override { return reduced_layer_depth(full_.layer_depth(), {factor_, false}); }
-  Facts facts() const override { return full_.facts(); }
+  int layer_depth() const override { return reduced_layer_depth(source_.layer_depth(), {factor_, false}); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    const std::size_t scalar = size_of(grid_.type), row = std::size_t(full_.grid().dims.x) * scalar;
+    const std::size_t scalar = size_of(grid().type), row = std::size_t(source_.grid().dims.x) * scalar;
     std::byte* to = out.data();
     for (int z = first; z < first + count; ++z) {
-      full_.read_slices(z * factor_, 1, slice_);
-      for (int y = 0; y < grid_.dims.y; ++y, to += std::size_t(grid_.dims.x) * scalar)
+      source_.read_slices(z * factor_, 1, slice_);
+      for (int y = 0; y < grid().dims.y; ++y, to += std::size_t(grid().dims.x) * scalar)
         copy_row(scalar, slice_.data() + std::size_t(y * factor_) * row,
-                 std::int64_t(factor_) * std::int64_t(scalar), grid_.dims.x, to);
+                 std::int64_t(factor_) * std::int64_t(scalar), grid().dims.x, to);
     }
   }
 
  private:
-  VolumeSource& full_;
   int factor_;
-  Grid grid_;
   std::vector<std::byte> slice_;  ///< of the full volume
 };
 
@@ -65,22 +60,16 @@ constexpr int taps = 4;
 /// like a mean, removes what that level cannot hold.
 constexpr std::array<double, taps> weights{-1.0 / 16, 9.0 / 16, 9.0 / 16, -1.0 / 16};
 
-/// Half the voxels along each axis.
-class HalvedSource final : public VolumeSource {
+/// Half the voxels along each axis: its grid is halved, too.
+class HalvedSource final : public ForwardingSource {
  public:
-  explicit HalvedSource(VolumeSource& full) : full_(full), grid_(reduced_grid(full.grid(), {2, true})) {}
-  explicit HalvedSource(std::unique_ptr<VolumeSource> full) : HalvedSource(*full) {
-    owned_ = std::move(full);
-  }
+  using ForwardingSource::ForwardingSource;
 
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return full_.concurrent(); }
-  int layer_depth() const override { return reduced_layer_depth(full_.layer_depth(), {2, true}); }
-  Facts facts() const override { return full_.facts(); }
+  int layer_depth() const override { return reduced_layer_depth(source_.layer_depth(), {2, true}); }
   void read_slices(int first, int count, std::span<std::byte> out) override {
-    const std::size_t bytes = grid_.slice_bytes(Axis::z);
+    const std::size_t bytes = grid().slice_bytes(Axis::z);
     for (int k = 0; k < count; ++k)
-      visit_type(grid_.type, [&](auto zero) {
+      visit_type(grid().type, [&](auto zero) {
         filter<decltype(zero)>(first + k, out.subspan(std::size_t(k) * bytes, bytes));
       });
   }
@@ -88,12 +77,12 @@ class HalvedSource final : public VolumeSource {
  private:
   /// The full volume's slice nearest to z. Forgets slices before z − 4.
   const std::byte* slice(int z) {
-    const int nearest = std::clamp(z, 0, full_.grid().dims.z - 1);
+    const int nearest = std::clamp(z, 0, source_.grid().dims.z - 1);
     for (const Slice& kept : kept_)
       if (kept.z == nearest) return kept.values.data();
     while (!kept_.empty() && (kept_.size() >= taps || kept_.front().z > nearest)) kept_.pop_front();
-    kept_.push_back({nearest, std::vector<std::byte>(full_.grid().slice_bytes(Axis::z))});
-    full_.read_slices(nearest, 1, kept_.back().values);
+    kept_.push_back({nearest, std::vector<std::byte>(source_.grid().slice_bytes(Axis::z))});
+    source_.read_slices(nearest, 1, kept_.back().values);
     return kept_.back().values.data();
   }
 
@@ -101,10 +90,10 @@ class HalvedSource final : public VolumeSource {
   void filter(int z, std::span<std::byte> out) {
     std::array<const std::byte*, taps> slices;
     for (int k = 0; k < taps; ++k) slices[std::size_t(k)] = slice(2 * z - 1 + k);
-    const glm::ivec3 dims = full_.grid().dims;
+    const glm::ivec3 dims = source_.grid().dims;
     std::vector<double> column(std::size_t(dims.x));
     std::size_t to = 0;
-    for (int y = 0; y < grid_.dims.y; ++y) {
+    for (int y = 0; y < grid().dims.y; ++y) {
       std::fill(column.begin(), column.end(), 0.0);
       for (int i = 0; i < taps * taps; ++i) {
         const std::size_t row =
@@ -113,7 +102,7 @@ class HalvedSource final : public VolumeSource {
         for (std::size_t x = 0; x < column.size(); ++x)
           column[x] += weight * static_cast<double>(value_at<T>(slices[std::size_t(i / taps)], row + x));
       }
-      for (int x = 0; x < grid_.dims.x; ++x, ++to) {
+      for (int x = 0; x < grid().dims.x; ++x, ++to) {
         double sum = 0;
         for (int k = 0; k < taps; ++k)
           sum += weights[std::size_t(k)] * column[std::size_t(std::clamp(2 * x - 1 + k, 0, dims.x - 1))];
@@ -131,7 +120,7 @@ class HalvedSource final : public VolumeSource {
 
   template <class T>
   Cell cell(const std::array<const std::byte*, taps>& slices, int x, int y, int z) const {
-    const glm::ivec3 dims = full_.grid().dims;
+    const glm::ivec3 dims = source_.grid().dims;
     Cell cell;
     for (int k = 2 * z; k < std::min(2 * z + 2, dims.z); ++k) {
       for (int j = 2 * y; j < std::min(2 * y + 2, dims.y); ++j) {
@@ -165,9 +154,6 @@ class HalvedSource final : public VolumeSource {
     int z;
     std::vector<std::byte> values;
   };
-  std::unique_ptr<VolumeSource> owned_;
-  VolumeSource& full_;
-  Grid grid_;
   std::deque<Slice> kept_;  ///< ascending
 };
 
@@ -217,9 +203,11 @@ std::unique_ptr<VolumeSource> reduced_source(VolumeSource& full, const Reduction
   if (!reduction.prefilter) return std::make_unique<SkippingSource>(full, reduction.factor);
   if (reduction.factor != 2 && reduction.factor != 4)
     throw InputError(fmt::format("--undersample {} has no prefilter", reduction.factor), "use 2 or 4");
-  auto half = std::make_unique<HalvedSource>(full);
+  const Reduction halving{2, true};
+  auto half = std::make_unique<HalvedSource>(full, reduced_grid(full.grid(), halving));
   if (reduction.factor == 2) return half;
-  return std::make_unique<HalvedSource>(std::move(half));
+  const Grid quarter = reduced_grid(half->grid(), halving);
+  return std::make_unique<HalvedSource>(std::move(half), quarter);
 }
 
 }  // namespace ringsplat

@@ -51,7 +51,7 @@ TEST_CASE("facts cost eight bytes a process while they agree and stay with two p
   const Facts facts(1000, {"a field with a name", "and a value"});
   std::vector<std::size_t> sent(4, 0);
   const auto compare = [&](ThreadCollectives& collectives, const Facts& mine) {
-    static_cast<void>(find_disagreement(collectives, mine));
+    static_cast<void>(input_error_of([&] { require_same(collectives, mine, "is odd", "be even"); }));
     sent[std::size_t(collectives.process())] = collectives.sent();
   };
   run_as_processes(4, [&](ThreadCollectives& collectives) { compare(collectives, facts); });

@@ -96,7 +96,7 @@ TEST_CASE("a file that becomes shorter on one process ends the dealing on all") 
     const auto& path = paths[std::size_t(collectives.process())];
     OpenedVolume volume = open_everywhere(collectives, [&] { return open_volume(path); });
     if (collectives.process() == 1) std::filesystem::resize_file(path, 100);
-    deal_slices(volume, {}, 3, {{0}, {1}, {2}}, collectives);
+    deal_slices(volume, {}, {3, {0, 1, 2}, collectives});
   });
   CHECK_THAT(thrown[0],
              Catch::Matchers::Contains("1/a_8x8x12_uint8.raw") && Catch::Matchers::Contains("on rank 1"));
@@ -113,7 +113,7 @@ TEST_CASE("a process without slices has its part in what all gather") {
     const auto process = std::size_t(collectives.process());
     OpenedVolume volume =
         open_everywhere(collectives, [&] { return memory_source(grid, std::as_bytes(std::span(bytes))); });
-    auto stores = deal_slices(volume, {}, 2, {{0}, {}, {1}}, collectives);
+    auto stores = deal_slices(volume, {}, {2, {0, 2}, collectives});
     share_slice_ranges(stores, collectives);
     ranges[process] = share_values(stores, grid, {}, collectives).range;
     for (const auto& [gp, store] : stores)

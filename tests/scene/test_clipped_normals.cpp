@@ -22,8 +22,8 @@ std::array<std::vector<std::vector<std::uint16_t>>, 3> normals_of(const Grid& gr
   std::array<std::vector<std::vector<std::uint16_t>>, 3> found;
   const Grid shown = crop ? clipped_grid(grid, *clip) : grid;
   for (const Axis axis : all_axes) found[std::size_t(axis)].resize(std::size_t(shown.slices(axis)));
-  std::vector<std::vector<int>> gps;
-  for (int p = 0; p < processes; ++p) gps.push_back({p});
+  std::vector<int> process_of_gp;
+  for (int p = 0; p < processes; ++p) process_of_gp.push_back(p);
   LoadOptions options;
   options.with_normals = true;
   if (!crop) options.clip = clip;
@@ -33,7 +33,7 @@ std::array<std::vector<std::vector<std::uint16_t>>, 3> normals_of(const Grid& gr
       if (crop) return clipped_source(*whole, *clip);
       return memory_source(grid, voxels);
     });
-    auto stores = deal_slices(volume, options, processes, gps, collectives);
+    auto stores = deal_slices(volume, options, {processes, process_of_gp, collectives});
     for (auto& [gp, store] : stores)
       for (const Axis axis : all_axes)
         for (int s = 0; s < shown.slices(axis); ++s) {

@@ -64,11 +64,11 @@ using Open = std::function<std::unique_ptr<VolumeSource>()>;
 
 /// Every GP's slices of every axis with their normals, dealt by four processes of which one has no GP.
 std::vector<std::string> dealt(const Open& open, const LoadOptions& options) {
-  const std::vector<std::vector<int>> gps_of_process{{1}, {0, 4}, {}, {2, 3}};
+  const std::vector<int> process_of_gp{1, 0, 3, 3, 1};
   std::vector<std::string> all(5);
   const auto thrown = run_as_processes(4, [&](ThreadCollectives& collectives) {
     OpenedVolume volume = open_everywhere(collectives, open);
-    const Scene scene = deal_scene(volume, options, 5, gps_of_process, collectives);
+    const Scene scene = deal_scene(volume, options, {5, process_of_gp, collectives});
     for (const auto& [gp, level] : scene.stores) {
       std::string& text = all[std::size_t(gp)];
       for (const int factor : options.factors) {
@@ -146,7 +146,7 @@ TEST_CASE("a layer that cannot be read ends the dealing on all processes") {
   };
   const auto thrown = run_as_processes(4, [&](ThreadCollectives& collectives) {
     OpenedVolume volume = open_everywhere(collectives, [] { return std::make_unique<Broken>(); });
-    deal_slices(volume, {}, 4, {{0}, {1}, {2}, {3}}, collectives);
+    deal_slices(volume, {}, {4, {0, 1, 2, 3}, collectives});
   });
   CHECK_THAT(thrown[0], Catch::Matchers::Contains("layer at 10 is damaged"));
   for (const auto& text : thrown) CHECK(text == thrown[0]);
@@ -164,7 +164,7 @@ TEST_CASE("loading tells how much of its time has passed, from its begin to its 
       SoloCollectives solo;
       OpenedVolume volume = open_everywhere(
           solo, [&] { return std::make_unique<LayerSource>(grid, voxels, depth, concurrent, reads); });
-      deal_scene(volume, options, 2, {{0, 1}}, solo);
+      deal_scene(volume, options, {2, {0, 0}, solo});
       CHECK(told.size() >= 2);
       CHECK(std::is_sorted(told.begin(), told.end()));
       CHECK(told.front() >= 0);

@@ -30,12 +30,12 @@ struct Noted final : VolumeSource {
 ValueStatistics statistics_of(const Grid& grid, std::span<const std::byte> voxels, const VolumeNotes& notes,
                               int processes) {
   std::vector<ValueStatistics> found(static_cast<std::size_t>(processes));
-  std::vector<std::vector<int>> gps;
-  for (int p = 0; p < processes; ++p) gps.push_back({p});
+  std::vector<int> process_of_gp;
+  for (int p = 0; p < processes; ++p) process_of_gp.push_back(p);
   const auto thrown = run_as_processes(processes, [&](ThreadCollectives& collectives) {
     OpenedVolume volume =
         open_everywhere(collectives, [&] { return std::make_unique<Noted>(grid, voxels, notes); });
-    const auto stores = deal_slices(volume, {}, processes, gps, collectives);
+    const auto stores = deal_slices(volume, {}, {processes, process_of_gp, collectives});
     found[std::size_t(collectives.process())] = share_values(stores, grid, volume.notes, collectives);
   });
   REQUIRE(thrown == std::vector<std::string>(std::size_t(processes)));

@@ -149,8 +149,8 @@ TEST_CASE("sheets exchange fewer neighbours' ranges of cells with bundles") {
     SoloCollectives solo;
     OpenedVolume volume{source->grid(), true, memory_source(source->grid(), voxels)};
     auto stores =
-        deal_slices(volume, {.kept_axes = {false, false, true}}, {6, bundle}, {{0, 1, 2, 3, 4, 5}}, solo);
-    share_cell_ranges(stores, {6, bundle}, {{0, 1, 2, 3, 4, 5}}, solo);
+        deal_slices(volume, {.kept_axes = {false, false, true}}, {{6, bundle}, std::vector<int>(6), solo});
+    share_cell_ranges(stores, {{6, bundle}, std::vector<int>(6), solo});
     int count = 0;
     for (const auto& [gp, store] : stores)
       for (int s = 0; s < 48; ++s) count += store.cell_ranges(Axis::z, s) != nullptr;

@@ -28,7 +28,7 @@ std::vector<EncodedStep> encode_all(VolumeSource& source, const FrameSpec& spec,
   SoloCollectives solo;
   const Grid grid = source.grid();
   OpenedVolume volume{grid, true, synth_source("ball", grid)};
-  auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
+  auto stores = deal_slices(volume, {}, {1, {0}, solo});
   const auto frame = make_splat_frame(spec, grid, 1, renderers);
   ThreadTeam team(threads);
   EmptySpace empty_space;
@@ -55,7 +55,7 @@ TEST_CASE("rows are cut into bands of about as many voxels") {
   const Grid grid = make_grid({128, 128, 3});
   SoloCollectives solo;
   OpenedVolume volume{grid, true, synth_source("ball", grid)};
-  auto stores = deal_slices(volume, {}, 1, {{0}}, solo);
+  auto stores = deal_slices(volume, {}, {1, {0}, solo});
   const SliceView slice = stores.at(0).slice(Axis::z, 1);
   const SliceRuns runs(BlockRanges(slice), ramp(128, 255, 0.5), slice.width);
   const auto voxels = [&](int first, int end) {

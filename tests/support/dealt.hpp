@@ -10,13 +10,11 @@ namespace ringsplat::test {
 /// All GPs' slices of a volume, with what is known of their values.
 inline std::map<int, SliceStore> dealt(VolumeSource& source, int gps) {
   SoloCollectives solo;
-  std::vector<int> all;
-  for (int gp = 0; gp < gps; ++gp) all.push_back(gp);
   const Grid grid = source.grid();
   std::vector<std::byte> voxels(grid.bytes());
   source.read_slices(0, grid.dims.z, voxels);
   OpenedVolume volume{grid, true, memory_source(grid, voxels)};
-  auto stores = deal_slices(volume, {}, gps, {all}, solo);
+  auto stores = deal_slices(volume, {}, {gps, std::vector<int>(std::size_t(gps)), solo});
   share_slice_ranges(stores, solo);
   return stores;
 }
@@ -25,7 +23,7 @@ inline std::map<int, SliceStore> dealt(VolumeSource& source, int gps) {
 inline std::map<int, SliceStore> dealt_for_sheets(VolumeSource& source) {
   auto stores = dealt(source, 1);
   SoloCollectives solo;
-  share_cell_ranges(stores, 1, {{0}}, solo);
+  share_cell_ranges(stores, {1, {0}, solo});
   return stores;
 }
 
