@@ -9,46 +9,32 @@
 namespace ringsplat {
 namespace {
 
-/// The weights of the pixels in a kernel's window, row by row, for one position of the voxel between the
-/// pixels.
-class Window {
- public:
-  Window(const Footprint& footprint, KernelReach reach, double dx, double dy)
-      : reach_x_(int(reach.x)),
-        reach_y_(int(reach.y)),
-        weights_(std::size_t(width()) * std::size_t(height())) {
-    const auto exact = coefficients(footprint, dx, dy);
-    const auto a = static_cast<float>(exact.a), b = static_cast<float>(exact.b),
-               c = static_cast<float>(exact.c);
-    for (int row = 0; row < height(); ++row) {
-      for (int column = 0; column < width(); ++column) {
-        const int x = column - reach_x_, y = row - reach_y_;
-        const float q = std::fma(a, float(x), quadratic_part(footprint, x, y)) + std::fma(b, float(y), c);
-        weights_[at(row, column)] = q > 0 ? q * q : 0.0F;
-      }
+/// The weights of the pixels in a kernel's window, row by row, for a voxel that lies so far from its anchor.
+std::vector<float> window_weights(const Footprint& footprint, KernelReach reach, double dx, double dy) {
+  const auto exact = coefficients(footprint, dx, dy);
+  const auto a = static_cast<float>(exact.a), b = static_cast<float>(exact.b),
+             c = static_cast<float>(exact.c);
+  std::vector<float> weights;
+  for (int y = -int(reach.y); y <= reach.y + 1; ++y)
+    for (int x = -int(reach.x); x <= reach.x + 1; ++x) {
+      const float q = std::fma(a, float(x), quadratic_part(footprint, x, y)) + std::fma(b, float(y), c);
+      weights.push_back(q > 0 ? q * q : 0.0F);
     }
-  }
-  int width() const { return 2 * reach_x_ + 2; }
-  int height() const { return 2 * reach_y_ + 2; }
-  float weight(int row, int column) const { return column < width() ? weights_[at(row, column)] : 0.0F; }
+  return weights;
+}
 
- private:
-  std::size_t at(int row, int column) const {
-    return std::size_t(row) * std::size_t(width()) + std::size_t(column);
-  }
-
-  int reach_x_, reach_y_;
-  std::vector<float> weights_;
-};
-
-void take_weights(const Window& window, AlignedSlice& slice) {
-  slice.covered.reserve(std::size_t(window.width()) * std::size_t(window.height()));
-  slice.first_column = window.width();
-  slice.first_row = window.height();
+void take_weights(const std::vector<float>& window, AlignedSlice& slice) {
+  const int width = 2 * slice.reach_x + 2, height = 2 * slice.reach_y + 2;
+  const auto weight = [&](int row, int column) {
+    return column < width ? window[std::size_t(row) * std::size_t(width) + std::size_t(column)] : 0.0F;
+  };
+  slice.covered.reserve(window.size());
+  slice.first_column = width;
+  slice.first_row = height;
   slice.end_column = slice.end_row = 0;
-  for (int row = 0; row < window.height(); ++row) {
-    for (int column = 0; column < window.width(); ++column) {
-      if (!(window.weight(row, column) > 0)) continue;
+  for (int row = 0; row < height; ++row) {
+    for (int column = 0; column < width; ++column) {
+      if (!(weight(row, column) > 0)) continue;
       slice.covered.push_back({column - slice.reach_x, row - slice.reach_y});
       slice.first_column = std::min(slice.first_column, column);
       slice.end_column = std::max(slice.end_column, column + 1);
@@ -61,12 +47,12 @@ void take_weights(const Window& window, AlignedSlice& slice) {
   const int least = slice.first_column / slice.step_x, most = (slice.end_column - 1) / slice.step_x;
   slice.taps = most - least + 1;
   slice.first_tap_x = slice.reach_x - most * slice.step_x;
-  slice.weights.reserve(std::size_t(window.height()) * std::size_t(slice.taps) * tap_floats);
-  for (int row = 0; row < window.height(); ++row) {
+  slice.weights.reserve(std::size_t(height) * std::size_t(slice.taps) * tap_floats);
+  for (int row = 0; row < height; ++row) {
     for (int tap = 0; tap < slice.taps; ++tap) {
       for (int pixel = 0; pixel < tap_floats / 4; ++pixel) {
         const int column = pixel % slice.step_x + (most - tap) * slice.step_x;
-        slice.weights.insert(slice.weights.end(), 4, window.weight(row, column));
+        slice.weights.insert(slice.weights.end(), 4, weight(row, column));
       }
     }
   }
@@ -95,7 +81,7 @@ AlignedSlice AlignedFrame::slice(int index) const {
   slice.reach_x = int(reach().x);
   slice.reach_y = int(reach().y);
   slice.opacity_weight = kernel_.footprint.weight;
-  take_weights(Window(kernel_.footprint, reach(), at.dx, at.dy), slice);
+  take_weights(window_weights(kernel_.footprint, reach(), at.dx, at.dy), slice);
   return slice;
 }
 

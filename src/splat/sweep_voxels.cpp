@@ -133,9 +133,8 @@ HWY_INLINE void convolve_any(const BlockSums& in, const Take& take) {
 }
 
 /// The same for `blocks` blocks and known numbers of rows and taps. Each block has sums of its own, so that
-/// no addition waits for the one before. `alike`: voxels are one pixel apart, so a tap has the same weight in
-/// all pixels.
-template <bool alike, int taps, int rows, int blocks, class Take>
+/// no addition waits for the one before.
+template <int taps, int rows, int blocks, class Take>
 HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) {
   const Floats d;
   BlockOfSums sums[blocks];
@@ -148,18 +147,18 @@ HWY_INLINE void convolve_some(const BlockSums& in, int first, const Take& take) 
       for (int block = 0; block < blocks; ++block)
         for (int i = 0; i < parts; ++i)
           sums[block][i] =
-              fused(alike ? hn::Set(d, *weight) : hn::LoadU(d, weight + i * int(lanes)),
+              fused(hn::LoadU(d, weight + i * int(lanes)),
                     hn::LoadU(d, voxels + block * block_floats + i * int(lanes)), sums[block][i]);
     }
   }
   for (int block = 0; block < blocks; ++block) take(first + block, sums[block]);
 }
 
-template <bool alike, int taps, int rows, class Take>
+template <int taps, int rows, class Take>
 void convolve_rows(const BlockSums& in, const Take& take) {
   int block = 0;
-  for (; block + 2 <= in.blocks; block += 2) convolve_some<alike, taps, rows, 2>(in, block, take);
-  if (block < in.blocks) convolve_some<alike, taps, rows, 1>(in, block, take);
+  for (; block + 2 <= in.blocks; block += 2) convolve_some<taps, rows, 2>(in, block, take);
+  if (block < in.blocks) convolve_some<taps, rows, 1>(in, block, take);
 }
 
 /// Returns use(number) where `value` is a number from `first` to `last`, as a constant; else false.
@@ -179,10 +178,7 @@ template <class Take>
 HWY_INLINE void convolve(const BlockSums& in, const Take& take) {
   const bool known = with_known<2, 4>(in.taps, [&](auto taps) {
     return with_known<1, 4>(in.rows, [&](auto rows) {
-      if (in.voxel_floats == 4)
-        convolve_rows<true, taps(), rows()>(in, take);
-      else
-        convolve_rows<false, taps(), rows()>(in, take);
+      convolve_rows<taps(), rows()>(in, take);
       return true;
     });
   });

@@ -24,7 +24,7 @@
 namespace ringsplat {
 namespace {
 
-/// Splits a payload of runs into parts, and steps through a part block by block or run by run.
+/// Splits a payload of runs into parts, and steps through a part block by block or voxel by voxel.
 template <class Voxel>
 class RunCursor {
  public:
@@ -76,20 +76,17 @@ class RunCursor {
     voxel_at_ += std::size_t(voxels) * sizeof(Voxel);
   }
 
+  /// Row and column of the block's first voxel that is left.
   std::uint32_t row() const { return block_.row; }
-  /// Column of the block's first voxel that is left, and the length of the run from there.
-  std::uint32_t first() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
-  std::uint32_t count() const {
-    return std::uint32_t(std::countr_one(block_.mask >> std::countr_zero(block_.mask)));
-  }
-  Voxel voxel(std::uint32_t k) const {
+  std::uint32_t column() const { return block_.first + std::uint32_t(std::countr_zero(block_.mask)); }
+  Voxel voxel() const {
     Voxel voxel;
-    std::memcpy(&voxel, body_.data() + voxel_at_ + k * sizeof voxel, sizeof voxel);
+    std::memcpy(&voxel, body_.data() + voxel_at_, sizeof voxel);
     return voxel;
   }
-  void skip(std::uint32_t voxels) {
-    voxel_at_ += voxels * sizeof(Voxel);
-    for (; voxels > 0; --voxels) block_.mask &= block_.mask - 1;
+  void skip_voxel() {
+    voxel_at_ += sizeof(Voxel);
+    block_.mask &= block_.mask - 1;
   }
 
  private:
@@ -186,10 +183,7 @@ class RunReader final : public PayloadReader {
   DrawCounts draw(std::uint32_t most) override {
     splats_.resize(most);
     filled_ = off_screen_ = 0;
-    while (filled_ + off_screen_ < most && cursor_.find()) {
-      if (!append_splats(
-              std::min<std::uint32_t>(cursor_.count(), most - std::uint32_t(filled_ + off_screen_))))
-        break;
+    while (filled_ + off_screen_ < most && cursor_.find() && append_splat()) {
     }
     DrawCounts counts = sum_.draw(static_cast<std::int32_t>(corner_x_ + base_x_),
                                   static_cast<std::int32_t>(corner_y_ + base_y_),
@@ -201,53 +195,49 @@ class RunReader final : public PayloadReader {
   std::uint64_t composite(glm::dvec2 voxel) override { return sum_.composite(voxel); }
 
  private:
-  /// Computes positions for the 64 columns around the run's next voxel, unless known: a row has several short
-  /// runs.
+  /// Computes positions for the 64 columns around the next voxel, unless known.
   void place_block() {
     if (std::exchange(row_, cursor_.row()) != cursor_.row()) {
       dda_.begin_row(slice_, int(cursor_.row()));
       placed_ = nothing;
     }
-    const std::uint32_t first = cursor_.first() / RunPlaces::capacity * RunPlaces::capacity;
+    const std::uint32_t first = cursor_.column() / RunPlaces::capacity * RunPlaces::capacity;
     if (std::exchange(placed_, first) == first) return;
     const int count = int(std::min<std::uint32_t>(RunPlaces::capacity, width_ - first));
     place_run(footprint_, dda_, first, count, corner_x_, corner_y_, places_);
   }
 
-  /// Appends at most `wanted` of the run's voxels. Returns false when the next one needs another base.
+  /// Appends the next voxel. Returns false when it needs another base.
   ///
   /// Bases are 256 pixels apart; the first lies the kernels' reach before the region's corner, so regions of
   /// up to 250 pixels need only one.
-  bool append_splats(std::uint32_t wanted) {
+  bool append_splat() {
     place_block();
-    const std::uint32_t first = cursor_.first() - placed_,
-                        end = std::min<std::uint32_t>(first + wanted, RunPlaces::capacity);
-    std::uint32_t k = first;
-    for (; k < end; ++k) {
-      const std::int32_t x = places_.anchor_x[k], y = places_.anchor_y[k];
-      if (is_far(x) || is_far(y)) {
-        ++off_screen_;
-        continue;
-      }
-      if (filled_ == 0) {
-        base_x_ = x & ~255;
-        base_y_ = y & ~255;
-      } else if ((x & ~255) != base_x_ || (y & ~255) != base_y_) {
-        break;
-      }
-      const VoxelColour colour = unpack(cursor_.voxel(k - first));
-      splats_[filled_++] = {places_.a[k],
-                            places_.b[k],
-                            places_.c[k],
-                            weighted_opacity(footprint_, colour.opacity),
-                            colour.red,
-                            colour.green,
-                            colour.blue,
-                            static_cast<std::uint8_t>(x & 255),
-                            static_cast<std::uint8_t>(y & 255)};
+    const std::uint32_t k = cursor_.column() - placed_;
+    const std::int32_t x = places_.anchor_x[k], y = places_.anchor_y[k];
+    if (is_far(x) || is_far(y)) {
+      ++off_screen_;
+      cursor_.skip_voxel();
+      return true;
     }
-    cursor_.skip(k - first);
-    return k == end;
+    if (filled_ == 0) {
+      base_x_ = x & ~255;
+      base_y_ = y & ~255;
+    } else if ((x & ~255) != base_x_ || (y & ~255) != base_y_) {
+      return false;
+    }
+    const VoxelColour colour = unpack(cursor_.voxel());
+    splats_[filled_++] = {places_.a[k],
+                          places_.b[k],
+                          places_.c[k],
+                          weighted_opacity(footprint_, colour.opacity),
+                          colour.red,
+                          colour.green,
+                          colour.blue,
+                          static_cast<std::uint8_t>(x & 255),
+                          static_cast<std::uint8_t>(y & 255)};
+    cursor_.skip_voxel();
+    return true;
   }
 
   /// No kernel reaches so far.

@@ -1,19 +1,42 @@
 #include "base/vector_config.hpp"
 
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "splat/draw_by_rows.cpp"
+#define HWY_TARGET_INCLUDE "splat/draw_splats.cpp"
 #include <hwy/foreach_target.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
+#include "raster/pixel_vectors-inl.hpp"
 #include "splat/painter_kernels.hpp"
 #include "splat/splat.hpp"
-#include "splat/splat_vectors-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace ringsplat::HWY_NAMESPACE {
 
+HWY_INLINE Splat load_splat(const std::byte* bytes) {
+  Splat splat;
+  std::memcpy(&splat, bytes, sizeof splat);
+  return splat;
+}
+
+/// Whether a, b, c and the opacity are all numbers that a footprint can give.
+HWY_INLINE bool is_plausible(const Splat& splat) {
+  const FourFloats d;
+  const auto words = hn::LoadU(d, &splat.a);
+  return hn::AllTrue(d, hn::Lt(hn::Abs(words), hn::Set(d, largest_coefficient)));
+}
+
+/// A splat's, once for each pixel of a vector.
+HWY_INLINE Colour load_colour(const Splat& splat) {
+  HWY_ALIGN float colour[4];
+  hn::Store(premultiply(&splat.red, splat.opacity), FourFloats(), colour);
+  return hn::LoadDup128(Floats(), colour);
+}
+
+/// Draws all plausible splats: draw_one(splat, x, y) gets the anchor, from the region's corner, and returns
+/// whether the kernel reaches a pixel centre of the region.
 template <class DrawOne>
 HWY_INLINE DrawCounts draw_each(const SplatRun& run, const DrawOne& draw_one) {
   DrawCounts counts;
@@ -24,6 +47,64 @@ HWY_INLINE DrawCounts draw_each(const SplatRun& run, const DrawOne& draw_one) {
   }
   counts.clipped = run.count - counts.drawn;
   return counts;
+}
+
+/// Draws whole stencils, clipped at the region's border.
+class StencilPainter {
+ public:
+  HWY_INLINE StencilPainter(const SliceBuffer& slice, const Stencil& stencil, PixelRun* anchors)
+      : slice_(slice), stencil_(stencil), anchors_(anchors) {}
+
+  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
+    const int left = stencil_.reach_x, top = stencil_.reach_y;
+    if (x < -left - 1 || x >= slice_.width + left || y < -top - 1 || y >= slice_.height + top) return false;
+    anchors_[y + top + 1].include(static_cast<int>(x), static_cast<int>(x) + 1);
+    return add(splat, static_cast<int>(x), static_cast<int>(y));
+  }
+
+ private:
+  HWY_INLINE bool add(const Splat& splat, int x, int y) const {
+    const Floats d;
+    const auto a = hn::Set(d, splat.a), b = hn::Set(d, splat.b), c = hn::Set(d, splat.c);
+    const auto left = hn::Set(d, static_cast<float>(-x)), top = hn::Set(d, static_cast<float>(-y)),
+               right = hn::Set(d, static_cast<float>(slice_.width - 1 - x)),
+               bottom = hn::Set(d, static_cast<float>(slice_.height - 1 - y));
+    const Colour colour = load_colour(splat);
+    float* anchor = slice_.origin + y * slice_.row_floats + x * std::ptrdiff_t{4};
+    auto largest = hn::Zero(d);
+    for (std::size_t block = 0; block < stencil_.blocks; block += pixels_a_vector) {
+      const std::size_t at = block * block_pixels;
+      const auto dx = hn::Load(d, stencil_.dx.get() + at), dy = hn::Load(d, stencil_.dy.get() + at);
+      const auto q = hn::Add(fused(a, dx, hn::Load(d, stencil_.k.get() + at)), fused(b, dy, c));
+      const auto inside =
+          hn::And(hn::And(hn::Ge(dx, left), hn::Le(dx, right)), hn::And(hn::Ge(dy, top), hn::Le(dy, bottom)));
+      const auto w = hn::IfThenElseZero(inside, hn::Max(q, hn::Zero(d)));
+      largest = hn::Max(largest, w);
+      add_blocks(anchor, stencil_.offset.data() + block, hn::Mul(w, w), colour);
+    }
+    return !hn::AllFalse(d, hn::Gt(largest, hn::Zero(d)));
+  }
+
+  /// Adds to four vectors of pixels, whose weights are one vector. A pixel block is 4 / pixels_a_vector
+  /// vectors.
+  HWY_INLINE void add_blocks(float* anchor, const std::ptrdiff_t* offset, FloatVector weights,
+                             const Colour& colour) const {
+    constexpr std::size_t a_block = 4 / pixels_a_vector;
+    add_to(anchor + offset[0], spread_.get<0>(weights), colour);
+    add_to(anchor + offset[1 / a_block] + 1 % a_block * lanes, spread_.get<1>(weights), colour);
+    add_to(anchor + offset[2 / a_block] + 2 % a_block * lanes, spread_.get<2>(weights), colour);
+    add_to(anchor + offset[3 / a_block] + 3 % a_block * lanes, spread_.get<3>(weights), colour);
+  }
+
+  const SliceBuffer& slice_;
+  const Stencil& stencil_;
+  PixelRun* anchors_;
+  Spread spread_;
+};
+
+DrawCounts DrawWithStencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
+                           PixelRun* anchors) {
+  return draw_each(run, StencilPainter(slice, stencil, anchors));
 }
 
 /// Half-open run of pixels, as offsets from the anchor.
@@ -202,8 +283,14 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace ringsplat {
 
+HWY_EXPORT(DrawWithStencil);
 HWY_EXPORT(DrawByRows);
 HWY_EXPORT(DrawWithTexture);
+
+DrawCounts draw_with_stencil(const SliceBuffer& slice, const Stencil& stencil, const SplatRun& run,
+                             PixelRun* anchors) {
+  return HWY_DYNAMIC_DISPATCH(DrawWithStencil)(slice, stencil, run, anchors);
+}
 
 DrawCounts draw_by_rows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
                         PixelRun* written) {
