@@ -97,13 +97,16 @@ Id within_file() {
   return access;
 }
 
+/// A dataset's path from the group `below`.
+std::string name_of(const Found& found, const std::string& below) {
+  const bool within = below != "/" && found.path.starts_with(below + "/");
+  return ringsplat::excerpt(within ? found.path.substr(below.size() + 1) : found.path, 120);
+}
+
 std::string listed(const std::vector<Found>& found, const std::string& below) {
   std::string text;
-  for (std::size_t k = 0; k < found.size() && k < most_listed; ++k) {
-    std::string name = found[k].path;
-    if (below != "/" && name.rfind(below + "/", 0) == 0) name.erase(0, below.size() + 1);
-    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", ringsplat::excerpt(name, 120), shape_of(found[k]));
-  }
+  for (std::size_t k = 0; k < found.size() && k < most_listed; ++k)
+    text += fmt::format("{}{} ({})", k == 0 ? "" : ", ", name_of(found[k], below), shape_of(found[k]));
   if (found.size() > most_listed) text += fmt::format(" and {} more", found.size() - most_listed);
   return text;
 }
@@ -118,12 +121,9 @@ std::string only_one(const Walk& walk, const std::filesystem::path& path, const 
                  [&](const Found& one) { return one.extended() >= least; });
     if (fit.size() == 1 && walk.complete()) return fit.front().path;
     if (fit.empty()) continue;
-    const auto name = below == "/" || fit.front().path.rfind(below + "/", 0) != 0
-                          ? fit.front().path
-                          : fit.front().path.substr(below.size() + 1);
     throw InputError(fmt::format("{} holds several datasets: {}{}", path.string(), listed(fit, below),
                                  walk.complete() ? "" : " and more"),
-                     fmt::format("name one: {}:{}", path.string(), ringsplat::excerpt(name, 120)));
+                     fmt::format("name one: {}:{}", path.string(), name_of(fit.front(), below)));
   }
   if (!walk.unreadable.empty())
     refuse(path, "the file is damaged, or a newer HDF5 wrote it: copy it again, or h5repack it there",
@@ -187,14 +187,13 @@ std::optional<ValueType> value_type_of(hid_t type) {
                      fmt::format("float{}", 8 * size)};
   }
   if (kind != H5T_INTEGER) return {};
-  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2;
-  const std::string name = fmt::format("{}int{}", is_signed ? "" : "u", 8 * size);
-  if (size == 1) return ValueType{is_signed ? ScalarType::int8 : ScalarType::uint8, false, false, name};
-  if (size == 2) return ValueType{is_signed ? ScalarType::int16 : ScalarType::uint16, false, false, name};
-  if (size == 3 || size == 4)
-    return ValueType{is_signed ? ScalarType::int32 : ScalarType::uint32, false, false, name};
-  if (size <= 8) return ValueType{ScalarType::float64, true, false, name};
-  return {};
+  if (size > sizeof(std::int64_t)) return {};
+  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2, wide = size > sizeof(std::int32_t);
+  const auto name_of = [&](std::size_t bytes) {
+    return fmt::format("{}int{}", is_signed ? "" : "u", 8 * bytes);
+  };
+  const auto held = size == 3 ? 4 : size;
+  return ValueType{wide ? ScalarType::float64 : scalar_type_from(name_of(held)), wide, false, name_of(size)};
 }
 
 std::vector<int> dims_of(hid_t dataset) {
