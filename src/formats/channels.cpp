@@ -43,6 +43,17 @@ T luminance(const T* colour) {
   }
 }
 
+std::string listed_channels(std::int64_t count, const std::vector<std::string>& names) {
+  constexpr std::int64_t most = 10;
+  std::vector<std::string> listed;
+  for (std::int64_t c = 0; c < std::min(count, most); ++c) {
+    const bool named = c < std::int64_t(names.size()) && !names[std::size_t(c)].empty();
+    listed.push_back(named ? fmt::format("{} ({})", c, excerpt(names[std::size_t(c)])) : std::to_string(c));
+  }
+  if (count > most) listed.emplace_back("...");
+  return comma_list(listed);
+}
+
 class ChannelSource final : public ForwardingSource {
  public:
   ChannelSource(std::unique_ptr<VolumeSource> interleaved, const Grid& grid, int components,
@@ -107,6 +118,21 @@ ChannelChoice choose_channel(const std::string& channel, int components, bool co
   return {index};
 }
 
+std::int64_t choose_named_channel(const std::string& channel, std::int64_t count,
+                                  const std::vector<std::string>& names, const std::string& where) {
+  if (channel.empty()) {
+    log_warning_once("{}: of the channels {} the first is shown; --channel takes another", where,
+                     listed_channels(count, names));
+    return 0;
+  }
+  for (std::size_t c = 0; c < names.size() && std::int64_t(c) < count; ++c)
+    if (lower_case(names[c]) == lower_case(channel)) return std::int64_t(c);
+  if (const auto number = number_in<std::int64_t>(channel); number && *number >= 0 && *number < count)
+    return *number;
+  throw InputError(fmt::format("--channel {}: {} has no such channel", channel, where),
+                   "its channels are " + listed_channels(count, names));
+}
+
 void take_channel(ScalarType type, int components, ChannelChoice choice, std::span<const std::byte> in,
                   std::span<std::byte> out) {
   visit_type(type, [&](auto zero) {
@@ -131,13 +157,15 @@ Grid interleaved_grid(const Grid& grid, int components, const std::string& where
 
 std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
                                              int components, ChannelChoice choice) {
+  if (components == 1) return interleaved;
   return std::make_unique<ChannelSource>(std::move(interleaved), grid, components, choice);
 }
 
 std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
-                                             int components, bool colours, const std::string& channel,
+                                             int components, const std::string& channel,
                                              const std::string& where) {
   if (components == 1) return interleaved;
+  const bool colours = are_colours(grid.type, components);
   return channel_source(std::move(interleaved), grid, components,
                         choose_channel(channel, components, colours, where));
 }

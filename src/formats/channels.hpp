@@ -1,9 +1,11 @@
 #pragma once
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "ringsplat/formats/open.hpp"
 #include "ringsplat/volume/source.hpp"
@@ -27,6 +29,12 @@ bool are_colours(ScalarType type, int components);
 ChannelChoice choose_channel(const std::string& channel, int components, bool colours,
                              const std::string& where);
 
+/// Of `count` channels that lie apart the one with this number or name, from 0; without it the first, of
+/// which a warning tells. `names`: one may be empty, or missing at the end. Throws InputError for no such
+/// channel.
+std::int64_t choose_named_channel(const std::string& channel, std::int64_t count,
+                                  const std::vector<std::string>& names, const std::string& where);
+
 /// Takes the chosen numbers of interleaved voxels (native order). Luminance has the weights of ITU-R BT.709
 /// on the stored numbers, rounded to the nearest of an integer type. `out` has in.size() / components bytes.
 void take_channel(ScalarType type, int components, ChannelChoice choice, std::span<const std::byte> in,
@@ -36,13 +44,13 @@ void take_channel(ScalarType type, int components, ChannelChoice choice, std::sp
 /// are so much longer: what readers of interleaved voxels are given. Throws InputError when that overflows.
 Grid interleaved_grid(const Grid& grid, int components, const std::string& where);
 
-/// The scalar volume `grid` in a source of interleaved_grid(grid, components).
+/// The scalar volume `grid` in a source of interleaved_grid(grid, components); that source itself for one.
 std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
                                              int components, ChannelChoice choice);
 
-/// The same by choose_channel(); the source itself where a voxel is one number.
+/// The same by choose_channel() and are_colours().
 std::unique_ptr<VolumeSource> channel_source(std::unique_ptr<VolumeSource> interleaved, const Grid& grid,
-                                             int components, bool colours, const std::string& channel,
+                                             int components, const std::string& channel,
                                              const std::string& where);
 
 }  // namespace ringsplat::detail

@@ -14,12 +14,6 @@
 namespace ringsplat::detail {
 namespace {
 
-std::vector<std::filesystem::path> files_of(const std::vector<StoredVoxels>& pieces) {
-  std::vector<std::filesystem::path> files;
-  for (const auto& piece : pieces) files.push_back(piece.file);
-  return files;
-}
-
 /// Throws InputError when the file cannot hold `bytes` bytes of voxels.
 void require_room(const StoredVoxels& stored, std::uint64_t size, std::uint64_t bytes) {
   switch (stored.encoding) {
@@ -71,13 +65,11 @@ class StoredSource final : public VolumeSource {
       facts.push_back({"rescaling", fmt::format("slope {}, intercept {}", stored.rescale->slope,
                                                 stored.rescale->intercept)});
     facts.push_back({"offset", fmt::format("{} bytes", stored.offset)});
-    if (pieces_.size() > 1) {
-      const Facts of_files = files_.facts();
-      facts.insert(facts.end(), of_files.begin(), of_files.end());
-    } else {
-      const auto rest = file_->size() - std::min(file_->size(), stored.offset);
-      add_facts_of(*file_, stored.offset, stored.encoding == Encoding::raw ? piece_bytes_ : rest, facts);
-    }
+    const auto rest = file_->size() - std::min(file_->size(), stored.offset);
+    const bool raw = stored.encoding == Encoding::raw;
+    std::ranges::copy(
+        pieces_.size() > 1 ? files_.facts() : files_.facts(stored.offset, raw ? piece_bytes_ : rest),
+        std::back_inserter(facts));
     return facts;
   }
 
@@ -121,6 +113,54 @@ class StoredSource final : public VolumeSource {
   std::unique_ptr<EncodedBytes> bytes_;
 };
 
+class TransposedSource final : public LayeredSource {
+ public:
+  TransposedSource(const Grid& grid, const std::filesystem::path& file, std::uint64_t offset, bool big_endian,
+                   std::uint64_t most_held)
+      : LayeredSource(grid, {file},
+                      {{"encoding", "raw, z fastest"}, {"byte order", big_endian ? "big" : "little"}}, false),
+        file_(file),
+        offset_(offset),
+        big_endian_(big_endian) {
+    require_bytes(file, file_.size(), offset, grid.bytes());
+    set_layer(std::uint64_t(grid.dims.z), most_held);
+  }
+
+ private:
+  /// Reads all columns along z within a layer, many at once where they are short.
+  void read_layer(int first, int stop, std::span<std::byte> out) override {
+    const auto size = size_of(grid().type);
+    const auto column = std::uint64_t(grid().dims.z) * size;
+    const auto columns = std::uint64_t(grid().dims.x) * std::uint64_t(grid().dims.y);
+    constexpr std::uint64_t most_read = 1 << 20;  // bytes at a time
+    const auto step = std::clamp<std::uint64_t>(most_read / column, 1, columns);
+    const auto part = std::size_t(stop - first) * size;  // of a column
+    std::vector<std::byte> window;
+    for (std::uint64_t begin = 0; begin < columns; begin += step) {
+      const auto end = std::min(begin + step, columns);
+      window.resize(std::size_t((end - begin - 1) * column) + part);
+      file_.read(offset_ + begin * column + std::uint64_t(first) * size, window);
+      for (auto at = begin; at < end; ++at)
+        scatter(at, std::span(window).subspan(std::size_t((at - begin) * column), part), out);
+    }
+    require_unchanged(file_.path());
+    to_native_order(out, size, big_endian_);
+  }
+
+  /// `number`: y + dims.y * x.
+  void scatter(std::uint64_t number, std::span<const std::byte> column, std::span<std::byte> out) const {
+    const auto size = size_of(grid().type), slice = grid().slice_voxels(Axis::z);
+    const auto rows = std::uint64_t(grid().dims.y);
+    auto to = std::size_t(number / rows + number % rows * std::uint64_t(grid().dims.x));
+    for (std::size_t at = 0; at < column.size(); at += size, to += slice)
+      std::memcpy(out.data() + to * size, column.data() + at, size);
+  }
+
+  InputFile file_;
+  std::uint64_t offset_;
+  bool big_endian_;
+};
+
 }  // namespace
 
 void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
@@ -151,6 +191,12 @@ void StoredVoxels::choose(std::uint64_t bytes, std::uint64_t count, std::uint64_
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {
   return std::make_unique<StoredSource>(grid, std::move(pieces));
+}
+
+std::unique_ptr<VolumeSource> transposed_source(const Grid& grid, const std::filesystem::path& file,
+                                                std::uint64_t offset, bool big_endian,
+                                                std::uint64_t most_held) {
+  return std::make_unique<TransposedSource>(grid, file, offset, big_endian, most_held);
 }
 
 }  // namespace ringsplat::detail

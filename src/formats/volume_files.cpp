@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <iterator>
 #include <string>
 
 #include "base/fingerprint.hpp"
@@ -47,10 +48,6 @@ FileStamp stamp_at(const std::filesystem::path& file) {
 
 }  // namespace
 
-void add_facts_of(const InputFile& file, std::uint64_t offset, std::uint64_t bytes, Facts& facts) {
-  add_facts(file, offset, bytes, most_hashed, "", facts);
-}
-
 VolumeFiles::VolumeFiles(const std::vector<std::filesystem::path>& files) {
   for (const auto& file : files) {
     if (!files_.empty() && files_.back() == file) continue;
@@ -64,9 +61,9 @@ void VolumeFiles::require_unchanged(const std::filesystem::path& file) const {
 }
 
 Facts VolumeFiles::facts() const {
+  if (files_.size() == 1) return facts(0, stamps_.at(files_[0].string()).bytes);
   Facts facts{{"number of files", fmt::format("{}", files_.size())}};
-  const auto most = std::clamp(most_hashed_in_all / (2 * std::max<std::uint64_t>(1, files_.size())),
-                               least_hashed, most_hashed);
+  const auto most = std::clamp(most_hashed_in_all / (2 * files_.size()), least_hashed, most_hashed);
   for (std::size_t k = 0; k < files_.size(); ++k)
     facts.push_back({fmt::format("file {}", k + 1), files_[k].filename().string()});
   for (const auto& path : files_) {
@@ -74,6 +71,46 @@ Facts VolumeFiles::facts() const {
     add_facts(file, 0, file.size(), most, " of " + path.filename().string(), facts);
   }
   return facts;
+}
+
+Facts VolumeFiles::facts(std::uint64_t offset, std::uint64_t bytes) const {
+  Facts facts;
+  add_facts(InputFile(files_[0]), offset, bytes, most_hashed, "", facts);
+  return facts;
+}
+
+void LayeredSource::read_slices(int first, int count, std::span<std::byte> out) {
+  const std::size_t bytes = grid_.slice_bytes(Axis::z);
+  for (int z = first; z < first + count;) {
+    const int begin = z / depth_ * depth_, end = std::min(begin + depth_, grid_.dims.z),
+              stop = std::min(end, first + count);
+    const auto part = out.subspan(std::size_t(z - first) * bytes, std::size_t(stop - z) * bytes);
+    if (z == begin && stop == end) {
+      read_layer(begin, end, part);
+    } else {
+      if (kept_first_ != begin) {
+        kept_first_ = -1;
+        kept_.resize(std::size_t(end - begin) * bytes);
+        read_layer(begin, end, kept_);
+        kept_first_ = begin;
+      }
+      std::memcpy(part.data(), kept_.data() + std::size_t(z - begin) * bytes, part.size());
+    }
+    z = stop;
+  }
+}
+
+Facts LayeredSource::facts() const {
+  Facts facts = encoding_;
+  std::ranges::copy(files_.facts(), std::back_inserter(facts));
+  return facts;
+}
+
+void LayeredSource::set_layer(std::uint64_t slices, std::uint64_t most_bytes) {
+  const auto depth = std::min<std::uint64_t>(slices, std::uint64_t(grid_.dims.z));
+  const std::uint64_t most = std::max<std::uint64_t>(1, most_bytes / grid_.slice_bytes(Axis::z));
+  const std::uint64_t parts = (depth + most - 1) / most;
+  depth_ = int((depth + parts - 1) / parts);
 }
 
 }  // namespace ringsplat::detail

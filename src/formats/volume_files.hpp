@@ -12,11 +12,15 @@
 
 namespace ringsplat::detail {
 
-/// Adds a file's size, and hashes of the first and the last of the `bytes` bytes from `offset` on: up to 64
-/// KiB each. Throws InputError when the file cannot be read.
-void add_facts_of(const InputFile& file, std::uint64_t offset, std::uint64_t bytes, Facts& facts);
+/// The paths of what lies in files, in that order.
+template <class Pieces>
+std::vector<std::filesystem::path> files_of(const Pieces& pieces) {
+  std::vector<std::filesystem::path> files;
+  for (const auto& piece : pieces) files.push_back(piece.file);
+  return files;
+}
 
-/// The files of a volume that other code than InputFile reads, as they were when this was made.
+/// The files of a volume, as they were when this was made.
 class VolumeFiles {
  public:
   /// `files`: in the order of the slices; a file several times in a row counts once. Throws InputError when
@@ -25,45 +29,49 @@ class VolumeFiles {
   /// Throws InputError when the file has changed or is gone. Call it before a file is opened again and after
   /// it was read.
   void require_unchanged(const std::filesystem::path& file) const;
-  /// Their number, names without folders, sizes, and hashes of their first and last bytes.
+  /// Sizes, and hashes of the first and the last bytes; of several files their number and their names without
+  /// folders, too.
   Facts facts() const;
+  /// The same of an only file, with hashes of the `bytes` bytes from `offset` on.
+  Facts facts(std::uint64_t offset, std::uint64_t bytes) const;
 
  private:
   std::vector<std::filesystem::path> files_;
   std::unordered_map<std::string, FileStamp> stamps_;  ///< by path
 };
 
-/// A volume whose z slices are read one by one, from files or pages of their own, so that every process reads
-/// its own.
-class SliceBySlice : public VolumeSource {
+/// A volume of files that is read in layers: slices that are decoded together, or one by one. Reads that are
+/// not whole layers keep the last one.
+class LayeredSource : public VolumeSource {
  public:
-  /// `encoding`: facts beside the grid's and the files'.
-  SliceBySlice(const Grid& grid, const std::vector<std::filesystem::path>& files, Facts encoding)
-      : grid_(grid), files_(files), encoding_(std::move(encoding)) {}
+  /// `concurrent`: every process reads its own layers. `encoding`: facts beside the grid's and the files'.
+  LayeredSource(const Grid& grid, const std::vector<std::filesystem::path>& files, Facts encoding,
+                bool concurrent = true)
+      : grid_(grid), files_(files), encoding_(std::move(encoding)), concurrent_(concurrent) {}
   const Grid& grid() const final { return grid_; }
-  bool concurrent() const final { return true; }
-  void read_slices(int first, int count, std::span<std::byte> out) final {
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    for (int z = first; z < first + count; ++z)
-      read_slice(z, out.subspan(std::size_t(z - first) * bytes, bytes));
-  }
-  Facts facts() const final {
-    Facts facts = encoding_;
-    const Facts of_files = files_.facts();
-    facts.insert(facts.end(), of_files.begin(), of_files.end());
-    return facts;
-  }
+  bool concurrent() const final { return concurrent_; }
+  int layer_depth() const final { return depth_; }
+  void read_slices(int first, int count, std::span<std::byte> out) final;
+  Facts facts() const final;
 
  protected:
+  /// `slices`: that are decoded together, as of a chunk. Layers of more bytes are cut into thinner ones, as
+  /// even as they can be, which keeps memory bounded and decodes chunks once for each of them.
+  void set_layer(std::uint64_t slices, std::uint64_t most_bytes = std::uint64_t{256} << 20);
   /// Throws InputError when a file is no longer what it was when the volume was opened.
   void require_unchanged(const std::filesystem::path& file) const { files_.require_unchanged(file); }
 
  private:
-  virtual void read_slice(int z, std::span<std::byte> out) = 0;
+  /// Slices [begin, end), which are one layer.
+  virtual void read_layer(int begin, int end, std::span<std::byte> out) = 0;
 
   Grid grid_;
   VolumeFiles files_;
   Facts encoding_;
+  bool concurrent_;
+  int depth_ = 1;
+  std::vector<std::byte> kept_;  ///< the last layer that was not read as a whole
+  int kept_first_ = -1;
 };
 
 }  // namespace ringsplat::detail

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -28,14 +29,6 @@ struct DicomFrame {
   DicomPlane plane;
 };
 
-/// Reads a file that was described before. Throws InputError when it is another one now.
-void read_image(const DicomFrame& frame, std::span<std::byte> out) {
-  auto image = DicomImage::open(frame.file);
-  if (!image || image->grid().dims != frame.grid.dims || image->grid().type != frame.grid.type)
-    throw InputError(fmt::format("{} has changed while it was read", frame.file.string()), "start again");
-  image->read(out);
-}
-
 /// Makes `voxels` the mean of itself and `next`, of which `part` counts; whole numbers are rounded.
 void mix(ScalarType type, std::span<const std::byte> next, double part, std::span<std::byte> voxels) {
   visit_type(type, [&](auto zero) {
@@ -49,76 +42,64 @@ void mix(ScalarType type, std::span<const std::byte> next, double part, std::spa
   });
 }
 
-/// Slices are images of files, or lie between two.
-class DicomSource final : public SliceBySlice {
+/// Slices are images of files, or of the frames of an only file, or lie between two.
+class DicomSource final : public LayeredSource {
  public:
   DicomSource(const Grid& grid, std::vector<DicomFrame> images, std::vector<DicomSlice> slices)
-      : SliceBySlice(grid, files_of(images, slices), {{"encoding", "DICOM"}}),
+      : LayeredSource(grid, files_of(images, slices), {{"encoding", "DICOM"}}, images[0].grid.dims.z == 1),
         images_(std::move(images)),
         slices_(std::move(slices)) {}
 
  private:
+  static std::size_t file_of(const std::vector<DicomFrame>& images, std::size_t image) {
+    return images.size() == 1 ? 0 : image;
+  }
   static std::vector<std::filesystem::path> files_of(const std::vector<DicomFrame>& images,
                                                      const std::vector<DicomSlice>& slices) {
     std::vector<std::filesystem::path> files;
-    for (const DicomSlice& slice : slices) files.push_back(images[slice.image].file);
+    for (const DicomSlice& slice : slices) files.push_back(images[file_of(images, slice.image)].file);
     return files;
   }
 
-  void read_slice(int z, std::span<std::byte> out) override {
+  void read_layer(int z, int, std::span<std::byte> out) override {
     const DicomSlice& slice = slices_[std::size_t(z)];
-    read_file(images_[slice.image], out);
+    read_image(slice.image, out);
     if (slice.part == 0) return;
     std::vector<std::byte> next(out.size());
-    read_file(images_[slice.next], next);
+    read_image(slice.next, next);
     mix(grid().type, next, slice.part, out);
   }
 
-  void read_file(const DicomFrame& image, std::span<std::byte> out) {
-    require_unchanged(image.file);
-    const bool same = image.grid.type == grid().type;
-    std::vector<std::byte> raw(same ? 0 : image.grid.bytes());
-    read_image(image, same ? out : raw);
-    require_unchanged(image.file);
-    if (same) return;
+  void read_image(std::size_t image, std::span<std::byte> out) {
+    const auto number = file_of(images_, image);
+    const Grid& stored = images_[number].grid;
+    hold(number);
+    const auto bytes = stored.slice_bytes(Axis::z);
+    const auto voxels = std::span(held_).subspan((image - number) * bytes, bytes);
     // Slices with different rescaling may have different types; the volume is then float32.
-    apply({}, image.grid.type, raw, grid().type, out);
+    if (stored.type != grid().type) return apply({}, stored.type, voxels, grid().type, out);
+    std::ranges::copy(voxels, out.begin());
+  }
+
+  /// GDCM decodes all frames of a file at once. Throws InputError when it is another file now.
+  void hold(std::size_t number) {
+    if (held_number_ == number) return;
+    const DicomFrame& image = images_[number];
+    held_number_.reset();
+    held_.resize(image.grid.bytes());
+    require_unchanged(image.file);
+    auto opened = DicomImage::open(image.file);
+    if (!opened || opened->grid().dims != image.grid.dims || opened->grid().type != image.grid.type)
+      throw InputError(fmt::format("{} has changed while it was read", image.file.string()), "start again");
+    opened->read(held_);
+    require_unchanged(image.file);
+    held_number_ = number;
   }
 
   std::vector<DicomFrame> images_;
   std::vector<DicomSlice> slices_;
-};
-
-/// The frames of one file. GDCM decodes all at once, and they are kept.
-class MultiFrameSource final : public VolumeSource {
- public:
-  /// `slices`: which frames are the volume's slices.
-  MultiFrameSource(const Grid& grid, DicomFrame frames, std::vector<DicomSlice> slices)
-      : grid_(grid), frames_(std::move(frames)), slices_(std::move(slices)) {}
-
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return false; }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    if (stored_.empty()) {
-      std::vector<std::byte> stored(frames_.grid.bytes());
-      read_image(frames_, stored);
-      stored_ = std::move(stored);
-    }
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    const auto frame = [&](std::size_t i) { return std::span(stored_).subspan(i * bytes, bytes); };
-    for (int k = 0; k < count; ++k) {
-      const auto& slice = slices_[std::size_t(first + k)];
-      const auto voxels = out.subspan(std::size_t(k) * bytes, bytes);
-      std::ranges::copy(frame(slice.image), voxels.begin());
-      if (slice.part > 0) mix(grid_.type, frame(slice.next), slice.part, voxels);
-    }
-  }
-
- private:
-  Grid grid_;
-  DicomFrame frames_;
-  std::vector<DicomSlice> slices_;
-  std::vector<std::byte> stored_;  ///< empty until they are first read
+  std::vector<std::byte> held_;  ///< voxels of the file that was read last
+  std::optional<std::size_t> held_number_;
 };
 
 void require_alike(const std::vector<DicomFrame>& images) {
@@ -199,8 +180,7 @@ std::unique_ptr<VolumeSource> open_series(const DicomSeries& series, const Volum
 std::unique_ptr<VolumeSource> open_frames(const DicomHeader& header, const VolumeChoice& choice, int& times) {
   const auto image = DicomImage::open(header.file);
   if (!image) throw InputError(fmt::format("{} has changed", header.file.string()), "start again");
-  DicomFrame frames{header.file, image->grid(), {}};
-  Grid grid = frames.grid;
+  Grid grid = image->grid();
   std::vector<DicomSlice> slices(std::size_t(grid.dims.z));
   for (std::size_t z = 0; z < slices.size(); ++z) slices[z] = {.image = z, .next = z};
   if (const auto& planes = image->planes()) {
@@ -217,7 +197,8 @@ std::unique_ptr<VolumeSource> open_frames(const DicomHeader& header, const Volum
     grid.spacing.z = -grid.spacing.z;
     grid.direction[2] = -grid.direction[2];
   }
-  return std::make_unique<MultiFrameSource>(grid, std::move(frames), std::move(slices));
+  return std::make_unique<DicomSource>(grid, std::vector<DicomFrame>{{header.file, image->grid(), {}}},
+                                       std::move(slices));
 }
 
 VolumeNotes notes_of(const DicomSeries& series, int frames) {

@@ -19,6 +19,7 @@
 #include "formats/stored_source.hpp"
 #include "formats/volume_files.hpp"
 #include "ringsplat/base/error.hpp"
+#include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -29,15 +30,12 @@ using Role = DatasetAxis::Role;
 /// What is read of a dataset. Sizes and offsets are in the order of its dimensions.
 struct Selection {
   std::filesystem::path file;
-  std::string dataset;
+  std::string dataset, where;        ///< its path in the file; both, for messages
   std::vector<hsize_t> first, size;  ///< the chosen frame and channel, and the whole of the others
   int slices = -1;                   ///< the dimension that z slices lie along; -1: there is one slice
   ValueType value = {};
   std::vector<Rescale> rescale = {};  ///< none, one for all, or one a slice
 };
-
-/// Bytes of a layer that a process holds while it hands it out.
-constexpr std::uint64_t most_layer_bytes = std::uint64_t{256} << 20;
 
 std::string filter_name(H5Z_filter_t id, const char* stored) {
   static const std::map<int, const char*> known{{32000, "LZF"},        {32001, "Blosc"}, {32004, "LZ4"},
@@ -71,100 +69,53 @@ hid_t memory_type(ScalarType type) {
   return types[std::size_t(type)];
 }
 
-std::vector<hsize_t> chunk_of(hid_t creation, std::size_t rank) {
-  std::vector<hsize_t> chunk(rank, 0);
-  if (H5Pget_layout(creation) != H5D_CHUNKED || H5Pget_chunk(creation, int(rank), chunk.data()) != int(rank))
-    return {};
-  return chunk;
+Facts facts_of(const Selection& selection) {
+  std::string first;
+  for (const hsize_t at : selection.first) first += fmt::format("{}{}", first.empty() ? "" : " ", at);
+  Facts facts{{"encoding", "HDF5"},
+              {"dataset", selection.dataset},
+              {"stored type", selection.value.name},
+              {"first voxel", first}};
+  if (!selection.rescale.empty())
+    facts.push_back({"rescale", fmt::format("{:.17g} {:.17g}", selection.rescale.front().slope,
+                                            selection.rescale.front().intercept)});
+  return facts;
 }
 
-/// The voxels of the selection. Concurrent; its layers are the chunks' layers. A layer of more than 256 MiB
-/// is cut into thinner layers, which keeps memory bounded and decodes its chunks once for each of them. Reads
-/// that are not whole layers keep the last one. Holds the file open; throws InputError when it changes.
-class DatasetSource final : public VolumeSource {
+/// The voxels of the selection. Its layers are the chunks' layers.
+class DatasetSource final : public LayeredSource {
  public:
-  DatasetSource(const Grid& grid, VolumeNotes notes, Selection selection)
-      : grid_(grid), notes_(std::move(notes)), selection_(std::move(selection)), on_disk_(selection_.file) {
-    file_ = open_file(selection_.file);
-    const Id access(H5Pcreate(H5P_DATASET_ACCESS));
-    // Whole layers are read at once, so no chunk is asked for twice.
-    H5Pset_chunk_cache(access.get(), 0, 0, 0);
-    dataset_ = made(H5Dopen2(file_.get(), selection_.dataset.c_str(), access.get()), where());
-    const Id creation = made(H5Dget_create_plist(dataset_.get()), where());
-    chunk_ = chunk_of(creation.get(), selection_.first.size());
-    if (!chunk_.empty() && selection_.slices >= 0) depth_ = bounded(chunk_[std::size_t(selection_.slices)]);
-  }
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return true; }
-  int layer_depth() const override { return depth_; }
-  VolumeNotes notes() const override { return notes_; }
-
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const std::size_t bytes = grid_.slice_bytes(Axis::z);
-    for (int z = first; z < first + count;) {
-      const int begin = z / depth_ * depth_, end = std::min(begin + depth_, grid_.dims.z),
-                stop = std::min(end, first + count);
-      const auto part = out.subspan(std::size_t(z - first) * bytes, std::size_t(stop - z) * bytes);
-      if (z == begin && stop == end) {
-        read_layer(begin, end, part);
-      } else {
-        if (kept_first_ != begin) {
-          kept_first_ = -1;
-          kept_.resize(std::size_t(end - begin) * bytes);
-          read_layer(begin, end, kept_);
-          kept_first_ = begin;
-        }
-        std::memcpy(part.data(), kept_.data() + std::size_t(z - begin) * bytes, part.size());
-      }
-      z = stop;
-    }
-  }
-
-  Facts facts() const override {
-    std::string chunk, first;
-    for (const hsize_t size : chunk_) chunk += fmt::format("{}{}", chunk.empty() ? "" : " x ", size);
-    for (const hsize_t at : selection_.first) first += fmt::format("{}{}", first.empty() ? "" : " ", at);
-    Facts facts{{"encoding", "HDF5"},
-                {"dataset", selection_.dataset},
-                {"stored type", selection_.value.name},
-                {"first voxel", first},
-                {"chunks", chunk.empty() ? "none" : chunk}};
-    if (!selection_.rescale.empty())
-      facts.push_back({"rescale", fmt::format("{:.17g} {:.17g}", selection_.rescale.front().slope,
-                                              selection_.rescale.front().intercept)});
-    add_facts_of(on_disk_, 0, on_disk_.size(), facts);
-    return facts;
+  DatasetSource(const Grid& grid, Id dataset, Selection selection)
+      : LayeredSource(grid, {selection.file}, facts_of(selection)),
+        dataset_(std::move(dataset)),
+        selection_(std::move(selection)) {
+    const Id creation = made(H5Dget_create_plist(dataset_.get()), selection_.where);
+    std::vector<hsize_t> chunk(selection_.first.size());
+    const int rank = int(chunk.size());
+    if (selection_.slices >= 0 && H5Pget_layout(creation.get()) == H5D_CHUNKED &&
+        H5Pget_chunk(creation.get(), rank, chunk.data()) == rank)
+      set_layer(chunk[std::size_t(selection_.slices)]);
   }
 
  private:
-  std::string where() const { return selection_.file.string() + ":" + selection_.dataset; }
-
-  /// A layer of chunks in layers of at most most_layer_bytes, as even as they can be.
-  int bounded(hsize_t layer) const {
-    const auto depth = std::uint64_t(std::min<hsize_t>(layer, hsize_t(grid_.dims.z)));
-    const std::uint64_t most = std::max<std::uint64_t>(1, most_layer_bytes / grid_.slice_bytes(Axis::z));
-    const std::uint64_t parts = (depth + most - 1) / most;
-    return int((depth + parts - 1) / parts);
-  }
-
-  void read_layer(int begin, int end, std::span<std::byte> out) {
-    on_disk_.require_unchanged();
+  void read_layer(int begin, int end, std::span<std::byte> out) override {
+    require_unchanged(selection_.file);
     if (!selection_.rescale.empty()) {
-      std::vector<double> values(out.size() / size_of(grid_.type));
+      std::vector<double> values(out.size() / size_of(grid().type));
       read_as(H5T_NATIVE_DOUBLE, begin, end, values.data());
       const auto in = std::as_bytes(std::span(values));
       for (int z = begin; z < end; ++z) {
         const auto at = std::size_t(z - begin), count = std::size_t(end - begin);
         const auto& rescale = selection_.rescale[selection_.rescale.size() > 1 ? std::size_t(z) : 0];
-        apply(rescale, ScalarType::float64, in.subspan(in.size() / count * at, in.size() / count), grid_.type,
-              out.subspan(out.size() / count * at, out.size() / count));
+        apply(rescale, ScalarType::float64, in.subspan(in.size() / count * at, in.size() / count),
+              grid().type, out.subspan(out.size() / count * at, out.size() / count));
       }
     } else if (selection_.value.wide) {
       read_wide(begin, end, out);
     } else {
-      read_as(memory_type(grid_.type), begin, end, out.data());
+      read_as(memory_type(grid().type), begin, end, out.data());
     }
-    on_disk_.require_unchanged();
+    require_unchanged(selection_.file);
   }
 
   /// 64-bit integers as float64, in place.
@@ -178,7 +129,7 @@ class DatasetSource final : public VolumeSource {
       const bool negative = is_signed && bits >> 63 != 0;
       const std::uint64_t magnitude = negative ? ~bits + 1 : bits;
       if (magnitude > largest)
-        refuse(where(), "convert the dataset to 32-bit integers or floats first",
+        refuse(selection_.where, "convert the dataset to 32-bit integers or floats first",
                "the 64-bit integer {}{} has no exact float64", negative ? "-" : "", magnitude);
       const double value = negative ? -double(magnitude) : double(magnitude);
       std::memcpy(out.data() + at, &value, sizeof(value));
@@ -191,23 +142,16 @@ class DatasetSource final : public VolumeSource {
       first[std::size_t(selection_.slices)] = hsize_t(begin);
       size[std::size_t(selection_.slices)] = hsize_t(end - begin);
     }
-    const Id stored = made(H5Dget_space(dataset_.get()), where());
+    const Id stored = made(H5Dget_space(dataset_.get()), selection_.where);
     done(H5Sselect_hyperslab(stored.get(), H5S_SELECT_SET, first.data(), nullptr, size.data(), nullptr),
-         where());
-    const Id memory = made(H5Screate_simple(int(size.size()), size.data(), nullptr), where());
+         selection_.where);
+    const Id memory = made(H5Screate_simple(int(size.size()), size.data(), nullptr), selection_.where);
     if (H5Dread(dataset_.get(), type, memory.get(), stored.get(), H5P_DEFAULT, out) < 0)
-      fail(fmt::format("{}: slices {} to {} cannot be read", where(), begin, end - 1));
+      fail(fmt::format("{}: slices {} to {} cannot be read", selection_.where, begin, end - 1));
   }
 
-  Grid grid_;
-  VolumeNotes notes_;
+  Id dataset_;
   Selection selection_;
-  InputFile on_disk_;
-  Id file_, dataset_;
-  std::vector<hsize_t> chunk_;  ///< sizes; empty for a dataset without chunks
-  int depth_ = 1;
-  std::vector<std::byte> kept_;  ///< the last layer that was not read as a whole
-  int kept_first_ = -1;
 };
 
 /// Throws InputError, naming the reason, for voxels that the file does not hold itself or that need a filter
@@ -310,12 +254,8 @@ Channels channels_of(const std::vector<DatasetAxis>& axes, const ValueType& valu
   return channels;
 }
 
-/// What is read: of frames and channels one, but all of colours whose luminance is made.
-Selection select(const std::filesystem::path& file, const std::string& dataset,
-                 const std::vector<DatasetAxis>& axes, const Channels& channels, int frame) {
-  Selection selection;
-  selection.file = file;
-  selection.dataset = dataset;
+/// Of frames and channels one, but all of colours whose luminance is made.
+void select(const std::vector<DatasetAxis>& axes, const Channels& channels, int frame, Selection& selection) {
   for (std::size_t k = 0; k < axes.size(); ++k) {
     const bool is_channel = axes[k].role == Role::channel;
     const bool whole = axes[k].role == Role::space || (is_channel && !channels.choice.index);
@@ -324,39 +264,37 @@ Selection select(const std::filesystem::path& file, const std::string& dataset,
     selection.size.push_back(whole ? hsize_t(axes[k].size) : 1);
   }
   selection.slices = lattice_axes(axes)[2];
-  return selection;
 }
 
-/// A dataset that can be read, with everything closed again: who opens it next says how it is cached.
-struct Described {
-  Grid grid;
-  VolumeNotes notes;
-  Selection selection;
-  Channels channels;
-  std::string where;
-  std::optional<StoredVoxels> in_place = {};
-};
+}  // namespace
 
-Described describe(const std::filesystem::path& path, const std::string& named, const VolumeChoice& choice) {
-  const Id file = open_file(path);
+std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const VolumeChoice& choice,
+                                        std::optional<StoredVoxels>& in_place) {
+  const auto [path_of_file, named] = split_dataset(path);
+  require_hdf5(path_of_file);
+  const Id file = open_file(path_of_file);
   Iterations iterations;
-  const std::string dataset = choose_dataset(file.get(), path, named, choice, iterations);
-  const std::string where = path.string() + ":" + ringsplat::excerpt(dataset, 200);
-  const Id id = open_object(file.get(), dataset, where);
-  const auto dims = dims_of(id.get());
-  const Id type = made(H5Dget_type(id.get()), where);
+  Selection selection;
+  selection.file = path_of_file;
+  selection.dataset = choose_dataset(file.get(), path_of_file, named, choice, iterations);
+  selection.where = path_of_file.string() + ":" + ringsplat::excerpt(selection.dataset, 200);
+  const auto& where = selection.where;
+  Id dataset = open_object(file.get(), selection.dataset, where);
+  const auto dims = dims_of(dataset.get());
+  const Id type = made(H5Dget_type(dataset.get()), where);
   const auto value = value_type_of(type.get());
   if (!value)
     refuse(where, "only integers and floating-point numbers can be drawn",
            "its values are no single numbers of at most 64 bits");
   if (dims.size() < 2) refuse(where, "name another dataset", "it has no three dimensions with voxels");
-  require_readable(id.get(), path, where);
-  auto meaning = meaning_of(file.get(), id.get(), dataset, dims, where);
+  require_readable(dataset.get(), path_of_file, where);
+  auto meaning = meaning_of(file.get(), dataset.get(), selection.dataset, dims, where);
+  auto& notes = meaning.notes;
   const Channels channels = channels_of(meaning.axes, *value, choice, where);
   const bool by_iteration = iterations.count > 1;
-  const int frame = by_iteration ? 0 : chosen_frame(choice, meaning.notes.frames, "volumes", where);
-  if (by_iteration) meaning.notes.frames = iterations.count;
-  auto selection = select(path, dataset, meaning.axes, channels, frame);
+  const int frame = by_iteration ? 0 : chosen_frame(choice, notes.frames, "volumes", where);
+  if (by_iteration) notes.frames = iterations.count;
+  select(meaning.axes, channels, frame, selection);
   selection.value = *value;
   Grid grid = lattice_of(meaning, where);
   auto& rescale = selection.rescale = std::move(meaning.rescale);
@@ -365,29 +303,16 @@ Described describe(const std::filesystem::path& path, const std::string& named, 
     rescale = std::vector(first, first + grid.dims.z);
   }
   grid.type = rescale.empty() || value->type == ScalarType::float64 ? value->type : ScalarType::float32;
-  meaning.notes.labels = value->labels;
-  if (meaning.notes.fill && rescale.size() == 1) {
-    const double fill = rescale[0].slope * *meaning.notes.fill + rescale[0].intercept;
-    meaning.notes.fill = grid.type == ScalarType::float32 ? double(float(fill)) : fill;
+  notes.labels = value->labels;
+  if (notes.fill && rescale.size() == 1) {
+    const double fill = rescale[0].slope * *notes.fill + rescale[0].intercept;
+    notes.fill = grid.type == ScalarType::float32 ? double(float(fill)) : fill;
   }
-  auto in_place = channels.choice.index ? stored_in_place(id.get(), selection, dims) : std::nullopt;
-  return {grid, meaning.notes, std::move(selection), channels, where, std::move(in_place)};
-}
-
-}  // namespace
-
-std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const VolumeChoice& choice,
-                                        std::optional<StoredVoxels>& in_place) {
-  const auto [file, named] = split_dataset(path);
-  require_hdf5(file);
-  auto found = describe(file, named, choice);
-  in_place = found.in_place;
-  const bool luminance = !found.channels.choice.index;
-  const Grid read = luminance ? interleaved_grid(found.grid, found.channels.count, found.where) : found.grid;
-  std::unique_ptr<VolumeSource> source =
-      std::make_unique<DatasetSource>(read, found.notes, std::move(found.selection));
-  if (!luminance) return source;
-  return channel_source(std::move(source), found.grid, found.channels.count, found.channels.choice);
+  const int components = channels.choice.index ? 1 : channels.count;
+  if (components == 1) in_place = stored_in_place(dataset.get(), selection, dims);
+  auto source = std::make_unique<DatasetSource>(interleaved_grid(grid, components, where), std::move(dataset),
+                                                std::move(selection));
+  return with_notes(channel_source(std::move(source), grid, components, channels.choice), notes);
 }
 
 }  // namespace ringsplat::detail

@@ -74,6 +74,7 @@ Id open_file(const std::filesystem::path& file) {
   const Id access(H5Pcreate(H5P_FILE_ACCESS));
   H5Pset_file_locking(access.get(), false, true);
   H5Pset_fclose_degree(access.get(), H5F_CLOSE_WEAK);
+  H5Pset_cache(access.get(), 0, 0, 0, 0);  // whole layers are read at once, so no chunk is asked for twice
   return made(H5Fopen(file.c_str(), H5F_ACC_RDONLY, access.get()),
               fmt::format("cannot open {}", file.string()));
 }

@@ -30,35 +30,24 @@ struct TiffSamples {
   ChannelChoice taken{0};
 };
 
-/// Reads slices by number, so every process reads its own. All have the grid's width, height and type.
-class TiffSource final : public SliceBySlice {
+/// Reads slices by number, so every process reads its own. All have the grid's size and type, which are those
+/// of interleaved samples.
+class TiffSource final : public LayeredSource {
  public:
-  TiffSource(const Grid& grid, std::vector<TiffSlice> slices, const TiffSamples& samples)
-      : SliceBySlice(grid, files_of(slices), {{"encoding", "TIFF"}}),
+  TiffSource(const Grid& grid, std::vector<TiffSlice> slices, int samples)
+      : LayeredSource(grid, files_of(slices), {{"encoding", "TIFF"}}),
         slices_(std::move(slices)),
         samples_(samples) {}
 
  private:
-  static std::vector<std::filesystem::path> files_of(const std::vector<TiffSlice>& slices) {
-    std::vector<std::filesystem::path> files;
-    for (const TiffSlice& slice : slices) files.push_back(slice.file);
-    return files;
-  }
-
-  void read_slice(int z, std::span<std::byte> out) override {
+  void read_layer(int z, int, std::span<std::byte> out) override {
     const TiffSlice& slice = slices_[std::size_t(z)];
     require_unchanged(slice.file);
-    if (samples_.count == 1) {
-      read_samples(slice, out);
-    } else {
-      std::vector<std::byte> interleaved(out.size() * std::size_t(samples_.count));
-      read_samples(slice, interleaved);
-      take_channel(grid().type, samples_.count, samples_.taken, interleaved, out);
-    }
+    read_slice(slice, out);
     require_unchanged(slice.file);
   }
 
-  void read_samples(const TiffSlice& slice, std::span<std::byte> out) {
+  void read_slice(const TiffSlice& slice, std::span<std::byte> out) {
     if (slice.raw_begin) {
       InputFile(slice.file).read(*slice.raw_begin, out);
       return to_native_order(out, size_of(grid().type), slice.big_endian);
@@ -67,7 +56,7 @@ class TiffSource final : public SliceBySlice {
       image_ = open_tiff_image(slice.file);
       opened_ = slice.file;
     }
-    const std::string problem = image_->read(slice.page, samples_.count, SampleType(grid().type), out.data());
+    const std::string problem = image_->read(slice.page, samples_, SampleType(grid().type), out.data());
     if (!problem.empty())
       throw InputError(
           fmt::format("cannot read page {} of {}: {}", slice.page, slice.file.string(), in_words(problem)),
@@ -75,12 +64,12 @@ class TiffSource final : public SliceBySlice {
   }
 
   std::vector<TiffSlice> slices_;
-  TiffSamples samples_;
+  int samples_;
   std::unique_ptr<ImageFile> image_;
   std::filesystem::path opened_;
 };
 
-std::vector<std::filesystem::path> files_of(const std::filesystem::path& path) {
+std::vector<std::filesystem::path> files_at(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path)) return {path};
   std::vector<std::filesystem::path> files;
   for (const auto& entry : std::filesystem::directory_iterator(path))
@@ -97,42 +86,6 @@ struct Taken {
   TiffSamples samples;
 };
 
-std::string channel_name(const Microscopy& said, std::int64_t channel) {
-  const bool named = channel < std::int64_t(said.names.size()) && !said.names[std::size_t(channel)].empty();
-  return named ? fmt::format("{} ({})", channel, excerpt(said.names[std::size_t(channel)]))
-               : std::to_string(channel);
-}
-
-std::string channel_names(const Microscopy& said) {
-  constexpr std::int64_t most = 10;
-  std::vector<std::string> names;
-  for (std::int64_t c = 0; c < std::min(said.channels, most); ++c) names.push_back(channel_name(said, c));
-  if (said.channels > most) names.emplace_back("...");
-  return comma_list(names);
-}
-
-/// The channel with that number or name; nothing when there is none.
-std::optional<std::int64_t> find_channel(const Microscopy& said, const std::string& wanted) {
-  for (std::size_t c = 0; c < said.names.size(); ++c)
-    if (lower_case(said.names[c]) == lower_case(wanted)) return std::int64_t(c);
-  const auto number = number_in<std::int64_t>(wanted);
-  return number && *number >= 0 && *number < said.channels ? number : std::nullopt;
-}
-
-/// Which of the planes' channels. Colours within a page are told apart by take_samples().
-std::int64_t take_channel_of_planes(const TiffFile& file, const std::string& wanted) {
-  const Microscopy& said = file.microscopy;
-  if (said.channels == 1) return 0;
-  if (wanted.empty()) {
-    log_warning_once("{}: of the channels {} the first is shown; --channel takes another", file.path.string(),
-                     channel_names(said));
-    return 0;
-  }
-  if (const auto found = find_channel(said, wanted)) return *found;
-  throw InputError(fmt::format("--channel {}: {} has no such channel", wanted, file.path.string()),
-                   "its channels are " + channel_names(said));
-}
-
 TiffSamples take_samples(const TiffFile& file, const std::string& wanted) {
   TiffSamples samples{.count = file.samples, .taken = {.index = 0}};
   const bool several_planes = file.microscopy.channels > 1;
@@ -146,7 +99,10 @@ TiffSamples take_samples(const TiffFile& file, const std::string& wanted) {
 
 Taken take(const TiffFile& file, const VolumeChoice& choice) {
   Taken taken;
-  taken.channel = take_channel_of_planes(file, choice.channel);
+  // Colours within a page are told apart by take_samples().
+  if (file.microscopy.channels > 1)
+    taken.channel = choose_named_channel(choice.channel, file.microscopy.channels, file.microscopy.names,
+                                         file.path.string());
   taken.samples = take_samples(file, choice.channel);
   constexpr std::int64_t most = std::numeric_limits<int>::max();
   taken.frame =
@@ -211,7 +167,7 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   std::optional<TiffFile> first;
   Taken taken;
   std::vector<TiffSlice> slices;
-  for (const auto& file_path : files_of(path)) {
+  for (const auto& file_path : files_at(path)) {
     decode::progress();
     const TiffFile file = read_tiff_file(file_path);
     if (file.planes.empty()) continue;
@@ -238,7 +194,10 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   place(*first, grid, notes);
   count(*first, notes);
   check_lattice(grid, path.string());
-  return with_notes(std::make_unique<TiffSource>(grid, std::move(slices), taken.samples), notes);
+  const auto& [samples, channel] = taken.samples;
+  std::unique_ptr<VolumeSource> source = std::make_unique<TiffSource>(
+      interleaved_grid(grid, samples, path.string()), std::move(slices), samples);
+  return with_notes(channel_source(std::move(source), grid, samples, channel), notes);
 }
 
 }  // namespace ringsplat::detail

@@ -351,8 +351,7 @@ std::unique_ptr<VolumeSource> open_meta(const std::filesystem::path& path, const
   const auto header = MetaReader(path).read();
   const auto wide = interleaved_grid(header.grid, header.channels, path.string());
   auto source = source_of(header, wide, std::clamp(choice.frame.value_or(0), 0, header.frames - 1));
-  source = channel_source(std::move(source), header.grid, header.channels,
-                          are_colours(header.grid.type, header.channels), choice.channel, path.string());
+  source = channel_source(std::move(source), header.grid, header.channels, choice.channel, path.string());
   return with_notes(
       std::move(source),
       {.world = World::patient, .unit = "mm", .frames = header.frames, .channels = header.channels});

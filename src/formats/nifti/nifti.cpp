@@ -357,7 +357,7 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
   Grid grid = nifti_grid(header);
   grid.type = voxel.type;
   check_lattice(grid, where);
-  const auto wide = interleaved_grid(grid, voxel.colours, where);
+  auto wide = interleaved_grid(grid, voxel.colours, where);
   const int frames = int(header.dims[4]), vectors = vectors_of(header);
   if (vectors > 1 && voxel.colours > 1) refuse(where, "extract one of them", "{} colours a voxel", vectors);
   const int channels = vectors * voxel.colours;
@@ -369,14 +369,9 @@ std::unique_ptr<VolumeSource> open_nifti(const std::filesystem::path& path, cons
   const int frame = std::clamp(choice.frame.value_or(0), 0, frames - 1);
   const auto vector = std::uint64_t(vectors > 1 ? taken.index.value_or(0) : 0), times = std::uint64_t(frames);
   stored.choose(wide.bytes(), times * std::uint64_t(vectors), vector * times + std::uint64_t(frame));
-  std::unique_ptr<VolumeSource> source;
-  if (voxel.colours > 1) {
-    stored.rescale.reset();  // the standard: not for colours
-    source = channel_source(stored_source(wide, {stored}), grid, voxel.colours, taken);
-  } else {
-    if (stored.rescale && grid.type != ScalarType::float64) grid.type = ScalarType::float32;
-    source = stored_source(grid, {stored});
-  }
+  if (voxel.colours > 1) stored.rescale.reset();  // the standard: not for colours
+  if (stored.rescale && grid.type != ScalarType::float64) grid.type = wide.type = ScalarType::float32;
+  auto source = channel_source(stored_source(wide, {stored}), grid, voxel.colours, taken);
   return with_notes(std::move(source),
                     {.world = World::patient, .unit = "mm", .frames = frames, .channels = channels});
 }

@@ -210,8 +210,7 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
     wide.type = grid.type = ScalarType::float32;
     source = std::make_unique<HalfSource>(std::move(source), wide);
   }
-  source = channel_source(std::move(source), grid, axes.components, are_colours(grid.type, axes.components),
-                          choice.channel, path.string());
+  source = channel_source(std::move(source), grid, axes.components, choice.channel, path.string());
   return with_notes(std::move(source), {.frames = axes.frames, .channels = axes.components});
 }
 

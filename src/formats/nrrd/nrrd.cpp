@@ -256,10 +256,8 @@ std::unique_ptr<VolumeSource> source_of(const NrrdHeader& header, const Layout& 
   const auto volume = std::uint64_t(frame) * layout.frame_stride +
                       std::uint64_t(channel.index.value_or(0)) * layout.channel_stride;
   stored.choose(wide.bytes(), layout.volumes, volume);
-  auto source = stored_source(wide, {stored});
-  if (layout.leading == 1) return source;
   const bool of_frames = layout.leading_is == Layout::Axis::frames;
-  return channel_source(std::move(source), layout.grid, layout.leading,
+  return channel_source(stored_source(wide, {stored}), layout.grid, layout.leading,
                         of_frames ? ChannelChoice{.index = frame} : channel);
 }
 

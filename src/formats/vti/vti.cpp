@@ -130,12 +130,16 @@ std::uint64_t best_ratio(VtiCompressor compressor) {
 
 /// An array behind its numbers: a length, or the sizes of compressed blocks. Decoded in order, a block at a
 /// time.
-class VtiSource final : public VolumeSource {
+class VtiSource final : public LayeredSource {
  public:
   /// Throws InputError when the array's own sizes are not the grid's, or the file cannot hold them.
   VtiSource(const Grid& grid, const std::filesystem::path& path, const VtiHeader& header,
             const VtiArray& array)
-      : grid_(grid), header_(header), array_(array), bytes_(grid.bytes()), file_(path) {
+      : LayeredSource(grid, {path}, {{"encoding", "base64 or compressed"}}, false),
+        header_(header),
+        array_(array),
+        bytes_(grid.bytes()),
+        file_(path) {
     encoded_ = encoded_bytes(file_, array.format, array.begin, array.end);
     if (header.compressor == VtiCompressor::none)
       read_length();
@@ -144,22 +148,13 @@ class VtiSource final : public VolumeSource {
   }
 
   std::uint64_t begin() const { return begin_; }  ///< of the voxels, behind the numbers
-  const Grid& grid() const override { return grid_; }
-  bool concurrent() const override { return false; }
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto bytes = grid_.slice_bytes(Axis::z);
-    const auto wanted = out.first(std::size_t(count) * bytes);
-    read(std::uint64_t(first) * bytes, wanted);
-    file_.require_unchanged();
-    to_native_order(wanted, size_of(grid_.type), header_.big_endian);
-  }
-  Facts facts() const override {
-    Facts facts{{"encoding", "base64 or compressed"}};
-    add_facts_of(file_, 0, file_.size(), facts);
-    return facts;
+ private:
+  void read_layer(int z, int, std::span<std::byte> out) override {
+    read(std::uint64_t(z) * out.size(), out);
+    require_unchanged(file_.path());
+    to_native_order(out, size_of(grid().type), header_.big_endian);
   }
 
- private:
   void read(std::uint64_t offset, std::span<std::byte> out) {
     if (header_.compressor == VtiCompressor::none) return encoded_->read(begin_ + offset, out);
     while (!out.empty()) {
@@ -235,7 +230,6 @@ class VtiSource final : public VolumeSource {
     held_block_ = block;
   }
 
-  Grid grid_;
   VtiHeader header_;
   VtiArray array_;
   std::uint64_t bytes_;
@@ -276,8 +270,7 @@ std::unique_ptr<VolumeSource> open_vti(const std::filesystem::path& path, const 
   const Grid grid = grid_of(header, array, path);
   const int components = array.components;
   const auto wide = interleaved_grid(grid, components, path.string());
-  auto source = channel_source(source_of(wide, path, header, array), grid, components,
-                               are_colours(grid.type, components), component,
+  auto source = channel_source(source_of(wide, path, header, array), grid, components, component,
                                fmt::format("{}, array '{}'", path.string(), excerpt(array.name)));
   const auto channels = std::max<std::int64_t>(components, std::int64_t(header.arrays.size()));
   return with_notes(std::move(source), {.quantity = array.name, .channels = int(channels)});

@@ -150,9 +150,9 @@ std::unique_ptr<VolumeSource> open_vtk(const std::filesystem::path& path, const 
                             .encoding = header.binary ? Encoding::raw : Encoding::text,
                             .big_endian = true,
                             .type = grid.type};
-  return with_notes(channel_source(stored_source(wide, {stored}), grid, header.components,
-                                   are_colours(grid.type, header.components), choice.channel, path.string()),
-                    {.channels = header.components});
+  return with_notes(
+      channel_source(stored_source(wide, {stored}), grid, header.components, choice.channel, path.string()),
+      {.channels = header.components});
 }
 
 }  // namespace ringsplat::detail
