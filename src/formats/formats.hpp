@@ -30,6 +30,10 @@ std::unique_ptr<VolumeSource> open_hdf5(const std::filesystem::path& path, const
 std::unique_ptr<VolumeSource> open_tiff(const std::filesystem::path& path, const VolumeChoice& choice);
 std::unique_ptr<VolumeSource> open_dicom(const std::filesystem::path& path, const VolumeChoice& choice);
 
+/// MetaImage's names of types, in ScalarType's order.
+inline constexpr const char* meta_types[] = {"MET_CHAR", "MET_UCHAR", "MET_SHORT", "MET_USHORT",
+                                             "MET_INT",  "MET_UINT",  "MET_FLOAT", "MET_DOUBLE"};
+
 struct RawName {
   glm::ivec3 dims;
   ScalarType type;

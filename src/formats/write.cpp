@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
+#include <memory>
 #include <new>
 #include <span>
 #include <string>
@@ -15,7 +16,6 @@
 #include "base/text.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/meta/types.hpp"
 #include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
@@ -53,59 +53,41 @@ std::string meta_header(const Grid& grid, const std::string& data_file) {
       detail::meta_types[std::size_t(grid.type)], data_file);
 }
 
-/// Appends one gzip stream to a file, which must outlive it.
-class DeflateStream {
- public:
-  explicit DeflateStream(OutputFile& file) : file_(file), window_(window_bytes) {
-    constexpr int gzip_header = 15 + 16;  // zlib.h, deflateInit2: largest window, gzip
-    constexpr int usual_memory = 8;
-    if (deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, gzip_header, usual_memory,
-                     Z_DEFAULT_STRATEGY) != Z_OK)
-      throw std::bad_alloc();
-  }
-  ~DeflateStream() { deflateEnd(&stream_); }
-  DeflateStream(const DeflateStream&) = delete;
-  DeflateStream& operator=(const DeflateStream&) = delete;
-
-  /// Throws RunError as OutputFile does.
-  void write(std::span<const std::byte> bytes) {
-    while (!bytes.empty()) {
-      const auto part = std::min<std::size_t>(bytes.size(), std::numeric_limits<uInt>::max());
-      // zlib.h declares what it only reads without const.
-      stream_.next_in = reinterpret_cast<Bytef*>(const_cast<std::byte*>(bytes.data()));
-      stream_.avail_in = static_cast<uInt>(part);
-      encode(Z_NO_FLUSH);
-      bytes = bytes.subspan(part);
-    }
-  }
-  /// The stream's end and checksum.
-  void finish() { encode(Z_FINISH); }
-
- private:
-  static constexpr std::size_t window_bytes = 64 * 1024;
-
-  void encode(int flush) {
-    do {
-      stream_.next_out = reinterpret_cast<Bytef*>(window_.data());
-      stream_.avail_out = static_cast<uInt>(window_.size());
-      deflate(&stream_, flush);
-      file_.write(std::span(window_).first(window_.size() - stream_.avail_out));
-    } while (stream_.avail_out == 0);
-  }
-
-  OutputFile& file_;
-  z_stream stream_{};
-  std::vector<std::byte> window_;
-};
-
-/// `out` has a write() that takes slices.
-template <class Out>
-void write_voxels(VolumeSource& source, Out& out) {
+void write_voxels(VolumeSource& source, OutputFile& file) {
   std::vector<std::byte> slice(source.grid().slice_bytes(Axis::z));
   for (int z = 0; z < source.grid().dims.z; ++z) {
     source.read_slices(z, 1, slice);
-    out.write(std::span<const std::byte>(slice));
+    file.write(std::span<const std::byte>(slice));
   }
+}
+
+/// As one gzip stream.
+void write_compressed(VolumeSource& source, OutputFile& file) {
+  constexpr int gzip_header = 15 + 16;  // zlib.h, deflateInit2: largest window, gzip
+  constexpr int usual_memory = 8;
+  z_stream stream{};
+  if (deflateInit2(&stream, Z_DEFAULT_COMPRESSION, Z_DEFLATED, gzip_header, usual_memory,
+                   Z_DEFAULT_STRATEGY) != Z_OK)
+    throw std::bad_alloc();
+  const std::unique_ptr<z_stream, decltype(&deflateEnd)> ended_at_last(&stream, &deflateEnd);
+  std::vector<std::byte> slice(source.grid().slice_bytes(Axis::z)), window(64 * 1024);
+  const auto encode = [&](std::span<std::byte> in, int flush) {
+    stream.next_in = reinterpret_cast<Bytef*>(in.data());
+    stream.avail_in = static_cast<uInt>(in.size());
+    do {
+      stream.next_out = reinterpret_cast<Bytef*>(window.data());
+      stream.avail_out = static_cast<uInt>(window.size());
+      deflate(&stream, flush);
+      file.write(std::span(window).first(window.size() - stream.avail_out));
+    } while (stream.avail_out == 0);
+  };
+  constexpr std::size_t most = std::numeric_limits<uInt>::max();
+  for (int z = 0; z < source.grid().dims.z; ++z) {
+    source.read_slices(z, 1, slice);
+    for (std::size_t at = 0; at < slice.size(); at += most)
+      encode(std::span(slice).subspan(at, std::min(most, slice.size() - at)), Z_NO_FLUSH);
+  }
+  encode({}, Z_FINISH);
 }
 
 /// Begins a file after checking its place, so that later failures are the disk's.
@@ -117,13 +99,10 @@ OutputFile begin(const std::filesystem::path& path) {
 void write_attached(VolumeSource& source, const std::filesystem::path& path, bool compress) {
   OutputFile file = begin(path);
   file.write(nrrd_header(source.grid(), compress, {}));
-  if (compress) {
-    DeflateStream stream(file);
-    write_voxels(source, stream);
-    stream.finish();
-  } else {
+  if (compress)
+    write_compressed(source, file);
+  else
     write_voxels(source, file);
-  }
   file.commit();
 }
 

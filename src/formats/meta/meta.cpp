@@ -19,7 +19,6 @@
 #include "formats/channels.hpp"
 #include "formats/formats.hpp"
 #include "formats/limits.hpp"
-#include "formats/meta/types.hpp"
 #include "formats/numbered_name.hpp"
 #include "formats/stored_source.hpp"
 #include "formats/text_reader.hpp"
