@@ -141,6 +141,8 @@ def plot_speed_error(plt, rows, truth, path):
 
 
 def plot_angles(plt, rows, truth, path):
+    from matplotlib.ticker import ScalarFormatter
+
     lines = defaultdict(list)
     for row in rows:
         if row["elevation"] == 0:
@@ -154,7 +156,8 @@ def plot_angles(plt, rows, truth, path):
         for (of_scene, setting), values in sorted(lines.items()):
             if of_scene == scene:
                 axis.plot(*zip(*values), label=setting, linewidth=1)
-        axis.set(title=scene, xlabel="azimuth (degrees)", ylabel=f"RMSE against the {truth} truth (1/255)")
+        axis.set(title=scene, xlabel="azimuth (degrees)", ylabel=f"RMSE against the {truth} truth (1/255)", yscale="log")
+        axis.yaxis.set_major_formatter(ScalarFormatter())
         axis.axvline(45, color="0.5", linestyle=":", linewidth=1)
         axis.grid()
         axis.legend()
