@@ -115,6 +115,7 @@ void add_reference(OptionList& list, AllOptions& all) {
 Command settle_reference(const OptionList& list, AllOptions& all) {
   RenderOptions& o = all.reference.picture;
   if (asks_for_colour_maps("reference", o)) return Say{list_of_colour_maps()};
+  check_values_file(o);
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
   note_options_without_effect(list, all.reference);

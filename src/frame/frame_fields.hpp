@@ -34,11 +34,11 @@ void fields(S& reduction, Visit&& visit) {
 
 template <Describes<Shown> S, class Visit>
 void fields(S& shown, Visit&& visit) {
-  auto& [camera, width, height, transfer_function, interpolation, mode, isovalue, shading, material, light,
-         opacity_correction, opaque_threshold, reduction, clip] = shown;
+  auto& [camera, width, height, transfer_function, interpolation, mode, isovalue, values, shading, material,
+         light, opacity_correction, opaque_threshold, reduction, clip] = shown;
   visit("camera", camera), visit("width", width), visit("height", height);
   visit("transfer_function", transfer_function), visit("interpolation", interpolation);
-  visit("mode", mode), visit("isovalue", isovalue);
+  visit("mode", mode), visit("isovalue", isovalue), visit("values", values);
   visit("shading", shading), visit("material", material);
   visit("light", light), visit("opacity_correction", opacity_correction);
   visit("opaque_threshold", opaque_threshold), visit("reduction", reduction), visit("clip", clip);

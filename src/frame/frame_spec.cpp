@@ -77,6 +77,7 @@ json to_json(const Shown& s) {
   if (s.interpolation != Interpolation::linear) j["interpolation"] = name(s.interpolation);
   if (s.mode != Mode::composite) j["mode"] = name(s.mode);
   if (s.mode == Mode::surface) j["isovalue"] = s.isovalue;
+  if (s.values) j["values"] = true;
   if (s.clip) j["clip"] = to_json(*s.clip);
   return j;
 }
@@ -131,7 +132,11 @@ void check(const Sheets& sheets) {
 }
 
 void check_mode(const Shown& shown, const Method& method) {
-  if (shown.mode == Mode::composite) return;
+  if (shown.mode == Mode::composite) {
+    if (shown.values)
+      throw InputError("--values has no effect on composited light", "add --mode sum or another");
+    return;
+  }
   if (std::holds_alternative<Splats>(method))
     throw InputError(fmt::format("splats cannot be drawn by --mode {}", name(shown.mode)),
                      "use --engine sheets, or leave --mode out");

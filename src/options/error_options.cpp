@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/text.hpp"
 #include "options/contradictions.hpp"
 #include "options/option_tables.hpp"
 #include "ringsplat/base/error.hpp"
@@ -97,7 +98,13 @@ void add_study_options(OptionList& list, StudyOptions& o) {
   list.add("Output", rows);
 }
 
+void check_values_file(const RenderOptions& o) {
+  if (o.colour.values && !o.output.empty() && !detail::lower_case(o.output).ends_with(".exr"))
+    throw InputError(fmt::format("-o {} cannot hold --values", o.output), "write an .exr");
+}
+
 void settle_picture(const OptionList& list, RenderOptions& o) {
+  check_values_file(o);
   settle_fit(list, o);
   o.frame.how = method_for(o.method);
   note_fixed_shortcuts(list, o.budget);

@@ -34,6 +34,8 @@ void add_synth_options(OptionList& list, SynthOptions& o);
 
 /// What all pictures have in common. Throws InputError when options do not fit together.
 void settle_picture(const OptionList& list, RenderOptions& o);
+/// Throws InputError when the picture's file cannot hold --values.
+void check_values_file(const RenderOptions& o);
 /// Records which given options change nothing: `reference` takes render's, and not all concern a truth.
 void note_options_without_effect(const OptionList& list, ReferenceOptions& o);
 

@@ -66,14 +66,15 @@ struct ViewAngles {
 /// Changes of the transfer function that --tf chooses.
 struct ColourOptions {
   std::optional<DataRange> range;  ///< what it spans
-  double opacity = 1;                ///< as dense so many times
-  std::string colours;               ///< a colour map's name; empty: its own colours
-  bool log = false;                  ///< on a logarithmic axis
-  bool labels = false;               ///< a colour for each value instead
+  double opacity = 1;              ///< as dense so many times
+  std::string colours;             ///< a colour map's name; empty: its own colours
+  bool log = false;                ///< on a logarithmic axis
+  bool labels = false;             ///< a colour for each value instead
   /// Between voxels; without a value nearest for labels, else linear.
   std::optional<Interpolation> interpolation;
   Mode mode = Mode::composite;
   std::optional<double> isovalue;  ///< of Mode::surface; without a value one that parts the volume's values
+  bool values = false;             ///< instead of colours
 };
 
 /// Which truth a picture is measured against (docs/accuracy.md).

@@ -225,6 +225,12 @@ void add_shading_options(OptionList& list, RenderOptions& o) {
 
 void add_picture_options(OptionList& list, RenderOptions& o) {
   const OptionRow rows[] = {
+      {"--values", nullptr, nullptr,
+       "Numbers instead of colours, in red, green and blue of an .exr: the --mode's largest, least or mean "
+       "value, or integral over length; of surface the distance behind the plane through the volume's "
+       "middle; "
+       "alpha is 1 where there are any",
+       flag(o.colour.values)},
       {"--radius", nullptr, initial, "Radius of a voxel's kernel in voxels",
        value(o.method.splats.kernel_radius), Mark::of_splats},
       {"--kernel", nullptr, initial,

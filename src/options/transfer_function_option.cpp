@@ -80,6 +80,12 @@ AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Gri
   DataRange window{0, 1};
   if (colour_.log) window = positive_range(values);
   if (colour_.range) window = *colour_.range;
+  if (colour_.values) {
+    AutoChoice made =
+        choose_for_mode(colour_.mode, values, grid, DataRange{values.range.low, values.range.high});
+    made.why.clear();
+    return made;
+  }
   if (is_auto && colour_.mode != Mode::composite)
     return choose_for_mode(colour_.mode, values, grid, windowed ? std::optional(window) : std::nullopt);
   if (is_auto) return choose_within(values, window, colour_.log);
@@ -123,7 +129,8 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const G
           made.labels,
           colour_.interpolation.value_or(usual),
           colour_.mode,
-          isovalue};
+          isovalue,
+          colour_.values};
 }
 
 void MadeFunction::set(Shown& shown) const {
@@ -131,6 +138,7 @@ void MadeFunction::set(Shown& shown) const {
   shown.interpolation = interpolation;
   shown.mode = mode;
   shown.isovalue = isovalue;
+  shown.values = values;
 }
 
 std::string list_of_colour_maps() {

@@ -18,6 +18,7 @@ struct MadeFunction {
   Interpolation interpolation = Interpolation::linear;
   Mode mode = Mode::composite;
   double isovalue = 0;
+  bool values = false;
 
   void set(Shown& shown) const;
 };

@@ -92,6 +92,7 @@ struct GradientLight {
 /// What a frame's rays project when they composite nothing, in planes' numbers.
 struct Projection {
   Mode mode = Mode::composite;
+  bool values = false;   ///< pixels get no colours
   float sign = 1;        ///< of an extremum: 1 of the largest, -1 of the least
   float least = 0;       ///< numbers up to this, or down to it, are no extremum that could be seen
   float most = 0;        ///< so far beyond it nothing more changes the picture

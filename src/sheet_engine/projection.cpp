@@ -14,6 +14,11 @@ double seen_from(const SheetFrame& frame) {
   return frame.shown.mode == Mode::minip ? unseen.low : unseen.high;
 }
 
+/// Of a lattice point behind the plane through the volume's middle, in world lengths.
+double depth(const FrameGeometry& g, const glm::dvec3& point) {
+  return g.view.project(point).z / g.view.pixels_per_unit;
+}
+
 /// A pixel's ray in slices that count from the middle one: at k it is at from + k slope along u or v.
 struct PixelRay {
   double from[2], slope[2];
@@ -30,6 +35,15 @@ struct PixelRay {
         from[i] = unit * double(grid.origin[i] + x * grid.step_x[i] + y * grid.step_y[i]) +
                   slope[i] * 0.5 * (slices - 1);
       }
+  }
+
+  /// In the lattice, of a frame's slices.
+  glm::dvec3 at(double slice, const FrameGeometry& g) const {
+    const auto [u, v] = in_plane(g.traversal.axis);
+    glm::dvec3 place(0.5 * (g.slices - 1) + slice);
+    place[u] = from[0] + slice * slope[0];
+    place[v] = from[1] + slice * slope[1];
+    return place;
   }
 
   /// How many slices it crosses in the box, which ends half a voxel beyond the outer ones.
@@ -67,6 +81,7 @@ Projection make_projection(const SheetFrame& frame, const PlaneCode& code) {
   const TransferFunction& tf = frame.shown.transfer_function;
   Projection p;
   p.mode = frame.shown.mode;
+  p.values = frame.shown.values;
   if (p.mode == Mode::mip || p.mode == Mode::minip) {
     const auto [first, last] = ends_of(tf);
     const double from = seen_from(frame), to = p.mode == Mode::mip ? last : first;
@@ -102,11 +117,12 @@ const glm::vec4& ProjectionColours::at(double value) const {
 
 void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, const Projection& projection,
                                const PlaneCode& code, RegionImage& image) const {
-  if (projection.mode == Mode::surface) return;
-  const bool extremum = projection.mode != Mode::mean && projection.mode != Mode::sum;
+  const bool surface = projection.mode == Mode::surface;
+  if (surface && !projection.values) return;
+  const bool extremum = projection.mode == Mode::mip || projection.mode == Mode::minip;
   const double from = extremum ? seen_from(frame) : 0,
                of_number = extremum ? projection.sign / code.scale : 1;
-  if (!image.touched() && at(from).a == 0) return;
+  if (!image.touched() && (surface || at(from).a == 0)) return;
   const int slices = frame.geometry.slices;
   const double slice_length = frame.step_length() * frame.unit_length();
   float* row = image.pixels();
@@ -117,7 +133,11 @@ void ProjectionColours::colour(const SheetFrame& frame, const SheetRays& rays, c
       const double crossed = ray.slices_in_box(rays, slices);
       double value = from + of_number * pixel[0];
       if (projection.mode == Mode::mean) value /= crossed * slice_length * ray.step(rays);
-      const glm::vec4 colour = crossed > 0 ? at(value) : glm::vec4(0);
+      if (surface) value = depth(frame.geometry, ray.at(pixel[0], frame.geometry));
+      const bool there = surface ? pixel[3] > 0 : crossed > 0;
+      const glm::vec4 colour = !there              ? glm::vec4(0)
+                               : projection.values ? glm::vec4(glm::vec3(float(value)), 1)
+                                                   : at(value);
       for (int c = 0; c < 4; ++c) pixel[c] = colour[c];
     }
 }

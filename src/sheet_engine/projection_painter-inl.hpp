@@ -51,7 +51,7 @@ struct CellPath {
 /// is cubic along a ray inside a cell (Parker et al. 1998), so all are exact but for rounding. Pixels hold
 ///   in red how far an extremum is beyond Projection::least, and 1 in opacity once more changes nothing;
 ///   an integral in red, of what is above or below the value 0;
-///   a surface's premultiplied colour.
+///   a surface's premultiplied colour, or with Projection::values in red its slice, from the middle one.
 template <class Sampler, class Rays>
 class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
   using State = TilePixels<Rays>;
@@ -260,9 +260,16 @@ class ProjectionPainter : public TilePainter<Sampler, Rays, TilePixels<Rays>> {
   }
 
   HWY_INLINE void show_surface(State& s, const Walk& walk, const Part& part, F at, M found) const {
+    const F w = fma(at, part.length(), part.from);
+    if (q_.values) {
+      found = but_not(found, greater(s.opacity, set(0.0F)));
+      const float front = slab_->slice[0], back = slab_->slice[std::size_t(slab_->pieces)];
+      s.red = choose(found, fma(set(back - front), w, set(front)), s.red);
+      s.opacity = choose(found, set(1.0F), s.opacity);
+      return;
+    }
     Reflected light = Base::unlit();
     if (p_.lit) {
-      const F w = fma(at, part.length(), part.from);
       const auto position = [&](const Along& along) HWY_ATTR {
         const F from_base = fma(along.way, w, along.from);
         return add(up<position_bits>(along.base), to_int(mul(from_base, set(float(one_voxel)))));

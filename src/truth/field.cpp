@@ -88,7 +88,10 @@ class FieldIntegrator : Tracer {
     const LatticeRay ray = rays_.through(pixel);
     if (!(ray.enter < ray.leave)) return Rgba(0.0);
     if (scene_.frame.shown.mode == Mode::surface) return first_surface(ray);
-    if (scene_.frame.shown.mode != Mode::composite) return classified(projected(ray));
+    if (scene_.frame.shown.mode != Mode::composite) {
+      const double value = projected(ray);
+      return scene_.frame.shown.values ? Rgba(glm::dvec3(value), 1) : classified(value);
+    }
     Piece seen;
     for (const Crossing& crossing : crossings(ray)) {
       if (seen.transmittance < 0.1 * tolerance_) break;
@@ -157,6 +160,12 @@ class FieldIntegrator : Tracer {
     return scene_.frame.shown.mode == Mode::mean ? integral / (ray.leave - ray.enter) : extremum;
   }
 
+  /// Of a lattice point, behind the plane through the volume's middle.
+  double depth_of(const glm::dvec3& point) const {
+    const ViewTransform& view = rays_.view();
+    return view.project(point).z / view.pixels_per_unit;
+  }
+
   /// Where the field is first on the other side of the surface's value than before; opaque.
   Rgba first_surface(const LatticeRay& ray) const {
     for (const Crossing& crossing : crossings(ray)) {
@@ -167,6 +176,7 @@ class FieldIntegrator : Tracer {
         const double a = monotone[i], b = monotone[i + 1], value = scene_.frame.shown.isovalue;
         if ((cubic->at(a) >= value) == (cubic->at(b) >= value)) continue;
         const double s = std::lerp(crossing.enter, crossing.leave, crossing_of(*cubic, value, a, b));
+        if (scene_.frame.shown.values) return Rgba(glm::dvec3(depth_of(ray.at(s))), 1);
         glm::dvec3 colour = curve_.at(value).colour;
         if (scene_.shaded())
           colour = phong_.shade(

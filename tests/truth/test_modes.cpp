@@ -158,6 +158,45 @@ TEST_CASE("an integral is in world lengths, and a mean is the same however long 
   }
 }
 
+TEST_CASE("with --values pixels hold a ray's numbers in all modes") {
+  const Volume volume = noise(ScalarType::uint8, 255, {14, 19, 17});
+  for (const Mode mode : all_modes)
+    for (const Camera& camera : cameras) {
+      FrameSpec spec = mode_spec(mode, camera, 0, 255);
+      spec.shown.values = true;
+      INFO(name(mode) << ", azimuth " << camera.azimuth);
+      for (const auto& clip : {std::optional<VoxelBox>(), std::optional(VoxelBox{{2, 3, 1}, {11, 16, 13}})}) {
+        spec.shown.clip = clip;
+        const Image image = rendered(volume, spec), truth = field_image(volume, spec);
+        // Of 255, and of some 30 lengths. Positions are rounded, so a ray that grazes a surface may meet the
+        // next one, and one through the box's edge may be much longer.
+        std::size_t apart = 0;
+        for (std::size_t k = 0; k < image.rgba.size(); ++k)
+          apart += std::abs(image.rgba[k] - truth.rgba[k]) > 0.02F ? 1 : 0;
+        CHECK(brightest(image) >= 1);
+        CHECK(apart < image.rgba.size() / 200);
+      }
+    }
+}
+
+TEST_CASE("a surface's distance counts from the plane through the middle, in perspective, too") {
+  const Volume volume =
+      make_volume({21, 15, 17}, ScalarType::float32, [](int x, int, int) { return x; }, {0.5, 1, 1});
+  for (const double fov : {0.0, 50.0}) {
+    FrameSpec spec = mode_spec(Mode::surface, {.azimuth = 90, .fov = fov}, 0, 20);
+    spec.shown.values = true;
+    spec.shown.isovalue = 15.25;
+    const Image image = rendered(volume, spec);
+    int there = 0;
+    for (std::size_t at = 0; at < image.rgba.size(); at += 4)
+      if (image.rgba[at + 3] > 0) {
+        ++there;
+        CHECK(image.rgba[at] == Approx(-0.5 * (15.25 - 10)).margin(1e-4));
+      }
+    CHECK(there > 400);
+  }
+}
+
 TEST_CASE("values that are not a number are no values in any mode") {
   const Volume volume = make_volume({13, 12, 11}, ScalarType::float32, [](int x, int y, int z) {
     return x == 6 && y > 3 ? std::numeric_limits<double>::quiet_NaN() : 0.1 * ((3 * x + 5 * y + 7 * z) % 10);
@@ -187,4 +226,7 @@ TEST_CASE("what cannot be drawn in a mode is refused") {
   spec.how = Sheets{};
   spec.shown.interpolation = Interpolation::nearest;
   CHECK_THROWS_WITH(check(spec), Catch::Contains("--mode mip needs values between voxels"));
+  spec = mode_spec(Mode::composite, cameras[0], 0, 1);
+  spec.shown.values = true;
+  CHECK_THROWS_WITH(check(spec), Catch::Contains("--values has no effect on composited light"));
 }

@@ -44,6 +44,10 @@ struct Shown {
   Interpolation interpolation = Interpolation::linear;
   Mode mode = Mode::composite;
   double isovalue = 0;  ///< of Mode::surface
+  /// Not with Mode::composite: pixels hold in red, green and blue what their ray has, in alpha 1 where it has
+  /// something. Extrema, as far as the transfer function's points reach; means; integrals over world lengths;
+  /// a surface's distance behind the plane through the volume's middle that is parallel to the picture.
+  bool values = false;
   Shading shading = Shading::phong;
   PhongMaterial material;
   glm::dvec3 light{-0.4, 0.6, 0.7};  ///< towards the light, in the picture's axes: right, up, to the viewer
