@@ -9,8 +9,6 @@ namespace ringsplat::truth {
 std::vector<Rgba> analytic_truth(const Scene& scene, Field field, double scale, std::span<const Pixel> pixels,
                                  double tolerance) {
   const Shown& shown = scene.frame.shown;
-  check(scene.grid, "the reference's volume");
-  check(shown.transfer_function, shown.transfer_function.name);
   if (shown.clip) check(*shown.clip, scene.grid);
   const Rays rays(scene);
   const TransferCurve curve(shown.transfer_function);

@@ -246,7 +246,6 @@ class FieldIntegrator : Tracer {
 }  // namespace
 
 std::vector<Rgba> field_truth(const Scene& scene, std::span<const Pixel> pixels, double tolerance) {
-  check(scene);
   if (scene.frame.shown.clip) return field_truth(cropped(scene), pixels, tolerance);
   const FieldIntegrator integrator(scene, tolerance);
   return along_rays(scene, pixels, [&](Pixel pixel) { return integrator.along(pixel); });

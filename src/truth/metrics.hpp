@@ -35,9 +35,9 @@ struct ImageError {
   double over_threshold = 0;             ///< fraction of the pixels that differ by more than threshold / 255
 };
 
-/// Throws InputError when the sizes differ. A value that is not finite counts as infinitely wrong, unless it
-/// is the same in both. `channels` is 4, or 3 for pictures without a meaningful opacity: figures then leave
-/// opacity out, and its own are zero.
+/// Of two pictures of one size. A value that is not finite counts as infinitely wrong, unless it is the same
+/// in both. `channels` is 4, or 3 for pictures without a meaningful opacity: figures then leave opacity out,
+/// and its own are zero.
 ImageError compare(const Image& image, const Image& truth, int channels = 4, double threshold = 1);
 
 }  // namespace ringsplat::truth

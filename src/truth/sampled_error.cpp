@@ -1,11 +1,8 @@
 // Estimates the whole picture's error from a stratified sample.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "ringsplat/base/error.hpp"
 #include "truth/metrics.hpp"
 #include "truth/sampling.hpp"
 
@@ -114,10 +111,6 @@ Interval interval_of(const std::vector<Squares>& strata, double sum, double know
 }  // namespace
 
 SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth) {
-  if (sample.pixels.size() != truth.size() || image.rgba.empty())
-    throw InputError(
-        fmt::format("{} pixels cannot be compared with {} true colours", sample.pixels.size(), truth.size()),
-        "evaluate the truth at each of the sample's pixels");
   SampledError error{.pixels = truth.size()};
   double known = 0, signed_sum = 0;
   const auto see = [&](Pixel at, const Rgba& colour) {

@@ -46,8 +46,7 @@ struct SampledError {
 /// the error, each stratum's variance is computed as if more pixels as bad as its worst had been drawn. From
 /// about a thousand pixels on the interval holds the true RMSE as often as it claims (docs/accuracy.md). It
 /// cannot cover an error in a few pixels that shows neither in the picture nor in the sample. A value of the
-/// picture that is not finite makes its RMSE infinite, sampled or not. Throws InputError when there is no
-/// picture, or not one colour for each pixel.
+/// picture that is not finite makes its RMSE infinite, sampled or not.
 SampledError sampled_error(const Image& image, const PixelSample& sample, std::span<const Rgba> truth);
 
 }  // namespace ringsplat::truth

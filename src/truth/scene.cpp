@@ -1,25 +1,12 @@
 #include "truth/scene.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cstring>
 
-#include "ringsplat/base/error.hpp"
-
 namespace ringsplat::truth {
 
-void check(const Scene& scene) {
-  check(scene.grid, "the reference's volume");
-  check(scene.frame.shown.transfer_function, scene.frame.shown.transfer_function.name);
-  if (scene.values.size() != std::size_t(scene.grid.voxels()))
-    throw InputError(
-        fmt::format("the reference has {} values for {} voxels", scene.values.size(), scene.grid.voxels()),
-        "read the whole volume");
-  if (scene.frame.shown.clip) check(*scene.frame.shown.clip, scene.grid);
-}
-
 Scene cropped(const Scene& scene) {
+  check(*scene.frame.shown.clip, scene.grid);
   const glm::ivec3 first = scene.frame.shown.clip->first, end = scene.frame.shown.clip->end,
                    dims = scene.grid.dims;
   Scene part = scene;

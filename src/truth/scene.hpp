@@ -17,7 +17,7 @@
 /// no packed colours.
 namespace ringsplat::truth {
 
-/// All that decides a picture, in plain numbers.
+/// All that decides a picture, in plain numbers. Grid and frame are checked.
 struct Scene {
   Grid grid;
   std::vector<double> values;  ///< grid.voxels() of them, x fastest; all scalar types fit exactly
@@ -43,11 +43,8 @@ struct Scene {
   std::function<void()> poll = {};
 };
 
-/// Throws InputError when the number of values is not the grid's, or the grid, the clip box or the transfer
-/// function is bad.
-void check(const Scene& scene);
-
-/// A checked scene of the part in its clip box alone: a volume of its own, seen by the same camera.
+/// The scene of the part in its clip box alone: a volume of its own, seen by the same camera. Throws
+/// InputError when the box is none of the volume's.
 Scene cropped(const Scene& scene);
 
 /// The whole volume as doubles: 8 bytes a voxel.

@@ -160,7 +160,6 @@ class SheetTracer : Tracer {
 }  // namespace
 
 std::vector<Rgba> sheet_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
-  check(scene);
   if (scene.frame.shown.clip) return sheet_method_truth(cropped(scene), pixels);
   const SheetTracer tracer(scene);
   return along_rays(scene, pixels, [&](Pixel pixel) { return tracer.along(pixel); });

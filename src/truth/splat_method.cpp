@@ -184,7 +184,6 @@ class Method {
 }  // namespace
 
 std::vector<Rgba> splat_method_truth(const Scene& scene, std::span<const Pixel> pixels) {
-  check(scene);
   if (scene.frame.shown.camera.fov != 0)
     throw InputError("there is no truth of splats in perspective", "use an orthographic camera");
   if (scene.frame.shown.clip) return splat_method_truth(cropped(scene), pixels);

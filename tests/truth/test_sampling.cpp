@@ -201,8 +201,3 @@ TEST_CASE("a value that is not finite makes the error infinite, sampled or not")
   CHECK(std::isinf(error.rmse_high));
   CHECK(error.worst == Pixel{20, 20});
 }
-
-TEST_CASE("a sample without its colours is refused") {
-  const PixelSample sample = draw_sample(picture(), bounds(), 100, 2);
-  CHECK_THROWS_AS(sampled_error(picture(), sample, {}), InputError);
-}
