@@ -1,7 +1,5 @@
 #include "classify/classifier.hpp"
 
-#include <fmt/format.h>
-
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -12,7 +10,6 @@
 #include "classify/mask_where.hpp"
 #include "classify/piecewise.hpp"
 #include "classify/srgb.hpp"
-#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 namespace {
@@ -34,10 +31,6 @@ int bounded(double whole, int beyond = 0) {
 
 Classifier::Classifier(const TransferFunction& tf, ScalarType type, double length)
     : tf_(tf), type_(type), length_(length) {
-  check(tf_, tf_.name);
-  if (!(length > 0))
-    throw InputError(fmt::format("a distance of {} between slices is not positive", length),
-                     "check the volume's spacing and the view");
   for (const auto& point : tf_.colours) linear_.push_back(srgb_to_linear(point.srgb));
   const auto& points = tf_.opacities;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -41,7 +41,7 @@ constexpr std::size_t masks_of(int columns) { return (std::size_t(columns) + 63)
 /// colour and opacity of the last point on its side.
 class Classifier {
  public:
-  /// Throws InputError for a transfer function that check() refuses or a length that is not positive.
+  /// `tf`: checked.
   Classifier(const TransferFunction& tf, ScalarType type, double length);
 
   /// Sets the visible voxels' bits in the row's `masks`, a bit a column, for columns first … end − 1. `row`

@@ -10,7 +10,6 @@
 #include "classify/two_points.hpp"
 #include "classify/type_of.hpp"
 #include "support/catch.hpp"
-#include "support/message_of.hpp"
 
 using namespace ringsplat;
 
@@ -271,12 +270,4 @@ TEST_CASE("a function that is clear everywhere classifies nothing") {
     REQUIRE(row.visible == 0);
     REQUIRE(row.blocks.empty());
   }
-}
-
-TEST_CASE("bad lengths and transfer functions are refused") {
-  const auto tf = two_points(0, 0, 1, 1);
-  for (const double length : {0.0, -1.0, nan_value})
-    REQUIRE(says(message_of([&] { Classifier(tf, ScalarType::uint8, length); }),
-                 "between slices is not positive"));
-  REQUIRE(says(message_of([&] { Classifier(two_points(1, 0, 0, 1), ScalarType::uint8, 1); }), "RGBPoints"));
 }

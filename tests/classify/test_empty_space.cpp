@@ -29,7 +29,7 @@ void require_visible(EmptySpace& space, const SliceView& slice, const std::vecto
     for (int column = 0; column < slice.width; ++column) {
       const double value = double(values[std::size_t(row * slice.width + column)]);
       const bool found = !masks.empty() && (masks[std::size_t(column / 64)] >> column % 64 & 1) != 0;
-      REQUIRE(found == tf.evaluate(value).opacity > 0);
+      REQUIRE(found == (tf.evaluate(value).opacity > 0));
     }
   }
 }
