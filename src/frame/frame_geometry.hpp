@@ -49,10 +49,6 @@ FrameGeometry make_geometry(const FrameSpec& spec, const Grid& grid);
 /// The footprint that all voxels of a frame share.
 Footprint make_footprint(const Splats& splats, const FrameGeometry& geometry);
 
-/// Whether regions are low strips, which share out evenly what costs by the pixel: sheets. Squares suit
-/// splats, which regions cut.
-bool has_flat_regions(const FrameSpec& spec);
-
 /// Sets the regions of a geometry that is otherwise complete, and which of them voxels can reach. The
 /// picture's bits do not depend on it.
 void lay_regions(FrameGeometry& geometry, const FrameSpec& spec);

@@ -142,15 +142,14 @@ PixelRect reached_regions(const FrameGeometry& g, const Regions& regions) {
   return touched(regions, reached_pixels(g));
 }
 
-bool has_flat_regions(const FrameSpec& spec) { return std::holds_alternative<Sheets>(spec.how); }
-
 void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
   const Division& division = spec.division;
   const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
   if (division.region_size > 0)
     g.regions = {g.width, g.height, division.region_size};
-  else if (has_flat_regions(spec))
+  else if (std::holds_alternative<Sheets>(spec.how))
+    // Low strips share out evenly what costs by the pixel. Squares suit splats, which regions cut.
     g.regions = low_strips(renderers, reached, g.width, g.height);
   else if (!g.warp)
     g.regions = screen_regions(g, reached, renderers);

@@ -74,7 +74,7 @@ std::vector<Regions> ways_to_cut(const FrameGeometry& g, const FrameSpec& spec, 
   if (spec.division.region_size > 0 || g.warp) return ways;
   constexpr int enough_each = 24;
   const auto worth_trying = [&] { return std::size_t(ways.back().count()) < enough_each * dealt_to; };
-  if (!has_flat_regions(spec)) {
+  if (std::holds_alternative<Splats>(spec.how)) {
     ways.clear();
     for (const int side : {128, 64, 48, 32, 24, 16})
       if (ways.empty() || worth_trying()) ways.emplace_back(g.width, g.height, side);

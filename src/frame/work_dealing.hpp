@@ -7,12 +7,6 @@ namespace ringsplat {
 /// What work costs in a frame with such regions: a GP copies a block for all Renderers that see some of it.
 WorkCosts costs_in(const FrameGeometry& geometry, WorkCosts costs);
 
-/// Whether regions dealt in turn are so many for each Renderer that none has much more work than others.
-inline bool even_enough(const FrameGeometry& g, int dealt_to) {
-  constexpr int enough_each = 8;
-  return g.reached.width() * g.reached.height() >= enough_each * dealt_to;
-}
-
 /// Deals a frame's regions such that the busiest Renderer has the least work: the costliest first, each to
 /// the Renderer with the least so far (Graham 1969, longest processing time first). Where no size of regions
 /// is asked for, it tries several: smaller ones are dealt more evenly, larger ones cut less. Does nothing
