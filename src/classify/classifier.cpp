@@ -134,15 +134,4 @@ void VisibleRow::take(std::span<const std::uint64_t> masks, std::uint32_t first,
   }
 }
 
-void VisibleRow::keep(const std::vector<std::uint64_t>& kept) {
-  std::size_t left = 0;
-  visible = 0;
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    if (kept[k] == 0) continue;
-    blocks[left++] = {blocks[k].first, visible, kept[k]};
-    visible += std::uint32_t(std::popcount(kept[k]));
-  }
-  blocks.resize(left);
-}
-
 }  // namespace ringsplat

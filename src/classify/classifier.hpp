@@ -27,8 +27,6 @@ struct VisibleRow {
   /// Takes the voxels among columns first … end − 1 that are set in `masks`, a bit a column; makes no
   /// samples.
   void take(std::span<const std::uint64_t> masks, std::uint32_t first, std::uint32_t end);
-  /// Keeps only the voxels set in `kept`, a mask for each block. Call it before samples are made.
-  void keep(const std::vector<std::uint64_t>& kept);
 };
 /// Number of masks of a row, 64 columns each.
 constexpr std::size_t masks_of(int columns) { return (std::size_t(columns) + 63) / 64; }

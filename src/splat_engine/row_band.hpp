@@ -81,7 +81,7 @@ struct RegionCounts {
 };
 
 /// A band of consecutive rows of a slice, encoded by one thread at a time. It finds each row's visible
-/// voxels, makes the lit samples of those that are kept, and collects a part for each region. A region's
+/// voxels, makes the lit samples of rows that are sent, and collects a part for each region. A region's
 /// parts of all bands, in the order of rows, equal the part of a single band of all rows.
 class RowBand {
  public:
@@ -118,8 +118,8 @@ class RowBand {
   /// Window of all voxels of rows first … end − 1, from the corners: positions are linear, but for rounding.
   /// Call begin_row() again afterwards.
   PixelWindow window_of_rows(int first, int end);
-  /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them once it
-  /// has left out all voxels it can.
+  /// Straight colours and corrected opacities of the row's visible voxels. encode_row() asks for them when any
+  /// are sent.
   std::span<const ClassifiedSample> make_samples();
 
   /// Counts splats of a region: this row's voxels in columns first + k for each bit k of `mask`. Marks the

@@ -67,12 +67,7 @@ class RunBand final : public RowBand {
       find_pieces_of(together_.region, all_columns());
     else
       find_pieces();
-    if (pieces_.empty()) return;
-    leave_out_unsent();
-    if (pieces_.front().region == pieces_.back().region)
-      append_row(pieces_.front().region, row);
-    else
-      append_pieces(row);
+    if (!pieces_.empty()) append_pieces(row);
   }
 
   /// The rows from `row` on that share one test: few enough to lie in one region, enough to be worth it.
@@ -142,20 +137,6 @@ class RunBand final : public RowBand {
       if (hidden == OpaqueTiles::Cover::some) mask = seen_of(region, block.first, mask);
       if (mask != 0) pieces_.push_back({region, k, mask});
     }
-  }
-
-  /// Drops voxels that go to no region, so that they are not shaded. Renumbers the pieces' blocks to those
-  /// that are left.
-  void leave_out_unsent() {
-    const std::size_t blocks = found_.blocks.size();
-    sent_.assign(blocks, 0);
-    for (const Piece& piece : pieces_) sent_[piece.block] |= piece.mask;
-    const auto is_whole = [](std::uint64_t sent, const VisibleBlock& block) { return sent == block.mask; };
-    if (std::equal(sent_.begin(), sent_.end(), found_.blocks.begin(), is_whole)) return;
-    found_.keep(sent_);
-    left_.assign(blocks, 0);
-    for (std::size_t k = 1; k < blocks; ++k) left_[k] = left_[k - 1] + (sent_[k - 1] != 0);
-    for (Piece& piece : pieces_) piece.block = left_[piece.block];
   }
 
   /// Window of the voxels in columns first … last; positions are linear.
@@ -237,11 +218,9 @@ class RunBand final : public RowBand {
   }
 
   Rows together_;
-  std::vector<Part> parts_;          ///< by region
-  std::vector<Piece> pieces_;        ///< of the row, region by region
-  std::vector<std::uint64_t> sent_;  ///< by block: voxels that some region gets
-  std::vector<std::size_t> left_;    ///< by block: how many blocks before it have such voxels
-  Buffer<Voxel> packed_;             ///< the row's voxels
+  std::vector<Part> parts_;    ///< by region
+  std::vector<Piece> pieces_;  ///< of the row, region by region
+  Buffer<Voxel> packed_;       ///< the row's voxels
 };
 
 }  // namespace

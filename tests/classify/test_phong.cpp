@@ -2,7 +2,6 @@
 // After the header that says which instruction sets there are.
 #include <hwy/targets.h>
 
-#include <bit>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -145,34 +144,4 @@ TEMPLATE_TEST_CASE("a row is shaded as its voxels are one by one, bit for bit, b
       }
     }
   }
-}
-
-TEMPLATE_TEST_CASE("voxels that are not kept leave the others as they are", "", std::uint8_t, float) {
-  const Classifier classifier(two_points(0, 0, 100, 1), type_of<TestType>(), 1);
-  std::vector<TestType> values;
-  for (int i = 0; i < 300; ++i) values.push_back(TestType(i * 7 % 100));
-  const auto* bytes = reinterpret_cast<const std::byte*>(values.data());
-  VisibleRow all = find_visible(classifier, bytes, 300);
-  VisibleRow some = all;
-  REQUIRE(some.blocks.size() == 5);
-  std::vector<std::uint64_t> kept;
-  for (const VisibleBlock& block : some.blocks) kept.push_back(block.mask & 0xFF0F);
-  kept[2] = 0;
-  some.keep(kept);
-  make_samples(classifier, {bytes, nullptr, 300}, nullptr, all);
-  make_samples(classifier, {bytes, nullptr, 300}, nullptr, some);
-  REQUIRE(some.blocks.size() == 4);
-  std::uint32_t next = 0;
-  for (const VisibleBlock& block : some.blocks) {
-    REQUIRE(block.sample == next);
-    const VisibleBlock& whole = all.blocks[block.first / 64];
-    REQUIRE(block.mask == (whole.mask & 0xFF0F));
-    for (int k = 0; k < 64; ++k) {
-      if ((block.mask >> k & 1) == 0) continue;
-      const int before = std::popcount(whole.mask & ((std::uint64_t{1} << k) - 1));
-      REQUIRE(std::memcmp(&some.samples[next++], &all.samples[whole.sample + std::uint32_t(before)],
-                          sizeof(ClassifiedSample)) == 0);
-    }
-  }
-  REQUIRE(some.visible == next);
 }
