@@ -16,9 +16,17 @@ Direction vertical_direction(const Layout& mesh, int row, NodeId destination, in
   return 2 * down <= mesh.mesh_rows ? Direction::south : Direction::north;
 }
 
-}  // namespace
+/// The direction in which a message for `destination` leaves `rank`; nothing at the destination.
+std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination) {
+  const int to = mesh.rank_of(destination);
+  if (to == rank) return std::nullopt;
+  const MeshPlace here = place_of(mesh, rank), there = place_of(mesh, to);
+  const bool on_renderer = rank >= mesh.gps;
+  if (!on_renderer && here.y != there.y) return vertical_direction(mesh, here.y, destination, there.y);
+  return there.x < here.x || (on_renderer && here.x == mesh.mesh_columns) ? Direction::west : Direction::east;
+}
 
-char letter(Direction direction) { return "WENS"[static_cast<int>(direction)]; }
+}  // namespace
 
 MeshPlace place_of(const Layout& mesh, int rank) {
   if (rank < mesh.gps) return {rank % mesh.mesh_columns, rank / mesh.mesh_columns};
@@ -48,9 +56,10 @@ std::optional<int> neighbour(const Layout& mesh, int rank, Direction direction) 
 }
 
 std::string name(const Layout& mesh, const Link& link) {
-  if (link.from >= mesh.gps) return fmt::format("R{}{}", link.from - mesh.gps, letter(link.direction));
+  const char letter = "WENS"[static_cast<int>(link.direction)];
+  if (link.from >= mesh.gps) return fmt::format("R{}{}", link.from - mesh.gps, letter);
   const MeshPlace place = place_of(mesh, link.from);
-  return fmt::format("x{}y{}{}", place.x, place.y, letter(link.direction));
+  return fmt::format("x{}y{}{}", place.x, place.y, letter);
 }
 
 std::vector<Link> links_from(const Layout& mesh, int rank) {
@@ -65,15 +74,6 @@ std::vector<Link> links(const Layout& mesh) {
   for (int rank = 0; rank < mesh.ranks(); ++rank)
     for (const Link& link : links_from(mesh, rank)) all.push_back(link);
   return all;
-}
-
-std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination) {
-  const int to = mesh.rank_of(destination);
-  if (to == rank) return std::nullopt;
-  const MeshPlace here = place_of(mesh, rank), there = place_of(mesh, to);
-  const bool on_renderer = rank >= mesh.gps;
-  if (!on_renderer && here.y != there.y) return vertical_direction(mesh, here.y, destination, there.y);
-  return there.x < here.x || (on_renderer && here.x == mesh.mesh_columns) ? Direction::west : Direction::east;
 }
 
 std::vector<Hop> route(const Layout& mesh, NodeId source, NodeId destination) {

@@ -31,7 +31,6 @@ namespace ringsplat {
 enum class Direction : std::uint8_t { west, east, north, south };  // left, right, up, down on the page
 inline constexpr std::array all_directions{Direction::west, Direction::east, Direction::north,
                                            Direction::south};
-char letter(Direction direction);
 
 /// A rank's place. GPs: 0 ≤ x < columns; Renderers: x = −1 or x = columns.
 struct MeshPlace {
@@ -59,9 +58,6 @@ std::string name(const Layout& mesh, const Link& link);
 std::vector<Link> links(const Layout& mesh);
 /// Those that leave one rank.
 std::vector<Link> links_from(const Layout& mesh, int rank);
-
-/// The direction in which a message for `destination` leaves `rank`; nothing at the destination.
-std::optional<Direction> next_direction(const Layout& mesh, int rank, NodeId destination);
 
 /// Number of buffer classes of a link; see `Hop::buffer_class`.
 inline constexpr int buffer_classes = 2;

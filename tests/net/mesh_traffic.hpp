@@ -16,7 +16,7 @@ struct Traffic {
   int wrong_lengths = 0;  ///< payloads whose hops are not the manhattan distance
 };
 
-/// Rows in the direction of travel, columns, and the hop into the Renderer; independent of next_direction().
+/// Rows in the direction of travel, columns, and the hop into the Renderer; independent of route().
 inline int manhattan_distance(const Layout& mesh, int gp, int renderer) {
   const int rows = mesh.mesh_rows, x = gp % mesh.mesh_columns, y = gp / mesh.mesh_columns;
   const bool left = renderer < rows;
