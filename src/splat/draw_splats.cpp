@@ -113,33 +113,59 @@ struct OffsetRun {
   bool empty() const { return first >= end; }
 };
 
-/// What is the same for all pixels of a splat's row.
-struct RowConstants {
-  float p00, p10, u0, v0, a, linear;
-};
-
-RowConstants row_constants(const Footprint& footprint, const Splat& splat, std::int64_t row) {
+/// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
+/// and D < 0.
+OffsetRun positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat,
+                          std::int64_t row) {
   const auto dy = static_cast<double>(row);
-  return {static_cast<float>(footprint.p[0][0]),
-          static_cast<float>(footprint.p[0][1]),
-          static_cast<float>(footprint.p[1][0] * dy),
-          static_cast<float>(footprint.p[1][1] * dy),
-          splat.a,
-          std::fma(splat.b, static_cast<float>(dy), splat.c)};
+  const double b = static_cast<double>(splat.a) + footprint.e * dy;
+  const double c = static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint.f * dy * dy;
+  const double discriminant = b * b - 4 * footprint.d * c;
+  if (!(discriminant > 0)) return {0, 0};
+  const double root = std::sqrt(discriminant), scale = -2 * footprint.d;
+  const auto before = -static_cast<double>(reach.x) - 1, after = static_cast<double>(reach.x) + 2;
+  return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
+          static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
 }
 
-class RowAdder {
+class RowPainter {
  public:
-  // An implicit constructor would be compiled without the target's instructions.
-  HWY_INLINE RowAdder() {}
-  /// Returns whether Q > 0 in any of the pixels. `pixels`: the extent's first.
-  HWY_INLINE bool add(float* pixels, const RowConstants& row, const Colour& colour,
+  HWY_INLINE RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
+      : slice_(slice), written_(written), footprint_(footprint), reach_(kernel_reach(footprint)) {}
+
+  /// Returns whether the splat reaches a pixel.
+  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
+    const OffsetRun columns{std::max(-x, -reach_.x), std::min(slice_.width - x, reach_.x + 2)};
+    const OffsetRun rows{std::max(-y, -reach_.y), std::min(slice_.height - y, reach_.y + 2)};
+    if (columns.empty()) return false;
+
+    const Colour colour = load_colour(splat);
+    bool reached = false;
+    for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
+      OffsetRun extent = positive_extent(footprint_, reach_, splat, dy);
+      extent = {std::max(extent.first, columns.first), std::min(extent.end, columns.end)};
+      if (extent.empty()) continue;
+      const auto row = static_cast<std::ptrdiff_t>(y + dy);
+      const auto first = static_cast<std::int32_t>(x + extent.first);
+      written_[row].include(first, static_cast<std::int32_t>(x + extent.end));
+      float* pixels = slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4};
+      reached |= add(pixels, splat, dy, colour, extent);
+    }
+    return reached;
+  }
+
+ private:
+  /// Adds to a row of the splat's. Returns whether Q > 0 in any of the pixels. `pixels`: the extent's first.
+  HWY_INLINE bool add(float* pixels, const Splat& splat, std::int64_t row, const Colour& colour,
                       const OffsetRun& extent) const {
     const Floats d;
     const hn::Rebind<std::int32_t, Floats> d32;
-    const auto p00 = hn::Set(d, row.p00), p10 = hn::Set(d, row.p10), u0 = hn::Set(d, row.u0),
-               v0 = hn::Set(d, row.v0);
-    const auto a = hn::Set(d, row.a), linear = hn::Set(d, row.linear);
+    const auto dy = static_cast<double>(row);
+    const auto set = [&](double value) { return hn::Set(d, static_cast<float>(value)); };
+    const auto p00 = set(footprint_.p[0][0]), p10 = set(footprint_.p[0][1]),
+               u0 = set(footprint_.p[1][0] * dy), v0 = set(footprint_.p[1][1] * dy);
+    const auto a = hn::Set(d, splat.a),
+               linear = hn::Set(d, std::fma(splat.b, static_cast<float>(dy), splat.c));
     const auto end = hn::Set(d32, static_cast<std::int32_t>(extent.end));
     auto largest = hn::Zero(d);
     for (std::int64_t at = extent.first; at < extent.end; at += lanes, pixels += 4 * lanes) {
@@ -160,82 +186,17 @@ class RowAdder {
     return !hn::AllFalse(d, hn::Gt(largest, hn::Zero(d)));
   }
 
- private:
-  Spread spread_;
-};
-
-/// The pixels where the quadratic of the splat's row is positive. There is no NaN: coefficients are finite
-/// and D < 0.
-OffsetRun positive_extent(const Footprint& footprint, KernelReach reach, const Splat& splat,
-                          std::int64_t row) {
-  const auto dy = static_cast<double>(row);
-  const double b = static_cast<double>(splat.a) + footprint.e * dy;
-  const double c = static_cast<double>(splat.c) + static_cast<double>(splat.b) * dy + footprint.f * dy * dy;
-  const double discriminant = b * b - 4 * footprint.d * c;
-  if (!(discriminant > 0)) return {0, 0};
-  const double root = std::sqrt(discriminant), scale = -2 * footprint.d;
-  const auto before = -static_cast<double>(reach.x) - 1, after = static_cast<double>(reach.x) + 2;
-  return {static_cast<std::int64_t>(std::ceil(std::clamp((b - root) / scale, before, after))),
-          static_cast<std::int64_t>(std::floor(std::clamp((b + root) / scale, before, after))) + 1};
-}
-
-class RowPainter {
- public:
-  RowPainter(const SliceBuffer& slice, const Footprint& footprint, PixelRun* written)
-      : slice_(slice), written_(written), footprint_(footprint), reach_(kernel_reach(footprint)) {}
-
-  /// Returns whether the splat reaches a pixel.
-  HWY_INLINE bool operator()(const Splat& splat, std::int64_t x, std::int64_t y) const {
-    const OffsetRun columns{std::max(-x, -reach_.x), std::min(slice_.width - x, reach_.x + 2)};
-    const OffsetRun rows{std::max(-y, -reach_.y), std::min(slice_.height - y, reach_.y + 2)};
-    if (columns.empty()) return false;
-
-    const Colour colour = load_colour(splat);
-    bool reached = false;
-    for (std::int64_t dy = rows.first; dy < rows.end; ++dy) {
-      OffsetRun extent = positive_extent(footprint_, reach_, splat, dy);
-      extent = {std::max(extent.first, columns.first), std::min(extent.end, columns.end)};
-      if (extent.empty()) continue;
-      const auto row = static_cast<std::ptrdiff_t>(y + dy);
-      const auto first = static_cast<std::int32_t>(x + extent.first);
-      written_[row].include(first, static_cast<std::int32_t>(x + extent.end));
-      float* pixels = slice_.origin + row * slice_.row_floats + first * std::ptrdiff_t{4};
-      reached |= adder_.add(pixels, row_constants(footprint_, splat, dy), colour, extent);
-    }
-    return reached;
-  }
-
- private:
   const SliceBuffer& slice_;
   PixelRun* written_;
   const Footprint& footprint_;
   KernelReach reach_;
-  RowAdder adder_;
+  Spread spread_;
 };
 
 DrawCounts DrawByRows(const SliceBuffer& slice, const Footprint& footprint, const SplatRun& run,
                       PixelRun* written) {
   return draw_each(run, RowPainter(slice, footprint, written));
 }
-
-class TextureAdder {
- public:
-  // An implicit constructor would be compiled without the target's instructions.
-  HWY_INLINE TextureAdder() {}
-  /// Adds to `count` pixels; up to the end of the last vector zeros are added.
-  HWY_INLINE void add(float* pixels, const float* weights, const Colour& colour, int count) const {
-    const Floats d;
-    for (int left = count; left > 0; left -= int(pixels_a_vector)) {
-      const auto inside = hn::FirstN(d, std::min(std::size_t(left), pixels_a_vector));
-      add_to(pixels, spread_.get<0>(hn::IfThenElseZero(inside, hn::LoadU(d, weights))), colour);
-      pixels += lanes;
-      weights += pixels_a_vector;
-    }
-  }
-
- private:
-  Spread spread_;
-};
 
 class TexturePainter {
  public:
@@ -258,18 +219,29 @@ class TexturePainter {
       reached = true;
       const auto row = static_cast<std::ptrdiff_t>(y + dy);
       written_[row].include(static_cast<std::int32_t>(x + first), static_cast<std::int32_t>(x + end));
-      adder_.add(slice_.origin + row * slice_.row_floats + (x + first) * 4,
-                 table_.weights.data() + at * table_.row + (first + table_.reach_x), colour,
-                 static_cast<int>(end - first));
+      add(slice_.origin + row * slice_.row_floats + (x + first) * 4,
+          table_.weights.data() + at * table_.row + (first + table_.reach_x), colour,
+          static_cast<int>(end - first));
     }
     return reached;
   }
 
  private:
+  /// Adds to `count` pixels; up to the end of the last vector zeros are added.
+  HWY_INLINE void add(float* pixels, const float* weights, const Colour& colour, int count) const {
+    const Floats d;
+    for (int left = count; left > 0; left -= int(pixels_a_vector)) {
+      const auto inside = hn::FirstN(d, std::min(std::size_t(left), pixels_a_vector));
+      add_to(pixels, spread_.get<0>(hn::IfThenElseZero(inside, hn::LoadU(d, weights))), colour);
+      pixels += lanes;
+      weights += pixels_a_vector;
+    }
+  }
+
   const SliceBuffer& slice_;
   const FootprintTable& table_;
   PixelRun* written_;
-  TextureAdder adder_;
+  Spread spread_;
 };
 
 DrawCounts DrawWithTexture(const SliceBuffer& slice, const FootprintTable& table, const SplatRun& run,

@@ -14,43 +14,23 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 using FourFloats = hn::Full128<float>;
 using FourInts = hn::Full128<std::int32_t>;
-using Voxel = hn::Vec<FourFloats>;
-
-/// Packs a voxel into the first 10 bytes: its opacity, then its colour in 3 × 16 bits.
-class FloatPacker {
- public:
-  HWY_INLINE FloatPacker() {
-    constexpr std::uint8_t low = std::endian::native == std::endian::little ? 0 : 2, none = 0x80;
-    HWY_ALIGN constexpr std::uint8_t order[16] = {
-        12, 13, 14, 15, low, 1 + low, 4 + low, 5 + low, 8 + low, 9 + low, none, none, none, none, none, none};
-    order_ = hn::Load(hn::Full128<std::uint8_t>(), order);
-  }
-  HWY_INLINE hn::Vec<hn::Full128<std::uint8_t>> pack(Voxel rgba) const {
-    const FourFloats d;
-    const FourInts i;
-    const auto inside = hn::Min(hn::Max(hn::Zero(d), rgba), hn::Set(d, 1.0F));
-    const auto quantised = hn::ConvertTo(i, hn::Add(hn::Mul(inside, hn::Set(d, 65535.0F)), hn::Set(d, 0.5F)));
-    const auto colours = hn::FirstN(i, 3);
-    const auto words = hn::IfThenElse(colours, quantised, hn::BitCast(i, rgba));
-    return hn::TableLookupBytes(hn::BitCast(hn::Full128<std::uint8_t>(), words), order_);
-  }
-
- private:
-  hn::Vec<hn::Full128<std::uint8_t>> order_;
-};
-
+/// A voxel's opacity, then its colour in 3 × 16 bits.
 void PackFloats(const float* rgba, std::size_t count, FloatVoxel* voxels) {
-  if (count == 0) return;
-  const hn::Full128<std::uint8_t> bytes;
   const FourFloats d;
-  const FloatPacker packer;
-  auto* out = reinterpret_cast<std::uint8_t*>(voxels);
-  // A store reaches beyond its voxel, and the next one overwrites that.
-  for (std::size_t k = 0; k + 1 < count; ++k)
-    hn::StoreU(packer.pack(hn::LoadU(d, rgba + 4 * k)), bytes, out + k * sizeof(FloatVoxel));
-  HWY_ALIGN std::uint8_t last[16];
-  hn::Store(packer.pack(hn::LoadU(d, rgba + 4 * (count - 1))), bytes, last);
-  std::memcpy(out + (count - 1) * sizeof(FloatVoxel), last, sizeof(FloatVoxel));
+  const FourInts i;
+  const hn::Full128<std::uint8_t> bytes;
+  constexpr std::uint8_t low = std::endian::native == std::endian::little ? 0 : 2, none = 0x80;
+  HWY_ALIGN constexpr std::uint8_t order[16] = {12,      13,      14,   15,   low,  1 + low, 4 + low, 5 + low,
+                                                8 + low, 9 + low, none, none, none, none,    none,    none};
+  HWY_ALIGN std::uint8_t packed[16];
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto voxel = hn::LoadU(d, rgba + 4 * k);
+    const auto inside = hn::Min(hn::Max(hn::Zero(d), voxel), hn::Set(d, 1.0F));
+    const auto quantised = hn::ConvertTo(i, hn::Add(hn::Mul(inside, hn::Set(d, 65535.0F)), hn::Set(d, 0.5F)));
+    const auto words = hn::IfThenElse(hn::FirstN(i, 3), quantised, hn::BitCast(i, voxel));
+    hn::Store(hn::TableLookupBytes(hn::BitCast(bytes, words), hn::Load(bytes, order)), bytes, packed);
+    std::memcpy(voxels + k, packed, sizeof(FloatVoxel));
+  }
 }
 
 #if HWY_TARGET == HWY_EMU128

@@ -66,62 +66,36 @@ using Pixel = hn::Vec<FourFloats>;
 using FourInts = hn::Full128<std::int32_t>;
 using SixteenBytes = hn::Full128<std::uint8_t>;
 
-/// Loads a voxel: its colour, in which 65535 is 1, and its opacity.
-template <class Voxel>
-class VoxelLoader;
-
-/// Reads six bytes beyond the voxel too.
-template <>
-class VoxelLoader<FloatVoxel> {
- public:
-  HWY_INLINE VoxelLoader() {
-    constexpr std::uint8_t low = std::endian::native == std::endian::little ? 0 : 2, none = 0x80;
-    HWY_ALIGN std::uint8_t order[16];
-    std::memset(order, none, sizeof order);
-    for (std::size_t channel = 0; channel < 3; ++channel)
-      for (std::size_t byte = 0; byte < 2; ++byte)
-        order[4 * channel + low + byte] = std::uint8_t(4 + 2 * channel + byte);
-    for (std::size_t byte = 0; byte < 4; ++byte) order[12 + byte] = std::uint8_t(byte);
-    order_ = hn::Load(SixteenBytes(), order);
-  }
-  HWY_INLINE Pixel load(const FloatVoxel* voxel) const {
-    const FourFloats d;
-    const FourInts i;
-    const auto bytes = hn::LoadU(SixteenBytes(), reinterpret_cast<const std::uint8_t*>(voxel));
-    const auto words = hn::BitCast(i, hn::TableLookupBytesOr0(bytes, order_));
-    return hn::IfThenElse(hn::FirstN(d, 3), hn::ConvertTo(d, words), hn::BitCast(d, words));
-  }
-
- private:
-  hn::Vec<SixteenBytes> order_;
-};
-
-template <>
-class VoxelLoader<HalfVoxel> {
- public:
-  HWY_INLINE Pixel load(const HalfVoxel* voxel) const {
-    const FourFloats d;
-    const hn::Rebind<hwy::float16_t, FourFloats> halves;
-    const hn::Rebind<std::uint16_t, FourFloats> words;
-    const auto rgba = hn::PromoteTo(d, hn::BitCast(halves, hn::LoadU(words, voxel->rgba)));
-    const auto inside = hn::Min(hn::Max(hn::Zero(d), rgba), hn::Set(d, 1.0F));
-    const auto quantised =
-        hn::ConvertTo(FourInts(), hn::Add(hn::Mul(inside, hn::Set(d, 65535.0F)), hn::Set(d, 0.5F)));
-    return hn::IfThenElse(hn::FirstN(d, 3), hn::ConvertTo(d, quantised), rgba);
-  }
-};
-
-template <>
-class VoxelLoader<ByteVoxel> {
- public:
-  HWY_INLINE Pixel load(const ByteVoxel* voxel) const {
-    const FourFloats d;
-    const hn::Rebind<std::uint8_t, FourFloats> bytes;
-    const auto rgba = hn::ConvertTo(d, hn::PromoteTo(FourInts(), hn::LoadU(bytes, voxel->rgba)));
-    const auto colours = hn::Mul(rgba, hn::Set(d, 257.0F)), opacities = hn::Div(rgba, hn::Set(d, 255.0F));
-    return hn::IfThenElse(hn::FirstN(d, 3), colours, opacities);
-  }
-};
+/// Loads a voxel: its colour, in which 65535 is 1, and its opacity. Reads six bytes beyond a FloatVoxel.
+HWY_INLINE Pixel load(const FloatVoxel* voxel) {
+  const FourFloats d;
+  const FourInts i;
+  constexpr std::uint8_t none = 0x80;
+  HWY_ALIGN constexpr std::uint8_t orders[2][16] = {
+      {none, none, 4, 5, none, none, 6, 7, none, none, 8, 9, 0, 1, 2, 3},
+      {4, 5, none, none, 6, 7, none, none, 8, 9, none, none, 0, 1, 2, 3}};
+  const auto order = hn::Load(SixteenBytes(), orders[std::endian::native == std::endian::little]);
+  const auto bytes = hn::LoadU(SixteenBytes(), reinterpret_cast<const std::uint8_t*>(voxel));
+  const auto words = hn::BitCast(i, hn::TableLookupBytesOr0(bytes, order));
+  return hn::IfThenElse(hn::FirstN(d, 3), hn::ConvertTo(d, words), hn::BitCast(d, words));
+}
+HWY_INLINE Pixel load(const HalfVoxel* voxel) {
+  const FourFloats d;
+  const hn::Rebind<hwy::float16_t, FourFloats> halves;
+  const hn::Rebind<std::uint16_t, FourFloats> words;
+  const auto rgba = hn::PromoteTo(d, hn::BitCast(halves, hn::LoadU(words, voxel->rgba)));
+  const auto inside = hn::Min(hn::Max(hn::Zero(d), rgba), hn::Set(d, 1.0F));
+  const auto quantised =
+      hn::ConvertTo(FourInts(), hn::Add(hn::Mul(inside, hn::Set(d, 65535.0F)), hn::Set(d, 0.5F)));
+  return hn::IfThenElse(hn::FirstN(d, 3), hn::ConvertTo(d, quantised), rgba);
+}
+HWY_INLINE Pixel load(const ByteVoxel* voxel) {
+  const FourFloats d;
+  const hn::Rebind<std::uint8_t, FourFloats> bytes;
+  const auto rgba = hn::ConvertTo(d, hn::PromoteTo(FourInts(), hn::LoadU(bytes, voxel->rgba)));
+  const auto colours = hn::Mul(rgba, hn::Set(d, 257.0F)), opacities = hn::Div(rgba, hn::Set(d, 255.0F));
+  return hn::IfThenElse(hn::FirstN(d, 3), colours, opacities);
+}
 
 HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) {
   const FourFloats d;
@@ -134,15 +108,15 @@ HWY_INLINE void place_one(Pixel voxel, double weight, int steps, float* pixels) 
 /// `row`: pixel of the mask's bit 0, inside the buffer or not. `last`: no byte may be read beyond these
 /// voxels.
 template <class Voxel>
-HWY_INLINE void place_row(const VoxelLoader<Voxel>& loader, int steps, double weight, std::uint64_t mask,
-                          const Voxel* voxels, bool last, float* row) {
+HWY_INLINE void place_row(int steps, double weight, std::uint64_t mask, const Voxel* voxels, bool last,
+                          float* row) {
   const auto to = [&] { return row + std::ptrdiff_t{4} * (std::countr_zero(mask) * steps); };
   const std::uint64_t careful = last ? std::bit_floor(mask) : 0;
-  for (; mask != careful; mask &= mask - 1, ++voxels) place_one(loader.load(voxels), weight, steps, to());
+  for (; mask != careful; mask &= mask - 1, ++voxels) place_one(load(voxels), weight, steps, to());
   if (careful == 0) return;
   HWY_ALIGN std::uint8_t copy[16] = {};
   std::memcpy(copy, voxels, sizeof(Voxel));
-  place_one(loader.load(reinterpret_cast<const Voxel*>(copy)), weight, steps, to());
+  place_one(load(reinterpret_cast<const Voxel*>(copy)), weight, steps, to());
 }
 
 /// Sets 64 bits' ones in a row of bits from `place` on, but none before place 0.
@@ -180,7 +154,6 @@ HWY_INLINE std::uint64_t count_drawn(const AlignedSlice& slice, const SliceBuffe
 template <int known_steps, class Voxel>
 HWY_INLINE DrawnBlocks place(const AlignedSlice& slice, VoxelRows& to, const VoxelBlocks<Voxel>& blocks,
                              std::uint64_t most) {
-  const VoxelLoader<Voxel> loader;
   const int steps = known_steps > 0 ? known_steps : slice.step_x;
   // Windows that meet the region have their anchor at most reach + 1 before it, or reach behind it.
   const std::int64_t least_x = -slice.reach_x - 1, most_x = to.buffer.width + slice.reach_x - 1,
@@ -199,7 +172,7 @@ HWY_INLINE DrawnBlocks place(const AlignedSlice& slice, VoxelRows& to, const Vox
     const std::uint64_t within = block.mask & places_within(x, steps, least_x, most_x);
     if (within == 0) continue;
     voxels += std::popcount(block.mask & ((within & -within) - 1));
-    place_row(loader, steps, slice.opacity_weight, within, voxels, last,
+    place_row(steps, slice.opacity_weight, within, voxels, last,
               to.buffer.origin + y * to.buffer.row_floats + 4 * x);
     mark(to.filled + y * std::ptrdiff_t(to.row_words), within, x + to.left, steps);
     placed.counts.drawn += count_drawn(slice, to.buffer, x, y, within);
