@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "base/input_file.hpp"
+#include "base/printable.hpp"
 #include "base/text.hpp"
+#include "formats/label_names.hpp"
 #include "formats/limits.hpp"
 #include "formats/text_reader.hpp"
 #include "ringsplat/base/error.hpp"
@@ -64,6 +66,8 @@ class NrrdFields {
 
   const std::filesystem::path& path() const { return path_; }
   std::uint64_t end() const { return end_; }  ///< the byte behind the header
+  /// "key:=value", which says nothing of the volume.
+  const std::map<std::string, std::string>& pairs() const { return pairs_; }
   /// Behind "data file: LIST".
   const std::vector<std::string>& listed() const { return listed_; }
 
@@ -132,9 +136,9 @@ class NrrdFields {
     if (line.starts_with('#')) return;
     const auto colon = line.find(':');
     const auto field = spelled(line.substr(0, colon));
-    const bool is_pair = line.find(":=") != std::string::npos;  // key and value, which mean nothing here
+    const bool is_pair = line.find(":=") != std::string::npos;
     if (colon == std::string::npos || line.compare(colon, 2, ":=") == 0 || !is_known(field)) {
-      if (is_pair) return;
+      if (is_pair) return void(pairs_[line.substr(0, colon)] = line.substr(colon + 2));
       fail_nrrd(path_, fmt::format("'{}' is no line of a header", excerpt(line)));
     }
     if (!values_.emplace(field, trimmed(line.substr(colon + 1))).second)
@@ -159,7 +163,7 @@ class NrrdFields {
 
   std::filesystem::path path_;
   std::uint64_t end_ = 0;
-  std::map<std::string, std::string> values_;
+  std::map<std::string, std::string> values_, pairs_;
   std::vector<std::string> listed_;
 };
 
@@ -354,3 +358,20 @@ NrrdHeader read_nrrd_header(const std::filesystem::path& path) {
 }
 
 }  // namespace ringsplat::detail
+
+std::map<double, std::string> ringsplat::label_names(const std::filesystem::path& file) try {
+  constexpr std::string_view of_value = "_LabelValue";
+  constexpr std::size_t longest = 4096;
+  std::map<double, std::string> names;
+  const detail::NrrdFields fields(file);
+  for (const auto& [key, text] : fields.pairs()) {
+    if (!key.starts_with("Segment") || !key.ends_with(of_value)) continue;
+    const auto name = fields.pairs().find(key.substr(0, key.size() - of_value.size()) + "_Name");
+    const auto value = detail::number_in<double>(detail::trimmed(text));
+    if (value && name != fields.pairs().end() && name->second.size() < longest)
+      names[*value] = printable(name->second);
+  }
+  return names;
+} catch (const InputError&) {
+  return {};
+}
