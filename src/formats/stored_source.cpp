@@ -130,8 +130,8 @@ class TransposedSource final : public LayeredSource {
   /// Reads all columns along z within a layer, many at once where they are short.
   void read_layer(int first, int stop, std::span<std::byte> out) override {
     const auto size = size_of(grid().type);
-    const auto column = std::uint64_t(grid().dims.z) * size;
-    const auto columns = std::uint64_t(grid().dims.x) * std::uint64_t(grid().dims.y);
+    const auto column = std::uint64_t(grid().dims.z) * size, rows = std::uint64_t(grid().dims.y);
+    const auto columns = std::uint64_t(grid().dims.x) * rows, slice = grid().slice_bytes(Axis::z);
     constexpr std::uint64_t most_read = 1 << 20;  // bytes at a time
     const auto step = std::clamp<std::uint64_t>(most_read / column, 1, columns);
     const auto part = std::size_t(stop - first) * size;  // of a column
@@ -140,20 +140,14 @@ class TransposedSource final : public LayeredSource {
       const auto end = std::min(begin + step, columns);
       window.resize(std::size_t((end - begin - 1) * column) + part);
       file_.read(offset_ + begin * column + std::uint64_t(first) * size, window);
-      for (auto at = begin; at < end; ++at)
-        scatter(at, std::span(window).subspan(std::size_t((at - begin) * column), part), out);
+      for (auto at = begin; at < end; ++at) {  // y + dims.y * x
+        const auto* from = window.data() + (at - begin) * column;
+        auto* to = out.data() + (at / rows + at % rows * std::uint64_t(grid().dims.x)) * size;
+        for (int z = first; z < stop; ++z, from += size, to += slice) std::memcpy(to, from, size);
+      }
     }
     require_unchanged(file_.path());
     to_native_order(out, size, big_endian_);
-  }
-
-  /// `number`: y + dims.y * x.
-  void scatter(std::uint64_t number, std::span<const std::byte> column, std::span<std::byte> out) const {
-    const auto size = size_of(grid().type), slice = grid().slice_voxels(Axis::z);
-    const auto rows = std::uint64_t(grid().dims.y);
-    auto to = std::size_t(number / rows + number % rows * std::uint64_t(grid().dims.x));
-    for (std::size_t at = 0; at < column.size(); at += size, to += slice)
-      std::memcpy(out.data() + to * size, column.data() + at, size);
   }
 
   InputFile file_;

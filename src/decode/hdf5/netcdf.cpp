@@ -77,8 +77,7 @@ void describe_coordinates(hid_t scale, DatasetAxis& axis) {
   if (is("axis", {"z"}) || is("positive", {"up", "down"}) || is_pressure(axis.unit)) along(2);
   if (is("axis", {"t"}) || is("standard_name", {"time"}) || axis.unit.find(" since ") != std::string::npos)
     axis.known = true, axis.role = Role::frame;
-  if (axis.role != Role::frame) return;
-  axis.spacing = 1;
+  if (axis.role == Role::frame) axis.spacing = 1;
 }
 
 bool points_down(hid_t scale, const DatasetAxis& axis) {

@@ -104,9 +104,7 @@ Taken take(const TiffFile& file, const VolumeChoice& choice) {
     taken.channel = choose_named_channel(choice.channel, file.microscopy.channels, file.microscopy.names,
                                          file.path.string());
   taken.samples = take_samples(file, choice.channel);
-  constexpr std::int64_t most = std::numeric_limits<int>::max();
-  taken.frame =
-      chosen_frame(choice, int(std::min(file.microscopy.frames, most)), "time points", file.path.string());
+  taken.frame = chosen_frame(choice, int(file.microscopy.frames), "time points", file.path.string());
   return taken;
 }
 
@@ -149,14 +147,6 @@ void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
                    trimmed(taken), image_j_one ? ", as ImageJ does" : ", as of columns");
 }
 
-/// Fills in how many channels and time points there are to choose from.
-void count(const TiffFile& first, VolumeNotes& notes) {
-  const auto most = std::int64_t(std::numeric_limits<int>::max());
-  const auto planes = first.microscopy.channels;
-  notes.frames = int(std::min(first.microscopy.frames, most));
-  notes.channels = int(planes > 1 ? std::min(planes, most) : first.samples);
-}
-
 }  // namespace
 
 std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const VolumeChoice& choice) {
@@ -192,7 +182,9 @@ std::unique_ptr<VolumeSource> read_tiff(const std::filesystem::path& path, const
   grid.type = first->type;
   VolumeNotes notes;
   place(*first, grid, notes);
-  count(*first, notes);
+  notes.frames = int(first->microscopy.frames);
+  const int channels = int(first->microscopy.channels);
+  notes.channels = channels > 1 ? channels : first->samples;
   check_lattice(grid, path.string());
   const auto& [samples, channel] = taken.samples;
   std::unique_ptr<VolumeSource> source = std::make_unique<TiffSource>(
