@@ -23,6 +23,7 @@ drawing=(
   "libgdcm-dev: DICOM"
   "libhdf5-dev: HDF5"
   "libexpat1-dev liblz4-dev liblzma-dev: VTK's XML"
+  "libblosc-dev libzstd-dev: Zarr"
 )
 tests=("catch2: tests")
 # Without these the tests that need them are skipped and say so.

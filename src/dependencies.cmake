@@ -35,8 +35,10 @@ else()
   find_package(PNG REQUIRED)
 endif()
 
-# Blocks of VTK's XML files.
+# Blocks of VTK's XML files, and Zarr's chunks.
 pkg_check_modules(LZ4 REQUIRED IMPORTED_TARGET liblz4)
+pkg_check_modules(Zstd REQUIRED IMPORTED_TARGET libzstd)
+pkg_check_modules(Blosc REQUIRED IMPORTED_TARGET blosc)
 
 # HDF5 without MPI: a build of it with another MPI than ours must not come into the process. Debian calls it
 # hdf5-serial; elsewhere hdf5 may be either.

@@ -1,6 +1,10 @@
 #include "formats/encoded_bytes.hpp"
 
+#include <blosc.h>
+#include <lz4.h>
+#include <lzma.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <array>
@@ -295,6 +299,36 @@ std::unique_ptr<EncodedBytes> encoded_bytes(const InputFile& file, Encoding enco
       break;
   }
   return std::make_unique<BytesOfNumbers>(file, begin, end, type);
+}
+
+bool decompress(Compressor compressor, std::span<const std::byte> in, std::span<std::byte> out) {
+  const auto* const from = reinterpret_cast<const unsigned char*>(in.data());
+  auto* const to = reinterpret_cast<unsigned char*>(out.data());
+  constexpr std::size_t most = LZ4_MAX_INPUT_SIZE;
+  std::size_t read = 0, made = out.size();
+  std::uint64_t memory = 80 << 20;  // the largest dictionary that liblzma's presets have takes 65 MiB
+  switch (compressor) {
+    case Compressor::none:
+      if (in.size() == out.size()) std::ranges::copy(in, out.begin());
+      return in.size() == out.size();
+    case Compressor::deflate:
+      return uncompress(to, &made, from, in.size()) == Z_OK && made == out.size();
+    case Compressor::lz4:
+      return in.size() <= most && out.size() <= most &&
+             LZ4_decompress_safe(reinterpret_cast<const char*>(from), reinterpret_cast<char*>(to),
+                                 int(in.size()), int(out.size())) == int(out.size());
+    case Compressor::zstd:
+      return ZSTD_decompress(to, out.size(), from, in.size()) == out.size();
+    case Compressor::blosc:  // by one thread, as all ranks decode
+      return blosc_cbuffer_validate(from, in.size(), &made) == 0 && made == out.size() &&
+             blosc_decompress_ctx(from, to, out.size(), 1) == int(out.size());
+    case Compressor::lzma:
+      break;
+  }
+  made = 0;
+  return lzma_stream_buffer_decode(&memory, 0, nullptr, from, &read, in.size(), to, &made, out.size()) ==
+             LZMA_OK &&
+         made == out.size();
 }
 
 }  // namespace ringsplat::detail

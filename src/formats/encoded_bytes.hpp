@@ -36,4 +36,17 @@ std::unique_ptr<EncodedBytes> encoded_bytes(const InputFile& file, Encoding enco
                                             std::uint64_t end = file_end,
                                             ScalarType type = ScalarType::uint8);
 
+/// Of blocks that are compressed by themselves.
+enum class Compressor {
+  none,
+  deflate,  ///< with zlib's header
+  lz4,      ///< one block without any frame
+  lzma,
+  zstd,
+  blosc  ///< c-blosc 1, by its header
+};
+
+/// False unless `in` decodes to exactly `out`.
+bool decompress(Compressor compressor, std::span<const std::byte> in, std::span<std::byte> out);
+
 }  // namespace ringsplat::detail

@@ -79,10 +79,7 @@ void say_which_frame(const VolumeNotes& notes, const VolumeChoice& choice,
 /// A folder's volume is a stack of TIFF pages or DICOM images, unless the folder is a format of its own.
 Open format_of_folder(const std::filesystem::path& folder) {
   const auto has = [&](const char* name) { return std::filesystem::exists(folder / name); };
-  if (has(".zarray") || has(".zgroup") || has("zarr.json"))
-    throw InputError(fmt::format("{} is a Zarr store", folder.string()),
-                     fmt::format("save an array of it: numpy.save('x.npy', zarr.open('{}'){}[...])",
-                                 folder.string(), has(".zarray") ? "" : "['NAME']"));
+  if (has("zarr.json") || has(".zarray") || has(".zgroup")) return detail::open_zarr;
   if (has("Header") && has("Level_0"))
     throw InputError(
         fmt::format("{} is an AMReX plotfile, whose boxes differ in resolution", folder.string()),

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "base/input_file.hpp"
 #include "formats/limits.hpp"
 #include "formats/volume_files.hpp"
+#include "volume/forwarding_source.hpp"
 
 namespace ringsplat::detail {
 namespace {
@@ -155,7 +157,59 @@ class TransposedSource final : public LayeredSource {
   bool big_endian_;
 };
 
+class HalfSource final : public ForwardingSource {
+ public:
+  using ForwardingSource::ForwardingSource;
+  void read_slices(int first, int count, std::span<std::byte> out) override {
+    std::vector<std::byte> halves(out.size() / 2);
+    ForwardingSource::read_slices(first, count, halves);
+    widen_halves(halves, out);
+  }
+};
+
 }  // namespace
+
+const NumberType* number_type(std::string_view name) {
+  using enum ScalarType;
+  static constexpr NumberType types[] = {
+      {"b1", "bool", uint8},      {"i1", "int8", int8},       {"u1", "uint8", uint8},
+      {"i2", "int16", int16},     {"u2", "uint16", uint16},   {"i4", "int32", int32},
+      {"u4", "uint32", uint32},   {"i8", "int64", float64},   {"u8", "uint64", float64},
+      {"f2", "float16", float32}, {"f4", "float32", float32}, {"f8", "float64", float64}};
+  for (const auto& type : types)
+    if (name == type.code || name == type.name) return &type;
+  return nullptr;
+}
+
+float float_of_half(std::uint16_t half) {
+  const auto sign = std::uint32_t(half & 0x8000U) << 16;
+  const std::uint32_t exponent = (half >> 10) & 31U, fraction = half & 0x3FFU;
+  constexpr float smallest = 1.0F / (1 << 24);
+  if (exponent == 0) return (sign != 0 ? -smallest : smallest) * float(fraction);
+  const std::uint32_t wide = exponent == 31 ? 255 : exponent + 127 - 15;
+  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
+}
+
+void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats) {
+  const auto* begin = reinterpret_cast<const std::uint16_t*>(halves.data());
+  std::transform(begin, begin + halves.size() / sizeof(std::uint16_t),
+                 reinterpret_cast<float*>(floats.data()), float_of_half);
+}
+
+void doubles_of_integers(std::span<std::byte> values, bool is_signed, const std::string& where) {
+  constexpr std::uint64_t largest = std::uint64_t{1} << 53;
+  for (std::size_t at = 0; at < values.size(); at += sizeof(double)) {
+    std::uint64_t bits;
+    std::memcpy(&bits, values.data() + at, sizeof(bits));
+    const bool negative = is_signed && bits >> 63 != 0;
+    const std::uint64_t magnitude = negative ? ~bits + 1 : bits;
+    if (magnitude > largest)
+      refuse(where, "convert the dataset to 32-bit integers or floats first",
+             "the 64-bit integer {}{} has no exact float64", negative ? "-" : "", magnitude);
+    const double value = negative ? -double(magnitude) : double(magnitude);
+    std::memcpy(values.data() + at, &value, sizeof(value));
+  }
+}
 
 void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
            std::span<std::byte> out) {
@@ -181,6 +235,12 @@ void StoredVoxels::choose(std::uint64_t bytes, std::uint64_t count, std::uint64_
   else
     require_bytes(file, size, before, total - before);
   before += index * bytes;
+}
+
+std::unique_ptr<VolumeSource> half_source(std::unique_ptr<VolumeSource> halves) {
+  Grid grid = halves->grid();
+  grid.type = ScalarType::float32;
+  return std::make_unique<HalfSource>(std::move(halves), grid);
 }
 
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces) {

@@ -3,6 +3,9 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "formats/encoded_bytes.hpp"
@@ -18,6 +21,22 @@ struct Rescale {
 /// Makes values of type `from` such of type `to`.
 void apply(const Rescale& rescale, ScalarType from, std::span<const std::byte> in, ScalarType to,
            std::span<std::byte> out);
+
+/// A type of numbers: NumPy's name without the byte order, and Zarr 3's.
+struct NumberType {
+  std::string_view code, name;
+  ScalarType type;  ///< of voxels, which hold every value of all but 64-bit integers
+  std::size_t bytes() const { return std::size_t(code[1] - '0'); }
+};
+/// By either name; null for others.
+const NumberType* number_type(std::string_view name);
+
+/// IEEE 754 binary16 as binary32, which holds every one of its values.
+float float_of_half(std::uint16_t half);
+void widen_halves(std::span<const std::byte> halves, std::span<std::byte> floats);
+/// Makes float64 of 64-bit integers, in place. Throws InputError, with `where`, for one that has none
+/// exactly.
+void doubles_of_integers(std::span<std::byte> values, bool is_signed, const std::string& where);
 
 /// Where and how a file holds its voxels, x fastest, without gaps.
 struct StoredVoxels {
@@ -41,6 +60,9 @@ struct StoredVoxels {
 /// others in order and keeps only a window and the slices asked for. Opens every file, so that one which is
 /// missing, or too short for the grid (a compressed one at deflate's best ratio), is an InputError at once.
 std::unique_ptr<VolumeSource> stored_source(const Grid& grid, std::vector<StoredVoxels> pieces);
+
+/// The float32 volume of a source of binary16 numbers, which says that they are uint16.
+std::unique_ptr<VolumeSource> half_source(std::unique_ptr<VolumeSource> halves);
 
 /// A raw volume whose file has z fastest and x slowest. Holds the slices that were read last, as many as
 /// fit into `most_held` bytes but at least one. Not concurrent: every layer needs bytes from the whole file.

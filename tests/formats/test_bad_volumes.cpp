@@ -213,17 +213,6 @@ std::vector<Bad> bad_folders() {
          fs::create_directory(f / "a.nrrd");
          return f / "a.nrrd";
        }},
-      {"a Zarr array", "is a Zarr store; hint: save an array of it: numpy.save",
-       [](const Folder& f) {
-         fs::create_directory(f / "a.zarr");
-         write(f / "a.zarr/.zarray", "{}");
-         return f / "a.zarr";
-       }},
-      {"a Zarr group", "['NAME'][...]",
-       [](const Folder& f) {
-         write(f / "zarr.json", "{}");
-         return f.path();
-       }},
       {"a plotfile", "is an AMReX plotfile",
        [](const Folder& f) {
          fs::create_directory(f / "Level_0");

@@ -11,6 +11,7 @@
 #include "formats/nifti2.hpp"
 #include "formats/npy.hpp"
 #include "formats/vti.hpp"
+#include "formats/zarr.hpp"
 #include "fuzz/driver.hpp"
 #include "fuzz/hdf5_seeds.hpp"
 #include "fuzz/tiff_seeds.hpp"
@@ -257,6 +258,59 @@ void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, a
 
 void run_hdf5(std::span<const std::byte> input) { open_and_use("a.h5", input, any_ratio); }
 
+/// Parts: an array's metadata, what its group or its attributes say, and the bytes of each chunk.
+std::vector<Input> zarr_seeds() {
+  const std::string bytes = R"({"name": "bytes", "configuration": {"endian": "little"}})";
+  const std::string image = R"({"multiscales": [{"axes": [{"name": "z", "type": "space", "unit": "nanometer"},
+ {"name": "y"}, {"name": "x"}], "datasets": [{"path": "0", "coordinateTransformations": [{"type": "scale",
+ "scale": [1, 2, 3]}]}]}], "omero": {"channels": [{"label": "a"}]}})";
+  const auto version_2 = [](const char* compressor) {
+    return std::string(R"({"zarr_format": 2, "shape": [3, 4, 5], "chunks": [2, 4, 5], "dtype": ">i2",
+ "compressor": )") +
+           compressor + R"(, "fill_value": 7, "order": "F", "dimension_separator": "/", "filters": []})";
+  };
+  const auto chunk = zarr_chunk(0);
+  std::vector<Input> seeds;
+  for (const auto& [metadata, values] :
+       {std::pair(zarr_json(), chunk), std::pair(zarr_json({{"}]", zarr_gzip}}), gzip(chunk)),
+        std::pair(version_2("null"), chunk), std::pair(version_2(R"({"id": "zlib"})"), zlib_stream(chunk)),
+        std::pair(
+            zarr_json({{bytes, R"({"name": "sharding_indexed", "configuration": {"chunk_shape": [1, 2, 5],
+ "codecs": [{"name": "transpose", "configuration": {"order": [2, 0, 1]}}, {"name": "bytes"}], "index_codecs":
+ [{"name": "bytes"}, {"name": "crc32c"}]}})"}}),
+            chunk.substr(0, 60) + bytes_of(0ULL) + bytes_of(20ULL) + bytes_of(20ULL) + bytes_of(20ULL) +
+                bytes_of(~0ULL) + bytes_of(~0ULL) + bytes_of(40ULL) + bytes_of(20ULL) + "abcd"),
+        std::pair(version_2(R"({"id": "blosc"})"),
+                  std::string("\2\1\x33\2\x50\0\0\0\x50\0\0\0\x60\0\0\0", 16) + chunk)}) {
+    Input input;
+    for (const auto& part : {metadata, image, values}) append_part(input, bytes_of_input(part));
+    seeds.push_back(input);
+  }
+  return seeds;
+}
+
+void run_zarr(std::span<const std::byte> input) {
+  std::vector<std::string> parts(3);
+  std::span<const std::byte> part, rest = input;
+  for (auto& text : parts)
+    if (take_part(rest, part)) text = text_of(part);
+  const fs::path folder = scratch() / "zarr";
+  fs::remove_all(folder);
+  for (const char* chunk : {"0.0.0", "0/0/0", "c/0/0/0", "c/1/0/0"}) {
+    fs::create_directories((folder / "0" / chunk).parent_path());
+    write(folder / "0" / chunk, parts[2]);
+  }
+  const bool version_2 = contains(parts[0], "dtype");
+  write(folder / "0" / (version_2 ? ".zarray" : "zarr.json"), parts[0]);
+  write(folder / (version_2 ? ".zgroup" : "zarr.json"),
+        version_2 ? "{}"
+                  : R"({"zarr_format": 3, "node_type": "group", "attributes": {"ome": )" + parts[1] + "}}");
+  write(folder / ".zattrs", parts[1]);
+  const auto source = open_volume(folder);
+  constexpr std::int64_t most_voxels = 10'000;  // each may be a file
+  if (source->grid().voxels() <= most_voxels) use(*source, 4 * parts[2].size(), any_ratio);
+}
+
 std::vector<Input> dicom_seeds() {
   Dicom plain, scaled, colour, three;
   plain.pixels = scaled.pixels = samples<short>().substr(0, 40);
@@ -387,6 +441,11 @@ const Words npy_words{
 const Words hdf5_words{
     "TREE", "SNOD", "HEAP", "GCOL", "OHDR", "OCHK", "FRHP", "BTHD", "FADB", "EADB", "volume", "DIMENSION_LIST",
     "VTKHDF", "WholeExtent", "gridSpacing", "_FillValue", "\xff\xff\xff\xff\xff\xff\xff\xff"};
+const Words zarr_words{
+    "zarr_format", "node_type", "array", "group", "shape", "chunk_grid", "chunk_shape", "chunk_key_encoding", "separator", "fill_value",
+    "NaN", "-Infinity", "0x7fc00000", "codecs", "bytes", "transpose", "order", "blosc", "zstd", "gzip", "lz4", "crc32c",
+    "sharding_indexed", "index_codecs", "index_location", "start", "float16", "float64", "int64", "uint64", "bool", "<f4", "|u1", "<i8",
+    "dimension_names", "axes", "channel", "time", "\"t\"", "\"c\"", "datasets", "path", "..", "scale", "translation", "ome", "null"};
 const Words raw_words{
     "dims=", "type=", "endian=", "offset=", "spacing=", "big", "little", "uint8", "float", "float64", "5x4x3",
     "_5x4x3_int16.raw", "1x1x1", "x"};
@@ -408,6 +467,7 @@ std::vector<Driver> volume_drivers() {
           {"vti", run_vti, vti_seeds, vti_words, 6000},
           {"npy", run_npy, npy_seeds, npy_words, 6000},
           {"hdf5", run_hdf5, hdf5_seeds, hdf5_words, 800},
+          {"zarr", run_zarr, zarr_seeds, zarr_words, 400},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }
 

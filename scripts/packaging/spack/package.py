@@ -39,6 +39,8 @@ class Ringsplat(CMakePackage):
     depends_on("zlib-api")
     depends_on("expat")
     depends_on("lz4")
+    depends_on("zstd")
+    depends_on("c-blosc")
     depends_on("xz")
     depends_on("catch2", type="test")
 

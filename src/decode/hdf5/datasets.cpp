@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 #include <set>
 
@@ -181,19 +182,12 @@ std::optional<ValueType> value_type_of(hid_t type) {
     value->name = H5Tget_nmembers(type) == 2 && size == 1 ? "bool" : "enumeration of " + value->name;
     return value;
   }
-  if (kind == H5T_FLOAT) {
-    if (size > sizeof(double)) return {};
-    return ValueType{size <= sizeof(float) ? ScalarType::float32 : ScalarType::float64, false, false,
-                     fmt::format("float{}", 8 * size)};
-  }
-  if (kind != H5T_INTEGER) return {};
-  if (size > sizeof(std::int64_t)) return {};
-  const bool is_signed = H5Tget_sign(type) == H5T_SGN_2, wide = size > sizeof(std::int32_t);
-  const auto name_of = [&](std::size_t bytes) {
-    return fmt::format("{}int{}", is_signed ? "" : "u", 8 * bytes);
-  };
-  const auto held = size == 3 ? 4 : size;
-  return ValueType{wide ? ScalarType::float64 : scalar_type_from(name_of(held)), wide, false, name_of(size)};
+  const bool whole = kind == H5T_INTEGER;
+  if ((!whole && kind != H5T_FLOAT) || size > sizeof(double)) return {};
+  const char* const numbers = !whole ? "float" : H5Tget_sign(type) == H5T_SGN_2 ? "int" : "uint";
+  const auto name_of = [&](std::size_t bytes) { return fmt::format("{}{}", numbers, 8 * bytes); };
+  const auto* const held = number_type(name_of(std::bit_ceil(whole ? size : std::max<std::size_t>(size, 2))));
+  return ValueType{held->type, whole && size > sizeof(std::int32_t), false, name_of(size)};
 }
 
 std::vector<int> dims_of(hid_t dataset) {

@@ -5,9 +5,10 @@
 #include <vector>
 
 #include "decode/hdf5/library.hpp"
+#include "formats/axes.hpp"
 #include "ringsplat/formats/open.hpp"
 
-/// Which datasets a file holds, and how their values are stored.
+/// Which datasets a file holds, how their values are stored, and what its conventions say of their axes.
 namespace ringsplat::detail::hdf5 {
 
 /// How a dataset's numbers become voxels.
@@ -39,5 +40,14 @@ struct Iterations {
 /// InputError that lists the datasets when there are several.
 std::string choose_dataset(hid_t file, const std::filesystem::path& path, const std::string& named,
                            const VolumeChoice& choice, Iterations& iterations);
+
+// The conventions, each of which does nothing to a file of another.
+void describe_vtkhdf(hid_t file, const std::string& path, const std::string& where, DatasetMeaning& meaning);
+void describe_openpmd(hid_t file, hid_t dataset, const std::string& path, const std::string& where,
+                      DatasetMeaning& meaning);
+void describe_netcdf(hid_t dataset, const std::string& where, DatasetMeaning& meaning);
+void describe_minc(hid_t file, hid_t dataset, const std::string& path, const std::string& where,
+                   DatasetMeaning& meaning);
+void describe_microscopy(hid_t dataset, DatasetMeaning& meaning);
 
 }  // namespace ringsplat::detail::hdf5

@@ -10,7 +10,6 @@
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "decode/hdf5/axes.hpp"
 #include "decode/hdf5/datasets.hpp"
 #include "decode/readers.hpp"
 #include "formats/channels.hpp"
@@ -25,14 +24,12 @@ namespace ringsplat::detail {
 namespace {
 
 using namespace hdf5;
-using Role = DatasetAxis::Role;
 
-/// What is read of a dataset. Sizes and offsets are in the order of its dimensions.
+/// What is read of a dataset.
 struct Selection {
   std::filesystem::path file;
-  std::string dataset, where;        ///< its path in the file; both, for messages
-  std::vector<hsize_t> first, size;  ///< the chosen frame and channel, and the whole of the others
-  int slices = -1;                   ///< the dimension that z slices lie along; -1: there is one slice
+  std::string dataset, where;  ///< its path in the file; both, for messages
+  ArrayPart part;
   ValueType value = {};
   std::vector<Rescale> rescale = {};  ///< none, one for all, or one a slice
 };
@@ -71,7 +68,7 @@ hid_t memory_type(ScalarType type) {
 
 Facts facts_of(const Selection& selection) {
   std::string first;
-  for (const hsize_t at : selection.first) first += fmt::format("{}{}", first.empty() ? "" : " ", at);
+  for (const auto at : selection.part.first) first += fmt::format("{}{}", first.empty() ? "" : " ", at);
   Facts facts{{"encoding", "HDF5"},
               {"dataset", selection.dataset},
               {"stored type", selection.value.name},
@@ -90,11 +87,11 @@ class DatasetSource final : public LayeredSource {
         dataset_(std::move(dataset)),
         selection_(std::move(selection)) {
     const Id creation = made(H5Dget_create_plist(dataset_.get()), selection_.where);
-    std::vector<hsize_t> chunk(selection_.first.size());
-    const int rank = int(chunk.size());
-    if (selection_.slices >= 0 && H5Pget_layout(creation.get()) == H5D_CHUNKED &&
+    std::vector<hsize_t> chunk(selection_.part.first.size());
+    const int rank = int(chunk.size()), slices = selection_.part.lattice[2];
+    if (slices >= 0 && H5Pget_layout(creation.get()) == H5D_CHUNKED &&
         H5Pget_chunk(creation.get(), rank, chunk.data()) == rank)
-      set_layer(chunk[std::size_t(selection_.slices)]);
+      set_layer(chunk[std::size_t(slices)]);
   }
 
  private:
@@ -122,25 +119,16 @@ class DatasetSource final : public LayeredSource {
   void read_wide(int begin, int end, std::span<std::byte> out) {
     const bool is_signed = selection_.value.name.find("uint") == std::string::npos;
     read_as(is_signed ? H5T_NATIVE_INT64 : H5T_NATIVE_UINT64, begin, end, out.data());
-    constexpr std::uint64_t largest = std::uint64_t{1} << 53;
-    for (std::size_t at = 0; at < out.size(); at += sizeof(double)) {
-      std::uint64_t bits;
-      std::memcpy(&bits, out.data() + at, sizeof(bits));
-      const bool negative = is_signed && bits >> 63 != 0;
-      const std::uint64_t magnitude = negative ? ~bits + 1 : bits;
-      if (magnitude > largest)
-        refuse(selection_.where, "convert the dataset to 32-bit integers or floats first",
-               "the 64-bit integer {}{} has no exact float64", negative ? "-" : "", magnitude);
-      const double value = negative ? -double(magnitude) : double(magnitude);
-      std::memcpy(out.data() + at, &value, sizeof(value));
-    }
+    doubles_of_integers(out, is_signed, selection_.where);
   }
 
   void read_as(hid_t type, int begin, int end, void* out) {
-    auto first = selection_.first, size = selection_.size;
-    if (selection_.slices >= 0) {
-      first[std::size_t(selection_.slices)] = hsize_t(begin);
-      size[std::size_t(selection_.slices)] = hsize_t(end - begin);
+    const auto& part = selection_.part;
+    std::vector<hsize_t> first(part.first.begin(), part.first.end()), size;
+    for (std::size_t k = 0; k < first.size(); ++k) size.push_back(hsize_t(part.end[k] - part.first[k]));
+    if (const int slices = part.lattice[2]; slices >= 0) {
+      first[std::size_t(slices)] = hsize_t(begin);
+      size[std::size_t(slices)] = hsize_t(end - begin);
     }
     const Id stored = made(H5Dget_space(dataset_.get()), selection_.where);
     done(H5Sselect_hyperslab(stored.get(), H5S_SELECT_SET, first.data(), nullptr, size.data(), nullptr),
@@ -205,9 +193,10 @@ std::optional<StoredVoxels> stored_in_place(hid_t dataset, const Selection& sele
   std::uint64_t first = 0;
   bool whole = false;
   for (std::size_t k = 0; k < dims.size(); ++k) {
-    if (whole && selection.size[k] != hsize_t(dims[k])) return {};
-    whole |= selection.size[k] > 1;
-    first = first * std::uint64_t(dims[k]) + selection.first[k];
+    const auto size = selection.part.end[k] - selection.part.first[k];
+    if (whole && size != dims[k]) return {};
+    whole |= size > 1;
+    first = first * std::uint64_t(dims[k]) + std::uint64_t(selection.part.first[k]);
   }
   StoredVoxels found;
   found.file = selection.file;
@@ -231,39 +220,19 @@ void require_hdf5(const std::filesystem::path& path) {
                    "the file is damaged or has a wrong ending");
 }
 
-struct Channels {
-  int dimension = -1;  ///< -1: none
-  int count = 1;
-  ChannelChoice choice = {0};
-};
-
-Channels channels_of(const std::vector<DatasetAxis>& axes, const ValueType& value, const VolumeChoice& choice,
-                     const std::string& where) {
-  Channels channels;
-  for (std::size_t k = 0; k < axes.size(); ++k)
-    if (axes[k].role == Role::channel) channels = {int(k), axes[k].size, {0}};
-  if (channels.dimension < 0) return channels;
-  const bool last = channels.dimension + 1 == int(axes.size());
-  if (!last && choice.channel.empty()) {
-    log_warning_once("{}: it has {} channels, the first is shown; --channel N shows another", where,
-                     channels.count);
-    return channels;
-  }
-  channels.choice =
-      choose_channel(choice.channel, channels.count, last && are_colours(value.type, channels.count), where);
-  return channels;
-}
-
-/// Of frames and channels one, but all of colours whose luminance is made.
-void select(const std::vector<DatasetAxis>& axes, const Channels& channels, int frame, Selection& selection) {
-  for (std::size_t k = 0; k < axes.size(); ++k) {
-    const bool is_channel = axes[k].role == Role::channel;
-    const bool whole = axes[k].role == Role::space || (is_channel && !channels.choice.index);
-    const int other = is_channel ? channels.choice.index.value_or(0) : 0;
-    selection.first.push_back(hsize_t(axes[k].role == Role::frame ? frame : other));
-    selection.size.push_back(whole ? hsize_t(axes[k].size) : 1);
-  }
-  selection.slices = lattice_axes(axes)[2];
+/// By the conventions; else as settle_roles() has it. Warns of what is drawn otherwise than it is. Throws
+/// InputError for meshes that are not rectilinear and sizes that contradict each other.
+DatasetMeaning meaning_of(hid_t file, hid_t dataset, const std::string& path, const std::vector<int>& dims,
+                          const std::string& where) {
+  DatasetMeaning meaning;
+  for (const int size : dims) meaning.axes.push_back({.size = size});
+  describe_microscopy(dataset, meaning);
+  describe_netcdf(dataset, where, meaning);
+  describe_openpmd(file, dataset, path, where, meaning);
+  describe_vtkhdf(file, path, where, meaning);
+  describe_minc(file, dataset, path, where, meaning);
+  settle_roles(meaning, where, "name them by the attribute DIMENSION_LABELS, or write one volume a dataset");
+  return meaning;
 }
 
 }  // namespace
@@ -290,16 +259,15 @@ std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const
   require_readable(dataset.get(), path_of_file, where);
   auto meaning = meaning_of(file.get(), dataset.get(), selection.dataset, dims, where);
   auto& notes = meaning.notes;
-  const Channels channels = channels_of(meaning.axes, *value, choice, where);
-  const bool by_iteration = iterations.count > 1;
-  const int frame = by_iteration ? 0 : chosen_frame(choice, notes.frames, "volumes", where);
-  if (by_iteration) notes.frames = iterations.count;
-  select(meaning.axes, channels, frame, selection);
+  VolumeChoice within = choice;
+  if (iterations.count > 1) within.frame.reset();
+  const auto& part = selection.part = choose_part(meaning, value->type, within, where);
+  if (iterations.count > 1) notes.frames = iterations.count;
   selection.value = *value;
   Grid grid = lattice_of(meaning, where);
   auto& rescale = selection.rescale = std::move(meaning.rescale);
   if (rescale.size() > 1) {  // of all frames
-    const auto first = rescale.begin() + std::ptrdiff_t(frame) * grid.dims.z;
+    const auto first = rescale.begin() + std::ptrdiff_t(part.frame) * grid.dims.z;
     rescale = std::vector(first, first + grid.dims.z);
   }
   grid.type = rescale.empty() || value->type == ScalarType::float64 ? value->type : ScalarType::float32;
@@ -308,11 +276,12 @@ std::unique_ptr<VolumeSource> read_hdf5(const std::filesystem::path& path, const
     const double fill = rescale[0].slope * *notes.fill + rescale[0].intercept;
     notes.fill = grid.type == ScalarType::float32 ? double(float(fill)) : fill;
   }
-  const int components = channels.choice.index ? 1 : channels.count;
+  const int components = part.components;
+  const auto channel = part.channel;
   if (components == 1) in_place = stored_in_place(dataset.get(), selection, dims);
   auto source = std::make_unique<DatasetSource>(interleaved_grid(grid, components, where), std::move(dataset),
                                                 std::move(selection));
-  return with_notes(channel_source(std::move(source), grid, components, channels.choice), notes);
+  return with_notes(channel_source(std::move(source), grid, components, channel), notes);
 }
 
 }  // namespace ringsplat::detail

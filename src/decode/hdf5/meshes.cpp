@@ -4,7 +4,7 @@
 
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "decode/hdf5/axes.hpp"
+#include "decode/hdf5/datasets.hpp"
 #include "formats/limits.hpp"
 
 namespace ringsplat::detail::hdf5 {

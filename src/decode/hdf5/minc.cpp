@@ -10,7 +10,6 @@
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "decode/hdf5/axes.hpp"
 #include "decode/hdf5/datasets.hpp"
 
 namespace ringsplat::detail::hdf5 {

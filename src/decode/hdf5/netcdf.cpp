@@ -8,7 +8,7 @@
 #include "base/log.hpp"
 #include "base/printable.hpp"
 #include "base/text.hpp"
-#include "decode/hdf5/axes.hpp"
+#include "decode/hdf5/datasets.hpp"
 
 namespace ringsplat::detail::hdf5 {
 namespace {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "formats/axes.hpp"
 #include "formats/xml_reader.hpp"
 
 namespace ringsplat::detail {
@@ -34,19 +35,6 @@ Attributes lines_of(const std::string& description) {
     at = end + 1;
   }
   return lines;
-}
-
-/// A unit of length in micrometres; nothing for other units and texts.
-std::optional<double> micrometres_in(const std::string& unit) {
-  constexpr std::array<std::pair<std::string_view, double>, 24> units{
-      {{"um", 1},           {"\xC2\xB5m", 1},   {"\xCE\xBCm", 1},       {"\xB5m", 1},       {"\\u00B5m", 1},
-       {"\\u00b5m", 1},     {"micron", 1},      {"microns", 1},         {"micrometer", 1},  {"micrometre", 1},
-       {"pm", 1e-6},        {"\xC3\x85", 1e-4}, {"\xE2\x84\xAB", 1e-4}, {"angstrom", 1e-4}, {"nm", 1e-3},
-       {"nanometer", 1e-3}, {"mm", 1e3},        {"millimeter", 1e3},    {"cm", 1e4},        {"dm", 1e5},
-       {"m", 1e6},          {"meter", 1e6},     {"in", 25400},          {"inch", 25400}}};
-  for (const auto& [name, size] : units)
-    if (name == unit) return size;
-  return {};
 }
 
 /// ImageJ's pixels have a size when they have a unit; one that it does not write is 1 (ij/io/FileSaver.java).

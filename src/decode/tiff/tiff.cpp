@@ -13,6 +13,7 @@
 #include "decode/progress.hpp"
 #include "decode/readers.hpp"
 #include "decode/tiff/file.hpp"
+#include "formats/axes.hpp"
 #include "formats/channels.hpp"
 #include "formats/limits.hpp"
 #include "formats/signatures.hpp"
@@ -119,10 +120,9 @@ void add_slices(const TiffFile& file, const Taken& taken, std::vector<TiffSlice>
   }
 }
 
-/// The voxels' size, and the lattice as Fiji and napari show a stack: the default camera looks along +y, z is
-/// up. So columns run to the right, rows downwards, and slices away from the viewer.
+/// The voxels' size, and the lattice's axes.
 void place(const TiffFile& first, Grid& grid, VolumeNotes& notes) {
-  grid.direction = glm::dmat3(glm::dvec3(1, 0, 0), glm::dvec3(0, 0, -1), glm::dvec3(0, 1, 0));
+  grid.direction = microscope_axes;
   notes.world = World::microscope;
   const Microscopy& said = first.microscopy;
   if (!said.sized && !said.depth) return;

@@ -38,20 +38,6 @@ struct NpyHeader {
 
 constexpr std::size_t longest_header = 64 << 10;  // bytes; NumPy itself reads 10000
 
-/// Type strings without the byte order; b1 holds 0 and 1.
-constexpr std::array<std::pair<std::string_view, ScalarType>, 10> types{{
-    {"b1", ScalarType::uint8},
-    {"i1", ScalarType::int8},
-    {"u1", ScalarType::uint8},
-    {"i2", ScalarType::int16},
-    {"u2", ScalarType::uint16},
-    {"i4", ScalarType::int32},
-    {"u4", ScalarType::uint32},
-    {"f2", ScalarType::uint16},
-    {"f4", ScalarType::float32},
-    {"f8", ScalarType::float64},
-}};
-
 /// The text of Python's dictionary {'descr': '<f4', 'fortran_order': False, 'shape': (3, 4, 5), } as JSON.
 std::string as_json(const std::string& dictionary) {
   std::string json;
@@ -70,18 +56,17 @@ std::string as_json(const std::string& dictionary) {
 
 void read_type(const std::string& descr, const std::filesystem::path& path, NpyHeader& header) {
   const auto name = std::string_view(descr).substr(descr.empty() ? 0 : 1);
-  for (const auto& [known, type] : types) {
-    if (known != name || std::string_view("<>|=").find(descr[0]) == std::string_view::npos) continue;
-    header.type = type;
-    header.half = name == "f2";
-    header.big_endian = descr[0] == '>' || (descr[0] == '=' && std::endian::native == std::endian::big);
-    return;
-  }
+  const auto* const known = number_type(name);
   const bool whole = name == "i8" || name == "u8";
-  refuse(path,
-         whole ? "64-bit numbers are not held exactly: save a.astype(np.int32) or a.astype(np.float32)"
-               : "save an array of real numbers of at most 32 bits or float64",
-         "voxels of type '{}' cannot be rendered", excerpt(descr));
+  if (known == nullptr || whole || name != known->code ||
+      std::string_view("<>|=").find(descr[0]) == std::string_view::npos)
+    refuse(path,
+           whole ? "64-bit numbers are not held exactly: save a.astype(np.int32) or a.astype(np.float32)"
+                 : "save an array of real numbers of at most 32 bits or float64",
+           "voxels of type '{}' cannot be rendered", excerpt(descr));
+  header.half = name == "f2";
+  header.type = header.half ? ScalarType::uint16 : known->type;
+  header.big_endian = descr[0] == '>' || (descr[0] == '=' && std::endian::native == std::endian::big);
 }
 
 void read_dictionary(const std::string& text, const std::filesystem::path& path, NpyHeader& header) {
@@ -165,28 +150,6 @@ Axes axes_of(const NpyHeader& header, const std::filesystem::path& path) {
   return axes;
 }
 
-/// IEEE 754 binary16 as binary32, which holds every one of its values.
-float float_of_half(std::uint16_t half) {
-  const auto sign = std::uint32_t(half & 0x8000U) << 16;
-  const std::uint32_t exponent = (half >> 10) & 31U, fraction = half & 0x3FFU;
-  constexpr float smallest = 1.0F / (1 << 24);
-  if (exponent == 0) return (sign != 0 ? -smallest : smallest) * float(fraction);
-  const std::uint32_t wide = exponent == 31 ? 255 : exponent + 127 - 15;
-  return std::bit_cast<float>(sign | wide << 23 | fraction << 13);
-}
-
-/// Widens a source of binary16 numbers to the float32 of `grid`.
-class HalfSource final : public ForwardingSource {
- public:
-  using ForwardingSource::ForwardingSource;
-  void read_slices(int first, int count, std::span<std::byte> out) override {
-    const auto values = grid().slice_voxels(Axis::z) * std::size_t(count);
-    std::vector<std::uint16_t> halves(values);
-    ForwardingSource::read_slices(first, count, std::as_writable_bytes(std::span(halves)));
-    std::transform(halves.begin(), halves.end(), reinterpret_cast<float*>(out.data()), float_of_half);
-  }
-};
-
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const VolumeChoice& choice) {
@@ -199,7 +162,7 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   grid.dims = axes.dims;
   grid.type = header.type;
   check_lattice(grid, path.string());
-  auto wide = interleaved_grid(grid, axes.components, path.string());
+  const auto wide = interleaved_grid(grid, axes.components, path.string());
   StoredVoxels stored{
       .file = path, .offset = header.end, .big_endian = header.big_endian, .type = header.type};
   const int frame = std::clamp(choice.frame.value_or(0), 0, axes.frames - 1);
@@ -207,8 +170,8 @@ std::unique_ptr<VolumeSource> open_npy(const std::filesystem::path& path, const 
   auto source = header.fortran_order ? transposed_source(wide, path, header.end, header.big_endian)
                                      : stored_source(wide, {stored});
   if (header.half) {
-    wide.type = grid.type = ScalarType::float32;
-    source = std::make_unique<HalfSource>(std::move(source), wide);
+    grid.type = ScalarType::float32;
+    source = half_source(std::move(source));
   }
   source = channel_source(std::move(source), grid, axes.components, choice.channel, path.string());
   return with_notes(std::move(source), {.frames = axes.frames, .channels = axes.components});

@@ -112,11 +112,11 @@ class Parser : XmlReader {
                                       {{"LittleEndian", false}, {"BigEndian", true}});
     header_.header_bytes = one_of<int>("header_type", text_in(attributes, "header_type", "UInt32"),
                                        {{"UInt32", 4}, {"UInt64", 8}});
-    header_.compressor = one_of<VtiCompressor>("compressor", text_in(attributes, "compressor"),
-                                               {{"", VtiCompressor::none},
-                                                {"vtkZLibDataCompressor", VtiCompressor::zlib},
-                                                {"vtkLZ4DataCompressor", VtiCompressor::lz4},
-                                                {"vtkLZMADataCompressor", VtiCompressor::lzma}});
+    header_.compressor = one_of<Compressor>("compressor", text_in(attributes, "compressor"),
+                                            {{"", Compressor::none},
+                                             {"vtkZLibDataCompressor", Compressor::deflate},
+                                             {"vtkLZ4DataCompressor", Compressor::lz4},
+                                             {"vtkLZMADataCompressor", Compressor::lzma}});
   }
 
   void set_extent(const std::vector<int>& extent) {

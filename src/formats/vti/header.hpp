@@ -9,8 +9,6 @@
 
 namespace ringsplat::detail {
 
-enum class VtiCompressor { none, zlib, lz4, lzma };
-
 /// One DataArray. Its type may be none that a volume can have.
 struct VtiArray {
   std::string name, type;
@@ -28,7 +26,7 @@ struct VtiHeader {
   glm::ivec3 first{0}, last{0};  ///< the piece's points
   bool big_endian = false;
   int header_bytes = 4;  ///< of a number before binary data
-  VtiCompressor compressor = VtiCompressor::none;
+  Compressor compressor = Compressor::none;
   std::string point_scalars, cell_scalars;  ///< the active arrays' names; empty: none
   std::vector<VtiArray> arrays;             ///< of points and cells
 };

@@ -1,7 +1,4 @@
 #include <fmt/format.h>
-#include <lz4.h>
-#include <lzma.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
@@ -101,31 +98,8 @@ Grid grid_of(const VtiHeader& header, const VtiArray& array, const std::filesyst
   return grid;
 }
 
-/// False unless `in` decodes to exactly `out`.
-bool decompress(VtiCompressor compressor, std::span<const std::byte> in, std::span<std::byte> out) {
-  const auto* from = reinterpret_cast<const unsigned char*>(in.data());
-  auto* to = reinterpret_cast<unsigned char*>(out.data());
-  if (compressor == VtiCompressor::zlib) {
-    uLongf made = out.size();
-    return uncompress(to, &made, from, in.size()) == Z_OK && made == out.size();
-  }
-  if (compressor == VtiCompressor::lz4) {
-    constexpr std::size_t most = LZ4_MAX_INPUT_SIZE;
-    if (in.size() > most || out.size() > most) return false;
-    const int made = LZ4_decompress_safe(reinterpret_cast<const char*>(from), reinterpret_cast<char*>(to),
-                                         int(in.size()), int(out.size()));
-    return made >= 0 && std::size_t(made) == out.size();
-  }
-  // The largest dictionary that liblzma's presets have takes 65 MiB.
-  std::uint64_t memory = 80 << 20;
-  std::size_t read = 0, made = 0;
-  return lzma_stream_buffer_decode(&memory, 0, nullptr, from, &read, in.size(), to, &made, out.size()) ==
-             LZMA_OK &&
-         made == out.size();
-}
-
-std::uint64_t best_ratio(VtiCompressor compressor) {
-  return compressor == VtiCompressor::lzma ? any_best_ratio : deflate_best_ratio;  // LZ4's is 255
+std::uint64_t best_ratio(Compressor compressor) {
+  return compressor == Compressor::lzma ? any_best_ratio : deflate_best_ratio;  // LZ4's is 255
 }
 
 /// An array behind its numbers: a length, or the sizes of compressed blocks. Decoded in order, a block at a
@@ -141,7 +115,7 @@ class VtiSource final : public LayeredSource {
         bytes_(grid.bytes()),
         file_(path) {
     encoded_ = encoded_bytes(file_, array.format, array.begin, array.end);
-    if (header.compressor == VtiCompressor::none)
+    if (header.compressor == Compressor::none)
       read_length();
     else
       read_blocks();
@@ -156,7 +130,7 @@ class VtiSource final : public LayeredSource {
   }
 
   void read(std::uint64_t offset, std::span<std::byte> out) {
-    if (header_.compressor == VtiCompressor::none) return encoded_->read(begin_ + offset, out);
+    if (header_.compressor == Compressor::none) return encoded_->read(begin_ + offset, out);
     while (!out.empty()) {
       const auto block = std::size_t(offset / block_bytes_);
       hold(block);
@@ -253,7 +227,7 @@ std::unique_ptr<VolumeSource> source_of(const Grid& grid, const std::filesystem:
                       .type = grid.type};
   if (array.format == Encoding::text) return stored_source(grid, {stored});
   auto source = std::make_unique<VtiSource>(grid, path, header, array);
-  if (array.format == Encoding::base64 || header.compressor != VtiCompressor::none) return source;
+  if (array.format == Encoding::base64 || header.compressor != Compressor::none) return source;
   stored.offset += source->begin();
   return stored_source(grid, {stored});
 }

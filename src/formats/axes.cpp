@@ -1,4 +1,4 @@
-#include "decode/hdf5/axes.hpp"
+#include "formats/axes.hpp"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,11 @@
 #include <map>
 #include <set>
 
+#include "base/log.hpp"
+#include "base/text.hpp"
 #include "formats/limits.hpp"
 
-namespace ringsplat::detail::hdf5 {
+namespace ringsplat::detail {
 namespace {
 
 using Role = DatasetAxis::Role;
@@ -23,26 +25,6 @@ std::string sizes_of(const std::vector<DatasetAxis>& axes) {
   std::string text;
   for (const auto& axis : axes) text += fmt::format("{}{}", text.empty() ? "" : " x ", axis.size);
   return text;
-}
-
-/// Dimensions that no convention names: of more than three those of size 1 do not count, a last one of two to
-/// four is components, and the first is time.
-void settle_roles(DatasetMeaning& meaning, const std::string& where) {
-  auto& axes = meaning.axes;
-  for (auto& axis : axes)
-    if (spare(axes) && !axis.known && axis.size == 1) axis.role = Role::single;
-  auto& last = axes.back();
-  const bool components = last.size >= 2 && last.size <= 4;
-  if (spare(axes) && !last.known && components && count(axes, Role::channel) == 0) last.role = Role::channel;
-  const auto first =
-      std::find_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.role == Role::space; });
-  if (spare(axes) && !first->known && count(axes, Role::frame) == 0) first->role = Role::frame;
-  if (spare(axes) || count(axes, Role::frame) > 1 || count(axes, Role::channel) > 1)
-    refuse(where, "name them by the attribute DIMENSION_LABELS, or write one volume a dataset",
-           "which of its dimensions, {}, are z, y and x cannot be told", sizes_of(axes));
-  if (count(axes, Role::space) == 0)
-    refuse(where, "name a dataset of three dimensions", "none of its dimensions, {}, is one of space",
-           sizes_of(axes));
 }
 
 /// The lattice's directions in the world: where every axis of space has its own they are taken, else the axes
@@ -69,6 +51,24 @@ std::array<int, 3> world_axes(const std::array<int, 3>& lattice, const std::vect
 
 }  // namespace
 
+std::optional<double> micrometres_in(const std::string& unit) {
+  constexpr std::pair<const char*, double> units[] = {
+      {"um \xC2\xB5m \xCE\xBCm \xB5m \\u00B5m \\u00b5m micron microns micrometer micrometre", 1},
+      {"pm picometer", 1e-6},
+      {"\xC3\x85 \xE2\x84\xAB angstrom", 1e-4},
+      {"nm nanometer", 1e-3},
+      {"mm millimeter", 1e3},
+      {"cm centimeter", 1e4},
+      {"dm decimeter", 1e5},
+      {"m meter", 1e6},
+      {"km kilometer", 1e9},
+      {"in inch", 25400}};
+  for (const auto& [names, size] : units)
+    for (const auto& name : words_of(names))
+      if (name == unit) return size;
+  return {};
+}
+
 void describe_by_name(DatasetAxis& axis) {
   static const std::map<std::string, int> along{{"x", 0},   {"lon", 0},    {"longitude", 0}, {"easting", 0},
                                                 {"y", 1},   {"lat", 1},    {"latitude", 1},  {"northing", 1},
@@ -85,21 +85,27 @@ void describe_by_name(DatasetAxis& axis) {
   if (of_channels.count(axis.name) != 0) axis.known = true, axis.role = Role::channel;
 }
 
-DatasetMeaning meaning_of(hid_t file, hid_t dataset, const std::string& path, const std::vector<int>& dims,
-                          const std::string& where) {
-  DatasetMeaning meaning;
-  for (const int size : dims) meaning.axes.push_back({.size = size});
-  describe_microscopy(dataset, meaning);
-  describe_netcdf(dataset, where, meaning);
-  describe_openpmd(file, dataset, path, where, meaning);
-  describe_vtkhdf(file, path, where, meaning);
-  describe_minc(file, dataset, path, where, meaning);
-  settle_roles(meaning, where);
-  for (const auto& axis : meaning.axes) {
+void settle_roles(DatasetMeaning& meaning, const std::string& where, const char* hint) {
+  // Of more than three dimensions those of size 1 do not count, a last one of two to four is components, and
+  // the first is time.
+  auto& axes = meaning.axes;
+  for (auto& axis : axes)
+    if (spare(axes) && !axis.known && axis.size == 1) axis.role = Role::single;
+  auto& last = axes.back();
+  const bool components = last.size >= 2 && last.size <= 4;
+  if (spare(axes) && !last.known && components && count(axes, Role::channel) == 0) last.role = Role::channel;
+  const auto first =
+      std::find_if(axes.begin(), axes.end(), [](const auto& axis) { return axis.role == Role::space; });
+  if (spare(axes) && !first->known && count(axes, Role::frame) == 0) first->role = Role::frame;
+  if (spare(axes) || count(axes, Role::frame) > 1 || count(axes, Role::channel) > 1)
+    refuse(where, hint, "which of its dimensions, {}, are z, y and x cannot be told", sizes_of(axes));
+  if (count(axes, Role::space) == 0)
+    refuse(where, "name a dataset of three dimensions", "none of its dimensions, {}, is one of space",
+           sizes_of(axes));
+  for (const auto& axis : axes) {
     if (axis.role == Role::frame) meaning.notes.frames = axis.size;
     if (axis.role == Role::channel) meaning.notes.channels = axis.size;
   }
-  return meaning;
 }
 
 std::array<int, 3> lattice_axes(const std::vector<DatasetAxis>& axes) {
@@ -129,4 +135,31 @@ Grid lattice_of(const DatasetMeaning& meaning, const std::string& where) {
   return grid;
 }
 
-}  // namespace ringsplat::detail::hdf5
+ArrayPart choose_part(const DatasetMeaning& meaning, ScalarType type, const VolumeChoice& choice,
+                      const std::string& where) {
+  ArrayPart part;
+  part.lattice = lattice_axes(meaning.axes);
+  for (const auto& axis : meaning.axes) {
+    if (axis.role != Role::channel) continue;
+    const bool last = &axis == &meaning.axes.back();
+    if (!meaning.channels.empty())
+      part.channel.index = int(choose_named_channel(choice.channel, axis.size, meaning.channels, where));
+    else if (last || !choice.channel.empty())
+      part.channel = choose_channel(choice.channel, axis.size, last && are_colours(type, axis.size), where);
+    else
+      log_warning_once("{}: it has {} channels, the first is shown; --channel N shows another", where,
+                       axis.size);
+    if (!part.channel.index) part.components = axis.size;
+  }
+  part.frame = chosen_frame(choice, meaning.notes.frames, "volumes", where);
+  for (const auto& axis : meaning.axes) {
+    const bool is_channel = axis.role == Role::channel;
+    const bool whole = axis.role == Role::space || (is_channel && !part.channel.index);
+    const int other = is_channel ? part.channel.index.value_or(0) : 0;
+    part.first.push_back(axis.role == Role::frame ? part.frame : other);
+    part.end.push_back(whole ? axis.size : part.first.back() + 1);
+  }
+  return part;
+}
+
+}  // namespace ringsplat::detail

@@ -1,0 +1,60 @@
+// A volume in chunks that all ranks decode has the picture of the same volume in one piece.
+#include <fmt/format.h>
+
+#include "app/program_runner.hpp"
+#include "ringsplat/formats/open.hpp"
+#include "support/catch.hpp"
+
+using namespace ringsplat::app_test;
+
+namespace {
+
+constexpr int chunk = 24;
+
+/// Chunks of 24 voxels along each axis, filled up beyond the volume's ends.
+void write_chunks(const fs::path& folder, const ringsplat::Grid& grid, const std::string& voxels) {
+  const auto size = size_of(grid.type);
+  const glm::ivec3 counts = (grid.dims + chunk - 1) / chunk;
+  for (int n = 0; n < counts.x * counts.y * counts.z; ++n) {
+    const glm::ivec3 at(n % counts.x, n / counts.x % counts.y, n / counts.x / counts.y);
+    std::string values(chunk * chunk * chunk * size, 'x');
+    for (int z = at.z * chunk; z < std::min((at.z + 1) * chunk, grid.dims.z); ++z)
+      for (int y = at.y * chunk; y < std::min((at.y + 1) * chunk, grid.dims.y); ++y) {
+        const int x = at.x * chunk, count = std::min(chunk, grid.dims.x - x);
+        const auto from = (std::size_t(z) * grid.dims.y + y) * grid.dims.x + x,
+                   to = std::size_t((z % chunk) * chunk + y % chunk) * chunk;
+        values.replace(to * size, count * size, voxels, from * size, count * size);
+      }
+    write_text(folder / fmt::format("{}.{}.{}", at.z, at.y, at.x), values);
+  }
+  write_text(
+      folder / ".zarray",
+      fmt::format(R"({{"zarr_format": 2, "shape": [{2}, {1}, {0}], "chunks": [{3}, {3}, {3}], "dtype": "|u1",
+ "compressor": null, "fill_value": null, "order": "C", "filters": null}})",
+                  grid.dims.x, grid.dims.y, grid.dims.z, chunk));
+}
+
+}  // namespace
+
+TEST_CASE("a head in chunks has the bytes of its picture on any ranks", "[mpi][openimageio]") {
+  const TemporaryFolder folder;
+  const auto source = ringsplat::open_volume(fs::path(RINGSPLAT_TEST_DATA) / "head.nrrd");
+  REQUIRE(source->grid().dims == glm::ivec3(128, 128, 124));
+  // The picture's settings name the volume, so both have one name.
+  const fs::path chunks = folder / "chunks/head.nrrd", file = folder / "file/head.nrrd";
+  fs::create_directories(chunks);
+  fs::create_directories(file.parent_path());
+  std::string voxels(source->grid().bytes(), '\0');
+  source->read_slices(0, source->grid().dims.z, std::as_writable_bytes(std::span(voxels)));
+  write_chunks(chunks, source->grid(), voxels);
+  write_text(file, "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 128 128 124\nencoding: raw\n\n" + voxels);
+  const auto picture = [&](const fs::path& volume, int ranks) {
+    const std::string out = folder / "out.exr";
+    const auto ended =
+        run_program({"render", volume.string(), "-o", out, "--size", "64", "--tf", "auto"}, ranks);
+    CAPTURE(ended.err);
+    REQUIRE(ended.code == 0);
+    return read_text(out);
+  };
+  for (const int ranks : {2, 3}) CHECK((picture(chunks, ranks) == picture(file, ranks)));
+}
