@@ -30,6 +30,7 @@ constexpr std::pair<const char*, Open> formats[] = {
     {".npy", detail::open_npy},
     {".npz", detail::refuse_npz},
     {".dcm", detail::open_dicom},
+    {".mrc .map .rec .ccp4 .mrc.gz .map.gz", detail::open_mrc},
     {".h5 .hdf5 .he5 .hdf .nc .nc4 .vtkhdf .mnc", detail::open_hdf5}};
 
 Open find_format(const std::filesystem::path& path) {
@@ -103,7 +104,7 @@ std::unique_ptr<VolumeSource> open_existing(const std::filesystem::path& path, c
   if (detail::is_dicom(path)) return open_described(path, detail::open_dicom, raw, choice);
   throw InputError(
       fmt::format("{} has no ending of a known volume format", path.string()),
-      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .tif .dcm .h5 .nc .npy .raw or a folder, or "
+      "use .nrrd .nhdr .mha .mhd .nii .nii.gz .vtk .vti .tif .dcm .h5 .nc .npy .mrc .raw or a folder, or "
       "describe a raw file with --dims and --type");
 }
 

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <limits>
+#include <map>
 
 #include "formats/bad_files.hpp"
 #include "formats/files.hpp"
@@ -198,6 +199,30 @@ std::vector<Bad> bad_niftis() {
   };
 }
 
+std::vector<Bad> bad_mrcs() {
+  const auto with = [](const std::map<std::size_t, int>& words) {
+    std::string file(1024 + 60, '\0');
+    std::map<std::size_t, int> all{{1, nx}, {2, ny}, {3, nz}, {4, 0},
+                                   {17, 1}, {18, 2}, {19, 3}, {54, 0x4444}};
+    for (const auto& [word, value] : words) all[word] = value;
+    for (const auto& [word, value] : all) file.replace(4 * (word - 1), 4, bytes_of(value));
+    return file;
+  };
+  return {
+      file("mrc, prose", "a.mrc: its data ends at byte 5", "a.mrc", "hello"),
+      file("mrc, complex numbers", "voxels of mode 4 cannot be rendered", "a.mrc", with({{4, 4}})),
+      file("mrc, cut short", "promises 120 bytes of voxels, the file holds 60", "a.mrc", with({{4, 1}})),
+      file("mrc, huge", "promises", "a.mrc", with({{1, 60000}, {2, 1 << 30}})),
+      file("mrc, no columns", "0 x 4 x 3", "a.mrc", with({{1, 0}})),
+      file("mrc, strange axes", "its axes are 1 5 3", "a.mrc", with({{18, 5}})),
+      file("mrc, one axis twice", "singular", "a.mrc", with({{18, 1}})),
+      file("mrc, no angles", "the origin is not finite", "a.mrc", with({{14, 0x7fc00000}})),
+      file("mrc, a header that ends before it begins", "its extended header has -4 bytes", "a.mrc",
+           with({{24, -4}})),
+      file("mrc, no gzip", "cut short or damaged", "a.map.gz", gzip(with({})).substr(0, 20)),
+  };
+}
+
 std::vector<Bad> bad_folders() {
   return {
       {"missing file", "No such file", [](const Folder& f) { return f / "none.nrrd"; }},
@@ -369,6 +394,7 @@ TEST_CASE("bad NRRD files are clear errors", "[bad]") {
   check_all(bad_nrrd_voxels());
 }
 TEST_CASE("bad MetaImage and VTK files are clear errors", "[bad]") { check_all(bad_metas_and_vtks()); }
+TEST_CASE("bad MRC files are clear errors", "[bad]") { check_all(bad_mrcs()); }
 TEST_CASE("bad NIfTI files are clear errors", "[bad]") { check_all(bad_niftis()); }
 TEST_CASE("bad folders, DICOM and TIFF files are clear errors", "[bad]") {
   check_all(bad_folders());

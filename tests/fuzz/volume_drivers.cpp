@@ -258,6 +258,33 @@ void run_tiff(std::span<const std::byte> input) { open_and_use("a.tif", input, a
 
 void run_hdf5(std::span<const std::byte> input) { open_and_use("a.h5", input, any_ratio); }
 
+/// A header of words of four bytes, numbered from 1.
+std::string mrc(int mode, const std::string& voxels, bool big_endian = false) {
+  std::string file(1024, '\0');
+  const auto put = [&](std::size_t word, auto value) {
+    file.replace(4 * (word - 1), 4, bytes_of(value, big_endian));
+  };
+  for (const auto& [first, numbers] : {std::pair(std::size_t{1}, std::array{nx, ny, nz, mode}),
+                                       std::pair(std::size_t{5}, std::array{0, 1, 2, nx}),
+                                       std::pair(std::size_t{9}, std::array{ny, nz, 0, 0})})
+    for (std::size_t k = 0; k < numbers.size(); ++k) put(first + k, numbers[k]);
+  for (std::size_t k = 0; k < 3; ++k)
+    put(11 + k, 10.0F * float(k + 1)), put(14 + k, 90.0F), put(17 + k, int(k + 1));
+  put(16, 120.0F);
+  put(54, big_endian ? 0x11110000 : 0x4444);
+  return file + voxels;
+}
+
+std::vector<Input> mrc_seeds() {
+  folder_of_volumes();
+  return {mrc(0, samples<std::int8_t>()), mrc(1, samples<short>(true), true), mrc(2, samples<float>()),
+          mrc(12, samples<short>()), gzip(mrc(6, samples<short>()))};
+}
+
+void run_mrc(std::span<const std::byte> input) {
+  open_and_use(text_of(input).starts_with("\x1f\x8b") ? "a.map.gz" : "a.mrc", input, 2 * deflate_ratio);
+}
+
 /// Parts: an array's metadata, what its group or its attributes say, and the bytes of each chunk.
 std::vector<Input> zarr_seeds() {
   const std::string bytes = R"({"name": "bytes", "configuration": {"endian": "little"}})";
@@ -467,6 +494,7 @@ std::vector<Driver> volume_drivers() {
           {"vti", run_vti, vti_seeds, vti_words, 6000},
           {"npy", run_npy, npy_seeds, npy_words, 6000},
           {"hdf5", run_hdf5, hdf5_seeds, hdf5_words, 800},
+          {"mrc", run_mrc, mrc_seeds, {"MAP ", "IMOD", "DD\x11\x11", "\x1f\x8b"}, 6000},
           {"zarr", run_zarr, zarr_seeds, zarr_words, 400},
           {"raw", run_raw, raw_seeds, raw_words, 1500}};
 }

@@ -29,10 +29,10 @@ struct VolumeChoice {
 
 /// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 and -2 (.nii, .nii.gz, .img/.hdr), a DICOM
 /// folder (or one file of a series, whatever its ending), TIFF (one multi-page file or a folder of pages),
-/// VTK (.vtk, .vti), NumPy (.npy), HDF5 (.h5, .nc and others, or any ending), Zarr and OME-Zarr (folders) or
-/// a raw file. "file.h5:/path/to/dataset" names one of an HDF5 file's datasets; netCDF-4, VTKHDF's ImageData
-/// and openPMD are HDF5, and their coordinates are followed. For files that describe themselves only
-/// `raw.spacing` may be given; it replaces theirs.
+/// VTK (.vtk, .vti), NumPy (.npy), MRC (.mrc, .map and others), HDF5 (.h5, .nc and others, or any ending),
+/// Zarr and OME-Zarr (folders) or a raw file. "file.h5:/path/to/dataset" names one of an HDF5 file's
+/// datasets; netCDF-4, VTKHDF's ImageData and openPMD are HDF5, and their coordinates are followed. For files
+/// that describe themselves only `raw.spacing` may be given; it replaces theirs.
 ///
 /// World coordinates are ITK's: patient left-posterior-superior if the file tells the orientation (DICOM;
 /// NIfTI, converted from right-anterior-superior; NRRD with a `space`; MetaImage); a microscope's for TIFF

@@ -30,7 +30,7 @@ def render(
     volume : array, xarray.DataArray or path
         An array [z, y, x] of any strides, of bool, whole or floating-point numbers. Of a DataArray the coordinates say
         spacing and origin, its attributes units and names. A path is read as the program reads it: NRRD, MetaImage,
-        NIfTI, DICOM, TIFF, VTK, HDF5 ("file.h5:/dataset"), Zarr, NumPy, raw.
+        NIfTI, DICOM, TIFF, VTK, HDF5 ("file.h5:/dataset"), Zarr, MRC, NumPy, raw.
     spacing : float or (x, y, z)
         Distances between voxels; 1 for arrays. For a path, instead of the file's.
     origin : (x, y, z)
