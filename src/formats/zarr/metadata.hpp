@@ -1,0 +1,64 @@
+#pragma once
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "formats/axes.hpp"
+#include "formats/encoded_bytes.hpp"
+#include "formats/limits.hpp"
+
+namespace ringsplat::detail::zarr {
+
+using Json = nlohmann::json;
+/// Sizes or places along the axes of an array, the last of which is the fastest.
+using Sizes = std::vector<std::int64_t>;
+
+/// A group or an array, by its files of JSON (Zarr storage specification, versions 2 and 3).
+struct Node {
+  std::filesystem::path folder, file;
+  bool version_3 = false, is_array = false;
+  Json json;
+  Json ome = Json::object();  ///< what OME-Zarr says of an image; in version 2 all attributes
+
+  bool is_image() const { return !is_array && ome.contains("/multiscales/0"_json_pointer); }
+  template <class... Args>
+  [[noreturn]] void fail(fmt::format_string<Args...> what, Args&&... args) const {
+    refuse(file, "copy or write the store again", what, std::forward<Args>(args)...);
+  }
+};
+
+struct Array {
+  Sizes shape, chunk;
+  Sizes file;  ///< the voxels in a file, a chunk's or a shard's, of which a chunk is a whole part
+  const NumberType* type = nullptr;
+  double fill = 0;
+  Sizes order;  ///< the axes as a chunk holds them, the slowest first
+  bool big_endian = false;
+  Compressor compressor = Compressor::none;
+  std::uint64_t checksum = 0;  ///< bytes behind a chunk, which are not looked at
+  bool sharded = false, index_first = false;
+  std::uint64_t index_checksum = 0;
+  std::string prefix, separator;  ///< of files' names, before and between the numbers
+  std::uint64_t chunk_bytes = 0;  ///< decoded
+  std::uint64_t chunks = 1;       ///< of a file
+};
+
+/// Nothing where the folder is neither.
+std::optional<Node> node_at(const std::filesystem::path& folder);
+/// The list of that name; an empty one where there is none.
+Json list_in(const Json& json, const char* name);
+/// The text of that name; empty where there is none.
+std::string text_in(const Json& json, const char* name);
+/// Whole numbers from `least` on. Throws InputError where they are not.
+Sizes sizes_in(const Node& node, const Json& list, int least = 1);
+/// What an array's metadata say. Throws InputError for what is not read, and Json::exception where something
+/// is missing or of another type.
+Array array_of(const Node& node);
+
+}  // namespace ringsplat::detail::zarr
