@@ -55,6 +55,7 @@ class PictureOptions(TypedDict, total=False):
     diffuse: float
     specular: float
     exponent: float
+    values: bool
     radius: float
     kernel: Literal['qee', 'texture']
     phases: int
