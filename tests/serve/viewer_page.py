@@ -188,7 +188,7 @@ class Page:
 def wait_for_file(path, seconds=30.0):
     end = time.monotonic() + seconds * PATIENCE
     while time.monotonic() < end:
-        if os.path.exists(path):
+        if os.path.exists(path) and os.path.getsize(path) > 0:  # the browser makes an empty one first
             return path
         time.sleep(0.05)
     raise AssertionError(f"{path} was not downloaded; there are {os.listdir(os.path.dirname(path))}")
