@@ -102,6 +102,10 @@ def speed_error(words):
     plot_angles(plt, rows, options.truth, options.output / f"angle-error-{options.truth}.png")
 
 
+def plain(value, _):
+    return f"{value:g}"
+
+
 def pareto_front(points):
     """Names of the points {name: (seconds, rmse)} that no other beats in both, fastest first."""
     front, best = [], float("inf")
@@ -113,11 +117,11 @@ def pareto_front(points):
 
 
 def plot_speed_error(plt, rows, truth, path):
-    from matplotlib.ticker import LogFormatter, ScalarFormatter
+    from matplotlib.ticker import FuncFormatter, LogFormatter
 
     scenes = sorted({row["scene"] for row in rows})
     settings = list(dict.fromkeys(row["setting"] for row in rows))
-    colours = {name: plt.get_cmap("tab20")(k % 20) for k, name in enumerate(settings)}
+    colours = {name: plt.get_cmap("tab20" if k < 20 else "Dark2")(k % 20) for k, name in enumerate(settings)}
     figure, axes = plt.subplots(1, len(scenes), figsize=(4.2 * len(scenes) + 1.6, 4), squeeze=False)
     for axis, scene in zip(axes[0], scenes):
         places = {name: (1e3 * median(r["seconds"] for r in some), rms(r["rmse"] for r in some)) for name, some in by_setting(rows, scene).items()}
@@ -129,7 +133,7 @@ def plot_speed_error(plt, rows, truth, path):
             axis.plot(*place, color=colours[name], linestyle="none", markeredgecolor="0.2", markeredgewidth=0.4, **size)
         axis.set(title=scene, xlabel="median frame time (ms)", ylabel=f"RMSE against the {truth} truth (1/255)", xscale="log", yscale="log")
         for each in (axis.xaxis, axis.yaxis):
-            each.set_major_formatter(ScalarFormatter())
+            each.set_major_formatter(FuncFormatter(plain))
             each.set_minor_formatter(LogFormatter(minor_thresholds=(2, 0.7)))
         axis.tick_params(which="both", labelsize=7)
         axis.grid(which="both")
@@ -141,7 +145,7 @@ def plot_speed_error(plt, rows, truth, path):
 
 
 def plot_angles(plt, rows, truth, path):
-    from matplotlib.ticker import ScalarFormatter
+    from matplotlib.ticker import FuncFormatter
 
     lines = defaultdict(list)
     for row in rows:
@@ -151,16 +155,17 @@ def plot_angles(plt, rows, truth, path):
     if not lines:
         return
     scenes = sorted({scene for scene, _ in lines})
-    figure, axes = plt.subplots(1, len(scenes), figsize=(4.5 * len(scenes), 4), squeeze=False, layout="constrained")
+    figure, axes = plt.subplots(1, len(scenes), figsize=(4.5 * len(scenes) + 1.4, 4), squeeze=False)
     for axis, scene in zip(axes[0], scenes):
         for (of_scene, setting), values in sorted(lines.items()):
             if of_scene == scene:
                 axis.plot(*zip(*values), label=setting, linewidth=1)
         axis.set(title=scene, xlabel="azimuth (degrees)", ylabel=f"RMSE against the {truth} truth (1/255)", yscale="log")
-        axis.yaxis.set_major_formatter(ScalarFormatter())
+        axis.yaxis.set_major_formatter(FuncFormatter(plain))
         axis.axvline(45, color="0.5", linestyle=":", linewidth=1)
         axis.grid()
-        axis.legend()
+    figure.legend(*axes[0][0].get_legend_handles_labels(), loc="center right")
+    figure.tight_layout(rect=(0, 0, 1 - 1.4 / figure.get_figwidth(), 1))
     write_figure(figure, path)
 
 
