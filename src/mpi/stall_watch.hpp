@@ -24,6 +24,7 @@
 
 #include "base/clock.hpp"
 #include "base/log.hpp"
+#include "base/seconds_awake.hpp"
 #include "mpi/connections.hpp"
 #include "mpi/pauses.hpp"
 #include "net/collectives.hpp"
@@ -175,7 +176,7 @@ class StallWatch {
     bool told = false;
     for (std::unique_lock stopping(stopping_);
          !stopped_.wait_for(stopping, tick, [this] { return stop_; });) {
-      const double now = now_seconds(), passed = now - std::exchange(last, now);
+      const double passed = seconds_awake(last, 10 * std::chrono::duration<double>(tick).count());
       if (waits_) {
         still = 0;
         continue;
@@ -184,10 +185,7 @@ class StallWatch {
         const std::lock_guard lock(mpi_);
         answer();
       }
-      // Time in which the whole process stood still does not count.
-      still = makes_headway(passed)
-                  ? 0
-                  : still + std::min(passed, 10 * std::chrono::duration<double>(tick).count());
+      still = makes_headway(passed) ? 0 : still + passed;
       if (still < patience_.seconds || told) continue;
       told = true;
       const std::string line = fmt::format("rank {} has been {} for {:.0f} s", rank_, what_, still);

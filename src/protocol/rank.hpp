@@ -15,6 +15,7 @@
 #include "base/byte_stream.hpp"
 #include "base/clock.hpp"
 #include "base/log.hpp"
+#include "base/seconds_awake.hpp"
 #include "net/mesh_transport.hpp"
 #include "net/message.hpp"
 #include "net/transport.hpp"
@@ -71,17 +72,16 @@ class Host {
   bool finished() { return shutting_down_ && local_.empty() && transport_.sends_done(); }
   /// Steps until finished; throws RunError when nothing moved for the stall timeout.
   void run() {
-    // While the whole process is suspended it waits for nobody.
     constexpr double longest_between_steps = 0.1;
     double still = 0, last = now_seconds();
     while (!finished()) {
       const bool moved = step();
-      const double now = now_seconds(), passed = now - std::exchange(last, now);
+      const double passed = seconds_awake(last, longest_between_steps);
       if (moved) {
         transport_.note_progress();
         still = 0;
       } else {
-        still += std::min(passed, longest_between_steps);
+        still += passed;
         const bool overdue = still > options_.stall_timeout;
         // Between frames a wait of any length is normal: nobody may ask for a view.
         if (overdue && waiting_for().empty()) {
