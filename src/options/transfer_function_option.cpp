@@ -75,17 +75,12 @@ TransferFunctionChoice::TransferFunctionChoice(const std::string& text, const Co
 AutoChoice TransferFunctionChoice::base(const ValueStatistics& values, const Grid& grid) const {
   if (colour_.labels) return choose_labels(values);
   const bool is_auto = !from_file_ && preset_ == "auto";
-  const bool windowed = colour_.range || colour_.log;
+  const bool windowed = colour_.range || colour_.log || colour_.values;
   if (is_auto && !windowed && colour_.mode == Mode::composite) return choose_function(values);
   DataRange window{0, 1};
   if (colour_.log) window = positive_range(values);
   if (colour_.range) window = *colour_.range;
-  if (colour_.values) {
-    AutoChoice made =
-        choose_for_mode(colour_.mode, values, grid, DataRange{values.range.low, values.range.high});
-    made.why.clear();
-    return made;
-  }
+  if (colour_.values) window = {values.range.low, values.range.high};
   if (is_auto && colour_.mode != Mode::composite)
     return choose_for_mode(colour_.mode, values, grid, windowed ? std::optional(window) : std::nullopt);
   if (is_auto) return choose_within(values, window, colour_.log);
@@ -114,7 +109,7 @@ MadeFunction TransferFunctionChoice::make(const ValueStatistics& values, const G
   if (colour_.log) clear_below(tf, std::numeric_limits<double>::denorm_min());
   if (colour_.opacity != 1) scale_opacity(tf, colour_.opacity);
   clear_noted_fill(tf, values);
-  std::string said = made.why.empty() ? "" : fmt::format("--tf auto: {}", made.why);
+  std::string said = made.why.empty() || colour_.values ? "" : fmt::format("--tf auto: {}", made.why);
   if (ramp_)
     said = fmt::format("--tf {}: the file has no opacities, so a ramp from clear at {:g} to opaque at {:g}",
                        tf.name, plain(made.range.low), plain(made.range.high));
