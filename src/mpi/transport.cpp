@@ -1,3 +1,4 @@
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <sched.h>
 #include <sys/prctl.h>
@@ -16,6 +17,16 @@ namespace ringsplat {
 namespace {
 
 constexpr int message_tag = 1, part_tag = 2;
+
+/// Told that ranks share cores, Open MPI yields the core at each look for messages. Where those that work
+/// have one each that takes up to a quarter of their time, and the transport waits by itself. Open MPI reads
+/// its parameter only at the start, when ranks without a core do need it, as they do in collectives; so what
+/// that sets is called, which other MPI libraries do not have. Returns whether it yielded.
+bool let_mpi_yield(bool yields) {
+  using Set = bool (*)(bool);
+  static const auto set = reinterpret_cast<Set>(dlsym(RTLD_DEFAULT, "opal_progress_set_yield_when_idle"));
+  return set != nullptr && set(yields);
+}
 
 /// Whole messages over MPI_Isend and matched probes.
 ///
@@ -38,6 +49,7 @@ class MpiTransport final : public Transport {
   }
 
   ~MpiTransport() override {
+    if (kept_from_yielding_) let_mpi_yield(true);
     // Requests are still open only after a failure; all that is left is to give them up.
     for (auto& sending : sending_)
       for (auto& request : sending.requests)
@@ -85,13 +97,16 @@ class MpiTransport final : public Transport {
 
   void note_progress() override {
     waits_ = 0;
+    slept_idly_ = {};
     if (sending_.size() > 16) sends_done();
   }
 
   void only_first_work(int ranks) override {
     idle_ = rank() >= ranks;
     working_ = ranks;
-    yields_ = yields_among(std::min(ranks, ranks_here_));
+    const int working_here = std::min(ranks, ranks_here_);
+    yields_ = yields_among(working_here);
+    if (!idle_ && has_cores_for(working_here)) kept_from_yielding_ |= let_mpi_yield(false);
   }
 
   void wait_next() override { wait(longest_amid_frame, {}); }
@@ -108,7 +123,7 @@ class MpiTransport final : public Transport {
 
   void wait(std::chrono::nanoseconds longest, const Sleep& sleep) {
     sends_done();
-    if (idle_) return sleep_for(idle_sleep(++waits_));
+    if (idle_) return sleep_idly();
     const Pause pause = pause_after(++waits_, yields_, longest);
     if (pause.yields)
       sched_yield();
@@ -120,10 +135,11 @@ class MpiTransport final : public Transport {
 
   /// A rank without work only waits for the run's end. It sleeps longer the longer it has waited, so that it
   /// neither takes its core from others nor makes a short run longer.
-  static std::chrono::nanoseconds idle_sleep(long waits) {
-    constexpr std::chrono::nanoseconds shortest{10'000'000}, longest{40'000'000};
-    constexpr long waits_of_a_length = 100;
-    return std::min(longest, shortest * (1 + waits / waits_of_a_length));
+  void sleep_idly() {
+    constexpr std::chrono::nanoseconds shortest{10'000'000}, longest{100'000'000};
+    const auto time = std::clamp(slept_idly_ / 16, shortest, longest);
+    slept_idly_ += time;
+    sleep_for(time);
   }
 
   static void sleep_for(std::chrono::nanoseconds time) {
@@ -135,8 +151,10 @@ class MpiTransport final : public Transport {
   /// rank has its own.
   static long yields_among(int ranks) {
     constexpr long on_shared_cores = 64, with_own_core = 20'000;
-    return ranks <= sysconf(_SC_NPROCESSORS_ONLN) ? with_own_core : on_shared_cores;
+    return has_cores_for(ranks) ? with_own_core : on_shared_cores;
   }
+
+  static bool has_cores_for(int ranks) { return ranks <= sysconf(_SC_NPROCESSORS_ONLN); }
 
   void start(Sending& sending, std::span<const std::byte> part, int destination, int tag) {
     MPI_Request request = MPI_REQUEST_NULL;
@@ -171,8 +189,9 @@ class MpiTransport final : public Transport {
   std::size_t largest_part_;
   std::list<Sending> sending_;
   int ranks_here_ = 1, working_ = 1;
-  bool idle_ = false;
+  bool idle_ = false, kept_from_yielding_ = false;
   long yields_ = 0, waits_ = 0;
+  std::chrono::nanoseconds slept_idly_{0};
 };
 
 }  // namespace
