@@ -45,10 +45,11 @@ std::pair<std::vector<std::uint32_t>, int> enough(std::span<const std::uint32_t>
 void RegionDealer::deal(const FrameSpec& spec, FrameGeometry& g) {
   if (!setup_.sketch || setup_.renderers < 2) return;
   const int dealt_to = g.dealt_to > 0 ? std::min(g.dealt_to, setup_.renderers) : setup_.renderers;
-  // Dealt in turn, so many for each Renderer give none much more work than others.
-  constexpr int enough_each = 8;
-  if (!setup_.colocated && g.reached.width() * g.reached.height() >= enough_each * dealt_to) return;
   const bool sheets = std::holds_alternative<Sheets>(spec.how);
+  // Dealt in turn, so many for each Renderer give none much more work than others; neighbouring strips cost
+  // nearly the same.
+  const int enough_each = sheets ? 8 : 16;
+  if (!setup_.colocated && g.reached.width() * g.reached.height() >= enough_each * dealt_to) return;
   const WorkCosts costs = costs_in(g, sheets ? setup_.sheet_costs : setup_.splat_costs);
   const auto [points, stands_for] =
       enough(shown_.of(*setup_.sketch, spec.shown.transfer_function, shown_blocks(g, costs)), dealt_to);

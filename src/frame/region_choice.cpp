@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/common.hpp>
-#include <glm/matrix.hpp>
-#include <vector>
 
 #include "screen/regions.hpp"
 
@@ -36,78 +34,6 @@ PixelWindow reached_pixels(const FrameGeometry& g) {
 
 PixelRect touched(const Regions& regions, const PixelWindow& pixels) {
   return regions.touched(pixels.x0, pixels.y0, pixels.x1, pixels.y1);
-}
-
-/// How much of the volume lies behind a pixel, estimated from the ellipsoid that fills its box: objects lie
-/// in the middle more often than in the corners.
-class Thickness {
- public:
-  explicit Thickness(const FrameGeometry& g) {
-    const glm::dvec3 radii = 0.5 * glm::dvec3(g.grid.dims);
-    centre_ = g.view.project(radii - 0.5);
-    glm::dmat2 silhouette(0.0);
-    for (int k = 0; k < 3; ++k) {
-      const glm::dvec2 axis = glm::dvec2(g.view.linear[k]) * radii[k];
-      silhouette += glm::outerProduct(axis, axis);
-    }
-    to_circle_ = glm::inverse(silhouette);
-  }
-  double at(const glm::dvec2& pixel) const {
-    // Corners may hold something, too.
-    constexpr double least = 0.1;
-    const glm::dvec2 d = pixel - centre_;
-    return std::max(least, std::sqrt(std::max(0.0, 1 - glm::dot(d, to_circle_ * d))));
-  }
-  /// Sum over sampled pixels of a region.
-  double in(const PixelRect& rect) const {
-    constexpr int step = 16;
-    double sum = 0;
-    for (int y = rect.y0; y < rect.y1; y += step)
-      for (int x = rect.x0; x < rect.x1; x += step) {
-        const glm::dvec2 size(std::min(step, rect.x1 - x), std::min(step, rect.y1 - y));
-        sum += size.x * size.y * at(glm::dvec2(x, y) + 0.5 * size);
-      }
-    return sum;
-  }
-
- private:
-  glm::dvec2 centre_;
-  glm::dmat2 to_circle_;
-};
-
-/// The busiest Renderer's load.
-double most_drawn(const Regions& regions, const PixelRect& block, const Thickness& thickness, int renderers) {
-  const RegionOwners owners = regions.owners(block, renderers, renderers);
-  std::vector<double> drawn(std::size_t(renderers), 0.0);
-  for (int y = block.y0; y < block.y1; ++y)
-    for (int x = block.x0; x < block.x1; ++x) {
-      const int region = y * regions.columns() + x;
-      drawn[std::size_t(owners.of(region))] += thickness.in(regions.rect(region));
-    }
-  return *std::max_element(drawn.begin(), drawn.end());
-}
-
-/// Square regions of the side that gives the busiest Renderer the least load. Smaller squares are dealt more
-/// evenly; larger ones cut fewer kernels, as a voxel near a border goes to both sides.
-Regions screen_regions(const FrameGeometry& g, const PixelWindow& reached, int renderers) {
-  constexpr int largest = 128, smallest = 32, enough_each = 16;
-  constexpr double worth_more_regions = 0.9;
-  const Regions large(g.width, g.height, largest);
-  const PixelRect all = touched(large, reached);
-  if (renderers == 1 || std::int64_t{all.width()} * all.height() >= enough_each * std::int64_t{renderers})
-    return large;
-  const Thickness thickness(g);
-  Regions best = large;
-  double least = INFINITY;
-  for (int side = largest; side >= smallest; side /= 2) {
-    const Regions regions(g.width, g.height, side);
-    const glm::dvec2 cut = 1.0 + 2.0 * g.reach / double(side);
-    const double most = cut.x * cut.y * most_drawn(regions, touched(regions, reached), thickness, renderers);
-    if (most >= worth_more_regions * least) continue;
-    least = most;
-    best = regions;
-  }
-  return best;
 }
 
 /// In the slices' plane a row of voxels is a row of pixels, so regions are strips as wide as the image: no
@@ -146,13 +72,14 @@ void lay_regions(FrameGeometry& g, const FrameSpec& spec) {
   const Division& division = spec.division;
   const int renderers = std::clamp(division.dealt_to, 1, 1 << 16);
   const PixelWindow reached = reached_pixels(g);
+  constexpr int usual_side = 128;
   if (division.region_size > 0)
     g.regions = {g.width, g.height, division.region_size};
   else if (std::holds_alternative<Sheets>(spec.how))
     // Low strips share out evenly what costs by the pixel. Squares suit splats, which regions cut.
     g.regions = low_strips(renderers, reached, g.width, g.height);
   else if (!g.warp)
-    g.regions = screen_regions(g, reached, renderers);
+    g.regions = {g.width, g.height, usual_side};
   else
     g.regions = strips(renderers, g.width, g.height);
   g.reached = touched(g.regions, reached);
