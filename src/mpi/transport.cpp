@@ -136,7 +136,7 @@ class MpiTransport final : public Transport {
   /// A rank without work only waits for the run's end. It sleeps longer the longer it has waited, so that it
   /// neither takes its core from others nor makes a short run longer.
   void sleep_idly() {
-    constexpr std::chrono::nanoseconds shortest{10'000'000}, longest{100'000'000};
+    constexpr std::chrono::nanoseconds shortest{25'000'000}, longest{100'000'000};
     const auto time = std::clamp(slept_idly_ / 16, shortest, longest);
     slept_idly_ += time;
     sleep_for(time);
