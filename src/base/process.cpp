@@ -9,6 +9,7 @@
 #include <array>
 #include <climits>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 
@@ -29,7 +30,17 @@ std::string host_name() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-double machine_memory_bytes() { return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE)); }
+double machine_memory_bytes() {
+  double bytes = double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGE_SIZE));
+  std::ifstream groups("/proc/self/cgroup");
+  for (std::string line; std::getline(groups, line);) {
+    if (!line.starts_with("0::/")) continue;
+    auto group = std::filesystem::path("/sys/fs/cgroup") / line.substr(4);
+    for (; group != "/sys/fs"; group = group.parent_path())
+      if (double most = 0; std::ifstream(group / "memory.max") >> most) bytes = std::min(bytes, most);
+  }
+  return bytes;
+}
 
 std::string clock_identity() {
   std::string boot;

@@ -9,7 +9,8 @@ namespace ringsplat {
 /// Peak resident memory of this process so far, in bytes (Linux: VmHWM).
 std::uint64_t peak_memory_bytes();
 
-/// Memory of this machine, in bytes.
+/// Memory of this machine, or what a batch system or a container leaves this process of it (cgroups, version
+/// 2), in bytes.
 double machine_memory_bytes();
 
 /// The name of this machine; empty when it is not known.

@@ -106,6 +106,18 @@ int parse_count(const std::string& text, const std::string& option) {
   return *count;
 }
 
+double parse_memory(const std::string& text, const std::string& option) {
+  constexpr std::string_view units = "KMGT";
+  const auto unit = text.empty() ? text.npos : units.find(text.back());
+  const auto number = unit == text.npos
+                          ? std::nullopt
+                          : detail::number_in<double>(std::string_view(text).substr(0, text.size() - 1));
+  if (!number || !(*number > 0 && std::isfinite(*number)))
+    throw InputError(fmt::format("{} '{}' is no size with a unit (K, M, G or T)", option, text),
+                     fmt::format("for instance {} 8G", option));
+  return *number * std::pow(1024.0, double(unit + 1));
+}
+
 glm::ivec3 parse_dims(const std::string& text, const std::string& option) {
   const auto dims = one_or_all<int>(text, 3);
   if (!dims || std::any_of(dims->begin(), dims->end(), [](int n) { return n < 1; }))

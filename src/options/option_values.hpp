@@ -27,6 +27,9 @@ Size parse_mesh(const std::string& text, const std::string& option);
 /// A whole number of any sign; the caller checks its range.
 int parse_count(const std::string& text, const std::string& option);
 
+/// Bytes: "8G", "500M", with powers of 1024; positive.
+double parse_memory(const std::string& text, const std::string& option);
+
 /// "256x256x128", or "64" for a cube; all at least 1.
 glm::ivec3 parse_dims(const std::string& text, const std::string& option);
 

@@ -32,6 +32,9 @@ void add_volume_options(OptionList& list, VolumeOptions& o) {
        value(o.choice.channel)},
       {"--series", "NAME", nullptr, "Of a DICOM folder's series the one to take; ringsplat info lists them",
        value(o.choice.series)},
+      {"--memory", "SIZE", "a third of the machine's",
+       "Of an OME-Zarr pyramid the finest level is taken whose voxels take at most this: 8G, 500M",
+       parsed(o.choice.memory, parse_memory)},
   };
   list.add("Volume", rows);
 }

@@ -13,11 +13,15 @@ TEST_CASE("sizes and dimensions") {
   CHECK(parse_dims("256x128x64", "--dims") == glm::ivec3(256, 128, 64));
   CHECK(parse_dims("8,9,10", "--dims") == glm::ivec3(8, 9, 10));
   CHECK(parse_dims("7", "--dims") == glm::ivec3(7));
+  CHECK(parse_memory("1.5G", "--memory") == 1.5 * 1024 * 1024 * 1024);
+  CHECK(parse_memory("500M", "--memory") == 500.0 * 1024 * 1024);
   CHECK(parse_spacing("0.5x1x1e-3", "--spacing") == glm::dvec3(0.5, 1, 1e-3));
   for (const char* wrong : {"", "x", "1x", "1x2x3x4", "axb", "1.5x2", "3 x 3", "99999999999"})
     CHECK_THROWS_AS(parse_size(wrong, "--size"), InputError);
   for (const char* wrong : {"1x2", "0", "-1", "2x0x2"})
     CHECK_THROWS_AS(parse_dims(wrong, "--dims"), InputError);
+  for (const char* wrong : {"", "G", "8", "8g", "0M", "-1M", "infT", "8GB"})
+    CHECK_THROWS_AS(parse_memory(wrong, "--memory"), InputError);
   for (const char* wrong : {"0", "-1", "nan", "inf", "1x1"})
     CHECK_THROWS_AS(parse_spacing(wrong, "--spacing"), InputError);
 }

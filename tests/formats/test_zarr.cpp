@@ -184,3 +184,27 @@ TEST_CASE("the level of an image has the image's place, wherever it is opened fr
     CHECK(source->notes().unit.empty());
   }
 }
+
+TEST_CASE("of an image's levels the finest that fits is shown, unless one is named") {
+  const Folder folder;
+  write_zarr(folder / "a.zarr/0", zarr_json());
+  write_zarr(folder / "a.zarr/1", zarr_json({{"[3, 4, 5]", "[2, 2, 3]"}}));
+  const std::string finest = R"(0", "coordinateTransformations": []}, {"path": "1)";
+  write(folder / "a.zarr/zarr.json", image_json(finest, "[2, 2, 2]"));
+  const auto dims_and_level = [&](const char* name, std::optional<double> memory) {
+    VolumeChoice choice;
+    choice.memory = memory;
+    const auto source = open_volume(folder / name, {}, choice);
+    std::string level;
+    for (const auto& fact : source->facts())
+      if (fact.field == "level") level = fact.value;
+    return fmt::format("{} {}", source->grid().slices(Axis::x), level);
+  };
+  constexpr double bytes_of_finest = 2 * 3 * 4 * 5;
+  CHECK(dims_and_level("a.zarr", std::nullopt) == "5 1 of 2");
+  CHECK(dims_and_level("a.zarr", bytes_of_finest) == "5 1 of 2");
+  CHECK(dims_and_level("a.zarr", bytes_of_finest - 1) == "3 2 of 2");
+  CHECK(dims_and_level("a.zarr", 1) == "3 2 of 2");
+  CHECK(dims_and_level("a.zarr/0", 1) == "5 1 of 2");
+  CHECK(dims_and_level("a.zarr/1", std::nullopt) == "3 2 of 2");
+}

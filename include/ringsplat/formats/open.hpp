@@ -25,6 +25,9 @@ struct VolumeChoice {
   std::optional<int> frame = std::nullopt;  ///< the time point, from 0; without it the first
   std::string channel = {};  ///< a number from 0, r, g, b or a, or a channel's name; empty: not chosen
   std::string series = {};   ///< of a DICOM folder; empty: not chosen
+  /// Bytes that the voxels may take, for which a level of an OME-Zarr pyramid is chosen; without it a third
+  /// of this machine's memory.
+  std::optional<double> memory = std::nullopt;
 };
 
 /// Opens NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), NIfTI-1 and -2 (.nii, .nii.gz, .img/.hdr), a DICOM

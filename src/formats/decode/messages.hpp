@@ -82,7 +82,7 @@ constexpr ExitCode last_of(ExitCode) { return ExitCode::run_failed; }
 
 template <class Archive>
 void fields(VolumeChoice& choice, Archive& archive) {
-  archive(choice.frame, choice.channel, choice.series);
+  archive(choice.frame, choice.channel, choice.series, choice.memory);
 }
 template <class Archive>
 void fields(detail::DecodeRequest& r, Archive& archive) {

@@ -6,6 +6,8 @@
 
 #include "base/byte_order.hpp"
 #include "base/input_file.hpp"
+#include "base/log.hpp"
+#include "base/process.hpp"
 #include "base/text.hpp"
 #include "formats/axes.hpp"
 #include "formats/formats.hpp"
@@ -20,6 +22,9 @@ namespace {
 
 using namespace zarr;
 using Role = DatasetAxis::Role;
+
+/// A GP may hold its slices along three axes.
+constexpr int slice_sets = 3;
 
 /// The file that holds a place.
 std::filesystem::path file_of(const Node& node, const Array& array, const Sizes& place) {
@@ -50,8 +55,8 @@ void for_each_place(const Sizes& first, const Sizes& end, const Sizes& step, F&&
 /// that is asked for.
 class ZarrSource final : public LayeredSource {
  public:
-  ZarrSource(const Grid& grid, const Node& node, Array array, const ArrayPart& part)
-      : LayeredSource(grid, files_of(node, array, part), {{"encoding", "Zarr"}}),
+  ZarrSource(const Grid& grid, const Node& node, Array array, const ArrayPart& part, Facts facts)
+      : LayeredSource(grid, files_of(node, array, part), std::move(facts)),
         node_(node),
         array_(std::move(array)),
         part_(part),
@@ -246,9 +251,51 @@ void describe_axes(const Node& array, DatasetMeaning& meaning) {
   }
 }
 
-/// The array at a path, or the finest level of the image there, and what its axes mean: by the image in a
-/// group above of which it is a level, else by their names.
-Node find_array(const std::filesystem::path& path, DatasetMeaning& meaning) {
+/// An array and what its axes mean.
+struct Level {
+  Node node;
+  Array array;
+  DatasetMeaning meaning;
+  std::size_t number = 1, of = 1;  ///< among an image's, from the finest
+};
+
+Level described_array(Node node) {
+  Level level{node, array_of(node)};
+  describe_axes(node, level.meaning);
+  return level;
+}
+
+/// Of an image the level in the folder `wanted`, or if that is the image the finest that takes at most `most`
+/// bytes, else the coarsest. Nothing where the image has no level there.
+std::optional<Level> find_level(const Node& group, const Json& image, const std::filesystem::path& wanted,
+                                double most) {
+  const auto levels = list_in(image, "datasets");
+  for (std::size_t k = 0; k < levels.size(); ++k) {
+    const auto name = levels[k].at("path").get<std::string>();
+    const auto folder = folder_of(group, name);
+    const bool any = wanted == group.folder;
+    if (!any && wanted != folder) continue;
+    const auto node = node_at(folder);
+    if (!node || !node->is_array) group.fail("its level '{}' leads to no array", excerpt(name));
+    auto level = described_array(*node);
+    level.number = k + 1, level.of = levels.size();
+    describe(group, image, levels[k], level.meaning);
+    double bytes = double(size_of(level.array.type->type));
+    for (const auto& axis : level.meaning.axes) bytes *= axis.role == Role::space ? axis.size : 1;
+    if (!any || bytes <= most || level.number == level.of) return level;
+    constexpr double gib = 1 << 30;
+    log_line_once(
+        LogLevel::info,
+        fmt::format("{}: level {} of {} would take {:.3g} GiB, and --memory allows {:.3g}: a coarser "
+                    "one is shown",
+                    group.folder.string(), level.number, level.of, bytes / gib, most / gib));
+  }
+  return {};
+}
+
+/// The array at a path, or a level of the image there, and what its axes mean: by the image in a group above
+/// of which it is a level, else by their names.
+Level find_array(const std::filesystem::path& path, const VolumeChoice& choice) {
   Node node = *node_at(std::filesystem::canonical(path));
   if (!node.is_array && !node.is_image()) node = only_one(node);
   constexpr int most_above = 3;
@@ -257,19 +304,11 @@ Node find_array(const std::filesystem::path& path, DatasetMeaning& meaning) {
     const auto group = node_at(above);
     if (!group || !group->is_image()) continue;
     for (const auto& image : group->ome["multiscales"])
-      for (const auto& level : list_in(image, "datasets")) {
-        const auto name = level.at("path").get<std::string>();
-        const auto folder = folder_of(*group, name);
-        if (node.is_array && node.folder != folder) continue;
-        const auto array = node_at(folder);
-        if (!array || !array->is_array) group->fail("its level '{}' leads to no array", excerpt(name));
-        describe_axes(*array, meaning);
-        describe(*group, image, level, meaning);
-        return *array;
-      }
+      if (auto level = find_level(*group, image, node.folder,
+                                  choice.memory.value_or(machine_memory_bytes() / slice_sets)))
+        return *level;
   }
-  describe_axes(node, meaning);
-  return node;
+  return described_array(node);
 }
 
 /// Throws InputError when the files cannot hold so many bytes. Looks at as few of them as show it.
@@ -286,9 +325,7 @@ void require_chunks(const Node& node, std::uint64_t bytes) {
 
 std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const VolumeChoice& choice) try {
   const auto where = path.string();
-  DatasetMeaning meaning;
-  const Node node = find_array(path, meaning);
-  const Array array = array_of(node);
+  auto [node, array, meaning, level, levels] = find_array(path, choice);
   meaning.notes.labels |= array.type->code == "b1";
   settle_roles(meaning, where, "name them by _ARRAY_DIMENSIONS or dimension_names, such as t, c, z, y, x");
   const auto part = choose_part(meaning, array.type->type, choice, where);
@@ -300,7 +337,9 @@ std::unique_ptr<VolumeSource> open_zarr(const std::filesystem::path& path, const
   }
   const Grid read = interleaved_grid(grid, part.components, where);
   require_chunks(node, read.bytes());
-  auto source = std::make_unique<ZarrSource>(read, node, array, part);
+  Facts facts{{"encoding", "Zarr"}};
+  if (levels > 1) facts.push_back({"level", fmt::format("{} of {}", level, levels)});
+  auto source = std::make_unique<ZarrSource>(read, node, array, part, std::move(facts));
   return with_notes(channel_source(std::move(source), grid, part.components, part.channel), meaning.notes);
 } catch (const Json::exception& error) {
   refuse(path, "copy or write the store again", "its metadata cannot be read: {}", error.what());

@@ -74,7 +74,7 @@ def _path(value: Any) -> list[str]:
 FORMS = {
     **dict.fromkeys(("FLOAT", "DEGREES", "RADII", "RMSE", "F"), ("float", _one)),
     **dict.fromkeys(("INT", "UINT", "N", "T", "BYTES"), ("int", _one)),
-    **dict.fromkeys(("NAME", "TYPE"), ("str", _text)),
+    **dict.fromkeys(("NAME", "TYPE", "SIZE"), ("str", _text)),
     "N|NAME": ("int | str", _text),
     "SIDE": ("Literal['front', 'back', 'left', 'right', 'top', 'bottom']", _text),
     "WxH": ("int | tuple[int, int] | str", _joined("x", (1, 2))),

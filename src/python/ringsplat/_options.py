@@ -13,6 +13,7 @@ class PictureOptions(TypedDict, total=False):
     frame: int
     channel: int | str
     series: str
+    memory: str
     dims: float | Sequence[float] | str
     type: str
     endian: Literal['little', 'big']
