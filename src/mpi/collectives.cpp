@@ -28,12 +28,8 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     std::vector<std::uint64_t> out_sizes(peers), in_sizes(peers);
     for (std::size_t p = 0; p < peers; ++p) out_sizes[p] = out[p].size();
-    if (!watched("MPI_Ialltoall", [&](MPI_Request* request) {
-          return MPI_Ialltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T,
-                               comm_.get(), request);
-        }))
-      checked(MPI_Alltoall(out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1, MPI_UINT64_T, comm_.get()),
-              "MPI_Alltoall");
+    call("MPI_Alltoall", MPI_Alltoall, MPI_Ialltoall, out_sizes.data(), 1, MPI_UINT64_T, in_sizes.data(), 1,
+         MPI_UINT64_T);
 
     // Point to point rather than MPI_Alltoallv: its counts and displacements are `int`.
     std::vector<Block> in(peers);
@@ -62,10 +58,10 @@ class MpiCollectives final : public Collectives {
     if (!watch_) {
       checked(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
               "MPI_Waitall (volume exchange)");
-      return in;
+    } else {
+      calls.unlock();
+      watch_->finish(requests, "MPI_Testall (volume exchange)");
     }
-    calls.unlock();
-    watch_->finish(requests, "MPI_Testall (volume exchange)");
     return in;
   }
 
@@ -73,12 +69,8 @@ class MpiCollectives final : public Collectives {
     const auto peers = static_cast<std::size_t>(processes());
     const std::uint64_t my_size = mine.size();
     std::vector<std::uint64_t> sizes(peers);
-    if (!watched("MPI_Iallgather", [&](MPI_Request* request) {
-          return MPI_Iallgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get(),
-                                request);
-        }))
-      checked(MPI_Allgather(&my_size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, comm_.get()),
-              "MPI_Allgather");
+    call("MPI_Allgather", MPI_Allgather, MPI_Iallgather, &my_size, 1, MPI_UINT64_T, sizes.data(), 1,
+         MPI_UINT64_T);
     std::uint64_t sum = 0;
     for (const std::uint64_t size : sizes) sum += size;
     if (sum > 0 && sum <= largest_part_) return all_gather_at_once(mine, sizes, sum);
@@ -91,15 +83,11 @@ class MpiCollectives final : public Collectives {
 
   Block broadcast(Block block, int root) override {
     std::uint64_t size = block.size();
-    const auto share = [&](void* part, int count, MPI_Datatype type) {
-      if (!watched("MPI_Ibcast", [&](MPI_Request* request) {
-            return MPI_Ibcast(part, count, type, root, comm_.get(), request);
-          }))
-        checked(MPI_Bcast(part, count, type, root, comm_.get()), "MPI_Bcast");
-    };
-    share(&size, 1, MPI_UINT64_T);
+    call("MPI_Bcast", MPI_Bcast, MPI_Ibcast, &size, 1, MPI_UINT64_T, root);
     block.resize(size);
-    in_parts(block, [&](std::byte* part, int count) { share(part, count, MPI_BYTE); });
+    in_parts(block, [&](std::byte* part, int count) {
+      call("MPI_Bcast", MPI_Bcast, MPI_Ibcast, part, count, MPI_BYTE, root);
+    });
     return block;
   }
 
@@ -127,17 +115,17 @@ class MpiCollectives final : public Collectives {
   void end_watch() override { watch_.reset(); }
 
  private:
-  /// False without a watch. With one starts a call, which does not block, and waits for its end.
-  template <class Start>
-  bool watched(const char* call, Start&& start) {
-    if (!watch_) return false;
+  /// Makes a collective call: the one that blocks, or with a watch the one that does not, and waits for its
+  /// end.
+  template <class Blocking, class Starting, class... Arguments>
+  void call(const char* name, Blocking blocking, Starting start, Arguments... arguments) {
+    if (!watch_) return checked(blocking(arguments..., comm_.get()), name);
     MPI_Request request = MPI_REQUEST_NULL;
     {
       const std::lock_guard lock(watch_->mpi());
-      checked(start(&request), call);
+      checked(start(arguments..., comm_.get(), &request), name);
     }
-    watch_->finish(std::span(&request, 1), call);
-    return true;
+    watch_->finish(std::span(&request, 1), name);
   }
 
   /// Takes the presence message of process `from`, if it has come. One receive for each process: a fast one
@@ -159,14 +147,8 @@ class MpiCollectives final : public Collectives {
     std::vector<int> counts(sizes.begin(), sizes.end()), offsets(sizes.size());
     std::exclusive_scan(counts.begin(), counts.end(), offsets.begin(), 0);
     Block joined(sum);
-    const int size = static_cast<int>(mine.size());
-    if (!watched("MPI_Iallgatherv", [&](MPI_Request* request) {
-          return MPI_Iallgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
-                                 MPI_BYTE, comm_.get(), request);
-        }))
-      checked(MPI_Allgatherv(mine.data(), size, MPI_BYTE, joined.data(), counts.data(), offsets.data(),
-                             MPI_BYTE, comm_.get()),
-              "MPI_Allgatherv");
+    call("MPI_Allgatherv", MPI_Allgatherv, MPI_Iallgatherv, mine.data(), static_cast<int>(mine.size()),
+         MPI_BYTE, joined.data(), counts.data(), offsets.data(), MPI_BYTE);
     std::vector<Block> all;
     for (std::size_t p = 0; p < sizes.size(); ++p) {
       const auto first = joined.begin() + offsets[p];

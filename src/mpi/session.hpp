@@ -21,8 +21,8 @@ class MpiSession {
   MpiSession(const MpiSession&) = delete;
   MpiSession& operator=(const MpiSession&) = delete;
 
-  int rank() const;
-  int ranks() const;
+  int rank() const { return rank_; }
+  int ranks() const { return ranks_; }
   /// All ranks call both, in the same order.
   std::unique_ptr<Transport> make_transport();
   std::unique_ptr<Collectives> make_collectives();
@@ -31,7 +31,7 @@ class MpiSession {
   /// other.
   std::vector<std::string> introductions(const std::string& mine) const;
   /// Ends the job on all ranks.
-  [[noreturn]] void abort(int exit_code);
+  [[noreturn]] static void abort(int exit_code);
 
   /// True when a launcher (mpirun, srun, smpirun …) started this process.
   static bool launched();

@@ -10,7 +10,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
-#include <cstdio>
 #include <ctime>
 #include <exception>
 #include <fstream>
@@ -27,6 +26,7 @@
 #include "base/seconds_awake.hpp"
 #include "mpi/connections.hpp"
 #include "mpi/pauses.hpp"
+#include "mpi/session.hpp"
 #include "net/collectives.hpp"
 #include "ringsplat/base/error.hpp"
 
@@ -191,7 +191,8 @@ class StallWatch {
       const std::string line = fmt::format("rank {} has been {} for {:.0f} s", rank_, what_, still);
       if (patience_.ends) {
         log_error("{}; hint: {}", line, hint);
-        end_job();
+        const std::lock_guard lock(mpi_);
+        MpiSession::abort(int(ExitCode::run_failed));
       }
       log_warning("{}; the others wait", line);
     }
@@ -209,14 +210,6 @@ class StallWatch {
     return std::exchange(worker_nanoseconds_, worker) != worker ||
            process - std::exchange(process_seconds_, process) > least_part_of_a_core * seconds ||
            read - std::exchange(bytes_read_, read) > most_read_to_see;
-  }
-
-  [[noreturn]] void end_job() {
-    const std::lock_guard lock(mpi_);
-    std::fflush(nullptr);
-    std::this_thread::sleep_for(tick);  // launchers may forget what a rank wrote just before
-    MPI_Abort(MPI_COMM_WORLD, int(ExitCode::run_failed));
-    std::abort();
   }
 
   MPI_Comm comm_;

@@ -13,17 +13,9 @@ int Layout::working_ranks() const {
 }
 
 int Layout::rank_of(NodeId node) const {
-  switch (node.role) {
-    case Role::gp:
-      return node.index;
-    case Role::renderer:
-      return placement == Placement::dedicated ? gps + node.index : node.index;
-    case Role::frame_buffer:
-      return 0;
-    case Role::host:
-      break;
-  }
-  return node.index;
+  if (node.role == Role::frame_buffer) return 0;
+  const bool behind_gps = node.role == Role::renderer && placement == Placement::dedicated;
+  return behind_gps ? gps + node.index : node.index;
 }
 
 std::vector<NodeId> Layout::nodes_on(int rank) const {
@@ -86,18 +78,9 @@ void check(const Layout& layout) {
 }
 
 void check(const Header& header, const Layout& layout) {
+  const int nodes[] = {layout.gps, layout.renderers, 1, layout.ranks()};  // by role
   const auto exists = [&](NodeId node) {
-    switch (node.role) {
-      case Role::gp:
-        return node.index >= 0 && node.index < layout.gps;
-      case Role::renderer:
-        return node.index >= 0 && node.index < layout.renderers;
-      case Role::frame_buffer:
-        return node.index == 0;
-      case Role::host:
-        break;
-    }
-    return node.index >= 0 && node.index < layout.ranks();
+    return node.index >= 0 && node.index < nodes[static_cast<int>(node.role)];
   };
   if (!exists(header.from()) || !exists(header.to()))
     throw RunError(fmt::format("a {} from {} to {} names a node this run does not have", name(header.kind),

@@ -19,10 +19,7 @@ namespace ringsplat {
 /// frame's start, and the token itself in the step after.
 class LockStep {
  public:
-  /// Called with every link in use and the step of the clock.
-  using Observer = std::function<void(std::int64_t step, const Link& link, const Header& header)>;
-
-  explicit LockStep(Observer observer = {}) : observer_(std::move(observer)) {}
+  LockStep() = default;
   /// One rank's lock step by now_seconds(), which must be common to all ranks, as it is under simulation. A
   /// step lasts `step_seconds`: longer than encoding a slice, and than a payload and its accept take.
   /// `nap(seconds)` lets time pass on a rank that has nothing else to do.
@@ -48,9 +45,8 @@ class LockStep {
     }
     return now_ >= start->second + place.step;
   }
-  void record(const Link& link, const Header& header) const {
-    if (observer_) observer_(now_, link, header);
-  }
+  /// Steps of the clock so far.
+  std::int64_t now() const { return now_; }
   /// Advances the clock by one step; call it when everything that may leave has arrived.
   void advance() { ++now_; }
   /// Number of messages kept at their nodes until their step.
@@ -61,7 +57,6 @@ class LockStep {
   }
 
  private:
-  Observer observer_;
   double step_seconds_ = 0;
   std::function<void(double)> nap_;
   std::int64_t now_ = 0;

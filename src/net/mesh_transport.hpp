@@ -20,21 +20,10 @@
 
 namespace ringsplat {
 
-/// True for messages from node to node: token, payload, accept, frame end, tile, report. Announcements and
-/// shutdown go along their tree; credits, stall reports and link counts go straight to their rank.
-inline bool travels_by_mesh(Kind kind) {
-  switch (kind) {
-    case Kind::token:
-    case Kind::payload:
-    case Kind::accept:
-    case Kind::frame_end:
-    case Kind::tile:
-    case Kind::report:
-      return true;
-    default:
-      return false;
-  }
-}
+/// True for messages from node to node: token, payload, accept, frame end, tile, report, in the order of
+/// Kind. Announcements and shutdown go along their tree; credits, stall reports and link counts go straight
+/// to their rank.
+inline bool travels_by_mesh(Kind kind) { return kind >= Kind::token && kind <= Kind::report; }
 
 /// One rank's part of the mesh: takes what its nodes send and what its neighbours hand on, and sends it
 /// over the next link as soon as there is room at the other end.
@@ -67,7 +56,7 @@ class MeshRouter {
   MeshRouter(const Layout& mesh, int slots, Transport& transport, Observer observer = {})
       : mesh_(mesh), slots_(slots), transport_(transport), observer_(std::move(observer)) {
     for (const Link& link : links_from(mesh_, transport.rank())) {
-      out_.push_back({link, neighbour(mesh_, link.from, link.direction).value(), {}, {}});
+      out_.push_back({link, neighbour(mesh_, link.from, link.direction).value(), {}, {}, {}});
       out_.back().free_slots.fill(slots);
     }
   }
@@ -126,8 +115,12 @@ class MeshRouter {
 
   /// Returns what this rank's links carried for a frame, by link, and forgets it.
   std::vector<LinkCounts> take_counts(std::int64_t frame) {
-    std::vector<LinkCounts> counts = std::move(counts_of(frame));
-    counts_.erase(frame);
+    std::vector<LinkCounts> counts;
+    for (OutLink& out : out_) {
+      counts.push_back(out.counts[frame]);
+      counts.back().link = out.link;
+      out.counts.erase(frame);
+    }
     return counts;
   }
 
@@ -142,6 +135,7 @@ class MeshRouter {
     int to;
     std::array<int, buffer_classes> free_slots;
     std::array<std::deque<Waiting>, buffer_classes> waiting;
+    std::map<std::int64_t, LinkCounts> counts;  ///< by frame
     bool in_use(int slots) const {
       for (std::size_t c = 0; c < free_slots.size(); ++c)
         if (free_slots[c] < slots || !waiting[c].empty()) return true;
@@ -174,23 +168,12 @@ class MeshRouter {
                          [&](const OutLink& out) { return out.link.direction == direction; });
   }
 
-  std::vector<LinkCounts>& counts_of(std::int64_t frame) {
-    auto& counts = counts_[frame];
-    if (counts.empty())
-      for (const auto& each : out_) counts.push_back({.link = each.link});
-    return counts;
-  }
-
-  LinkCounts& counts_of(const OutLink& out, std::int64_t frame) {
-    return counts_of(frame)[static_cast<std::size_t>(&out - out_.data())];
-  }
-
   void forward(Message message, std::optional<Hop> came_by) {
     const Header& h = message.header;
     const Hop hop = hop_here(h, true);
     OutLink& out = out_link(hop.link.direction);
     const auto buffer_class = static_cast<std::size_t>(hop.buffer_class);
-    LinkCounts& counts = counts_of(out, h.frame);
+    LinkCounts& counts = out.counts[h.frame];
     ++counts.messages;
     counts.bytes += sizeof(Header) + h.bytes;
     if (h.kind == Kind::payload) {
@@ -209,7 +192,7 @@ class MeshRouter {
   void send(OutLink& out, int buffer_class, Waiting waiting) {
     --out.free_slots[static_cast<std::size_t>(buffer_class)];
     if (waiting.since > 0)
-      counts_of(out, waiting.message.header.frame).wait_seconds += now_seconds() - waiting.since;
+      out.counts[waiting.message.header.frame].wait_seconds += now_seconds() - waiting.since;
     if (observer_) observer_(out.link, waiting.message.header);
     transport_.send(out.to, std::move(waiting.message));
     if (waiting.came_by) free_slot(*waiting.came_by);
@@ -243,7 +226,6 @@ class MeshRouter {
   Observer observer_;
   std::vector<OutLink> out_;
   std::map<std::pair<int, std::uint32_t>, std::uint32_t> owed_credits_;  ///< (neighbour, channel) → slots
-  std::map<std::int64_t, std::vector<LinkCounts>> counts_;               ///< by frame
 };
 
 /// A mesh with manhattan routing: what nodes send each other goes from neighbour to neighbour (MeshRouter),

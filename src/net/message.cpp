@@ -9,17 +9,9 @@
 namespace ringsplat {
 
 std::string to_string(NodeId id) {
-  switch (id.role) {
-    case Role::gp:
-      return fmt::format("GP {}", id.index);
-    case Role::renderer:
-      return fmt::format("Renderer {}", id.index);
-    case Role::frame_buffer:
-      return "frame buffer";
-    case Role::host:
-      break;
-  }
-  return fmt::format("rank {}", id.index);
+  constexpr const char* names[] = {"GP", "Renderer", "frame buffer", "rank"};
+  const std::string name = names[static_cast<int>(id.role)];
+  return id.role == Role::frame_buffer ? name : fmt::format("{} {}", name, id.index);
 }
 
 const char* name(Kind kind) {

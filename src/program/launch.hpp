@@ -65,7 +65,7 @@ class Launch {
   /// All ranks call it when their work is done. Throws RunError on rank 0 when some rank has not called it
   /// when the collectives' patience is over: MPI_Finalize would wait for it for ever.
   void take_leave();
-  [[noreturn]] void abort(ExitCode code) { session_->abort(static_cast<int>(code)); }
+  [[noreturn]] void abort(ExitCode code) { MpiSession::abort(static_cast<int>(code)); }
 
  private:
   bool in_one_process_;

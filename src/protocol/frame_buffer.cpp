@@ -33,17 +33,10 @@ class FrameBuffer final : public Node {
   void drop_frame(std::int64_t) override {}
   void receive(Message message) override {
     const Header& h = message.header;
-    switch (h.kind) {
-      case Kind::tile:
-        take_tile(frame_of(h), message);
-        return;
-      case Kind::report:
-        take_report(frame_of(h), message);
-        return;
-      default:
-        throw RunError(
-            fmt::format("the frame buffer cannot use a {} (from {})", name(h.kind), to_string(h.from())));
-    }
+    if (h.kind == Kind::tile) return take_tile(frame_of(h), message);
+    if (h.kind == Kind::report) return take_report(frame_of(h), message);
+    throw RunError(
+        fmt::format("the frame buffer cannot use a {} (from {})", name(h.kind), to_string(h.from())));
   }
 
   bool advance() override {

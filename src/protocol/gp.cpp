@@ -143,16 +143,13 @@ class Gp final : public Node {
     if (frame == nullptr)
       throw RunError(fmt::format("{} got a {} of frame {} from {} after that frame was over", to_string(id()),
                                  name(h.kind), h.frame, to_string(h.from())));
-    switch (h.kind) {
-      case Kind::token:
-        take_token(*frame, h);
-        break;
-      case Kind::accept:
-        take_accept(*frame, h);
-        frame->encoder->take_news(message.body());
-        break;
-      default:
-        refuse(id(), h);
+    if (h.kind == Kind::token) {
+      take_token(*frame, h);
+    } else if (h.kind == Kind::accept) {
+      take_accept(*frame, h);
+      frame->encoder->take_news(message.body());
+    } else {
+      refuse(id(), h);
     }
     finish_completed_frames();
   }

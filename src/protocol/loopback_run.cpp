@@ -31,11 +31,14 @@ void run_loopback(const Layout& layout, const ProtocolOptions& options,
                   const LoopbackOptions& loopback) {
   ProtocolOptions protocol = options;
   if (loopback.in_step) protocol.frames_in_flight = 1;
-  const auto clock = std::make_shared<LockStep>(loopback.on_link_use);
+  const auto clock = std::make_shared<LockStep>();
   Between in_step;
   if (loopback.in_step) {
     in_step.pace = [clock](Transport& links) { return std::make_unique<LockStepTransport>(links, clock); };
-    in_step.observer = [clock](const Link& link, const Header& header) { clock->record(link, header); };
+    if (loopback.on_link_use)
+      in_step.observer = [&](const Link& link, const Header& h) {
+        loopback.on_link_use(clock->now(), link, h);
+      };
   }
   LoopbackNetwork network(layout.ranks(), loopback);
   std::vector<std::unique_ptr<Engine>> engines;

@@ -1,13 +1,19 @@
 #pragma once
+#include <fmt/format.h>
+
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/byte_stream.hpp"
+#include "base/process.hpp"
 #include "net/message.hpp"
 #include "protocol/engine.hpp"
 #include "protocol/protocol_options.hpp"
+#include "ringsplat/base/error.hpp"
 
 namespace ringsplat {
 
@@ -53,9 +59,17 @@ std::unique_ptr<Node> make_frame_buffer(const Layout& layout, const ProtocolOpti
                                         FrameSource& source, Post announce);
 
 /// Says that a node cannot use messages of this kind.
-[[noreturn]] void refuse(NodeId node, const Header& header);
+[[noreturn]] inline void refuse(NodeId node, const Header& h) {
+  throw RunError(
+      fmt::format("{} cannot use a {} (from {})", to_string(node), name(h.kind), to_string(h.from())));
+}
 
 /// A node's part of a frame is over: its report to the frame buffer. Fills in the memory of the process.
-Message make_report(NodeId node, std::int64_t frame, NodeStats stats);
+inline Message make_report(NodeId node, std::int64_t frame, NodeStats stats) {
+  stats.peak_memory = peak_memory_bytes();
+  Bytes body = Message::body_buffer();
+  append(body, stats);
+  return Message(make_header(Kind::report, node, frame_buffer_id, frame), std::move(body));
+}
 
 }  // namespace ringsplat

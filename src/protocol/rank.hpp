@@ -37,20 +37,11 @@ class Host {
     if (layout.idle > 0) transport.only_first_work(layout.working_ranks());
     const Post send = [this](Message m) { post(std::move(m)); };
     for (const NodeId node : layout.nodes_on(transport.rank())) {
-      switch (node.role) {
-        case Role::gp:
-          nodes_.push_back(make_gp({node.index, layout, options, engine, send}));
-          break;
-        case Role::renderer:
-          nodes_.push_back(make_renderer({node.index, layout, options, engine, send}));
-          break;
-        case Role::frame_buffer:
-          nodes_.push_back(make_frame_buffer(layout, options, engine, *source,
-                                             [this](Message m) { announce(std::move(m)); }));
-          break;
-        case Role::host:
-          break;
-      }
+      const auto make = node.role == Role::gp ? make_gp : make_renderer;
+      nodes_.push_back(node == frame_buffer_id
+                           ? make_frame_buffer(layout, options, engine, *source,
+                                               [this](Message m) { announce(std::move(m)); })
+                           : make({node.index, layout, options, engine, send}));
     }
   }
 
@@ -135,20 +126,18 @@ class Host {
            std::all_of(nodes_.begin(), nodes_.end(), [](const auto& node) { return node->idle(); });
   }
 
+  std::optional<Message> next_arrived() {
+    if (local_.empty()) return transport_.receive();
+    Message message = std::move(local_.front());
+    local_.pop_front();
+    return message;
+  }
+
   bool take_arrived() {
     bool moved = false;
-    while (true) {
-      if (!local_.empty()) {
-        Message message = std::move(local_.front());
-        local_.pop_front();
-        check(message.header, layout_);
-        take(std::move(message));
-      } else if (auto message = transport_.receive()) {
-        check(message->header, layout_);
-        take(std::move(*message));
-      } else {
-        break;
-      }
+    while (auto message = next_arrived()) {
+      check(message->header, layout_);
+      take(std::move(*message));
       moved = true;
     }
     return transport_.relayed() || moved;
@@ -168,18 +157,9 @@ class Host {
 
   void take(Message message) {
     const Header& h = message.header;
-    switch (h.kind) {
-      case Kind::announcement:
-      case Kind::drop:
-      case Kind::shutdown:
-        announce(std::move(message));
-        return;
-      case Kind::stall:
-        report_stall();
-        return;
-      default:
-        break;
-    }
+    if (h.kind == Kind::announcement || h.kind == Kind::drop || h.kind == Kind::shutdown)
+      return announce(std::move(message));
+    if (h.kind == Kind::stall) return report_stall();
     Node* node = local_node(h.to());
     if (node == nullptr)
       throw RunError(fmt::format("rank {} got a {} for {}, which it does not host", rank(), name(h.kind),

@@ -35,16 +35,9 @@ class Renderer final : public Node {
   void receive(Message message) override {
     const Header& h = message.header;
     Frame& frame = frame_of(h);
-    switch (h.kind) {
-      case Kind::payload:
-        take_payload(frame, std::move(message));
-        return;
-      case Kind::frame_end:
-        take_end(frame, h);
-        return;
-      default:
-        refuse(id(), h);
-    }
+    if (h.kind == Kind::payload) return take_payload(frame, std::move(message));
+    if (h.kind == Kind::frame_end) return take_end(frame, h);
+    refuse(id(), h);
   }
 
   bool advance() override {

@@ -15,16 +15,10 @@ using Nanoseconds = std::int64_t;
 
 constexpr Nanoseconds mark_length = 1000;
 
-const char* span_name(Activity activity) {
-  constexpr const char* names[] = {"slice",     "wait for token", "send", "draw",
-                                   "composite", "deliver",        "frame"};
-  return names[std::size_t(activity)];
-}
-
-const char* mark_name(Moment moment) {
-  constexpr const char* names[] = {"pass token", "take token", "send payload", "take payload"};
-  return names[std::size_t(moment)];
-}
+/// By Activity, and by Moment.
+constexpr const char *span_names[] = {"slice",     "wait for token", "send", "draw",
+                                      "composite", "deliver",        "frame"},
+                     *mark_names[] = {"pass token", "take token", "send payload", "take payload"};
 
 bool leaves(Moment m) { return m == Moment::pass_token || m == Moment::send_payload; }
 bool of_token(Moment m) { return m == Moment::pass_token || m == Moment::take_token; }
@@ -106,7 +100,7 @@ class Row {
     const Nanoseconds begin = at(span.begin), end = at(span.end);
     json args{{"frame", span.frame}, {"busy_us", microseconds(span.busy)}};
     if (span.step >= 0) args["step"] = span.step;
-    write_complete(span_name(span.activity), "node", begin, end, args);
+    write_complete(span_names[std::size_t(span.activity)], "node", begin, end, args);
     if (span.activity == Activity::slice) write_stages(span, begin, end);
   }
 
@@ -147,7 +141,7 @@ class Row {
       if (mark + 1 != marks.end()) end = std::max(begin, std::min(end, at((mark + 1)->time)));
       const char* category = of_token(mark->moment) ? "token" : "payload";
       const json args{{"frame", mark->frame}, {"step", mark->step}, {"renderer", mark->renderer}};
-      write_complete(mark_name(mark->moment), category, begin, end, args);
+      write_complete(mark_names[std::size_t(mark->moment)], category, begin, end, args);
       write_flow_end(*mark, begin, category, args, flows);
     }
   }
